@@ -5,7 +5,7 @@ use crate::params::{ParamError, ParamSpec, Params};
 use crate::structure::StructureInfo;
 
 /// What a registry lists: structures, occluders, structures that frusta are asked of.
-pub trait Listed: 'static {
+pub trait RegistryItem: 'static {
     /// How one is built in a scalar.
     type Builder<S: Scalar>: Copy + Send + Sync;
     /// Parameters that all of them have besides their own.
@@ -13,22 +13,22 @@ pub trait Listed: 'static {
 }
 
 /// One line of a registry.
-pub struct Entry<L: Listed> {
+pub struct Entry<L: RegistryItem> {
     /// What it says of itself.
     pub info: &'static StructureInfo,
     build_f32: L::Builder<f32>,
     build_f64: L::Builder<f64>,
 }
 
-impl<L: Listed> Clone for Entry<L> {
+impl<L: RegistryItem> Clone for Entry<L> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<L: Listed> Copy for Entry<L> {}
+impl<L: RegistryItem> Copy for Entry<L> {}
 
-impl<L: Listed> Entry<L> {
+impl<L: RegistryItem> Entry<L> {
     /// A line with its builders.
     pub const fn new(
         info: &'static StructureInfo,
@@ -92,7 +92,7 @@ pub enum RegistryError {
 ///
 /// # Errors
 /// [`RegistryError`] for the first mistake.
-pub fn check<L: Listed>(registry: &[Entry<L>], taken: &[&str]) -> Result<(), RegistryError> {
+pub fn check<L: RegistryItem>(registry: &[Entry<L>], taken: &[&str]) -> Result<(), RegistryError> {
     for (i, entry) in registry.iter().enumerate() {
         let info = entry.info;
         let is_letter = |c: char| matches!(c, 'a'..='z' | '0'..='9' | '-');
@@ -124,13 +124,13 @@ pub fn check<L: Listed>(registry: &[Entry<L>], taken: &[&str]) -> Result<(), Reg
 /// The scalars that registries have builders for.
 pub trait Buildable: Scalar {
     /// The entry's builder for this scalar.
-    fn builder<L: Listed>(entry: &Entry<L>) -> L::Builder<Self>;
+    fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<Self>;
     /// The function for this scalar.
     fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<Self>;
 }
 
 impl Buildable for f32 {
-    fn builder<L: Listed>(entry: &Entry<L>) -> L::Builder<f32> {
+    fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<f32> {
         entry.build_f32
     }
 
@@ -140,7 +140,7 @@ impl Buildable for f32 {
 }
 
 impl Buildable for f64 {
-    fn builder<L: Listed>(entry: &Entry<L>) -> L::Builder<f64> {
+    fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<f64> {
         entry.build_f64
     }
 
@@ -165,6 +165,9 @@ pub struct Both<F: PerScalar> {
 }
 
 /// The entry of that name.
-pub fn find<L: Listed>(registry: &'static [Entry<L>], name: &str) -> Option<&'static Entry<L>> {
+pub fn find<L: RegistryItem>(
+    registry: &'static [Entry<L>],
+    name: &str,
+) -> Option<&'static Entry<L>> {
     registry.iter().find(|e| e.info.name == name)
 }

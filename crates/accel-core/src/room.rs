@@ -7,13 +7,13 @@ use crate::structure::BuildError;
 /// How many cells and references a structure may have: of each what its setting says, of both together what
 /// memory has room for.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Room {
+pub(crate) struct CapacityLimits {
     limits: Limits,
     /// Each with the most that there may be; they are numbered in 32 bits.
     parts: [(&'static Counted, u64); 2],
 }
 
-impl Room {
+impl CapacityLimits {
     /// Of parts with their settings.
     pub(crate) fn new(limits: Limits, parts: [(&'static Counted, u64); 2]) -> Self {
         let parts = parts.map(|(part, most)| (part, most.min(u64::from(u32::MAX) - 1)));
@@ -84,7 +84,7 @@ mod tests {
         static REFERENCES: Counted = Counted::references("references in cells");
         let within = |memory| Limits { structure: "kd-tree", memory };
         let limits = within(MemoryLimit::new(200));
-        let room = Room::new(limits, [(&CELLS, 10), (&REFERENCES, 20)]);
+        let room = CapacityLimits::new(limits, [(&CELLS, 10), (&REFERENCES, 20)]);
         assert_eq!((room.most_cells(), room.references_beside(10)), (10, 10));
         assert_eq!((room.references_beside(0), room.references_beside(100)), (20, 0));
         assert_eq!(
@@ -100,7 +100,7 @@ mod tests {
         }
         // no limit of memory: those of settings alone
         let limits = within(MemoryLimit::NONE);
-        let room = Room::new(limits, [(&CELLS, 1000), (&REFERENCES, 2000)]);
+        let room = CapacityLimits::new(limits, [(&CELLS, 1000), (&REFERENCES, 2000)]);
         assert_eq!((room.most_cells(), room.references_beside(u64::MAX)), (1000, 2000));
     }
 }

@@ -10,9 +10,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::abi;
-use crate::indexed::Indexed;
+use crate::indexed::IndexedMesh;
 use crate::library::Library;
-use crate::stopwatch::{Stopwatch, Took};
+use crate::stopwatch::{CallTime, Stopwatch};
 
 /// Rays that one thread traces at a time when there are several.
 const CHUNK: usize = 4096;
@@ -45,7 +45,7 @@ pub struct Instance<H> {
     transmissive: Vec<u8>,
     // what the scene points to
     _set: H,
-    _indexed: Indexed,
+    _indexed: IndexedMesh,
     _texts: Vec<CString>,
     _settings: Vec<*const c_char>,
     _scene: Box<abi::Scene>,
@@ -75,7 +75,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         let texts = texts.map_err(|_| "a setting holds a zero byte".to_owned())?;
         let settings: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         let asks = library.plugin.answers & abi::INDICES != 0;
-        let indexed = if asks { Indexed::of(set.triangles()) } else { Indexed::default() };
+        let indexed = if asks { IndexedMesh::of(set.triangles()) } else { IndexedMesh::default() };
         let null_or = |is_there: bool, pointer: *const f32| match is_there {
             true => pointer,
             false => std::ptr::null(),
@@ -105,7 +105,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         let code = unsafe {
             build(&raw const *scene, &raw mut built, message.as_mut_ptr().cast(), message.len())
         };
-        let Took { seconds, .. } = start.took();
+        let CallTime { seconds, .. } = start.took();
         if code != 0 {
             let end = message.iter().position(|&b| b == 0).unwrap_or(message.len());
             let said = String::from_utf8_lossy(message.get(..end).unwrap_or_default());
@@ -132,7 +132,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
     }
 
     /// Writes the closest hits; returns what that took. Slices are of one length.
-    pub fn closest(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) -> Took {
+    pub fn closest(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) -> CallTime {
         let start = Stopwatch::start(self.threads);
         if self.threads > 1 {
             let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
@@ -144,7 +144,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
     }
 
     /// Writes 1 for blocked rays and 0 for others; returns what that took.
-    pub fn occluded(&self, rays: &[abi::Ray], blocked: &mut [u8]) -> Took {
+    pub fn occluded(&self, rays: &[abi::Ray], blocked: &mut [u8]) -> CallTime {
         let start = Stopwatch::start(self.threads);
         if self.threads > 1 {
             let chunks = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
@@ -233,14 +233,14 @@ impl<H> Drop for Instance<H> {
 }
 
 /// What `rtbench_prepared` holds.
-struct Ready {
+struct PreparedPlugin {
     ray: Ray<f32>,
     shear: Shear<f32>,
 }
 
 const _: () = assert!(
-    size_of::<Ready>() <= size_of::<abi::Prepared>()
-        && align_of::<Ready>() <= align_of::<abi::Prepared>()
+    size_of::<PreparedPlugin>() <= size_of::<abi::Prepared>()
+        && align_of::<PreparedPlugin>() <= align_of::<abi::Prepared>()
 );
 
 /// # Safety
@@ -254,7 +254,7 @@ unsafe extern "C" fn prepare(
     unsafe {
         let set = &*host.cast::<TriangleSet<f32>>();
         let ray = Ray::from(&*ray);
-        prepared.cast::<Ready>().write(Ready { shear: set.setup(&ray), ray });
+        prepared.cast::<PreparedPlugin>().write(PreparedPlugin { shear: set.setup(&ray), ray });
     }
 }
 
@@ -268,7 +268,8 @@ unsafe extern "C" fn intersect(
     t: *mut f32,
 ) -> c_int {
     // SAFETY: by the contract
-    let (set, ready) = unsafe { (&*host.cast::<TriangleSet<f32>>(), &*prepared.cast::<Ready>()) };
+    let (set, ready) =
+        unsafe { (&*host.cast::<TriangleSet<f32>>(), &*prepared.cast::<PreparedPlugin>()) };
     if id as usize >= set.len() {
         return 0;
     }

@@ -16,8 +16,8 @@ use crate::description::Description;
 use crate::instance::{Query, Stats};
 use crate::memory_watch::MemoryWatch;
 use crate::process::{BuiltOr, Launch, Order};
-use crate::shared::{Shared, folder};
-use crate::stopwatch::Took;
+use crate::shared::{SharedSegment, folder};
+use crate::stopwatch::CallTime;
 use crate::wire::{Part, Reply, Request, receive, send};
 
 /// How long a process may take to start.
@@ -36,7 +36,7 @@ pub(crate) struct Remote {
     process: Child,
     stream: BufReader<UnixStream>,
     limit: Duration,
-    parts: [Option<Shared>; 3],
+    parts: [Option<SharedSegment>; 3],
     said: Arc<Mutex<Vec<u8>>>,
     /// Somebody may hang up on it.
     is_watched: bool,
@@ -146,7 +146,7 @@ impl Remote {
         &mut self,
         rays: &[accel_core::Ray<f32>],
         hits: &mut [accel_core::Hit<f32>],
-    ) -> Result<Took, String> {
+    ) -> Result<CallTime, String> {
         self.put(rays)?;
         let answers = self.part(Part::Answers, 8 * hits.len())?;
         let (answers, _) = answers.split_at_mut(8 * hits.len());
@@ -168,7 +168,7 @@ impl Remote {
         &mut self,
         rays: &[accel_core::Ray<f32>],
         blocked: &mut [bool],
-    ) -> Result<Took, String> {
+    ) -> Result<CallTime, String> {
         self.put(rays)?;
         let answers = self.part(Part::Answers, blocked.len())?;
         answers.iter_mut().zip(&*blocked).for_each(|(answer, blocked)| *answer = (*blocked).into());
@@ -187,7 +187,7 @@ impl Remote {
         Ok(())
     }
 
-    fn trace(&mut self, query: Query, rays: usize) -> Result<Took, String> {
+    fn trace(&mut self, query: Query, rays: usize) -> Result<CallTime, String> {
         let what = match query {
             Query::Closest => "closest hits",
             Query::Occlusion => "occlusion",
@@ -228,14 +228,14 @@ impl Remote {
 
     /// Memory of at least so many bytes that the process has mapped, too.
     fn part(&mut self, part: Part, bytes: usize) -> Result<&mut [u8], String> {
-        let has = |parts: &[Option<Shared>; 3]| {
+        let has = |parts: &[Option<SharedSegment>; 3]| {
             parts
                 .get(part as usize)
                 .and_then(Option::as_ref)
                 .is_some_and(|p| p.bytes().len() >= bytes)
         };
         if !has(&self.parts) {
-            let (shared, file) = Shared::new(bytes)
+            let (shared, file) = SharedSegment::new(bytes)
                 .map_err(|e| self.ends(format!("there is no memory to share with it: {e}")))?;
             let request = Request::Map { part, file: file.path().to_owned() };
             self.done(&request, "mapping the memory it shares")?;
@@ -244,10 +244,10 @@ impl Remote {
             }
         }
         let part = self.parts.get_mut(part as usize).and_then(Option::as_mut);
-        Ok(part.map(Shared::bytes_mut).unwrap_or_default())
+        Ok(part.map(SharedSegment::bytes_mut).unwrap_or_default())
     }
 
-    fn done(&mut self, request: &Request, doing: &str) -> Result<Took, String> {
+    fn done(&mut self, request: &Request, doing: &str) -> Result<CallTime, String> {
         match self.ask(request, doing)? {
             Reply::Done(took) => Ok(took),
             Reply::Refused { message } => Err(self.ends(format!("fails while {doing}: {message}"))),

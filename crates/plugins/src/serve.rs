@@ -8,20 +8,20 @@ use accel_core::primitives::TriangleSet;
 
 use crate::instance::{Instance, Query};
 use crate::library::Library;
-use crate::shared::Shared;
-use crate::stopwatch::Took;
+use crate::shared::SharedSegment;
+use crate::stopwatch::CallTime;
 use crate::wire::{Part, Reply, Request, receive, send};
 
 /// A structure with the triangles it was built over, which are the child's own copy.
-type Built = Instance<Box<TriangleSet<f32>>>;
+type ServedInstance = Instance<Box<TriangleSet<f32>>>;
 
 /// What the child has.
 #[derive(Default)]
 struct State {
-    scene: Option<Shared>,
-    rays: Option<Shared>,
-    answers: Option<Shared>,
-    built: Option<Built>,
+    scene: Option<SharedSegment>,
+    rays: Option<SharedSegment>,
+    answers: Option<SharedSegment>,
+    built: Option<ServedInstance>,
     pool: Option<rayon::ThreadPool>,
 }
 
@@ -57,13 +57,14 @@ pub fn serve(_: &Path, _: &Path) -> io::Result<()> {
 
 impl State {
     fn reply(&mut self, library: &Arc<Library>, request: Request) -> Result<Reply, String> {
-        let mut took = Took::default();
+        let mut took = CallTime::default();
         match request {
             Request::Describe => {
                 return Ok(Reply::Description(Box::new(library.description.clone())));
             }
             Request::Map { part, file } => {
-                let mapped = Shared::of(&file, part == Part::Answers).map_err(|e| e.to_string())?;
+                let mapped =
+                    SharedSegment::of(&file, part == Part::Answers).map_err(|e| e.to_string())?;
                 *match part {
                     Part::Scene => &mut self.scene,
                     Part::Rays => &mut self.rays,
@@ -78,7 +79,7 @@ impl State {
                 let library = Arc::clone(library);
                 let built = pool.install(|| Instance::build(library, set, &values));
                 let (built, seconds) = built?;
-                took = Took { seconds, by_others: 0.0 };
+                took = CallTime { seconds, by_others: 0.0 };
                 (self.built, self.pool) = (Some(built), Some(pool));
             }
             Request::Trace { query, rays } => took = self.trace(query, rays)?,
@@ -90,12 +91,12 @@ impl State {
         Ok(Reply::Done(took))
     }
 
-    fn built(&self) -> Result<&Built, String> {
+    fn built(&self) -> Result<&ServedInstance, String> {
         self.built.as_ref().ok_or_else(|| "nothing is built".into())
     }
 
     fn triangles(&self, count: usize) -> Result<TriangleSet<f32>, String> {
-        let bytes = self.scene.as_ref().map(Shared::bytes).unwrap_or_default();
+        let bytes = self.scene.as_ref().map(SharedSegment::bytes).unwrap_or_default();
         let positions = 36 * count;
         let (Some(corners), Some(flags)) =
             (bytes.get(..positions), bytes.get(positions..positions + count))
@@ -107,12 +108,12 @@ impl State {
         TriangleSet::new(corners, lets_pass).map_err(|e| e.to_string())
     }
 
-    fn trace(&mut self, query: Query, count: usize) -> Result<Took, String> {
+    fn trace(&mut self, query: Query, count: usize) -> Result<CallTime, String> {
         let Self { rays, answers, built: Some(built), pool: Some(pool), .. } = self else {
             return Err("nothing is built".into());
         };
-        let rays = rays.as_ref().map(Shared::bytes).unwrap_or_default();
-        let answers = answers.as_mut().map(Shared::bytes_mut).unwrap_or_default();
+        let rays = rays.as_ref().map(SharedSegment::bytes).unwrap_or_default();
+        let answers = answers.as_mut().map(SharedSegment::bytes_mut).unwrap_or_default();
         let rays = rays.get(..32 * count).ok_or("there are not so many rays")?;
         let rays = bytemuck::cast_slice(rays);
         let size = if query == Query::Closest { 8 } else { 1 };

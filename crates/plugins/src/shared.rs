@@ -20,7 +20,7 @@ pub(crate) fn folder() -> PathBuf {
 }
 
 /// A part of the memory.
-pub(crate) struct Shared {
+pub(crate) struct SharedSegment {
     map: Map,
 }
 
@@ -30,7 +30,7 @@ enum Map {
     ReadOnly(Mmap),
 }
 
-impl Shared {
+impl SharedSegment {
     /// At least so many bytes, with the file that somebody else is to map before it is dropped.
     pub(crate) fn new(bytes: usize) -> io::Result<(Self, NamedTempFile)> {
         let bytes = bytes.max(LEAST).checked_next_power_of_two().unwrap_or(bytes);
@@ -77,11 +77,11 @@ mod tests {
 
     #[test]
     fn what_one_writes_the_other_sees_unless_it_may_not_write() {
-        let (mut own, file) = Shared::new(100).unwrap();
+        let (mut own, file) = SharedSegment::new(100).unwrap();
         assert_eq!(own.bytes().len(), LEAST);
         own.bytes_mut()[7] = 42;
-        let mut others = Shared::of(file.path(), true).unwrap();
-        let mut read_only = Shared::of(file.path(), false).unwrap();
+        let mut others = SharedSegment::of(file.path(), true).unwrap();
+        let mut read_only = SharedSegment::of(file.path(), false).unwrap();
         assert_eq!((others.bytes()[7], read_only.bytes()[7]), (42, 42));
         assert!(read_only.bytes_mut().is_empty());
         others.bytes_mut()[7] = 2;

@@ -12,14 +12,14 @@ use serde::{Deserialize, Serialize};
 
 /// What a call took.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-pub struct Took {
+pub struct CallTime {
     /// Seconds.
     pub seconds: f64,
     /// Those of them that threads other than the one that called had; 0 where that is not known.
     pub by_others: f64,
 }
 
-impl AddAssign for Took {
+impl AddAssign for CallTime {
     fn add_assign(&mut self, other: Self) {
         self.seconds += other.seconds;
         self.by_others += other.by_others;
@@ -42,14 +42,14 @@ impl Stopwatch {
     }
 
     /// What has passed since, asked by the thread that started it.
-    pub fn took(&self) -> Took {
+    pub fn took(&self) -> CallTime {
         let [now, own] = read(self.by_processor);
         let seconds = now.saturating_sub(self.start).as_secs_f64();
         let by_others = match self.by_processor {
             true => (seconds - own.saturating_sub(self.own).as_secs_f64()).max(0.0),
             false => 0.0,
         };
-        Took { seconds, by_others }
+        CallTime { seconds, by_others }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::near_rays::NearRays;
 use crate::plugin::Plugin;
 use crate::process::{BuiltOr, Order};
 use crate::remote::Remote;
-use crate::stopwatch::Took;
+use crate::stopwatch::CallTime;
 
 /// Where a structure is.
 enum Host<'a> {
@@ -30,7 +30,7 @@ struct State<'a> {
     /// Of calls since they were asked for.
     seconds: f64,
     /// Of all calls.
-    all: Took,
+    all: CallTime,
     /// Origins within it are near.
     reach: f32,
     failure: Option<String>,
@@ -96,7 +96,7 @@ impl<'a> PluginTracer<'a> {
             }
         };
         let reach = far_ray::reach(set.magnitude());
-        let (all, failure) = (Took::default(), None);
+        let (all, failure) = (CallTime::default(), None);
         let state = Mutex::new(State { place, seconds: 0.0, all, reach, failure });
         Ok(Self { plugin, row, origin, build_seconds, stats, state })
     }
@@ -107,7 +107,7 @@ impl<'a> PluginTracer<'a> {
 }
 
 impl State<'_> {
-    fn took(&mut self, took: Result<Took, String>) {
+    fn took(&mut self, took: Result<CallTime, String>) {
         match took {
             Ok(took) => {
                 self.seconds += took.seconds;
@@ -146,7 +146,7 @@ impl State<'_> {
                 Ok(took)
             }
             Host::Elsewhere(Some(remote)) => remote.closest(rays, hits),
-            Host::Elsewhere(None) => Ok(Took::default()),
+            Host::Elsewhere(None) => Ok(CallTime::default()),
         };
         self.took(took);
     }
@@ -161,7 +161,7 @@ impl State<'_> {
                 Ok(took)
             }
             Host::Elsewhere(Some(remote)) => remote.occluded(rays, blocked),
-            Host::Elsewhere(None) => Ok(Took::default()),
+            Host::Elsewhere(None) => Ok(CallTime::default()),
         };
         self.took(took);
     }
@@ -181,7 +181,7 @@ impl State<'_> {
         match &mut self.place {
             Host::Here(instance) => instance.count(on),
             Host::Elsewhere(Some(remote)) => {
-                let done = remote.count(on).map(|()| Took::default());
+                let done = remote.count(on).map(|()| CallTime::default());
                 self.took(done);
             }
             Host::Elsewhere(None) => {}
@@ -282,7 +282,7 @@ impl Foreign for PluginTracer<'_> {
     }
 
     fn share_of_other_threads(&self) -> f64 {
-        let Took { seconds, by_others } = self.state().all;
+        let CallTime { seconds, by_others } = self.state().all;
         if seconds > 0.0 { by_others / seconds } else { 0.0 }
     }
 

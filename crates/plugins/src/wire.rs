@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
 use crate::instance::{Query, Stats};
-use crate::stopwatch::Took;
+use crate::stopwatch::CallTime;
 
 /// What a part of the shared memory holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -47,7 +47,7 @@ pub(crate) enum Request {
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Reply {
     /// It is done, and what the call of the plugin took.
-    Done(Took),
+    Done(CallTime),
     /// What the plugin is.
     Description(Box<Description>),
     /// What was built.

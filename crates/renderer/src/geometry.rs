@@ -118,13 +118,13 @@ impl<S: Buildable> Geometry<S> {
 }
 
 /// [`Geometry::of`], compiled here.
-struct OfScene;
+struct GeometryOfScene;
 
-impl PerScalar for OfScene {
+impl PerScalar for GeometryOfScene {
     type In<S: Buildable> = fn(&Scene) -> Result<Geometry<S>, GeometryError>;
 }
 
-static OF_SCENE: Both<OfScene> = Both { f32: Geometry::of_scene, f64: Geometry::of_scene };
+static OF_SCENE: Both<GeometryOfScene> = Both { f32: Geometry::of_scene, f64: Geometry::of_scene };
 
 fn is_triangle(shape: Shape) -> bool {
     matches!(shape, Shape::Triangle { .. } | Shape::Patch { .. } | Shape::Polygon { count: 3, .. })

@@ -27,7 +27,7 @@ pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 pub use shading::{ray_offset, refined_hit, surface};
 pub use tracers::generate_rays;
-pub use tracers::whitted::{Rendered, render, render_plan, render_watched};
+pub use tracers::whitted::{RenderedImage, render, render_plan, render_watched};
 pub use tracers::work;
 
 /// The level at which this crate is optimised. It is that of `accel_core`, too, in every profile: of what is timed, as

@@ -101,7 +101,7 @@ pub struct Baseline {
 
 /// What a file has beside a record.
 #[derive(Deserialize)]
-struct Beside {
+struct BaselineMeta {
     #[serde(default)]
     instructions: Option<Counts>,
     #[serde(default)]
@@ -236,7 +236,7 @@ pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
     let path = file::path_of(path);
     let text = file::bytes(&path)?;
     let record = file::record(&path, &text)?;
-    let Beside { instructions, cpu_pressure } = serde_json::from_slice(&text)
+    let BaselineMeta { instructions, cpu_pressure } = serde_json::from_slice(&text)
         .map_err(|e| BaselineError::Counts { path, message: e.to_string() })?;
     Ok(Baseline { record, instructions, cpu_pressure })
 }

@@ -29,7 +29,7 @@ pub enum StudyError {
     },
     /// Processes that were to measure the same did not.
     #[error(transparent)]
-    Unlike(#[from] Unlike),
+    Unlike(#[from] ProcessMismatch),
     /// An image could not be written.
     #[error(transparent)]
     Image(#[from] UnsavedImage),
@@ -41,7 +41,7 @@ pub enum StudyError {
 /// What another process measured is something else.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{axis} on {place}: process {process} has {found}, not what was judged")]
-pub struct Unlike {
+pub struct ProcessMismatch {
     /// The axis of accuracy.
     pub axis: String,
     /// Scene and subject.

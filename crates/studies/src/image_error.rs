@@ -34,14 +34,14 @@ pub fn edge_rmse(a: &Image, b: &Image, edges: &[bool]) -> Option<f64> {
 
 /// A converged image: many samples per pixel, of two seeds, so that its own error is known.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Converged {
+pub struct ConvergedImage {
     /// The mean of both.
     pub image: Image,
     /// Its own error: half the root mean square difference of the two.
     pub own_error: f64,
 }
 
-impl Converged {
+impl ConvergedImage {
     /// From two images of one size, with samples of unlike seeds.
     pub fn of(first: &Image, second: &Image) -> Self {
         let own_error = rmse(first, second) / 2.0;
@@ -101,9 +101,9 @@ mod tests {
     #[test]
     fn a_reference_knows_its_own_error() {
         let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
-        let converged = Converged::of(&image(1.0), &image(1.5));
+        let converged = ConvergedImage::of(&image(1.0), &image(1.5));
         assert_eq!((converged.image.clone(), converged.own_error), (image(1.25), 0.25));
         assert!(converged.hides(2.4) && !converged.hides(2.5));
-        assert!(!Converged::of(&image(1.0), &image(1.0)).hides(0.0));
+        assert!(!ConvergedImage::of(&image(1.0), &image(1.0)).hides(0.0));
     }
 }

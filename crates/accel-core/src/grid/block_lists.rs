@@ -293,9 +293,9 @@ mod tests {
     }
 
     /// The same cells with gaps between rows, the last row first.
-    struct Loose;
+    struct SparseRows;
 
-    impl CellRows for Loose {
+    impl CellRows for SparseRows {
         fn cells(&self) -> usize {
             301 * 35
         }
@@ -312,10 +312,10 @@ mod tests {
         let dense = on(1, ListOrder::File, u64::MAX).unwrap();
         for threads in [1, 2] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let build = || block_lists(&Loose, 30_000, ListOrder::File, u64::MAX, &Blocks);
+            let build = || block_lists(&SparseRows, 30_000, ListOrder::File, u64::MAX, &Blocks);
             let lists = pool.install(build).unwrap();
             for (row, x) in (0..35).flat_map(|row| (0..300).map(move |x| (row, x))) {
-                let start = Loose.start(row % 7, row / 7);
+                let start = SparseRows.start(row % 7, row / 7);
                 assert_eq!(lists.list(start + x), dense.list(row * 300 + x), "row {row} {x}");
             }
         }

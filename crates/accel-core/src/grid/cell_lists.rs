@@ -296,9 +296,9 @@ mod tests {
     use super::*;
 
     /// Primitive i goes to cells i % 4 and 2.
-    struct TwoEach;
+    struct TwoCellsEach;
 
-    impl Placement for TwoEach {
+    impl Placement for TwoCellsEach {
         fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
             emit(id as usize % 4);
             emit(2);
@@ -306,7 +306,7 @@ mod tests {
     }
 
     fn build(order: ListOrder, max: u64) -> Result<CellLists, TooManyReferences> {
-        CellLists::build(5, 6, order, max, &TwoEach)
+        CellLists::build(5, 6, order, max, &TwoCellsEach)
     }
 
     #[test]
@@ -324,8 +324,8 @@ mod tests {
 
     #[test]
     fn any_number_of_threads_makes_the_lists_that_one_cell_after_the_other_has() {
-        struct Scattered;
-        impl Placement for Scattered {
+        struct ScatteredItems;
+        impl Placement for ScatteredItems {
             fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
                 let hash = id.wrapping_mul(0x9E37_79B9);
                 (0..1 + id % 5).for_each(|k| emit((hash >> k) as usize % 700));
@@ -334,18 +334,19 @@ mod tests {
         let (cells, primitives) = (700, 30_000);
         let mut expected = vec![Vec::new(); cells];
         for id in 0..primitives as u32 {
-            Scattered.cells_of(id, |cell| expected[cell].push(id));
+            ScatteredItems.cells_of(id, |cell| expected[cell].push(id));
         }
         for order in [ListOrder::File, ListOrder::Reverse] {
             for threads in [1, 2, 5] {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let build = || CellLists::build(cells, primitives, order, u64::MAX, &Scattered);
+                let build =
+                    || CellLists::build(cells, primitives, order, u64::MAX, &ScatteredItems);
                 let lists = pool.install(build).unwrap();
                 assert!(
                     lists.lists().eq(expected.iter().map(Vec::as_slice)),
                     "{threads} {order:?}"
                 );
-                let few = || CellLists::build(cells, primitives, order, 89_999, &Scattered);
+                let few = || CellLists::build(cells, primitives, order, 89_999, &ScatteredItems);
                 assert_eq!(pool.install(few), Err(TooManyReferences(90_000)));
             }
             expected.iter_mut().for_each(|list| list.reverse());
@@ -354,7 +355,7 @@ mod tests {
 
     #[test]
     fn lists_of_some_primitives_and_replaced_lists() {
-        let lists = CellLists::build_of(5, &[5, 1, 4], 99, &TwoEach).unwrap();
+        let lists = CellLists::build_of(5, &[5, 1, 4], 99, &TwoCellsEach).unwrap();
         assert_eq!((lists.list(2), lists.list(1)), (&[5, 1, 4][..], &[5, 1][..]));
         let mut asked = Vec::new();
         let lists = build(ListOrder::File, 99)
@@ -373,13 +374,14 @@ mod tests {
 
     #[test]
     fn stretches_share_the_ids_out() {
-        struct Crowded;
-        impl Placement for Crowded {
+        struct OneCellForAll;
+        impl Placement for OneCellForAll {
             fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
                 emit(if id < 20_000 { 3 } else { id as usize % 100 });
             }
         }
-        let lists = CellLists::build(100, 40_000, ListOrder::File, u64::MAX, &Crowded).unwrap();
+        let lists =
+            CellLists::build(100, 40_000, ListOrder::File, u64::MAX, &OneCellForAll).unwrap();
         for most in [1, 2, 4, 64] {
             let stretches = lists.stretches(most);
             assert!((1..=most.min(9)).contains(&stretches.len()));
@@ -399,8 +401,8 @@ mod tests {
         let mut lists = build(ListOrder::File, 99).unwrap();
         for (cells, primitives) in [(5, 2), (7, 9), (5, 0)] {
             for order in [ListOrder::Reverse, ListOrder::File] {
-                lists.rebuild(cells, primitives, order, &TwoEach);
-                let new = CellLists::build(cells, primitives, order, 99, &TwoEach).unwrap();
+                lists.rebuild(cells, primitives, order, &TwoCellsEach);
+                let new = CellLists::build(cells, primitives, order, 99, &TwoCellsEach).unwrap();
                 assert_eq!(lists, new);
             }
         }

@@ -10,14 +10,14 @@ use crate::primitives::PrimSet;
 use crate::update::{ChangedLists, MovedIds};
 
 /// The cells that moved primitives are in now.
-pub(crate) struct Gained {
+pub(crate) struct NewCells {
     /// Cell and id, by cell, those of a cell in the order of its list.
     pairs: Vec<(u32, u32)>,
     order: ListOrder,
     max_references: u64,
 }
 
-impl Gained {
+impl NewCells {
     /// Of the `moved` primitives; `cell` says where the list of a cell is. `None` where they are too many.
     pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
@@ -47,7 +47,7 @@ impl Gained {
 impl CellLists {
     /// Takes the `moved` primitives (ascending ids) out of all lists and puts them where they are `gained`. `None`,
     /// and nothing done, where the references become too many.
-    pub(crate) fn change(&mut self, moved: &[u32], gained: &Gained) -> Option<ChangedLists> {
+    pub(crate) fn change(&mut self, moved: &[u32], gained: &NewCells) -> Option<ChangedLists> {
         let has_moved = MovedIds::new(moved);
         let (starts, ids) = (self.starts(), self.ids());
         // ascending: the cells that held one, those that hold one now
@@ -163,7 +163,7 @@ mod tests {
                     ListOrder::File => pairs.sort_unstable(),
                     ListOrder::Reverse => pairs.sort_unstable_by_key(|&(cell, id)| (cell, !id)),
                 }
-                let gained = |pairs| Gained { pairs, order, max_references: 9999 };
+                let gained = |pairs| NewCells { pairs, order, max_references: 9999 };
                 let old = lists.clone();
                 let change = lists.change(&moved, &gained(pairs.clone())).unwrap();
                 assert_eq!(lists, build(&at), "frame {frame} {order:?}");
@@ -178,7 +178,7 @@ mod tests {
                 wrong.change(&moved[1..], &gained(pairs));
                 assert_ne!(wrong, lists, "frame {frame}");
             }
-            let too_many = Gained { pairs: vec![(0, 0); 50], order, max_references: 20 };
+            let too_many = NewCells { pairs: vec![(0, 0); 50], order, max_references: 20 };
             assert!(lists.change(&[0], &too_many).is_none());
             assert_eq!(lists, build(&at));
         }

@@ -129,7 +129,7 @@ impl<S: Scalar> NestedGrids<S> {
         ray: &Ray<S>,
         t_start: S,
         sink: &mut K,
-        visited: &mut impl Visited,
+        visited: &mut impl VisitedGrids,
     ) -> ControlFlow<()> {
         let Some(grid) = self.grids.get(grid as usize) else { return ControlFlow::Continue(()) };
         // what is farther than the best hit needs no traversal
@@ -183,7 +183,7 @@ pub(crate) struct Census {
 
 /// Remembers which grids a ray has traversed. It may forget (a second traversal is only a waste), but
 /// never claims a traversal that was not made.
-pub(crate) trait Visited {
+pub(crate) trait VisitedGrids {
     /// True unless the grid is known to have been traversed; remembers it.
     fn is_first(&mut self, grid: u32) -> bool;
 }
@@ -191,7 +191,7 @@ pub(crate) trait Visited {
 /// For grids of which none is in two cells.
 pub(crate) struct NoMailbox;
 
-impl Visited for NoMailbox {
+impl VisitedGrids for NoMailbox {
     #[inline(always)]
     fn is_first(&mut self, _: u32) -> bool {
         true
@@ -210,7 +210,7 @@ impl Mailbox {
     }
 }
 
-impl Visited for Mailbox {
+impl VisitedGrids for Mailbox {
     #[inline(always)]
     fn is_first(&mut self, grid: u32) -> bool {
         std::mem::replace(&mut self.0[grid as usize % Self::SLOTS], grid) != grid

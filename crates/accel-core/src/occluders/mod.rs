@@ -17,7 +17,7 @@ use glam::DVec3;
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::primitives::PrimsRef;
-use crate::registry::{self, Buildable, Listed};
+use crate::registry::{self, Buildable, RegistryItem};
 use crate::structure::BuildError;
 
 /// Every occluder of the workspace: one line each.
@@ -26,12 +26,12 @@ pub static REGISTRY: &[Entry] = &[occluder!(light_buffer::build, light_buffer::I
 /// What answers shadow rays only.
 pub struct Occluding;
 
-impl Listed for Occluding {
-    type Builder<S: Scalar> = fn(&Params) -> Prepared<S>;
+impl RegistryItem for Occluding {
+    type Builder<S: Scalar> = fn(&Params) -> PreparedOccluder<S>;
 }
 
 /// An occluder whose settings have been read. What is left is the build, which alone is timed.
-pub type Prepared<S> = Box<
+pub type PreparedOccluder<S> = Box<
     dyn for<'a> Fn(PrimsRef<'a, S>, &[DVec3]) -> Result<BoxedOccluder<'a, S>, BuildError>
         + Send
         + Sync,
@@ -42,7 +42,7 @@ pub type Entry = registry::Entry<Occluding>;
 
 impl Entry {
     /// Reads the settings.
-    pub fn prepare<S: Buildable>(&self, params: &Params) -> Prepared<S> {
+    pub fn prepare<S: Buildable>(&self, params: &Params) -> PreparedOccluder<S> {
         S::builder(self)(params)
     }
 

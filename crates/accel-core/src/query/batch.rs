@@ -33,7 +33,7 @@ impl<S: Scalar, T: Structure<S>> Traverse<S> for Whole<'_, T> {
 }
 
 /// How the rays of a batch go through a structure.
-pub(crate) trait Drive<S: Scalar, T> {
+pub(crate) trait BatchDriver<S: Scalar, T> {
     /// Answers the rays at these places; to be inlined.
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
         structure: &T,
@@ -47,7 +47,7 @@ pub(crate) trait Drive<S: Scalar, T> {
 /// One ray after the other, from wherever it comes.
 pub(crate) struct RayByRay;
 
-impl<S: Scalar, T: Traverse<S>> Drive<S, T> for RayByRay {
+impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
     // without closures, which would not be compiled for AVX-512
     #[inline(always)]
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
@@ -91,7 +91,7 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
         'r: 'q;
 }
 
-struct Closest<'r, 'a, S: Scalar, P, C> {
+struct ClosestQuery<'r, 'a, S: Scalar, P, C> {
     prims: &'r P,
     rays: &'r [Ray<S>],
     /// As many.
@@ -99,7 +99,7 @@ struct Closest<'r, 'a, S: Scalar, P, C> {
     work: C,
 }
 
-impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Closest<'r, '_, S, P, C> {
+impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for ClosestQuery<'r, '_, S, P, C> {
     type Sink<'q>
         = ClosestHit<'q, S, P, C>
     where
@@ -178,7 +178,7 @@ impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Occlusions<'
 
 /// Answers a batch; what it took. Compiled for triangles alone.
 #[inline(always)]
-pub(crate) fn answer<D: Drive<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
+pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
     prims: &P,
     rays: &[Ray<S>],
@@ -192,7 +192,7 @@ pub(crate) fn answer<D: Drive<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
     let all = 0..rays.len();
     match answers {
         BatchAnswers::Closest(hits) => {
-            let mut batch = Closest { prims, rays, hits, work };
+            let mut batch = ClosestQuery { prims, rays, hits, work };
             drive::<D, _, _, _, _>(structure, prims, reach, &mut batch, all);
             batch.work
         }
@@ -219,7 +219,7 @@ pub fn has_avx512() -> bool {
 
 /// Answers the rays at these places of a batch; what counts is compiled for the target alone.
 #[inline(never)]
-pub(crate) fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
+pub(crate) fn drive<'r, D: BatchDriver<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
     structure: &T,
     prims: &'r P,
     reach: S,
@@ -237,7 +237,7 @@ pub(crate) fn drive<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn drive_by_avx512<'r, D: Drive<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
+fn drive_by_avx512<'r, D: BatchDriver<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
     structure: &T,
     prims: &'r P,
     reach: S,

@@ -11,11 +11,11 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::cells::{Cell, CellKind, NoCells};
 use crate::query::tracer::Tracer;
-use crate::query::way::Way;
+use crate::query::way::TraversalTrace;
 
 /// A cell that a ray meets.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Crossed {
+pub struct CrossedCell {
     /// Its box, world units.
     pub bounds: Aabb<f64>,
     /// 0 for the outermost.
@@ -35,10 +35,13 @@ pub struct Crossed {
 ///
 /// # Errors
 /// [`NoCells`].
-pub fn crossed<S: Scalar>(tracer: &dyn Tracer<S>, ray: &Ray<S>) -> Result<Vec<Crossed>, NoCells> {
+pub fn crossed<S: Scalar>(
+    tracer: &dyn Tracer<S>,
+    ray: &Ray<S>,
+) -> Result<Vec<CrossedCell>, NoCells> {
     // hierarchies of boxes are traversed from the ray's origin on
     let ray = Ray { t_min: ray.t_min.to_f64().min(0.0), ..ray.widened() };
-    let mut all: Vec<Crossed> = Vec::new();
+    let mut all: Vec<CrossedCell> = Vec::new();
     // the cell that was crossed last at each depth; none where one was passed by since
     let mut around: Vec<Option<usize>> = Vec::new();
     tracer.cells(&mut |cell: Cell<'_>| {
@@ -50,7 +53,7 @@ pub fn crossed<S: Scalar>(tracer: &dyn Tracer<S>, ray: &Ray<S>) -> Result<Vec<Cr
         around.push(span.map(|_| all.len()));
         if let Some(span) = span {
             let Cell { bounds, depth, kind, ids } = cell;
-            all.push(Crossed { bounds, depth, kind, ids: ids.to_vec(), span, parent });
+            all.push(CrossedCell { bounds, depth, kind, ids: ids.to_vec(), span, parent });
         }
     })?;
     Ok(all)
@@ -74,8 +77,8 @@ fn span(bounds: &Aabb<f64>, ray: &Ray<f64>) -> Option<[f64; 2]> {
 pub fn cells_entered<S: Scalar>(
     tracer: &dyn Tracer<S>,
     ray: &Ray<S>,
-    way: &Way<S>,
-    crossed: &[Crossed],
+    way: &TraversalTrace<S>,
+    crossed: &[CrossedCell],
 ) -> Vec<Vec<usize>> {
     let mut by_list: HashMap<&[u32], Vec<usize>> = HashMap::new();
     let mut by_id: HashMap<u32, Vec<usize>> = HashMap::new();
@@ -129,7 +132,7 @@ pub fn cells_entered<S: Scalar>(
 }
 
 /// The cell that the ray enters at a parameter: it is within it there, and longest from there on.
-fn at(cells: &[usize], crossed: &[Crossed], t: f64) -> usize {
+fn at(cells: &[usize], crossed: &[CrossedCell], t: f64) -> usize {
     let slack = f64::from(f32::EPSILON) * 16.0 * t.abs();
     let holds = |&&cell: &&usize| {
         let [t_in, t_out] = crossed[cell].span;

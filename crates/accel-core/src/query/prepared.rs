@@ -13,12 +13,12 @@ use crate::geometry::far_ray::{self, Parameters};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, Drive, RayByRay, Whole, drive};
+use crate::query::batch::{Batch, BatchDriver, RayByRay, Whole, drive};
 use crate::query::resumable::{self, Resumable};
 use crate::query::sink::Sink;
 
 /// A structure that derives what it needs of eight rays at once.
-pub(crate) trait Prepared<S: Scalar>: Resumable<S> {
+pub(crate) trait LaneStructure<S: Scalar>: Resumable<S> {
     /// What it derives.
     type Eight;
     /// What they have in common.
@@ -35,9 +35,9 @@ pub(crate) trait Prepared<S: Scalar>: Resumable<S> {
 }
 
 /// One prepared ray after the other.
-pub(crate) struct OneByOne;
+pub(crate) struct SequentialDriver;
 
-impl<S: Scalar, T: Prepared<S>> Drive<S, T> for OneByOne {
+impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
     #[inline(always)]
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
         structure: &T,

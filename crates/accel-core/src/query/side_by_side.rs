@@ -14,7 +14,7 @@ use crate::geometry::lanes::take_lowest;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, Drive, RayByRay, Traverse, drive};
+use crate::query::batch::{Batch, BatchDriver, RayByRay, Traverse, drive};
 use crate::query::sink::Sink;
 
 /// Groups of eight lanes. Four, against two, are worth 4% for diffuse and shadow rays, where memory is waited for.
@@ -57,7 +57,7 @@ pub(crate) trait SideBySide<S: Scalar> {
 /// [`RAYS`] rays side by side.
 pub(crate) struct InLanes;
 
-impl<S: Scalar, T: SideBySide<S>> Drive<S, T> for InLanes {
+impl<S: Scalar, T: SideBySide<S>> BatchDriver<S, T> for InLanes {
     #[inline(always)]
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
         structure: &T,

@@ -27,7 +27,7 @@ pub enum Outcome {
 
 /// A traversal step, and the tests that it led to.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct WayStep {
+pub struct TraceStep {
     /// What was entered.
     pub kind: CellKind,
     /// Primitives in the order of their tests.
@@ -36,16 +36,16 @@ pub struct WayStep {
 
 /// A closest-hit query.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Way<S: Scalar> {
+pub struct TraversalTrace<S: Scalar> {
     /// The steps, first to last.
-    pub steps: Vec<WayStep>,
+    pub steps: Vec<TraceStep>,
     /// The answer.
     pub hit: Hit<S>,
     /// What it took.
     pub counters: WorkCounters,
 }
 
-impl<S: Scalar> Way<S> {
+impl<S: Scalar> TraversalTrace<S> {
     /// The steps and tests, counted.
     pub fn counted(&self) -> WorkCounters {
         let steps = |kind| self.steps.iter().filter(|step| step.kind == kind).count() as u64;

@@ -21,7 +21,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::build::{LooseGrids, REFERENCES, Rules, VOXELS};
+use crate::grid::nested_grids::build::{BuildRules, LooseGrids, REFERENCES, VOXELS};
 use crate::grid::nested_grids::{NestedGrids, NoMailbox};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::params::ParamSpec;
@@ -32,7 +32,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};
@@ -99,7 +99,7 @@ pub struct AdaptiveGrid<S: Scalar> {
 }
 
 /// Primitives that shall have a grid of their own.
-struct Crowd<S: Scalar> {
+struct PendingGrid<S: Scalar> {
     ids: Vec<u32>,
     bounds: Aabb<S>,
     /// 0 for the grid of a cluster.
@@ -109,14 +109,14 @@ struct Crowd<S: Scalar> {
 }
 
 /// What all grids of a build share.
-struct Maker<'a, S: Scalar> {
+struct GridBuilder<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
     padding: S,
     historical: bool,
     density: f64,
     split: usize,
     levels: u64,
-    rules: Rules,
+    rules: BuildRules,
 }
 
 impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
@@ -140,17 +140,17 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
         let (clusters, orphans): (Vec<_>, Vec<_>) =
             agglomerate(&boxes, &rule).into_iter().partition(|c| c.len() >= fewest);
         let orphans = orphans.concat();
-        let maker = Maker {
+        let maker = GridBuilder {
             boxes: &boxes,
             padding,
             historical,
             density: settings.density,
             split: settings.split,
             levels: settings.levels,
-            rules: Rules {
+            rules: BuildRules {
                 order: if historical { ListOrder::Reverse } else { ListOrder::File },
                 by_division: historical,
-                room: Room::new(
+                room: CapacityLimits::new(
                     settings.limits(),
                     [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
                 ),
@@ -259,15 +259,15 @@ impl<S: Scalar> AdaptiveGrid<S> {
     }
 }
 
-impl<S: Scalar> Maker<'_, S> {
-    fn crowd(&self, ids: Vec<u32>) -> Crowd<S> {
+impl<S: Scalar> GridBuilder<'_, S> {
+    fn crowd(&self, ids: Vec<u32>) -> PendingGrid<S> {
         let boxes = ids.iter().map(|&i| self.boxes[i as usize]);
         let bounds = boxes.fold(Aabb::empty(), Aabb::union).expanded(self.padding);
-        Crowd { ids, bounds, level: 0, frame: None }
+        PendingGrid { ids, bounds, level: 0, frame: None }
     }
 
     /// Makes the grids of all clusters, then those within their voxels, level by level.
-    fn make(&self, crowds: Vec<Crowd<S>>) -> Result<NestedGrids<S>, BuildError> {
+    fn make(&self, crowds: Vec<PendingGrid<S>>) -> Result<NestedGrids<S>, BuildError> {
         let mut grids = NestedGrids::new();
         let mut level = crowds;
         while !level.is_empty() {
@@ -285,8 +285,8 @@ impl<S: Scalar> Maker<'_, S> {
     /// Adds the grid of a crowd, with the crowds in its voxels.
     fn push(
         &self,
-        grids: &mut LooseGrids<S, Crowd<S>>,
-        crowd: &Crowd<S>,
+        grids: &mut LooseGrids<S, PendingGrid<S>>,
+        crowd: &PendingGrid<S>,
     ) -> Result<(), BuildError> {
         let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
         let frame = self.frame(crowd, &boxes)?;
@@ -307,15 +307,15 @@ impl<S: Scalar> Maker<'_, S> {
         cell: Aabb<S>,
         ids: impl Iterator<Item = u32> + Clone,
         level: u64,
-    ) -> Option<Crowd<S>> {
+    ) -> Option<PendingGrid<S>> {
         let boxes = ids.clone().map(|i| self.boxes[i as usize]);
         let bounds = self.within(boxes.clone(), cell);
         let frame = (!self.historical).then(|| self.useful_frame(bounds, boxes));
         let is_hopeless = frame.is_some_and(|frame| frame.cells() == 1);
-        (!is_hopeless).then(|| Crowd { ids: ids.collect(), bounds, level, frame })
+        (!is_hopeless).then(|| PendingGrid { ids: ids.collect(), bounds, level, frame })
     }
 
-    fn frame(&self, crowd: &Crowd<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, BuildError> {
+    fn frame(&self, crowd: &PendingGrid<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, BuildError> {
         if self.historical {
             let wanted = HISTORICAL_ROUNDING[usize::from(crowd.level > 0)];
             return historical_frame(crowd.bounds, boxes.len(), wanted, &self.rules.room);

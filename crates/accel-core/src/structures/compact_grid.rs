@@ -144,7 +144,7 @@ impl Bits {
 
 /// Where each row of cells stands in the table.
 #[derive(Debug, Clone)]
-struct Displaced {
+struct RowDisplacements {
     /// Rows along y.
     rows_y: usize,
     /// Where cell 0 of each row would stand, modulo 2^32: cells before its first occupied one
@@ -154,7 +154,7 @@ struct Displaced {
     places: usize,
 }
 
-impl Displaced {
+impl RowDisplacements {
     /// Rows of `n` cells per axis, of which `occupied` says which need a place.
     fn new(n: [u32; 3], occupied: &Bits, tries: usize) -> Self {
         let [length, rows_y, rows_z] = n.map(|n| n as usize);
@@ -224,7 +224,7 @@ fn cut_out(bits: &Bits, cells: Range<usize>, row: &mut Vec<u64>) -> Option<usize
     Some(first - cells.start)
 }
 
-impl CellRows for Displaced {
+impl CellRows for RowDisplacements {
     fn cells(&self) -> usize {
         self.places
     }
@@ -243,7 +243,7 @@ impl CellRows for Displaced {
 /// Occupied cells of a grid in a table.
 pub struct CompactCells {
     occupied: Bits,
-    rows: Displaced,
+    rows: RowDisplacements,
     /// Lists by place.
     lists: CellLists,
 }
@@ -263,7 +263,7 @@ impl CellStorage for CompactCells {
         config: &RowsConfig,
     ) -> Result<Self, TooManyReferences> {
         let occupied = occupied_cells(contents)?;
-        let rows = Displaced::new(contents.frame.resolution(), &occupied, config.tries);
+        let rows = RowDisplacements::new(contents.frame.resolution(), &occupied, config.tries);
         let lists = contents.lists_of_rows(&rows)?;
         Ok(Self { occupied, rows, lists })
     }
@@ -351,7 +351,7 @@ mod tests {
         bits
     }
 
-    fn places(n: [u32; 3], occupied: &Bits, rows: &Displaced) -> Vec<usize> {
+    fn places(n: [u32; 3], occupied: &Bits, rows: &RowDisplacements) -> Vec<usize> {
         let [x, y, z] = n.map(|n| n as i32);
         let cells = (0..x * y * z).filter(|&i| occupied.get(i as usize));
         cells.map(|i| rows.place([i % x, i / x % y, i / (x * y)])).collect()
@@ -362,7 +362,7 @@ mod tests {
         for n in [[1, 1, 1], [5, 7, 9], [64, 8, 8], [65, 3, 70], [200, 20, 1], [1, 500, 2]] {
             for (every, tries) in [(1, 256), (3, 256), (20, 256), (20, 0), (1000, 1)] {
                 let occupied = some(n, every);
-                let rows = Displaced::new(n, &occupied, tries);
+                let rows = RowDisplacements::new(n, &occupied, tries);
                 let mut all = places(n, &occupied, &rows);
                 let cells = all.len();
                 all.sort_unstable();
@@ -375,7 +375,7 @@ mod tests {
         // planted fault: a row that is moved onto another is found by the same test
         let n = [64, 8, 8];
         let occupied = some(n, 3);
-        let mut rows = Displaced::new(n, &occupied, 256);
+        let mut rows = RowDisplacements::new(n, &occupied, 256);
         rows.starts[20] = rows.starts[21];
         let mut all = places(n, &occupied, &rows);
         let cells = all.len();
@@ -389,8 +389,8 @@ mod tests {
         let n = [100, 60, 60];
         let occupied = some(n, 10);
         let cells = occupied.count() as usize;
-        let packed = Displaced::new(n, &occupied, 256).places;
-        let appended = Displaced::new(n, &occupied, 0).places;
+        let packed = RowDisplacements::new(n, &occupied, 256).places;
+        let appended = RowDisplacements::new(n, &occupied, 0).places;
         assert!(packed < cells * 3 / 2, "{packed} places for {cells} cells");
         assert!(appended > cells * 5, "without trying: {appended} places for {cells} cells");
     }

@@ -6,7 +6,7 @@ use crate::params::Params;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::query::region::{BoundFrustumQueries, FrustumQueries, FrustumTraversal};
-use crate::registry::{self, Listed};
+use crate::registry::{self, RegistryItem};
 use crate::structure::{BuildError, StructureInfo, refuse_unusable};
 
 /// Every structure that can be asked by frusta: one line each.
@@ -29,7 +29,7 @@ type Builder = fn(PrimsRef<'_, f64>, &Params) -> Result<Box<dyn FrustumQueries>,
 /// A structure that frusta can be asked of, in f64.
 pub struct FrustumAnswering;
 
-impl Listed for FrustumAnswering {
+impl RegistryItem for FrustumAnswering {
     type Builder<S: Scalar> = Builder;
 }
 
@@ -167,8 +167,8 @@ mod tests {
 
     #[test]
     fn cells_that_are_forgotten_are_noticed() {
-        struct Forgetful(uniform_grid::UniformGrid<f64>);
-        impl Structure<f64> for Forgetful {
+        struct LossyGrid(uniform_grid::UniformGrid<f64>);
+        impl Structure<f64> for LossyGrid {
             type Config = <uniform_grid::UniformGrid<f64> as Structure<f64>>::Config;
 
             fn build<P: PrimSet<f64>>(
@@ -182,7 +182,7 @@ mod tests {
                 self.0.stats()
             }
         }
-        impl FrustumTraversal for Forgetful {
+        impl FrustumTraversal for LossyGrid {
             fn traverse_frustum(
                 &self,
                 frustum: &Frustum,
@@ -197,7 +197,7 @@ mod tests {
         }
         let set = mixed_scene(3000, 5, [1.0, 1.0, 0.2]);
         let params = find("uniform-grid").unwrap().params([]).unwrap();
-        let forgetful = build::<Forgetful>(PrimsRef::Mixed(&set), &params).unwrap();
+        let forgetful = build::<LossyGrid>(PrimsRef::Mixed(&set), &params).unwrap();
         assert!(missed_and_late(forgetful.as_ref(), &set, 3)[0] > 0);
     }
 

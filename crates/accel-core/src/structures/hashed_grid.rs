@@ -14,7 +14,7 @@ use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
-use crate::grid::changed_cells::Gained;
+use crate::grid::changed_cells::NewCells;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
 use crate::parallel::{for_each_part, parts, ranges, sort};
 use crate::params::ParamSpec;
@@ -306,7 +306,7 @@ impl CellStorage for HashedCells {
     ) -> Option<ChangedLists> {
         let Self { table, ids, most_keys } = self;
         let (frame, mut has_room) = (contents.frame, true);
-        let gained = Gained::of(contents, moved, |coords| {
+        let gained = NewCells::of(contents, moved, |coords| {
             let key = frame.index(coords) as u64;
             has_room &= table.occupied < *most_keys || table.find(key).is_some();
             if has_room { table.slot(key) } else { 0 }

@@ -20,8 +20,8 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::build::{LooseGrids, REFERENCES, Rules, VOXELS, references_in};
-use crate::grid::nested_grids::{Mailbox, NestedGrids, Visited};
+use crate::grid::nested_grids::build::{BuildRules, LooseGrids, REFERENCES, VOXELS, references_in};
+use crate::grid::nested_grids::{Mailbox, NestedGrids, VisitedGrids};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
@@ -34,9 +34,9 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
-use crate::tree::clustering::box_tree::{BoxTree, Nearness};
+use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 use crate::tree::clustering::components::components;
 
 config! {
@@ -237,7 +237,7 @@ fn plan<S: Scalar>(
     config: &HugConfig,
 ) -> (Vec<PlannedGrid<S>>, Vec<u32>) {
     let count = config.size_classes;
-    let near = Nearness { gap: S::from_f64(config.gap), closed: !config.historical };
+    let near = NeighbourRule { gap: S::from_f64(config.gap), closed: !config.historical };
     let class_of = classes(boxes, count);
     let own = class_of.iter().filter(|&&c| c == count - 1).count();
     let mut plans = vec![PlannedGrid { bounds: scene, class: count - 1, own }];
@@ -299,10 +299,10 @@ fn fill<S: Scalar>(
     settings: &Settings<HugConfig>,
 ) -> Result<NestedGrids<S>, BuildError> {
     let historical = settings.historical;
-    let rules = Rules {
+    let rules = BuildRules {
         order: if historical { ListOrder::Reverse } else { ListOrder::File },
         by_division: historical,
-        room: Room::new(
+        room: CapacityLimits::new(
             settings.limits(),
             [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
         ),
@@ -341,7 +341,7 @@ pub(super) fn historical_frame<S: Scalar>(
     bounds: Aabb<S>,
     n: usize,
     rounding: f64,
-    room: &Room,
+    room: &CapacityLimits,
 ) -> Result<GridFrame<S>, BuildError> {
     let size = bounds.size().to_array().map(S::to_f64);
     let scale = (n as f64 / size.iter().product::<f64>()).cbrt();
@@ -359,7 +359,7 @@ pub(super) fn useful_frame<S: Scalar>(
     boxes: impl Iterator<Item = Aabb<S>> + Clone,
     density: f64,
     padding: S,
-    room: &Room,
+    room: &CapacityLimits,
 ) -> GridFrame<S> {
     let n = boxes.clone().count();
     let input = ResolutionInput {

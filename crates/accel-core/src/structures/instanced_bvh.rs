@@ -5,7 +5,7 @@
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::structure::StructureInfo;
-use crate::structures::instanced::{Instanced, Levels};
+use crate::structures::instanced::{InstancedStructure, Levels};
 use crate::structures::obvhs::adapter::PRESET;
 use crate::structures::wide_bvh::{self, WideBvh};
 use crate::update::INSTANCES;
@@ -24,7 +24,7 @@ pub static INFO: StructureInfo = StructureInfo {
 };
 
 /// A BVH over BVHs.
-pub type InstancedBvh<S> = Instanced<S, WideBvh<S>>;
+pub type InstancedBvh<S> = InstancedStructure<S, WideBvh<S>>;
 
 impl<S: Scalar> Levels<S> for WideBvh<S> {
     fn settings(params: &Params) -> [Params; 2] {

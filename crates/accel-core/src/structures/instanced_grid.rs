@@ -6,7 +6,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::specs;
 use crate::params::{ParamSpec, Params};
 use crate::structure::StructureInfo;
-use crate::structures::instanced::{Instanced, Levels};
+use crate::structures::instanced::{InstancedStructure, Levels};
 use crate::structures::uniform_grid::{self, UniformGrid};
 use crate::update::INSTANCES;
 
@@ -27,7 +27,7 @@ pub static INFO: StructureInfo = StructureInfo {
 };
 
 /// Grids over grids.
-pub type InstancedGrid<S> = Instanced<S, UniformGrid<S>>;
+pub type InstancedGrid<S> = InstancedStructure<S, UniformGrid<S>>;
 
 impl<S: Scalar> Levels<S> for UniformGrid<S> {
     fn settings(params: &Params) -> [Params; 2] {

@@ -32,9 +32,9 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimsRef};
-use crate::query::tracer::tested::{Testing, tested_as};
+use crate::query::tracer::tested::{TestChoice, tested_as};
 use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
-use crate::registry::{self, Buildable, Listed};
+use crate::registry::{self, Buildable, RegistryItem};
 use crate::structure::{BuildError, Structure};
 use crate::structures::time_segments::TimeSegments;
 use crate::variants::chosen_tests::{self, ChosenTests};
@@ -80,7 +80,7 @@ pub const COMMON: &[ParamSpec] =
 /// A structure that answers rays.
 pub struct Traceable;
 
-impl Listed for Traceable {
+impl RegistryItem for Traceable {
     type Builder<S: Scalar> = fn(&Params) -> Prepared<S>;
     const COMMON: &'static [ParamSpec] = COMMON;
 }
@@ -140,7 +140,7 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 /// Reads the settings of `T`, which is then built over whichever set it is, or taken there from the frame
 /// before, and boxed as a tracer.
 pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> Prepared<S> {
-    let (settings, testing) = (Settings::of(params), Testing::of(params));
+    let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
     Box::new(move |prims, before| {
         build_tracer::<S, T>(prims, (&settings, &testing), segments, before)
@@ -149,7 +149,7 @@ pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> Prepared<S> {
 
 fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     prims: PrimsRef<'a, S>,
-    how: (&Settings<T::Config>, &Testing),
+    how: (&Settings<T::Config>, &TestChoice),
     segments: usize,
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
@@ -185,7 +185,7 @@ fn build_tracer<'a, S: Scalar, T: Structure<S>>(
 /// Builds `T` over a set that moves, under its own tests.
 fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     set: &'a MixedSet<S>,
-    (settings, testing): (&Settings<T::Config>, &Testing),
+    (settings, testing): (&Settings<T::Config>, &TestChoice),
     segments: usize,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let mailbox = testing.mailbox::<S, _>(set, settings.limits())?;
@@ -196,7 +196,7 @@ fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
 /// [`prepare`] for a structure of which more is compiled into its traversals, in f32 alone: the queries of
 /// sets that move, and chosen tests where the feature `compiled-tests` is on.
 pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
-    let (settings, testing) = (Settings::of(params), Testing::of(params));
+    let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
     Box::new(move |prims, before| {
         let how = (&settings, &testing);

@@ -34,7 +34,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use budget::Budget;
 use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
@@ -142,7 +142,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         let bounds = BoundsOf::new(prims, rule)
             .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
         let parts = [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)];
-        let room = Room::new(settings.limits(), parts);
+        let room = CapacityLimits::new(settings.limits(), parts);
         let (lazy, max_depth) = (settings.is_lazy, settings.max_depth);
         let mut division = Division {
             boxes: collect(prims.len(), |id| bounds.of(id as u32).expanded(pad)),

@@ -14,7 +14,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
 use crate::query::tracer::compiled_once;
-use crate::query::tracer::tested::Testing;
+use crate::query::tracer::tested::TestChoice;
 use crate::structure::{BuildError, Structure, StructureStats};
 
 /// The setting, which every structure has.
@@ -38,7 +38,7 @@ impl<S: Scalar, T: Structure<S>> Segment<S, T> {
     fn build(
         part: &MixedSet<S>,
         settings: &Settings<T::Config>,
-        testing: &Testing,
+        testing: &TestChoice,
     ) -> Result<Self, BuildError> {
         let structure = T::build(part, settings)?;
         let blocks = match testing.has_blocks {
@@ -69,7 +69,7 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     pub(crate) fn build(
         set: &'a MixedSet<S>,
         settings: &Settings<T::Config>,
-        testing: &Testing,
+        testing: &TestChoice,
         n: usize,
     ) -> Result<Self, BuildError> {
         if n == 1 {

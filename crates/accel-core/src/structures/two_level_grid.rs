@@ -31,7 +31,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::uniform_grid::DenseCells;
 use crate::update::{Change, INCREMENTAL, is_worth_changing};
@@ -98,7 +98,10 @@ pub struct TwoLevelGrid<S: Scalar> {
 fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
     let GridConfig { max_cells, max_references, .. } = settings.upper;
     let parts = [(&VOXELS, max_cells), (&REFERENCES, max_references)];
-    LeafRules { density: settings.leaf_density, room: Room::new(settings.limits(), parts) }
+    LeafRules {
+        density: settings.leaf_density,
+        room: CapacityLimits::new(settings.limits(), parts),
+    }
 }
 
 impl<S: Scalar> TwoLevelGrid<S> {

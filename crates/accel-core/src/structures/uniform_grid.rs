@@ -16,7 +16,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_overlap::Insertion;
 use crate::grid::cell_traversal::{CellPosition, Traversal};
-use crate::grid::changed_cells::Gained;
+use crate::grid::changed_cells::NewCells;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
 use crate::params::Params;
 use crate::params::specs;
@@ -125,7 +125,7 @@ impl CellStorage for DenseCells {
         moved: &[u32],
     ) -> Option<ChangedLists> {
         let frame = contents.frame;
-        let gained = Gained::of(contents, moved, |cell| frame.index(cell))?;
+        let gained = NewCells::of(contents, moved, |cell| frame.index(cell))?;
         self.0.change(moved, &gained)
     }
 

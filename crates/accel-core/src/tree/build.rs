@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::parallel::{concat, forks, is_worth_a_fork};
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 
 /// Where cells are cut, and when they are not.
@@ -45,7 +45,7 @@ pub(crate) trait Division<S: Scalar>: Sync {
     }
 
     /// For cells and references.
-    fn room(&self) -> &Room;
+    fn room(&self) -> &CapacityLimits;
 }
 
 /// The cells of a tree.
@@ -111,7 +111,7 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
 }
 
 /// Cells that several threads built.
-enum Forked<C: CellStore> {
+enum ForkedCells<C: CellStore> {
     Cut(C::Cut, Vec<Self>),
     Built(C),
 }
@@ -141,7 +141,7 @@ pub(crate) fn joined_lists<C: CellStore>(
     [concat(&all_starts, &|start, by| start + by), concat(&all_ids, &|id, ()| id)]
 }
 
-impl<C: CellStore> Forked<C> {
+impl<C: CellStore> ForkedCells<C> {
     /// What makes these cells, the first of them `cell`, of those of `steps`; `counts` cells and references.
     fn steps(self, cell: usize, children: usize, steps: &mut Vec<Step<C>>, counts: &mut [u64; 2]) {
         match self {
@@ -180,12 +180,14 @@ fn forked<S: Scalar, D: Division<S>>(
     cell: Cell<S, D::Descent>,
     ids: Vec<u32>,
     large: usize,
-) -> Result<Forked<D::Cells>, BuildError> {
+) -> Result<ForkedCells<D::Cells>, BuildError> {
     let cut = match ids.len() > large && is_worth_a_fork(ids.len()) {
         true => division.cut(&mut division.scratch(), &ids, &cell),
         false => None,
     };
-    let Some((cut, descent)) = cut else { return alone(division, cell, ids).map(Forked::Built) };
+    let Some((cut, descent)) = cut else {
+        return alone(division, cell, ids).map(ForkedCells::Built);
+    };
     let below = |child: usize| {
         let reaches = |id: &u32| division.reaches(*id, &cut, child);
         let mut own: Vec<u32> = ids.iter().copied().filter(reaches).collect();
@@ -196,7 +198,7 @@ fn forked<S: Scalar, D: Division<S>>(
         forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, large)
     };
     let below: Result<Vec<_>, BuildError> = (0..D::CHILDREN).into_par_iter().map(below).collect();
-    Ok(Forked::Cut(cut, below?))
+    Ok(ForkedCells::Cut(cut, below?))
 }
 
 struct Builder<'a, S: Scalar, D: Division<S>> {

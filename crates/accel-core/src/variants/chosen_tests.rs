@@ -24,7 +24,7 @@ use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
 use crate::query::tracer::Tracer;
 use crate::variants::sphere_tests;
 use crate::variants::triangle_tests::{
-    InDouble, MoellerTrumboreTolerant, Pluecker, WatertightFallback,
+    MoellerTrumboreTolerant, Pluecker, WatertightFallback, WatertightInDouble,
 };
 
 /// The test that is compiled into every traversal.
@@ -74,7 +74,7 @@ pub enum TriangleChoice {
     Watertight,
     /// See `WatertightFallback`.
     Fallback,
-    /// See `InDouble`.
+    /// See `WatertightInDouble`.
     Double,
 }
 
@@ -192,7 +192,9 @@ impl<'a, S: Scalar> ChosenTests<'a, S> {
             (TriangleChoice::Fallback, Some(shear), _) => {
                 WatertightFallback::intersect(v, ray, shear, t_max)
             }
-            (TriangleChoice::Double, _, Some(double)) => InDouble::intersect(v, ray, double, t_max),
+            (TriangleChoice::Double, _, Some(double)) => {
+                WatertightInDouble::intersect(v, ray, double, t_max)
+            }
             // `setup` computes what each test needs
             (_, None, _) | (TriangleChoice::Double, _, None) => {
                 Watertight::intersect(v, ray, &Shear::of(ray, self.magnitude()), t_max)
@@ -280,7 +282,7 @@ impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
             // polygons are tested in the sheared space whatever the test of triangles is
             shear: (is_mixed || sheared).then(|| Shear::of(ray, self.magnitude())),
             double: (self.choice.triangle == TriangleChoice::Double)
-                .then(|| <InDouble as TriangleTest<S>>::setup(ray, self.magnitude())),
+                .then(|| <WatertightInDouble as TriangleTest<S>>::setup(ray, self.magnitude())),
         }
     }
 

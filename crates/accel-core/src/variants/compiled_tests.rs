@@ -17,26 +17,26 @@ use crate::primitives::{
     Watertight,
 };
 use crate::query::tracer::Tracer;
-use crate::query::tracer::tested::{Testing, tested_as};
+use crate::query::tracer::tested::{TestChoice, tested_as};
 use crate::structure::{BuildError, Structure};
 use crate::variants::chosen_tests::{Choice, SphereChoice, TriangleChoice};
 use crate::variants::sphere_tests::{NaiveSphere, SphereInDouble};
 use crate::variants::triangle_tests::{
-    InDouble, MoellerTrumboreTolerant, Pluecker, WatertightFallback,
+    MoellerTrumboreTolerant, Pluecker, WatertightFallback, WatertightInDouble,
 };
 
 /// By which settings it is built.
-type How<'h, T> = (&'h Settings<<T as Structure<f32>>::Config>, &'h Testing);
+type How<'h, T> = (&'h Settings<<T as Structure<f32>>::Config>, &'h TestChoice);
 
 /// A structure that answers, or why it was not built.
-type Built<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
+type BuiltTracer<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
 
 /// Builds `T`, the tests that the settings choose compiled in; `None` where none is chosen or they are
 /// called.
 pub(crate) fn build<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
     how: How<'_, T>,
-) -> Option<Built<'a>> {
+) -> Option<BuiltTracer<'a>> {
     let Choice { triangle, sphere } = how.1.choice?;
     if how.1.is_direct {
         return None;
@@ -48,7 +48,7 @@ pub(crate) fn build<'a, T: Structure<f32>>(
             TriangleChoice::Pluecker => triangles::<Pluecker, T>(set, how),
             TriangleChoice::Watertight => triangles::<Watertight, T>(set, how),
             TriangleChoice::Fallback => triangles::<WatertightFallback, T>(set, how),
-            TriangleChoice::Double => triangles::<InDouble, T>(set, how),
+            TriangleChoice::Double => triangles::<WatertightInDouble, T>(set, how),
         }),
         PrimsRef::Mixed(set) if set.has_motion() => None,
         PrimsRef::Mixed(set) => Some(match (triangle, sphere) {
@@ -68,7 +68,7 @@ pub(crate) fn build<'a, T: Structure<f32>>(
                 mixed::<WatertightFallback, Rearranged, T>(set, how)
             }
             (TriangleChoice::Double, SphereChoice::Rearranged) => {
-                mixed::<InDouble, Rearranged, T>(set, how)
+                mixed::<WatertightInDouble, Rearranged, T>(set, how)
             }
             (TriangleChoice::Watertight, SphereChoice::Naive) => {
                 mixed::<Watertight, NaiveSphere, T>(set, how)
@@ -77,7 +77,7 @@ pub(crate) fn build<'a, T: Structure<f32>>(
                 mixed::<Watertight, SphereInDouble, T>(set, how)
             }
             (TriangleChoice::Double, SphereChoice::Double) => {
-                mixed::<InDouble, SphereInDouble, T>(set, how)
+                mixed::<WatertightInDouble, SphereInDouble, T>(set, how)
             }
             _ => return None,
         }),
@@ -87,14 +87,14 @@ pub(crate) fn build<'a, T: Structure<f32>>(
 fn triangles<'a, X: TriangleTest<f32>, T: Structure<f32>>(
     set: &'a TriangleSet<f32>,
     how: How<'_, T>,
-) -> Built<'a> {
+) -> BuiltTracer<'a> {
     tested_as::<f32, _, _, T>(set, set.tested_by::<X>(), how, None)
 }
 
 fn mixed<'a, X: TriangleTest<f32>, Q: SphereTest<f32>, T: Structure<f32>>(
     set: &'a MixedSet<f32>,
     how: How<'_, T>,
-) -> Built<'a> {
+) -> BuiltTracer<'a> {
     tested_as::<f32, _, _, T>(set, set.retested::<X, Q>(), how, None)
 }
 
@@ -158,8 +158,8 @@ mod tests {
         // planted: the same choice, called
         let entry = find("wide-bvh").unwrap();
         let params = entry.params([("triangle-test", "watertight")]).unwrap();
-        type Wide = crate::structures::wide_bvh::WideBvh<f32>;
-        let called = prepare::<f32, Wide>(&params)(sets[0], None).unwrap();
+        type WideBvhF32 = crate::structures::wide_bvh::WideBvh<f32>;
+        let called = prepare::<f32, WideBvhF32>(&params)(sets[0], None).unwrap();
         assert_ne!(called.code(), tracer("wide-bvh", sets[0], &[]).code());
         assert!(!is_compiled(&*called));
     }

@@ -161,9 +161,9 @@ fn in_double<S: Scalar>(corners: [[S; 3]; 3]) -> [S; 3] {
 
 /// The watertight test in f64, of the same vertices and the same ray.
 #[derive(Debug, Clone, Copy)]
-pub struct InDouble;
+pub struct WatertightInDouble;
 
-impl<S: Scalar> TriangleTest<S> for InDouble {
+impl<S: Scalar> TriangleTest<S> for WatertightInDouble {
     type Setup = (Ray<f64>, Shear<f64>);
     const NAME: &'static str = "f64";
 
@@ -193,7 +193,7 @@ impl<S: Scalar> TriangleTest<S> for InDouble {
     }
 }
 
-/// [`InDouble`] in lanes: those that are hit, their parameters rounded to `S`.
+/// [`WatertightInDouble`] in lanes: those that are hit, their parameters rounded to `S`.
 #[inline(always)]
 fn doubled<S: Scalar>(
     block: &TriangleBlock<S>,
@@ -239,9 +239,9 @@ mod tests {
         finds::<f32, MoellerTrumboreTolerant>();
         finds::<f32, Pluecker>();
         finds::<f32, WatertightFallback>();
-        finds::<f32, InDouble>();
+        finds::<f32, WatertightInDouble>();
         finds::<f64, WatertightFallback>();
-        finds::<f64, InDouble>();
+        finds::<f64, WatertightInDouble>();
     }
 
     /// On a coarse lattice, where edges are met exactly, and off it.
@@ -290,6 +290,6 @@ mod tests {
         blocks_agree::<f64, Pluecker>();
         blocks_agree::<f32, WatertightFallback>();
         blocks_agree::<f64, WatertightFallback>();
-        blocks_agree::<f32, InDouble>();
+        blocks_agree::<f32, WatertightInDouble>();
     }
 }

@@ -6,7 +6,7 @@ use accel_core::primitives::{Ball, PrimSet, TriangleSet, Watertight};
 use accel_core::query::cells::{CellKind, NoCells};
 use accel_core::query::entered::{cells_entered, crossed};
 use accel_core::query::tracer::Tracer;
-use accel_core::query::way::{Outcome, Way};
+use accel_core::query::way::{Outcome, TraversalTrace};
 use accel_core::registry::Buildable;
 use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
@@ -210,7 +210,11 @@ fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
 }
 
 /// What is wrong about the way of a ray, and its steps that no cell was found for.
-fn faults_of_way<S: Buildable>(tracer: &dyn Tracer<S>, ray: &Ray<S>, way: &Way<S>) -> Vec<String> {
+fn faults_of_way<S: Buildable>(
+    tracer: &dyn Tracer<S>,
+    ray: &Ray<S>,
+    way: &TraversalTrace<S>,
+) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut hits = [Hit::NONE];
     let counters = tracer.count_closest_hits(&[*ray], &mut hits);
@@ -291,7 +295,8 @@ fn ways_with_a_step_or_a_test_less_are_found_out() {
     for entry in REGISTRY {
         let tracer = built(entry, set, settings(entry).next().unwrap());
         let way = tracer.way(&ray).unwrap();
-        let found = |planted: &Way<f32>| !faults_of_way(&*tracer, &ray, planted).is_empty();
+        let found =
+            |planted: &TraversalTrace<f32>| !faults_of_way(&*tracer, &ray, planted).is_empty();
         assert!(!found(&way), "{}", entry.info.name);
         let mut shorter = way.clone();
         shorter.steps.pop();

@@ -1,7 +1,7 @@
 //! Mistakes in a line of a registry.
 
 use accel_core::params::{ParamKind, ParamSpec};
-use accel_core::registry::{Listed as _, check};
+use accel_core::registry::{RegistryItem as _, check};
 use accel_core::structure::StructureInfo;
 use accel_core::structures::{Entry, REGISTRY, Traceable};
 

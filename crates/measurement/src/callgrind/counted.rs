@@ -26,7 +26,7 @@ const FEW_RAYS: usize = 16;
 
 /// A row, and which calls of [`counted_phase`] were its.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Counted {
+pub struct CountedCalls {
     /// Scene.
     pub scene: String,
     /// Structure.
@@ -53,7 +53,7 @@ pub fn counted_phase(work: &mut dyn FnMut()) {
 ///
 /// # Errors
 /// [`MeasureError`] for scenes that cannot be loaded and structures that cannot answer.
-pub fn count_all(plan: &Plan<'_>) -> Result<Vec<Counted>, MeasureError> {
+pub fn count_all(plan: &Plan<'_>) -> Result<Vec<CountedCalls>, MeasureError> {
     let mut counted = Vec::new();
     let mut calls = 0;
     // one pool for all scenes: threads that end while others begin change what allocating costs
@@ -73,7 +73,7 @@ fn count_scene<S: Buildable>(
     loaded: &LoadedScene,
     pool: &ThreadPool,
     calls: &mut usize,
-    counted: &mut Vec<Counted>,
+    counted: &mut Vec<CountedCalls>,
 ) -> Result<(), MeasureError> {
     with_rays::<S>(plan, loaded, pool, |geometry, lights, all| {
         for row in &plan.rows {
@@ -93,7 +93,7 @@ fn count_scene<S: Buildable>(
                     *calls - 1
                 })
             };
-            counted.push(Counted {
+            counted.push(CountedCalls {
                 scene: loaded.scene.name.clone(),
                 structure: row.structure().into(),
                 settings: row.settings(),

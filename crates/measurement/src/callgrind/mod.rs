@@ -135,7 +135,7 @@ pub fn count(
     let folder = Scratch::new()?;
     let mut command = callgrind(&folder);
     command.arg(program).args(arguments(allow_outside)).arg("count-instructions");
-    let phases: Vec<counted::Counted> = answer(&mut command, &without_samples(record))?;
+    let phases: Vec<counted::CountedCalls> = answer(&mut command, &without_samples(record))?;
     let totals = totals(&folder.0)?;
     let expected = phases.iter().flat_map(|p| [p.build_call, p.trace_call]).flatten().count();
     if totals.len() != expected {

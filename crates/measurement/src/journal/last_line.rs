@@ -81,8 +81,8 @@ mod tests {
         let (out, temporary) = (within.path().join("a/out"), within.path().join("temporary"));
         fs::create_dir(&temporary).unwrap();
         /// What happened to the folder.
-        type Fate = fn(&Path);
-        let fates: [(Fate, bool); 4] = [
+        type FolderFate = fn(&Path);
+        let fates: [(FolderFate, bool); 4] = [
             (|_| {}, true),
             (|out| fs::remove_dir_all(out.parent().unwrap()).unwrap(), true),
             (

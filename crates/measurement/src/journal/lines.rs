@@ -121,7 +121,7 @@ pub enum LineError {
 
 /// A scene that is finished.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Finished {
+pub struct FinishedScene {
     /// Its line in the journal, counted from 1.
     pub line: usize,
     /// Its rows.
@@ -134,13 +134,13 @@ pub type Deaths = BTreeMap<(usize, Option<String>), usize>;
 
 /// What a journal holds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Recovered {
+pub struct RecoveredRun {
     /// What the run is.
     pub manifest: Manifest,
     /// What its further lines are sealed with.
     pub seal: Seal,
     /// The finished scenes, by their places among the scenes of the manifest.
-    pub finished: BTreeMap<usize, Finished>,
+    pub finished: BTreeMap<usize, FinishedScene>,
     /// Every scene had its turn.
     pub is_complete: bool,
     /// The scene in which the program ended without a word: killed, or out of memory.
@@ -156,7 +156,7 @@ pub struct Recovered {
 ///
 /// # Errors
 /// [`LineError`].
-pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
+pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
     let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |last| last + 1);
     let text = bytes.get(..whole).unwrap_or_default();
     let mut lines = text.split_inclusive(|&b| b == b'\n').enumerate();
@@ -178,7 +178,7 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
         Line::Begun(manifest) => *manifest,
         _ => return Err(damaged(0, &"expected the manifest of a run")),
     };
-    let mut found = Recovered {
+    let mut found = RecoveredRun {
         manifest,
         seal: Seal::behind(&first),
         finished: BTreeMap::new(),
@@ -225,7 +225,7 @@ pub fn read(bytes: &[u8]) -> Result<Recovered, LineError> {
             Line::Finished { scene, record } => {
                 known(scene)?;
                 found.manifest.holds(scene, &record).map_err(|e| damaged(i, &e))?;
-                let finished = Finished { line: i + 1, record: *record };
+                let finished = FinishedScene { line: i + 1, record: *record };
                 if found.finished.insert(scene, finished).is_some() {
                     return Err(damaged(i, &format!("scene {scene} is finished twice")));
                 }

@@ -10,7 +10,7 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 pub use crate::journal::last_line::LastLine;
-use crate::journal::lines::{Line, LineError, Manifest, Recovered, read};
+use crate::journal::lines::{Line, LineError, Manifest, RecoveredRun, read};
 use crate::journal::seal::Seal;
 use crate::system::interrupt::undisturbed;
 use presentation::format_error::FormatError;
@@ -122,7 +122,7 @@ impl Journal {
     ///
     /// # Errors
     /// [`JournalError`].
-    pub fn resume(folder: &Path) -> Result<(Self, Recovered), JournalError> {
+    pub fn resume(folder: &Path) -> Result<(Self, RecoveredRun), JournalError> {
         let mut journal = Self::open(folder, false)?;
         let found = read(&journal.bytes()?)
             .map_err(|source| JournalError::Lines { path: journal.path.clone(), source })?;

@@ -1,7 +1,7 @@
 //! Which structures with which settings: the rows of the tables.
 
 use accel_core::params::{ParamError, ParamSpec, Params};
-use accel_core::registry::{Entry, Listed};
+use accel_core::registry::{Entry, RegistryItem};
 use accel_core::structures::Traceable;
 use accel_core::variants::chosen_tests;
 
@@ -9,32 +9,32 @@ use crate::plan::error::PlanError;
 use crate::settings::suggest;
 
 /// A structure (or occluder) with settings.
-pub struct Row<'r, L: Listed = Traceable> {
+pub struct Row<'r, L: RegistryItem = Traceable> {
     /// The structure.
     pub entry: &'r Entry<L>,
     /// Its settings.
     pub params: Params,
 }
 
-impl<L: Listed> Clone for Row<'_, L> {
+impl<L: RegistryItem> Clone for Row<'_, L> {
     fn clone(&self) -> Self {
         Self { entry: self.entry, params: self.params.clone() }
     }
 }
 
-impl<L: Listed> std::fmt::Debug for Row<'_, L> {
+impl<L: RegistryItem> std::fmt::Debug for Row<'_, L> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(&self.label())
     }
 }
 
-impl<L: Listed> PartialEq for Row<'_, L> {
+impl<L: RegistryItem> PartialEq for Row<'_, L> {
     fn eq(&self, other: &Self) -> bool {
         self.params == other.params
     }
 }
 
-impl<'r, L: Listed> Row<'r, L> {
+impl<'r, L: RegistryItem> Row<'r, L> {
     /// The structure's name.
     pub fn structure(&self) -> &'static str {
         self.entry.info.name
@@ -114,7 +114,7 @@ pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
 ///
 /// # Errors
 /// [`PlanError`] naming the structures there are, or the form.
-pub fn parse_settings<'r, 't, L: Listed>(
+pub fn parse_settings<'r, 't, L: RegistryItem>(
     registry: &'r [Entry<L>],
     text: &'t str,
 ) -> Result<(&'r Entry<L>, Assignments<'t>), PlanError> {
@@ -125,7 +125,7 @@ pub fn parse_settings<'r, 't, L: Listed>(
 }
 
 /// `--set structure.name=value`.
-struct Override<'r, 't, L: Listed> {
+struct Override<'r, 't, L: RegistryItem> {
     entry: &'r Entry<L>,
     name: &'t str,
     value: &'t str,
@@ -137,7 +137,7 @@ struct Override<'r, 't, L: Listed> {
 ///
 /// # Errors
 /// [`PlanError`] naming what is valid.
-pub fn select<'r, L: Listed>(
+pub fn select<'r, L: RegistryItem>(
     registry: &'r [Entry<L>],
     structures: &[String],
     overrides: &[String],
@@ -181,7 +181,10 @@ pub fn select<'r, L: Listed>(
 }
 
 /// The error for `--set` of a structure that no row is of, or of none at all.
-pub fn override_without_row<L: Listed>(registry: &[Entry<L>], overrides: &[String]) -> PlanError {
+pub fn override_without_row<L: RegistryItem>(
+    registry: &[Entry<L>],
+    overrides: &[String],
+) -> PlanError {
     let Some(text) = overrides.first() else { return PlanError::NoRows };
     match parse_override(registry, text) {
         Ok(o) => PlanError::OverrideWithoutRow { structure: o.entry.info.name },
@@ -189,7 +192,7 @@ pub fn override_without_row<L: Listed>(registry: &[Entry<L>], overrides: &[Strin
     }
 }
 
-fn parse_override<'r, 't, L: Listed>(
+fn parse_override<'r, 't, L: RegistryItem>(
     registry: &'r [Entry<L>],
     text: &'t str,
 ) -> Result<Override<'r, 't, L>, PlanError> {
@@ -216,7 +219,7 @@ fn assignment<'t>(part: &'t str, whole: &str) -> Result<(&'t str, &'t str), Plan
 ///
 /// # Errors
 /// [`PlanError::UnknownStructure`].
-pub fn find<'r, L: Listed>(
+pub fn find<'r, L: RegistryItem>(
     registry: &'r [Entry<L>],
     name: &str,
 ) -> Result<&'r Entry<L>, PlanError> {
@@ -234,7 +237,7 @@ pub fn find<'r, L: Listed>(
 ///
 /// # Errors
 /// [`PlanError::Param`] naming those there are.
-pub fn find_param<L: Listed>(
+pub fn find_param<L: RegistryItem>(
     entry: &Entry<L>,
     name: &str,
 ) -> Result<&'static ParamSpec, PlanError> {
@@ -246,7 +249,7 @@ pub fn find_param<L: Listed>(
     })
 }
 
-fn param_error<L: Listed>(error: ParamError, entry: &Entry<L>) -> PlanError {
+fn param_error<L: RegistryItem>(error: ParamError, entry: &Entry<L>) -> PlanError {
     let params = || entry.info.params.iter().chain(L::COMMON);
     let hint = match &error {
         ParamError::Unknown { name, .. } => suggest::hint(name, params().map(|p| p.name)),

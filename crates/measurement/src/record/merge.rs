@@ -109,7 +109,7 @@ pub struct Part {
 
 /// What parts of one run have in common.
 #[derive(Serialize)]
-struct Common<'a> {
+struct SharedSettings<'a> {
     tool: &'a crate::record::Tool,
     compiler: &'a crate::record::Compiler,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -128,12 +128,12 @@ struct CommonScene<'a> {
     primitives: u64,
     rays: &'a BTreeMap<String, u64>,
     oracle: &'a crate::record::OracleRecord,
-    reference: Option<Counted<'a>>,
+    reference: Option<CountedResults<'a>>,
 }
 
 /// What no clock decides of a row.
 #[derive(Serialize)]
-struct Counted<'a> {
+struct CountedResults<'a> {
     verdict: crate::record::Verdict,
     stats: &'a Option<crate::record::StatsRecord>,
     work: &'a Option<crate::record::WorkRecord>,
@@ -190,7 +190,7 @@ fn complete(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>) {
 fn agree(parts: &[(ShardRecord, Part)], mixed: bool, problems: &mut Vec<MergeProblem>) {
     let common = |(shard, part): &(ShardRecord, Part)| {
         let record = &part.record;
-        let common = Common {
+        let common = SharedSettings {
             tool: &record.tool,
             compiler: &record.compiler,
             machine: (!mixed).then_some(&record.machine),
@@ -295,7 +295,7 @@ fn common_scene(scene: &SceneRecord) -> CommonScene<'_> {
         primitives: scene.primitives,
         rays: &scene.rays,
         oracle: &scene.oracle,
-        reference: scene.rows.iter().find(is_whole).map(|row| Counted {
+        reference: scene.rows.iter().find(is_whole).map(|row| CountedResults {
             verdict: row.verdict,
             stats: &row.stats,
             work: &row.work,

@@ -75,10 +75,10 @@ pub fn put(path: &Path, content: &[u8]) -> io::Result<()> {
 const TEMPORARY: &str = ".tmp";
 
 /// Files in a folder that may have been left by processes that were killed: path and process.
-type Left = Vec<(PathBuf, u32)>;
+type LeftoverFiles = Vec<(PathBuf, u32)>;
 
 /// What a process found in the folders that it writes to, each looked through once.
-static FOUND: Mutex<BTreeMap<PathBuf, Left>> = Mutex::new(BTreeMap::new());
+static FOUND: Mutex<BTreeMap<PathBuf, LeftoverFiles>> = Mutex::new(BTreeMap::new());
 
 /// Removes what killed processes left when they wrote this file.
 fn remove_left(path: &Path) {
@@ -96,7 +96,7 @@ fn remove_left(path: &Path) {
     });
 }
 
-fn left_in(folder: &Path) -> Left {
+fn left_in(folder: &Path) -> LeftoverFiles {
     let folder = if folder == Path::new("") { Path::new(".") } else { folder };
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
     let left = entries.filter_map(|entry| {

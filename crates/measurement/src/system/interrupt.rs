@@ -44,7 +44,7 @@ pub fn undisturbed<T>(write: impl FnOnce() -> T) -> T {
 pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 
 /// What is said and marked when a signal comes.
-pub struct Unfinished {
+pub struct InterruptedOutput {
     /// How the journal is marked, and its folder.
     pub journal: Option<(Mark, PathBuf)>,
     /// All scenes.
@@ -53,7 +53,7 @@ pub struct Unfinished {
     pub finished: Arc<AtomicUsize>,
 }
 
-impl Unfinished {
+impl InterruptedOutput {
     /// Marks the journal, if files may be written, and says so.
     fn end(self, signal: i32, may_write: bool) -> String {
         let counts =
@@ -77,7 +77,7 @@ impl Unfinished {
 /// # Errors
 /// The system's, when signals cannot be had.
 #[cfg(unix)]
-pub fn watch(unfinished: Unfinished) -> std::io::Result<()> {
+pub fn watch(unfinished: InterruptedOutput) -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 
     if !IS_ARMED.swap(false, SeqCst) {
@@ -98,7 +98,7 @@ pub fn watch(unfinished: Unfinished) -> std::io::Result<()> {
 /// # Errors
 /// None.
 #[cfg(not(unix))]
-pub fn watch(_: Unfinished) -> std::io::Result<()> {
+pub fn watch(_: InterruptedOutput) -> std::io::Result<()> {
     Ok(())
 }
 
@@ -174,7 +174,7 @@ pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
 }
 
 #[cfg(unix)]
-fn end(unfinished: Unfinished, signal: i32) -> ! {
+fn end(unfinished: InterruptedOutput, signal: i32) -> ! {
     let begin = Instant::now();
     let held = loop {
         match WRITING.try_lock() {

@@ -17,19 +17,19 @@ pub fn drawn(drawing: &Drawing, scale: f64) -> (u32, Vec<Color>) {
     let longest = drawing.size.into_iter().fold(1.0, f64::max);
     let scale = scale.min(MOST / longest);
     let size = drawing.size.map(|x| (x * scale).ceil().max(1.0) as usize);
-    let mut on = Scaled { canvas: Canvas::new(size, color(PAPER)), scale };
+    let mut on = ScaledImage { canvas: Canvas::new(size, color(PAPER)), scale };
     for item in &drawing.items {
         on.item(item);
     }
     (on.canvas.width as u32, on.canvas.pixels)
 }
 
-struct Scaled {
+struct ScaledImage {
     canvas: Canvas,
     scale: f64,
 }
 
-impl Scaled {
+impl ScaledImage {
     fn item(&mut self, item: &Item) {
         match item {
             Item::Boxes(boxes, paint) => {

@@ -9,7 +9,7 @@ const PADDING: f64 = 0.05;
 
 /// An axis with its ends.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Fitted {
+pub struct FittedAxis {
     /// Ends; of logarithms where the axis is logarithmic.
     low: f64,
     high: f64,
@@ -27,7 +27,7 @@ pub struct Tick {
     pub label: Option<String>,
 }
 
-impl Fitted {
+impl FittedAxis {
     /// The axis that shows all the numbers that have a place on it.
     pub fn new(scale: &Scale, numbers: impl Iterator<Item = f64>) -> Self {
         match scale {
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     fn labels(scale: &Scale, numbers: &[f64]) -> Vec<String> {
-        let axis = Fitted::new(scale, numbers.iter().copied());
+        let axis = FittedAxis::new(scale, numbers.iter().copied());
         axis.ticks.into_iter().filter_map(|t| t.label).collect()
     }
 
@@ -165,17 +165,17 @@ mod tests {
         assert_eq!(labels(&Scale::Log, &[1.0, 30.0]), ["1", "2", "5", "10", "20"]);
         assert_eq!(labels(&Scale::Log, &[1e-9, 1e-6, 1e6]).len(), 8, "every second power");
         assert!(labels(&Scale::Log, &[1.1, 1.9]).len() >= 4, "as on a linear axis");
-        let all = Fitted::new(&Scale::Log, [1.0, 1000.0].into_iter()).ticks;
+        let all = FittedAxis::new(&Scale::Log, [1.0, 1000.0].into_iter()).ticks;
         assert!(all.iter().any(|t| t.at == 300.0 && t.label.is_none()), "small ticks between");
     }
 
     #[test]
     fn places() {
-        let axis = Fitted::new(&Scale::Log, [1.0, 100.0].into_iter());
+        let axis = FittedAxis::new(&Scale::Log, [1.0, 100.0].into_iter());
         assert!((axis.place(10.0).unwrap() - 0.5).abs() < 1e-12);
         assert_eq!((axis.place(0.0), axis.place(-1.0), axis.place(1e9)), (None, None, None));
         assert_eq!((axis.nearest_place(-1.0), axis.nearest_place(1e9)), (0.0, 1.0));
-        let words = Fitted::new(&Scale::Words(vec!["a".into(), "b".into()]), [].into_iter());
+        let words = FittedAxis::new(&Scale::Words(vec!["a".into(), "b".into()]), [].into_iter());
         assert_eq!((words.place(0.0), words.place(1.0)), (Some(0.25), Some(0.75)));
     }
 
@@ -183,7 +183,7 @@ mod tests {
     fn axes_without_numbers_or_with_one_have_ends() {
         for scale in [Scale::Linear, Scale::FromZero, Scale::Log] {
             for numbers in [&[][..], &[5.0], &[f64::NAN, f64::INFINITY], &[0.0], &[-3.0]] {
-                let axis = Fitted::new(&scale, numbers.iter().copied());
+                let axis = FittedAxis::new(&scale, numbers.iter().copied());
                 assert!(axis.low < axis.high && axis.high.is_finite(), "{scale:?} {numbers:?}");
             }
         }

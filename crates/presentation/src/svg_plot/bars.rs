@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::fitted::wrapped;
-use crate::svg_plot::axis::Fitted;
+use crate::svg_plot::axis::FittedAxis;
 use crate::svg_plot::document::document_of;
 use crate::svg_plot::format::Format;
 use crate::svg_plot::palette::{GREY, GRID, INK, MARK, PAPER, style_of};
@@ -144,7 +144,7 @@ pub fn chart(chart: &BarChart, format: Format) -> String {
         });
         let from = layout.left + width * i as f64;
         let place = BarPlace {
-            axis: Fitted::new(&column.axis.scale, values.chain([column.base])),
+            axis: FittedAxis::new(&column.axis.scale, values.chain([column.base])),
             left: from + 6.0,
             right: from + width - layout.numbers,
             top: layout.top - 4.0,
@@ -164,7 +164,7 @@ pub fn chart(chart: &BarChart, format: Format) -> String {
 
 /// A column's place.
 struct BarPlace {
-    axis: Fitted,
+    axis: FittedAxis,
     left: f64,
     right: f64,
     top: f64,

@@ -1,7 +1,7 @@
 //! One panel: frame, ticks, curves, marks with their flags, legend.
 
 use crate::fitted::wrapped;
-use crate::svg_plot::axis::Fitted;
+use crate::svg_plot::axis::FittedAxis;
 use crate::svg_plot::flags::spread;
 use crate::svg_plot::format::Format;
 use crate::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
@@ -20,7 +20,7 @@ const LEGEND_STEP: f64 = 18.0;
 const BEND: f64 = 14.0;
 
 /// A drawn panel.
-pub struct Drawn {
+pub struct DrawnPanel {
     /// SVG elements.
     pub elements: String,
     /// Height, in pixels.
@@ -28,7 +28,7 @@ pub struct Drawn {
 }
 
 /// Draws a panel with its upper left corner at the origin.
-pub fn draw(plot: &Plot, format: Format) -> Drawn {
+pub fn draw(plot: &Plot, format: Format) -> DrawnPanel {
     match format {
         Format::Wide => drawn(plot, format, &[]),
         Format::Narrow => {
@@ -66,7 +66,7 @@ fn key(place: usize) -> String {
     if place < 26 { letter.to_string() } else { format!("{letter}{}", place / 26) }
 }
 
-fn drawn(plot: &Plot, format: Format, keys: &[String]) -> Drawn {
+fn drawn(plot: &Plot, format: Format, keys: &[String]) -> DrawnPanel {
     let mut canvas = Canvas::new(plot, format);
     canvas.grid(plot);
     canvas.levels(plot);
@@ -74,15 +74,15 @@ fn drawn(plot: &Plot, format: Format, keys: &[String]) -> Drawn {
     canvas.series(plot);
     canvas.marks(plot);
     let more = canvas.legend(plot, keys);
-    Drawn { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
+    DrawnPanel { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
 }
 
 /// The frame's place and axes, and what is drawn so far.
 struct Canvas {
     pen: Pen,
     format: Format,
-    x: Fitted,
-    y: Fitted,
+    x: FittedAxis,
+    y: FittedAxis,
     left: f64,
     top: f64,
     right: f64,
@@ -121,8 +121,8 @@ impl Canvas {
             pen,
             format,
             left,
-            x: Fitted::new(&plot.x.scale, points().map(|p| p.x)),
-            y: Fitted::new(&plot.y.scale, heights.chain(levels)),
+            x: FittedAxis::new(&plot.x.scale, points().map(|p| p.x)),
+            y: FittedAxis::new(&plot.y.scale, heights.chain(levels)),
             top,
             right: match format {
                 Format::Wide => {

@@ -55,7 +55,7 @@ pub struct Sampling {
 }
 
 /// Several rays per pixel. What is not sampled is not compiled in.
-pub struct Sampled<const AREA: bool, const LENS: bool, const TIME: bool> {
+pub struct SampledEye<const AREA: bool, const LENS: bool, const TIME: bool> {
     eye: EyeRays,
     sampling: Sampling,
 }
@@ -64,7 +64,7 @@ pub struct Sampled<const AREA: bool, const LENS: bool, const TIME: bool> {
 pub fn sampled(eye: EyeRays, sampling: Sampling, flags: [bool; 3]) -> Box<dyn EyeStage> {
     macro_rules! stage {
         ($area:literal, $lens:literal, $time:literal) => {
-            Box::new(Sampled::<$area, $lens, $time> { eye, sampling })
+            Box::new(SampledEye::<$area, $lens, $time> { eye, sampling })
         };
     }
     match flags {
@@ -79,7 +79,9 @@ pub fn sampled(eye: EyeRays, sampling: Sampling, flags: [bool; 3]) -> Box<dyn Ey
     }
 }
 
-impl<const AREA: bool, const LENS: bool, const TIME: bool> EyeStage for Sampled<AREA, LENS, TIME> {
+impl<const AREA: bool, const LENS: bool, const TIME: bool> EyeStage
+    for SampledEye<AREA, LENS, TIME>
+{
     fn rays_per_pixel(&self) -> u32 {
         self.sampling.rays
     }

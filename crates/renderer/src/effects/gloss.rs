@@ -14,7 +14,7 @@ use super::counts::RayCounts;
 use super::effect::{Effect, EffectInfo, counted, used_materials};
 use super::sampler::{Pattern, Purpose};
 use super::settings::RenderSettings;
-use super::stages::{Origin, Scattered, SurfaceHit, WavePosition};
+use super::stages::{Origin, ScatteredRay, SurfaceHit, WavePosition};
 use crate::rays::RayKind;
 use crate::shading::surface::reflect;
 
@@ -47,7 +47,7 @@ impl Lobe {
         place: WavePosition,
         index: u32,
         hit: &SurfaceHit<'_>,
-        out: &mut Vec<Scattered>,
+        out: &mut Vec<ScatteredRay>,
         counts: &mut RayCounts,
     ) {
         let m = hit.point.material;
@@ -78,7 +78,7 @@ impl Lobe {
             if direction.dot(unit) <= 0.0 {
                 continue;
             }
-            out.push(Scattered {
+            out.push(ScatteredRay {
                 hit: index,
                 kind: RayKind::Reflected,
                 direction,

@@ -9,7 +9,7 @@ use super::counts::RayCounts;
 use super::effect::{Effect, EffectInfo, counted, used_materials};
 use super::gloss::Lobe;
 use super::settings::RenderSettings;
-use super::stages::{ScatterStage, Scattered, SurfaceHit, WavePosition};
+use super::stages::{ScatterStage, ScatteredRay, SurfaceHit, WavePosition};
 use crate::rays::RayKind;
 use crate::shading::surface::{reflect, refract};
 
@@ -46,7 +46,7 @@ impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH
         &self,
         place: WavePosition,
         hits: &[SurfaceHit<'_>],
-        out: &mut Vec<Scattered>,
+        out: &mut Vec<ScatteredRay>,
         counts: &mut RayCounts,
     ) {
         let (mut mirrored, mut refracted) = (0, 0);
@@ -55,7 +55,7 @@ impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH
             let normal = hit.point.normal;
             let ray = |kind, direction, share: f64| {
                 let weight = hit.weight.map(|w| w * share);
-                Scattered { hit: index, kind, direction, weight, origin: hit.origin }
+                ScatteredRay { hit: index, kind, direction, weight, origin: hit.origin }
             };
             if ROUGH && m.roughness > 0.0 && m.specular > 0.0 {
                 self.lobe.reflect(place, index, hit, out, counts);

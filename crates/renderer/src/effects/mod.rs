@@ -32,5 +32,7 @@ pub(crate) use plan::plain_stages;
 pub use plan::{EffectPlan, Gating};
 pub use registry::EFFECTS;
 pub use settings::{RenderSettings, Samples};
-pub(crate) use stages::{HitStage, Origin, Scattered, ShadowRay, Stages, SurfaceHit, WavePosition};
+pub(crate) use stages::{
+    HitStage, Origin, ScatteredRay, ShadowRay, Stages, SurfaceHit, WavePosition,
+};
 pub(crate) use textures::ImageColors;

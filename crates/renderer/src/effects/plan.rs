@@ -22,7 +22,7 @@ pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 
 /// An effect that is called for.
 #[derive(Debug, Clone)]
-pub struct Called {
+pub struct RequestedEffect {
     /// The effect.
     pub info: &'static EffectInfo,
     /// What in the scene calls for it.
@@ -33,7 +33,7 @@ pub struct Called {
 #[derive(Debug, Clone)]
 pub struct EffectPlan {
     /// Effects that are called for, in the order of [`EFFECTS`].
-    pub called: Vec<Called>,
+    pub called: Vec<RequestedEffect>,
     /// Numbers of samples.
     pub samples: Samples,
     settings: RenderSettings,
@@ -60,9 +60,9 @@ impl EffectPlan {
     /// The plan for a scene.
     pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
         let called = |info: &&'static EffectInfo| {
-            (info.called_by)(scene, settings).map(|by| Called { info, by })
+            (info.called_by)(scene, settings).map(|by| RequestedEffect { info, by })
         };
-        let called: Vec<Called> = EFFECTS.iter().filter_map(called).collect();
+        let called: Vec<RequestedEffect> = EFFECTS.iter().filter_map(called).collect();
         let scattering = [Effect::Mirror, Effect::Gloss, Effect::Refraction];
         let scatters = called.iter().any(|called| scattering.contains(&called.info.effect));
         Self {

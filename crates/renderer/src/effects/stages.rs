@@ -60,7 +60,7 @@ pub struct ShadowRay {
 
 /// A ray that a hit sends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Scattered {
+pub struct ScatteredRay {
     /// Index of the hit it starts at, within the wave.
     pub hit: u32,
     /// Reflected or refracted.
@@ -112,7 +112,7 @@ pub trait ScatterStage: Send + Sync {
         &self,
         place: WavePosition,
         hits: &[SurfaceHit<'_>],
-        out: &mut Vec<Scattered>,
+        out: &mut Vec<ScatteredRay>,
         counts: &mut RayCounts,
     );
 }

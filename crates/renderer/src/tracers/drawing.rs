@@ -26,7 +26,7 @@ pub struct Frame {
 
 /// An image by cones or beams.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drawn {
+pub struct DrawnImage {
     /// The image.
     pub image: Image,
     /// What its candidate queries cost.

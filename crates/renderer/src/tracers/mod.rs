@@ -9,7 +9,7 @@ mod recording;
 pub mod whitted;
 pub mod work;
 
-pub use drawing::{Drawn, Frame, Structures};
+pub use drawing::{DrawnImage, Frame, Structures};
 pub use info::{Refusal, TracerInfo};
 pub use recording::generate_rays;
 

@@ -23,7 +23,7 @@ use scene_loading::{Rgb, Scene};
 use super::info::TracerInfo;
 use crate::camera::{EyeRays, Sampling};
 use crate::effects::{
-    EffectPlan, Origin, RayCounts, Scattered, ShadowRay, Stages, SurfaceHit, WavePosition,
+    EffectPlan, Origin, RayCounts, ScatteredRay, ShadowRay, Stages, SurfaceHit, WavePosition,
     first_light, plain_stages,
 };
 use crate::film::Image;
@@ -274,7 +274,7 @@ impl<'a> Whitted<'a> {
         row: &mut TracedRow<S>,
     ) -> Vec<Path<S>> {
         let Some(stage) = &self.stages.scatter else { return Vec::new() };
-        let mut scattered = Vec::<Scattered>::new();
+        let mut scattered = Vec::<ScatteredRay>::new();
         let internal = row.counts.total_internal_reflections;
         stage.scatter(place, hits, &mut scattered, &mut row.counts);
         let mut kinds = [0; 2];
@@ -362,7 +362,7 @@ pub fn render<S: Buildable>(
 
 /// An image and the rays it took.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rendered {
+pub struct RenderedImage {
     /// The image.
     pub image: Image,
     /// Its rays.
@@ -375,7 +375,7 @@ pub fn render_plan<S: Buildable>(
     scene: &Scene,
     tracer: &dyn Tracer<S>,
     plan: &EffectPlan,
-) -> Rendered {
+) -> RenderedImage {
     image(&Whitted::planned(scene, plan), tracer, &|| ())
 }
 
@@ -385,7 +385,7 @@ pub fn render_watched<S: Buildable>(
     tracer: &dyn Tracer<S>,
     plan: &EffectPlan,
     row_done: &(dyn Fn() + Sync),
-) -> Rendered {
+) -> RenderedImage {
     image(&Whitted::planned(scene, plan), tracer, row_done)
 }
 
@@ -393,7 +393,7 @@ fn image<S: Buildable>(
     whitted: &Whitted<'_>,
     tracer: &dyn Tracer<S>,
     row_done: &(dyn Fn() + Sync),
-) -> Rendered {
+) -> RenderedImage {
     let [width, height] = whitted.grid;
     let row = |y| {
         let row = whitted.trace_columns(tracer, y, 0..width);
@@ -407,5 +407,5 @@ fn image<S: Buildable>(
         pixels.append(&mut colors);
         counts += more;
     }
-    Rendered { image: Image { width, height, pixels }, counts }
+    RenderedImage { image: Image { width, height, pixels }, counts }
 }

@@ -15,12 +15,12 @@ use super::whitted::Whitted;
 use crate::effects::EffectPlan;
 
 /// A tracer that counts whatever it is asked for. Slower than the one it asks.
-pub struct Counted<'a, S: Buildable> {
+pub struct CountingTracer<'a, S: Buildable> {
     tracer: &'a dyn Tracer<S>,
     total: Mutex<WorkCounters>,
 }
 
-impl<'a, S: Buildable> Counted<'a, S> {
+impl<'a, S: Buildable> CountingTracer<'a, S> {
     /// Counts from 0.
     pub fn new(tracer: &'a dyn Tracer<S>) -> Self {
         Self { tracer, total: Mutex::default() }
@@ -37,7 +37,7 @@ impl<'a, S: Buildable> Counted<'a, S> {
     }
 }
 
-impl<S: Buildable> Tracer<S> for Counted<'_, S> {
+impl<S: Buildable> Tracer<S> for CountingTracer<'_, S> {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         self.count_closest_hits(rays, hits);
     }
@@ -91,7 +91,7 @@ pub fn pixel_work<S: Buildable>(
     let whitted = Whitted::planned(scene, plan);
     let (width, height) = (whitted.columns(), whitted.rows());
     let one = |y: u32, x: u32| {
-        let counted = Counted::new(tracer);
+        let counted = CountingTracer::new(tracer);
         whitted.trace_columns(&counted, y, x..x + 1);
         let work = counted.total();
         let start = now();

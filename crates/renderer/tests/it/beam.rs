@@ -11,15 +11,15 @@ use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{Surfaces, reflect};
-use renderer::tracers::beam::{Covered, Settings, coverage, draw};
-use renderer::tracers::{Drawn, Frame, Structures};
-use renderer::{EffectPlan, Geometry, Rendered, render_plan};
+use renderer::tracers::beam::{CoveredArea, Settings, coverage, draw};
+use renderer::tracers::{DrawnImage, Frame, Structures};
+use renderer::{EffectPlan, Geometry, RenderedImage, render_plan};
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
 
 use crate::common::{rmse, settings};
 use crate::flat_scenes::*;
 
-type Coverage = Vec<Vec<Covered>>;
+type Coverage = Vec<Vec<CoveredArea>>;
 
 /// Asks `ask` with a kd-tree for rays and the structure of that name for frusta.
 fn over<R>(scene: &Scene, frusta: &str, ask: impl FnOnce(Structures<'_>) -> R) -> R {
@@ -41,11 +41,11 @@ fn covered(scene: &Scene, frame: Frame, settings: &Settings) -> Coverage {
     over(scene, "uniform-grid", |over| coverage(scene, frame, settings, over).unwrap())
 }
 
-fn drawn(scene: &Scene, frame: Frame) -> Drawn {
+fn drawn(scene: &Scene, frame: Frame) -> DrawnImage {
     over(scene, "uniform-grid", |over| draw(scene, frame, &Settings::default(), over).unwrap())
 }
 
-fn count(drawn: &Drawn, what: &str) -> u64 {
+fn count(drawn: &DrawnImage, what: &str) -> u64 {
     drawn.counts.iter().find(|(name, _)| *name == what).expect("a count of that name").1
 }
 
@@ -159,7 +159,7 @@ fn eye_beams_cover_what_samples_cover() {
             let large = dropped[pixel].iter().position(|c| c.area > 0.1 && c.area < 0.9).unwrap();
             let taken = dropped[pixel].remove(large);
             assert!(fault(&dropped, &samples).is_some(), "{} {pixel}", scene.name);
-            dropped[pixel].push(Covered { id: Some(u32::MAX), ..taken });
+            dropped[pixel].push(CoveredArea { id: Some(u32::MAX), ..taken });
             assert!(fault(&dropped, &samples).is_some(), "{} {pixel}", scene.name);
         }
     }
@@ -279,7 +279,7 @@ fn the_shadow_of_a_square_has_exact_edges() {
 }
 
 /// The image of single rays, with so many samples per pixel.
-fn supersampled(scene: &Scene, size: u32, samples: u32) -> Rendered {
+fn supersampled(scene: &Scene, size: u32, samples: u32) -> RenderedImage {
     let wishes = SampleWishes { supersamples: Some(samples), ..SampleWishes::default() };
     let plan = EffectPlan::of(scene, &settings([size; 2], wishes));
     over(scene, "brute-force", |over| render_plan(scene, over.rays, &plan))
@@ -293,7 +293,7 @@ fn difference(scene: &Scene, size: u32, samples: u32) -> [f64; 2] {
     let mean = (own - expected.image.pixels.as_flattened().iter().sum::<f64>())
         / image.pixels.as_flattened().len() as f64;
     let counts = expected.counts;
-    [rmse(&Rendered { image, counts }, &expected), mean.abs()]
+    [rmse(&RenderedImage { image, counts }, &expected), mean.abs()]
 }
 
 #[test]
@@ -360,7 +360,7 @@ fn glass_bends_beams_as_rays_but_for_what_a_pixel_spans() {
         let drawn =
             over(&scene, "uniform-grid", |over| draw(&scene, size, &settings, over).unwrap());
         assert!(count(&drawn, "refracted beams") > 20, "{:?}", drawn.counts);
-        rmse(&Rendered { image: drawn.image, counts: expected.counts }, &expected)
+        rmse(&RenderedImage { image: drawn.image, counts: expected.counts }, &expected)
     };
     let [coarse, default, fine] = [0.5, Settings::default().bend, 0.03].map(error);
     // stripes of contrast 1 that are off by part of a pixel; samples alone leave 0.0003

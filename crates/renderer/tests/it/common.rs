@@ -1,7 +1,7 @@
 //! Effect scenes and images of them.
 
 use accel_core::structures::{REGISTRY, find};
-use renderer::{EffectPlan, Geometry, RenderSettings, Rendered, render_plan};
+use renderer::{EffectPlan, Geometry, RenderSettings, RenderedImage, render_plan};
 use scene_loading::{SampleWishes, Scene, SceneCatalogue};
 
 /// Every scene of the set `effects`.
@@ -31,7 +31,7 @@ pub fn settings(resolution: [u32; 2], samples: SampleWishes) -> RenderSettings {
 }
 
 /// The image of a plan through the structure of that name.
-pub fn image_of(scene: &Scene, plan: &EffectPlan, structure: &str) -> Rendered {
+pub fn image_of(scene: &Scene, plan: &EffectPlan, structure: &str) -> RenderedImage {
     let geometry = Geometry::<f32>::of(scene).unwrap();
     let entry = find(structure).unwrap_or(&REGISTRY[0]);
     let tracer = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
@@ -39,17 +39,17 @@ pub fn image_of(scene: &Scene, plan: &EffectPlan, structure: &str) -> Rendered {
 }
 
 /// The image that the scene calls for.
-pub fn image(scene: &Scene, settings: &RenderSettings) -> Rendered {
+pub fn image(scene: &Scene, settings: &RenderSettings) -> RenderedImage {
     image_of(scene, &EffectPlan::of(scene, settings), "obvhs-bvh2")
 }
 
 /// All bits of an image.
-pub fn bits(rendered: &Rendered) -> Vec<u64> {
+pub fn bits(rendered: &RenderedImage) -> Vec<u64> {
     rendered.image.pixels.iter().flatten().map(|x| x.to_bits()).collect()
 }
 
 /// Root of the mean square difference of two images.
-pub fn rmse(a: &Rendered, b: &Rendered) -> f64 {
+pub fn rmse(a: &RenderedImage, b: &RenderedImage) -> f64 {
     let (a, b) = (a.image.pixels.as_flattened(), b.image.pixels.as_flattened());
     let sum: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
     (sum / a.len() as f64).sqrt()

@@ -11,10 +11,10 @@ use glam::{DVec2, DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::cone::circular_cone::Cone;
 use renderer::tracers::cone::compose::{Fragment, compose};
-use renderer::tracers::cone::coverage::Left;
+use renderer::tracers::cone::coverage::DepartedSurface;
 use renderer::tracers::cone::forms::Forms;
 use renderer::tracers::cone::{Settings, draw, refusal};
-use renderer::tracers::{Drawn, Frame, Structures};
+use renderer::tracers::{DrawnImage, Frame, Structures};
 use renderer::{EffectPlan, Geometry, Image, RenderSettings, render_plan};
 use scene_loading::procedural::generate;
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
@@ -22,14 +22,19 @@ use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
 use crate::common::{effect_scene, image, settings};
 
 /// The image by cones, the candidates from the structure of that name.
-fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> Drawn {
+fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> DrawnImage {
     let geometry = Geometry::<f64>::of(scene).unwrap();
     let frusta = frustum_queries::find(structure).unwrap();
     let frusta = frusta.build(geometry.prims(), &frusta.params([]).unwrap()).unwrap();
     through(scene, frame, settings, frusta.as_ref())
 }
 
-fn through(scene: &Scene, frame: Frame, settings: &Settings, frusta: &dyn FrustumQueries) -> Drawn {
+fn through(
+    scene: &Scene,
+    frame: Frame,
+    settings: &Settings,
+    frusta: &dyn FrustumQueries,
+) -> DrawnImage {
     let geometry = Geometry::<f64>::of(scene).unwrap();
     let entry = find("kd-tree").unwrap();
     let rays = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
@@ -159,7 +164,7 @@ fn coverage_stays_within_its_bounds() {
                 cone.end = origin.distance(target);
             }
             let plane = (random.unit() < 0.3).then(|| (axis, axis.dot(origin)));
-            let left = Left { id: 0, inwards: random.unit() < 0.5, plane };
+            let left = DepartedSurface { id: 0, inwards: random.unit() < 0.5, plane };
             let mut sum = 0.0;
             for id in 0..scene.primitives.len() as u32 {
                 tested += 1;

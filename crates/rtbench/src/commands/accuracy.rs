@@ -27,7 +27,7 @@ use studies::accuracy::axes::select;
 use studies::accuracy::axis::Axis;
 use studies::accuracy::processes::join;
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
-use studies::accuracy::stage::{Prepared, Stage};
+use studies::accuracy::stage::{PreparedScene, Stage};
 use studies::accuracy::{columns, effect_prices, parts, pictures, plot, summary, tables};
 use studies::error::StudyError;
 
@@ -238,7 +238,7 @@ impl Study {
                 }
             };
             for subject in subjects {
-                let shared = Shared {
+                let shared = AxisContext {
                     registry: context.registry,
                     occluders: context.occluders,
                     clock: context.clock,
@@ -277,18 +277,18 @@ struct Limits {
 }
 
 /// What all axes work with.
-struct Shared<'a> {
+struct AxisContext<'a> {
     registry: &'a [accel_core::structures::Entry],
     occluders: &'a [accel_core::occluders::Entry],
     clock: &'a dyn measurement::system::clock::Clock,
 }
 
-impl Shared<'_> {
+impl AxisContext<'_> {
     fn on_scene(
         &self,
         (axis, subject): (&'static Axis, &str),
         name: &str,
-        prepared: &Prepared,
+        prepared: &PreparedScene,
         limits: &Limits,
     ) -> Result<SceneOutcome, Error> {
         let stage = Stage {
@@ -313,11 +313,15 @@ impl Shared<'_> {
 struct Scenes {
     size: u32,
     seed: u64,
-    prepared: BTreeMap<String, Prepared>,
+    prepared: BTreeMap<String, PreparedScene>,
 }
 
 impl Scenes {
-    fn of(&mut self, known: &dyn KnownScene, context: &Context<'_>) -> Result<&Prepared, Error> {
+    fn of(
+        &mut self,
+        known: &dyn KnownScene,
+        context: &Context<'_>,
+    ) -> Result<&PreparedScene, Error> {
         if !self.prepared.contains_key(known.name()) {
             let settings = RaySettings {
                 resolution: [self.size; 2],
@@ -325,7 +329,7 @@ impl Scenes {
                 ..RaySettings::default()
             };
             let scene = known.load()?.scene;
-            let prepared = Prepared::new(scene, context.registry, &settings)?;
+            let prepared = PreparedScene::new(scene, context.registry, &settings)?;
             self.prepared.insert(known.name().to_owned(), prepared);
         }
         let kept = self.prepared.get(known.name()).ok_or_else(|| MeasureError::NoAnswers {

@@ -22,7 +22,9 @@ use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
 use studies::cost::model::{CountedWork, Model};
 use studies::cost::test_time::seconds_per_test;
-use studies::cost::{CostRow, Factor, Traced, counted, factors, is_near, measured, rows, worst};
+use studies::cost::{
+    CostRow, Factor, TracedStructure, counted, factors, is_near, measured, rows, worst,
+};
 use studies::effect_plan::plan_of;
 
 /// Scenes that the times are taken from: the first two that are not the one in question.
@@ -73,7 +75,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         let rows = pool.install(|| {
             let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
             let seconds_per_test = seconds_per_test(geometry.prims(), clock);
-            let traced = Traced { tracer: &*tracer, seconds_per_test };
+            let traced = TracedStructure { tracer: &*tracer, seconds_per_test };
             let rows = rows(&loaded, traced, &settings, &model, clock);
             if args.heat_maps.is_some() {
                 let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
@@ -116,7 +118,7 @@ fn calibrate(
     let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
     let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
     let seconds_per_test = seconds_per_test(geometry.prims(), clock);
-    let traced = Traced { tracer: &*tracer, seconds_per_test };
+    let traced = TracedStructure { tracer: &*tracer, seconds_per_test };
     let factors = factors(scene, settings);
     let seconds = measured(scene, &*tracer, &factors, clock);
     let work = |factor: &Factor| counted(scene, traced, &factor.plan);

@@ -4,11 +4,11 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
-use measurement::journal::lines::{Finished, Manifest, Recovered};
+use measurement::journal::lines::{FinishedScene, Manifest, RecoveredRun};
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
-use measurement::system::interrupt::{self, Mark, Unfinished};
+use measurement::system::interrupt::{self, InterruptedOutput, Mark};
 use measurement::system::progress::Progress;
 
 use crate::commands::measuring::Kept;
@@ -16,13 +16,13 @@ use crate::context::Context;
 use crate::error::Error;
 
 /// A run that was begun in a folder, and what it left there.
-pub struct Begun<'f> {
+pub struct ResumedRun<'f> {
     /// The folder.
     pub folder: &'f Path,
     /// Its journal.
     pub journal: Journal,
     /// What the journal holds.
-    pub found: Recovered,
+    pub found: RecoveredRun,
 }
 
 /// What is left to do of a run that was begun, and its record, which goes on with `record`.
@@ -31,15 +31,15 @@ pub struct Begun<'f> {
 /// [`JournalError::Differs`] where the plan is not that of the run.
 pub fn go_on(
     context: &mut Context<'_>,
-    begun: Begun<'_>,
+    begun: ResumedRun<'_>,
     plan: &Plan<'_>,
     mut record: RunRecord,
 ) -> Result<(Kept, RunRecord), Error> {
-    let Begun { folder, journal, found } = begun;
-    let Recovered { manifest: was, finished, died_in, deaths, .. } = found;
+    let ResumedRun { folder, journal, found } = begun;
+    let RecoveredRun { manifest: was, finished, died_in, deaths, .. } = found;
     let mut differences = was.differences(&manifest(context, plan, &record));
     let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
-    for (&i, Finished { line, record: scene }) in &finished {
+    for (&i, FinishedScene { line, record: scene }) in &finished {
         progress.message(format!("{}: is it the same?", scene.name));
         let (expected, has) = (plan.rows_in(i), scene.rows.len());
         if expected != has {
@@ -93,7 +93,7 @@ pub fn watch(
         _ => None,
     };
     let finished = Arc::clone(&kept.count);
-    interrupt::watch(Unfinished { journal, scenes, finished }).map_err(Error::Signals)
+    interrupt::watch(InterruptedOutput { journal, scenes, finished }).map_err(Error::Signals)
 }
 
 /// What the run is, for its journal, but for what was asked for.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::args::{Color, ExportArgs, RunArgs, TableArgs};
 use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
-use crate::commands::resumable::{Begun, go_on, manifest, watch};
+use crate::commands::resumable::{ResumedRun, go_on, manifest, watch};
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
@@ -67,7 +67,7 @@ fn resume(
             format!("plugins: was [{had}], is [{has}]: name the same again with --plugin");
         return Err(differs(message).into());
     }
-    let begun = Begun { folder, journal, found };
+    let begun = ResumedRun { folder, journal, found };
     let mut plan = plan_of(context, &settings)?;
     plan.set_view(&begun.found.manifest.settings.view);
     let record = begin(context.world, &context.command_line, &plan);

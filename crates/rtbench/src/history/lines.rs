@@ -46,7 +46,7 @@ impl Quantity {
 
 /// A machine and settings: figures of two of them never stand in one line.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Bench {
+pub struct MachineSetup {
     /// The first of its runs.
     first: usize,
     /// What it is, in words.
@@ -103,7 +103,7 @@ pub struct History {
     /// The runs, in their order.
     pub visits: Vec<Visit>,
     /// Machines and settings.
-    pub benches: Vec<Bench>,
+    pub benches: Vec<MachineSetup>,
     /// Which bench each run was made on.
     pub bench_of: Vec<usize>,
     /// The lines of each row.
@@ -196,12 +196,12 @@ fn figures(row: &RowRecord) -> Vec<(Quantity, Estimate)> {
 
 /// The benches of runs, and which each was made on: two runs share one where nothing is between their ratios
 /// but the program. Scenes are looked at one by one.
-fn benches(visits: &[Visit]) -> (Vec<Bench>, Vec<usize>) {
+fn benches(visits: &[Visit]) -> (Vec<MachineSetup>, Vec<usize>) {
     let parts = |d: &Difference| d.concerns != Concerns::Nothing && !d.what.starts_with("scene ");
-    let mut benches: Vec<Bench> = Vec::new();
+    let mut benches: Vec<MachineSetup> = Vec::new();
     let mut bench_of = Vec::new();
     for (place, visit) in visits.iter().enumerate() {
-        let is_same = |bench: &Bench| {
+        let is_same = |bench: &MachineSetup| {
             let first = visits.get(bench.first);
             first.is_some_and(|first| !differences(&first.run, &visit.run).iter().any(parts))
         };
@@ -213,7 +213,7 @@ fn benches(visits: &[Visit]) -> (Vec<Bench>, Vec<usize>) {
                 let found: Vec<String> = found.into_iter().filter(parts).map(|d| d.what).collect();
                 words += &format!("; from the first machine it differs in {}", found.join(", "));
             }
-            benches.push(Bench { first: place, words });
+            benches.push(MachineSetup { first: place, words });
             benches.len() - 1
         });
         bench_of.push(known);

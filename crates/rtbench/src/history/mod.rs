@@ -16,7 +16,7 @@ mod shell;
 mod visit;
 
 pub use error::HistoryError;
-pub use lines::{Bench, Change, History, Key, Line, Point, Quantity};
+pub use lines::{Change, History, Key, Line, MachineSetup, Point, Quantity};
 pub use visit::{Visit, visits};
 
 use crate::history::names::Names;

@@ -9,7 +9,7 @@ use scene_loading::source_hash::sha256_of_bytes;
 use serde::de::DeserializeOwned;
 
 use crate::report::date::utc;
-use crate::report::records::{LectureRow, Reproduced};
+use crate::report::records::{LectureRow, ReproducedFigure};
 use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
@@ -84,7 +84,7 @@ pub struct Material {
     /// Of `rtbench sweep`.
     pub sweeps: Vec<SweepPlot>,
     /// Of `rtbench reproduce havran1999`.
-    pub counters: Option<Vec<Reproduced>>,
+    pub counters: Option<Vec<ReproducedFigure>>,
     /// Of `rtbench reproduce zachmann2007`.
     pub lecture: Option<Vec<LectureRow>>,
 }

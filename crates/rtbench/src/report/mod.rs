@@ -14,7 +14,7 @@ mod side_by_side;
 
 pub use date::utc;
 pub use material::ReportError;
-pub use page::{Page, Shown, file_name};
+pub use page::{Page, SectionOutcome, file_name};
 
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
@@ -30,7 +30,7 @@ pub struct Section {
     /// The command that makes what it shows; `DIR` is the folder.
     pub made_by: &'static str,
     /// Writes it, or nothing where the folder has nothing for it.
-    pub write: fn(&Material, &mut Page) -> Shown,
+    pub write: fn(&Material, &mut Page) -> SectionOutcome,
 }
 
 /// What makes all sections that every page has.
@@ -93,7 +93,7 @@ const fn section(
     id: &'static str,
     title: &'static str,
     made_by: &'static str,
-    write: fn(&Material, &mut Page) -> Shown,
+    write: fn(&Material, &mut Page) -> SectionOutcome,
 ) -> Section {
     Section { id, title, made_by, write }
 }
@@ -102,7 +102,7 @@ const fn section(
 const ONCE: &str = "glossary";
 
 /// A finished page.
-pub struct Finished {
+pub struct FinishedPage {
     /// HTML that is well-formed XML, too.
     pub html: String,
     /// Its plots: file names and SVG.
@@ -123,7 +123,7 @@ struct Part {
 }
 
 /// The page of all that the folders have. Where it lies beside the only record it links to it.
-pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> Finished {
+pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> FinishedPage {
     let mut page = Page { is_beside_record, progress, ..Page::default() };
     let title = format!("rtbench: {}", title(runs));
     let mut html = begun(&title);
@@ -143,7 +143,7 @@ pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> Fi
     }
     let Page { plots, progress, .. } = page;
     progress.finish();
-    Finished { html: finished(html), plots }
+    FinishedPage { html: finished(html), plots }
 }
 
 /// Answers of all runs, the runs side by side, and each by itself in a part that is folded.
@@ -190,7 +190,7 @@ fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> V
     for section in SECTIONS.iter().filter(|section| is_wanted(section.id)) {
         let shown = (section.write)(run, page);
         let body = std::mem::take(&mut page.html).finish();
-        if shown == Shown::Yes {
+        if shown == SectionOutcome::Yes {
             parts.push(Part { id: page.anchor(section.id), title: section.title, body });
         }
     }

@@ -5,7 +5,7 @@ use statistics::estimate::Estimate;
 
 /// A figure as `rtbench reproduce havran1999 --export-csv` writes it.
 #[derive(Debug, Clone, Deserialize)]
-pub struct Reproduced {
+pub struct ReproducedFigure {
     pub(super) scene: String,
     pub(super) structure: String,
     pub(super) params: String,

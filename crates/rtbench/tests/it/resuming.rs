@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
-use measurement::journal::lines::{Recovered, read};
+use measurement::journal::lines::{RecoveredRun, read};
 use measurement::journal::seal::Seal;
 use measurement::journal::{Journal, NAME};
 use measurement::record::RunRecord;
@@ -62,7 +62,7 @@ pub fn show(path: &Path) -> String {
     path.display().to_string()
 }
 
-pub fn journal(folder: &Path) -> Recovered {
+pub fn journal(folder: &Path) -> RecoveredRun {
     read(&std::fs::read(folder.join(NAME)).unwrap()).unwrap()
 }
 

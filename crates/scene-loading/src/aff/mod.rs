@@ -33,7 +33,7 @@ use crate::input::read::scene_name;
 use crate::scene::{Camera, Scene};
 use crate::view_options::light_if_dark;
 
-struct Animated {
+struct AnimatedFiles {
     name: String,
     world: World,
     clip: (f64, f64, u32),
@@ -53,7 +53,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, L
         let expected = "an entity `a` with start, end and number of frames";
         LoadError::UnexpectedEnd { place: FilePlace::file(path), expected: expected.into() }
     })?;
-    let mut animated = Animated { name: scene_name(path), world, clip, camera: None };
+    let mut animated = AnimatedFiles { name: scene_name(path), world, clip, camera: None };
     if !animated.world.has_view {
         let mut first = animated.scene(0)?;
         first.frame_camera();
@@ -62,7 +62,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, L
     Ok(Box::new(animated))
 }
 
-impl Animated {
+impl AnimatedFiles {
     fn scene(&self, index: u32) -> Result<Scene, LoadError> {
         let (from, to, frames) = self.clip;
         let steps = f64::from(frames.saturating_sub(1).max(1));
@@ -74,7 +74,7 @@ impl Animated {
     }
 }
 
-impl Animation for Animated {
+impl Animation for AnimatedFiles {
     fn name(&self) -> &str {
         &self.name
     }

@@ -23,7 +23,7 @@ const RATE: f64 = 25.0;
 const LEAST: f64 = 2.0;
 const MOST: f64 = 1500.0;
 
-struct Animated {
+struct AnimatedFile {
     name: String,
     opened: Opened,
     clip: Clip,
@@ -45,12 +45,12 @@ pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Box<dyn Animation>, Loa
         let frames = ((to - from) * RATE).round() + 1.0;
         // at most MOST
         let frames = frames.clamp(LEAST, MOST) as u32;
-        let animated = Animated { name: scene_name(path), opened, clip, frames, camera: None };
+        let animated = AnimatedFile { name: scene_name(path), opened, clip, frames, camera: None };
         Ok(Box::new(animated) as Box<dyn Animation>)
     })
 }
 
-impl Animated {
+impl AnimatedFile {
     fn scene(&self, index: u32) -> Result<Scene, LoadError> {
         guarded(&self.opened.path, || {
             let [from, to] = self.clip.span();
@@ -63,7 +63,7 @@ impl Animated {
     }
 }
 
-impl Animation for Animated {
+impl Animation for AnimatedFile {
     fn name(&self) -> &str {
         &self.name
     }

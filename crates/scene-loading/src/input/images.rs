@@ -54,7 +54,7 @@ pub(crate) enum TextureError {
 
 /// An image in memory.
 #[derive(Debug, Clone)]
-struct Decoded {
+struct DecodedImage {
     size: [u32; 2],
     texels: Arc<[[u8; 3]]>,
 }
@@ -82,7 +82,7 @@ pub(crate) struct TextureReader {
     /// Bytes that may still be read.
     left_to_read: u64,
     /// Images, and why others are none.
-    decoded: HashMap<ImageKey, Result<Decoded, Rc<TextureError>>>,
+    decoded: HashMap<ImageKey, Result<DecodedImage, Rc<TextureError>>>,
     /// Textures of the scene.
     added: HashMap<(ImageKey, [Wrap; 2]), u32>,
 }
@@ -120,7 +120,7 @@ impl TextureReader {
                 found
             }
         };
-        let Decoded { size, texels } = decoded?;
+        let DecodedImage { size, texels } = decoded?;
         if scene.textures.len() >= MAX_TEXTURES {
             return Err(Rc::new(TextureError::TooMany));
         }
@@ -131,7 +131,7 @@ impl TextureReader {
     }
 
     /// The header first, then the budget, then the texels.
-    fn decode(&mut self, bytes: &[u8]) -> Result<Decoded, TextureError> {
+    fn decode(&mut self, bytes: &[u8]) -> Result<DecodedImage, TextureError> {
         self.left_to_read = self.left_to_read.saturating_sub(bytes.len() as u64);
         if !matches!(image::guess_format(bytes), Ok(ImageFormat::Png)) {
             return Err(TextureError::Format);
@@ -153,7 +153,7 @@ impl TextureReader {
         if texels.is_empty() {
             return Err(TextureError::Malformed("no texels".into()));
         }
-        Ok(Decoded { size: [width, height], texels })
+        Ok(DecodedImage { size: [width, height], texels })
     }
 }
 

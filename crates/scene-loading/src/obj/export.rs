@@ -53,10 +53,10 @@ pub fn write_obj(
         names = Some(unique);
     }
     for &v in &scene.vertices {
-        writeln!(obj, "v {}", Xyz(v))?;
+        writeln!(obj, "v {}", SpacedVector(v))?;
     }
     for &n in &scene.normals {
-        writeln!(obj, "vn {}", Xyz(n))?;
+        writeln!(obj, "vn {}", SpacedVector(n))?;
     }
     let mut current = None;
     for primitive in &scene.primitives {
@@ -122,8 +122,8 @@ fn write_mtl(materials: &[Material], names: &[String], out: &mut dyn Write) -> i
     for (material, name) in materials.iter().zip(names) {
         let kd = DVec3::from_array(material.color) * material.diffuse;
         writeln!(out, "newmtl {name}")?;
-        writeln!(out, "Kd {}", Xyz(kd))?;
-        writeln!(out, "Ks {}", Xyz(DVec3::splat(material.specular)))?;
+        writeln!(out, "Kd {}", SpacedVector(kd))?;
+        writeln!(out, "Ks {}", SpacedVector(DVec3::splat(material.specular)))?;
         writeln!(out, "Ns {}", Number(material.shine))?;
         writeln!(out, "Ni {}", Number(material.refraction_index))?;
         writeln!(out, "d {}", Number(1.0 - material.transmittance))?;
@@ -133,9 +133,9 @@ fn write_mtl(materials: &[Material], names: &[String], out: &mut dyn Write) -> i
 }
 
 /// Three numbers with blanks between them.
-struct Xyz(DVec3);
+struct SpacedVector(DVec3);
 
-impl fmt::Display for Xyz {
+impl fmt::Display for SpacedVector {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {} {}", Number(self.0.x), Number(self.0.y), Number(self.0.z))
     }

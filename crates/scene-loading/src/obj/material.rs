@@ -76,7 +76,7 @@ impl Library {
 /// [`LoadError::CountTooLarge`] with the line, [`LoadError::Syntax`] for UTF-16.
 pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadError> {
     let mut library = Library::default();
-    let mut stated: Option<Stated> = None;
+    let mut stated: Option<MaterialStatement> = None;
     let mut count = 0;
     for (i, row) in text_of(path, bytes)?.lines().enumerate() {
         let place = || FilePlace::line(path, i + 1);
@@ -91,7 +91,11 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
             if rest.is_empty() {
                 library.damaged.add(place);
             }
-            let next = Stated { name: rest.to_owned(), line: i + 1, ..Stated::default() };
+            let next = MaterialStatement {
+                name: rest.to_owned(),
+                line: i + 1,
+                ..MaterialStatement::default()
+            };
             if let Some(complete) = stated.replace(next) {
                 complete.finish(path, &mut library);
             }
@@ -121,7 +125,7 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
 
 /// What a file states of one material.
 #[derive(Default)]
-struct Stated {
+struct MaterialStatement {
     name: String,
     /// Of its `newmtl`.
     line: usize,
@@ -135,7 +139,7 @@ struct Stated {
     map: Option<ColorMap>,
 }
 
-impl Stated {
+impl MaterialStatement {
     /// Reads the numbers of a property; none where they are not what it takes.
     fn property(&mut self, keyword: &str, rest: &str) -> Option<()> {
         let words: Vec<&str> =

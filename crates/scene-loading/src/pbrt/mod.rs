@@ -37,7 +37,7 @@ use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
 use crate::mesh::{FaceCounts, Tally};
 use crate::pbrt::looks::{LightEntry, add_lights};
 use crate::pbrt::params::{Inherited, Params};
-use crate::pbrt::shapes::{Adding, LeftOut};
+use crate::pbrt::shapes::{ShapeSink, UnsupportedShape};
 use crate::pbrt::state::{Attributes, LIGHT, MATERIAL, SHAPE, State};
 use crate::pbrt::tokens::{Token, Tokens};
 use crate::ply::add_ply;
@@ -316,7 +316,7 @@ impl Loader<'_> {
             "plymesh" => Some(self.ply_of(&params)?),
             _ => None,
         };
-        let mut adding = Adding {
+        let mut adding = ShapeSink {
             scene: match &mut self.object {
                 Some((_, object)) => object,
                 None => &mut self.scene,
@@ -336,7 +336,7 @@ impl Loader<'_> {
                 add_ply(&path, &bytes, self.triangulate, material, adding.scene)?;
                 adding.place_since(vertices, normals, &path).map(Ok)
             }
-            _ => Ok(Err(LeftOut)),
+            _ => Ok(Err(UnsupportedShape)),
         };
         if added?.is_err() {
             let what = match kind.as_str() {
@@ -369,7 +369,7 @@ impl Loader<'_> {
         let Some((number, object)) = self.objects.get(&name) else {
             return Err(LoadError::syntax(place(), &name, "an object before it"));
         };
-        let mut adding = Adding {
+        let mut adding = ShapeSink {
             scene: &mut self.scene,
             counts: &mut self.counts,
             transform: self.state.now.transform,

@@ -12,7 +12,7 @@ use crate::pbrt::state::uniform_scale;
 use crate::scene::{Primitive, Scene, Shape};
 
 /// A shape that scenes here do not have.
-pub(super) struct LeftOut;
+pub(super) struct UnsupportedShape;
 
 /// The most there may be of vertices, normals, or primitives after so many more of each.
 pub(super) fn check_size(
@@ -30,7 +30,7 @@ pub(super) fn check_size(
 }
 
 /// What shapes need to be added.
-pub(super) struct Adding<'a> {
+pub(super) struct ShapeSink<'a> {
     pub scene: &'a mut Scene,
     pub counts: &'a mut FaceCounts,
     pub transform: DMat4,
@@ -38,7 +38,7 @@ pub(super) struct Adding<'a> {
     pub triangulate: bool,
 }
 
-impl Adding<'_> {
+impl ShapeSink<'_> {
     /// `trianglemesh` and `bilinearmesh`: `corners` is 3 or 4.
     pub fn mesh(&mut self, params: &Params, corners: usize) -> Result<(), LoadError> {
         let place = || params.place();
@@ -99,7 +99,7 @@ impl Adding<'_> {
     }
 
     /// `sphere`, whole, where the transform keeps it one.
-    pub fn sphere(&mut self, params: &Params) -> Result<Result<(), LeftOut>, LoadError> {
+    pub fn sphere(&mut self, params: &Params) -> Result<Result<(), UnsupportedShape>, LoadError> {
         let radius = params.number("radius", 1.0)?;
         if radius <= 0.0 {
             let (what, found) = ("radius".to_owned(), radius.to_string());
@@ -107,7 +107,7 @@ impl Adding<'_> {
             return Err(LoadError::OutOfRange { place: params.place(), what, found, expected });
         }
         check_size(self.scene, 1, || params.place())?;
-        let Some(scale) = uniform_scale(&self.transform) else { return Ok(Err(LeftOut)) };
+        let Some(scale) = uniform_scale(&self.transform) else { return Ok(Err(UnsupportedShape)) };
         let center = self.transform.transform_point3(DVec3::ZERO);
         checked(center + DVec3::splat(radius * scale), || params.place())?;
         self.scene.push_sphere(self.material, center, radius * scale);

@@ -26,7 +26,7 @@ mod tetra;
 mod tree;
 
 pub use nff_export::write_nff;
-pub use printed::{Printed, round_to_printed};
+pub use printed::{PrintfG, round_to_printed};
 
 use crate::scene::Scene;
 

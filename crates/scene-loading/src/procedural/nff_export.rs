@@ -5,10 +5,10 @@ use std::io;
 
 use glam::DVec3;
 
-use super::printed::Printed;
+use super::printed::PrintfG;
 use crate::scene::{Material, Primitive, Scene, Shape};
 
-/// Writes the scene as NFF, numbers with six significant digits ([`Printed`]).
+/// Writes the scene as NFF, numbers with six significant digits ([`PrintfG`]).
 ///
 /// The order is background, view, lights, primitives; a primitive of another material than the
 /// one before it is preceded by that material's `f` line. So the text of an SPD scene is that of
@@ -39,8 +39,8 @@ fn write_head(scene: &Scene, out: &mut impl io::Write) -> io::Result<()> {
     writeln!(out, "from {}", vector(&camera.from))?;
     writeln!(out, "at {}", vector(&camera.at))?;
     writeln!(out, "up {}", vector(&camera.up))?;
-    writeln!(out, "angle {}", Printed(camera.angle))?;
-    writeln!(out, "hither {}", Printed(camera.hither))?;
+    writeln!(out, "angle {}", PrintfG(camera.angle))?;
+    writeln!(out, "hither {}", PrintfG(camera.hither))?;
     writeln!(out, "resolution {} {}", camera.resolution[0], camera.resolution[1])?;
     // NFF knows neither extents nor lenses nor motion
     for light in &scene.lights {
@@ -72,7 +72,7 @@ fn write_primitive(
     match primitive.shape {
         Shape::Sphere(i) => {
             let sphere = scene.spheres[i as usize];
-            writeln!(out, "s {} {}", vector(&sphere.center), Printed(sphere.radius))
+            writeln!(out, "s {} {}", vector(&sphere.center), PrintfG(sphere.radius))
         }
         Shape::Cone(i) => {
             let cone = scene.cones[i as usize];
@@ -80,8 +80,8 @@ fn write_primitive(
             writeln!(
                 out,
                 "c {base} {} {apex} {}",
-                Printed(cone.base_radius),
-                Printed(cone.apex_radius)
+                PrintfG(cone.base_radius),
+                PrintfG(cone.apex_radius)
             )
         }
         Shape::Polygon { first, count } => {
@@ -114,7 +114,7 @@ impl fmt::Display for Numbers<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, &x) in self.0.iter().enumerate() {
             let space = if i == 0 { "" } else { " " };
-            write!(f, "{space}{}", Printed(x))?;
+            write!(f, "{space}{}", PrintfG(x))?;
         }
         Ok(())
     }

@@ -8,9 +8,9 @@ use crate::scene::{Light, Scene};
 
 /// Displays a number as C's `printf("%g")` does, except that negative zero is `0`.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Printed(pub f64);
+pub struct PrintfG(pub f64);
 
-impl Printed {
+impl PrintfG {
     /// The number that is printed: rounded to six significant decimal digits.
     pub fn value(self) -> f64 {
         match self.scientific() {
@@ -27,7 +27,7 @@ impl Printed {
     }
 }
 
-impl fmt::Display for Printed {
+impl fmt::Display for PrintfG {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.0 == 0.0 {
             return f.write_char('0');
@@ -124,13 +124,13 @@ pub fn round_to_printed(scene: &mut Scene) {
 
 fn round_vectors<'a>(vectors: impl IntoIterator<Item = &'a mut DVec3>) {
     for vector in vectors {
-        *vector = vector.map(|x| Printed(x).value());
+        *vector = vector.map(|x| PrintfG(x).value());
     }
 }
 
 fn round<'a>(numbers: impl IntoIterator<Item = &'a mut f64>) {
     for number in numbers {
-        *number = Printed(*number).value();
+        *number = PrintfG(*number).value();
     }
 }
 
@@ -161,10 +161,10 @@ mod tests {
             (20.905, "20.905"),
             (f64::INFINITY, "inf"),
         ] {
-            assert_eq!(Printed(x).to_string(), text, "{x:?}");
-            assert_eq!(Printed(x).value(), text.parse::<f64>().unwrap(), "{x:?}");
+            assert_eq!(PrintfG(x).to_string(), text, "{x:?}");
+            assert_eq!(PrintfG(x).value(), text.parse::<f64>().unwrap(), "{x:?}");
         }
-        assert!(Printed(f64::NAN).value().is_nan());
-        assert!(Printed(-0.0).value().is_sign_positive());
+        assert!(PrintfG(f64::NAN).value().is_nan());
+        assert!(PrintfG(-0.0).value().is_sign_positive());
     }
 }

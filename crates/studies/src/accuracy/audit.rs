@@ -9,7 +9,7 @@
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, FrontPoint};
-use crate::accuracy::record::{SceneOutcome, Standing};
+use crate::accuracy::record::{SceneOutcome, VariantStanding};
 
 /// How much farther than its scatter and the reference's own error a variant may lie from the
 /// reference. Both are estimates, which few pixels may decide.
@@ -20,7 +20,7 @@ pub fn faults(outcome: &SceneOutcome) -> Vec<String> {
     let mut faults = Vec::new();
     let places: Vec<FrontPoint> =
         outcome.rows.iter().map(|row| FrontPoint::of(row, outcome.reference_error)).collect();
-    let standings: Vec<Standing> = outcome.rows.iter().map(|row| row.standing).collect();
+    let standings: Vec<VariantStanding> = outcome.rows.iter().map(|row| row.standing).collect();
     faults.extend(pareto::fault(&places, &standings));
     for row in outcome.rows.iter().filter(|row| row.is_reference) {
         if let ErrorOf::Counted { wrong, trials } = row.error

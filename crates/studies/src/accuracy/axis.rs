@@ -1,7 +1,7 @@
 //! An axis of accuracy: what varies on it, and how its variants are measured.
 
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Prepared, Stage};
+use crate::accuracy::stage::{PreparedScene, Stage};
 use crate::error::StudyError;
 
 /// One way to be more or less accurate.
@@ -36,7 +36,7 @@ pub enum Measure {
         /// All there are.
         subjects: &'static [&'static str],
         /// Whether one tells more of a scene than others do.
-        serves: fn(&Prepared, &str) -> bool,
+        serves: fn(&PreparedScene, &str) -> bool,
         /// The outcome of one.
         measure: fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>,
     },
@@ -44,7 +44,7 @@ pub enum Measure {
 
 impl Measure {
     /// The subjects for a scene; an empty name where there is no choice of them.
-    pub fn subjects(self, prepared: &Prepared) -> Vec<&'static str> {
+    pub fn subjects(self, prepared: &PreparedScene) -> Vec<&'static str> {
         match self {
             Self::Whole(_) => vec![""],
             Self::Each { subjects, serves, .. } => {

@@ -7,7 +7,7 @@ use presentation::table::{Cell, Style};
 
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::{
-    AccuracyRecord, AxisRecord, PartTime, SceneOutcome, Standing, VariantRecord,
+    AccuracyRecord, AxisRecord, PartTime, SceneOutcome, VariantRecord, VariantStanding,
 };
 
 /// A variant on a scene of an axis.
@@ -101,7 +101,7 @@ fn error(row: &VariantRecord) -> String {
 }
 
 fn standing(row: &VariantRecord) -> Cell {
-    let style = if row.standing == Standing::OnFront { Style::Best } else { Style::Plain };
+    let style = if row.standing == VariantStanding::OnFront { Style::Best } else { Style::Plain };
     let reference = if row.is_reference { " ref" } else { "" };
     Cell { text: format!("{}{reference}", row.standing.name()), style }
 }

@@ -3,7 +3,7 @@
 //! V. Pareto, *Manuale di economia politica*, 1906: a variant is dominated where another is as
 //! accurate and as fast, and better in one of both.
 
-use crate::accuracy::record::{Standing, VariantRecord};
+use crate::accuracy::record::{VariantRecord, VariantStanding};
 use statistics::estimate::Estimate;
 
 /// Time and error of a variant.
@@ -36,15 +36,15 @@ impl FrontPoint {
 }
 
 /// Where each stands.
-pub fn standings(places: &[FrontPoint]) -> Vec<Standing> {
+pub fn standings(places: &[FrontPoint]) -> Vec<VariantStanding> {
     let of = |place: &FrontPoint| {
         let mut by = places.iter().filter(|other| other.dominates(place)).peekable();
         if by.peek().is_none() {
-            return Standing::OnFront;
+            return VariantStanding::OnFront;
         }
         match by.any(|other| other.is_told_apart(place)) {
-            true => Standing::Dominated,
-            false => Standing::NotToldApart,
+            true => VariantStanding::Dominated,
+            false => VariantStanding::NotToldApart,
         }
     };
     places.iter().map(of).collect()
@@ -52,7 +52,7 @@ pub fn standings(places: &[FrontPoint]) -> Vec<Standing> {
 
 /// Whether a front is one: none of its members is beaten, and what is not on it is. The fault in
 /// words otherwise. (By sorting, not by [`standings`].)
-pub fn fault(places: &[FrontPoint], standings: &[Standing]) -> Option<String> {
+pub fn fault(places: &[FrontPoint], standings: &[VariantStanding]) -> Option<String> {
     let mut order: Vec<usize> = (0..places.len()).collect();
     let key = |i: usize| places.get(i).map_or((f64::NAN, f64::NAN), |p| (p.time.median, p.error));
     order.sort_by(|&a, &b| {
@@ -63,7 +63,7 @@ pub fn fault(places: &[FrontPoint], standings: &[Standing]) -> Option<String> {
     for i in order {
         let (time, error) = key(i);
         let is_beaten = error > least.0 || (error == least.0 && time > least.1);
-        let is_on_front = standings.get(i) == Some(&Standing::OnFront);
+        let is_on_front = standings.get(i) == Some(&VariantStanding::OnFront);
         if is_beaten == is_on_front {
             let what = if is_beaten { "is on the front but beaten" } else { "is not on the front" };
             return Some(format!("variant {i} at time {time} and error {error} {what}"));
@@ -86,7 +86,7 @@ mod tests {
 
     #[test]
     fn the_front_is_what_nothing_beats() {
-        use Standing::{Dominated, NotToldApart, OnFront};
+        use VariantStanding::{Dominated, NotToldApart, OnFront};
         let places = [
             place(1.0, 0.02, 9.0),
             place(1.5, 0.02, 3.0),
@@ -104,10 +104,10 @@ mod tests {
     fn a_front_that_keeps_a_dominated_member_is_found_out() {
         let places = [place(1.0, 0.0, 2.0), place(1.2, 0.0, 2.0), place(1.4, 0.0, 1.0)];
         let mut planted = standings(&places);
-        planted[1] = Standing::OnFront;
+        planted[1] = VariantStanding::OnFront;
         assert!(fault(&places, &planted).unwrap().contains("beaten"));
         let mut planted = standings(&places);
-        planted[2] = Standing::Dominated;
+        planted[2] = VariantStanding::Dominated;
         assert!(fault(&places, &planted).unwrap().contains("not on the front"));
     }
 }

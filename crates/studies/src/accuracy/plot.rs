@@ -1,7 +1,7 @@
 //! An axis as a plot: time against error, the front pointed out, one panel per scene.
 
 use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::{AxisRecord, SceneOutcome, Standing, VariantRecord};
+use crate::accuracy::record::{AxisRecord, SceneOutcome, VariantRecord, VariantStanding};
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 
 /// From this ratio of the largest to the smallest on, an axis is logarithmic.
@@ -28,17 +28,17 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
         high: row.ratio.high,
     };
     let mut front: Vec<Point> =
-        scene.rows.iter().filter(|r| r.standing == Standing::OnFront).map(point).collect();
+        scene.rows.iter().filter(|r| r.standing == VariantStanding::OnFront).map(point).collect();
     front.sort_by(|a, b| a.x.total_cmp(&b.x));
     let mark = |row: &VariantRecord| Mark {
         point: point(row),
         label: row.variant.clone(),
         ring: match row.standing {
-            Standing::OnFront => Ring::Best,
-            Standing::NotToldApart => Ring::AsGood,
-            Standing::Dominated => Ring::None,
+            VariantStanding::OnFront => Ring::Best,
+            VariantStanding::NotToldApart => Ring::AsGood,
+            VariantStanding::Dominated => Ring::None,
         },
-        is_in_series: row.standing == Standing::OnFront,
+        is_in_series: row.standing == VariantStanding::OnFront,
     };
     let slowest = scene.rows.iter().map(|r| r.ratio.median).fold(1.0, f64::max);
     let has_zero = is_log && scene.rows.iter().any(|r| r.error.value() == 0.0);

@@ -11,7 +11,7 @@ use statistics::series::Series;
 /// Where a variant stands among those of its axis on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Standing {
+pub enum VariantStanding {
     /// No other is as accurate and as fast, and better in one of both.
     OnFront,
     /// Only variants whose time no difference was measured to beat it.
@@ -20,7 +20,7 @@ pub enum Standing {
     Dominated,
 }
 
-impl Standing {
+impl VariantStanding {
     /// As tables have it.
     pub fn name(self) -> &'static str {
         match self {
@@ -64,7 +64,7 @@ pub struct VariantRecord {
     /// Time over that of the cheapest variant in the same rounds.
     pub ratio: Estimate,
     /// Where it stands.
-    pub standing: Standing,
+    pub standing: VariantStanding,
     /// More of it, by name.
     pub also: BTreeMap<String, f64>,
     /// Its parts, where they are timed one by one.

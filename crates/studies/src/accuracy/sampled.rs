@@ -11,11 +11,11 @@ use crate::accuracy::audit;
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::Stage;
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::effect_plan::plan_of;
 use crate::error::StudyError;
-use crate::image_error::{Converged, rmse};
+use crate::image_error::{ConvergedImage, rmse};
 use measurement::system::machine;
 use measurement::system::pools::pool;
 
@@ -44,7 +44,7 @@ impl SamplingPlan {
 }
 
 /// A sampled effect of a scene, and who traces it.
-pub struct Sampled<'a> {
+pub struct SampledEffect<'a> {
     /// The scene, the effect put on.
     pub scene: &'a Scene,
     /// Who traces it.
@@ -59,7 +59,7 @@ pub struct Sampled<'a> {
     pub without: Option<(&'a Scene, &'a dyn Tracer<f32>)>,
 }
 
-impl Sampled<'_> {
+impl SampledEffect<'_> {
     fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, StudyError> {
         let mut wishes = SampleWishes::ONE_OF_EACH;
         (self.wish)(&mut wishes, samples);
@@ -118,7 +118,7 @@ impl Sampled<'_> {
         // seeds that no variant has
         let far = |i: u64| stage.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
         let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
-        let reference = Converged::of(&a, &b);
+        let reference = ConvergedImage::of(&a, &b);
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         if let Some((scene, tracer)) = self.without {
@@ -161,7 +161,7 @@ impl Sampled<'_> {
                 }),
             });
         }
-        let said = Said {
+        let said = AxisReport {
             timed: format!("the image of {0} x {0} pixels, one thread", plan.size),
             judged: format!(
                 "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
@@ -170,7 +170,7 @@ impl Sampled<'_> {
             reference_error: reference.own_error,
             faults,
             pixels: plan.size * plan.size,
-            ..Said::default()
+            ..AxisReport::default()
         };
         Ok(Judged { variants, said, reference })
     }
@@ -181,9 +181,9 @@ pub struct Judged<'a> {
     /// The images.
     pub variants: Vec<Variant<'a>>,
     /// What is said of them.
-    pub said: Said,
+    pub said: AxisReport,
     /// What they were held against.
-    pub reference: Converged,
+    pub reference: ConvergedImage,
 }
 
 /// An image that is made again and again, in the current rayon pool.

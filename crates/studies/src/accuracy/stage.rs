@@ -27,7 +27,7 @@ pub const TRACER: &str = "obvhs-bvh2";
 const FEW_TRIALS: usize = 1000;
 
 /// A scene and its primitives.
-pub struct Prepared {
+pub struct PreparedScene {
     /// The scene.
     pub scene: Scene,
     /// Its primitives in single precision.
@@ -36,7 +36,7 @@ pub struct Prepared {
     pub rays: RayBatches<f32>,
 }
 
-impl Prepared {
+impl PreparedScene {
     /// Makes the rays of the scene.
     ///
     /// # Errors
@@ -65,7 +65,7 @@ pub struct Stage<'a> {
     /// Name of the scene.
     pub name: &'a str,
     /// Scene, primitives, rays.
-    pub prepared: &'a Prepared,
+    pub prepared: &'a PreparedScene,
     /// The structures there are.
     pub registry: &'a [Entry],
     /// The occluders there are.
@@ -87,7 +87,7 @@ pub struct Stage<'a> {
 }
 
 /// A structure over the stage's primitives.
-pub struct Built<'a> {
+pub struct StagedStructure<'a> {
     /// Structure and settings.
     pub label: String,
     /// What is wrong with it by design.
@@ -98,7 +98,7 @@ pub struct Built<'a> {
     pub build_s: f64,
 }
 
-impl Built<'_> {
+impl StagedStructure<'_> {
     /// How to have it in a run.
     pub fn setting(&self) -> String {
         format!("run -s {}", self.label.replace(' ', ":"))
@@ -130,21 +130,26 @@ impl<'a> Stage<'a> {
     ///
     /// # Errors
     /// [`StudyError`] when the settings are not valid or the scene is refused.
-    pub fn built(&self, label: &str) -> Result<Built<'a>, StudyError> {
+    pub fn built(&self, label: &str) -> Result<StagedStructure<'a>, StudyError> {
         let row = Row::parse(self.registry, label)?;
         let build = row.entry.prepare(&row.params);
         let start = self.clock.now();
         let tracer = build(self.prepared.geometry.prims(), None);
         let tracer = tracer.map_err(|source| self.refused(source))?;
         let build_s = self.clock.seconds_since(start);
-        Ok(Built { label: row.label(), known_defect: row.known_defect(), tracer, build_s })
+        Ok(StagedStructure {
+            label: row.label(),
+            known_defect: row.known_defect(),
+            tracer,
+            build_s,
+        })
     }
 
     /// Builds several.
     ///
     /// # Errors
     /// As [`Stage::built`].
-    pub fn built_all(&self, labels: &[&str]) -> Result<Vec<Built<'a>>, StudyError> {
+    pub fn built_all(&self, labels: &[&str]) -> Result<Vec<StagedStructure<'a>>, StudyError> {
         labels.iter().map(|label| self.built(label)).collect()
     }
 

@@ -1,7 +1,9 @@
 //! Made-up records for tests.
 
 use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, Standing, VariantRecord};
+use crate::accuracy::record::{
+    AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord, VariantStanding,
+};
 use statistics::estimate::Estimate;
 
 /// A variant that takes so many seconds and is wrong so often in a million.
@@ -18,7 +20,7 @@ pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
         seconds: vec![seconds; 3],
         time_s: exactly(seconds),
         ratio: exactly(ratio),
-        standing: Standing::OnFront,
+        standing: VariantStanding::OnFront,
         also: Default::default(),
         parts: Vec::new(),
         is_without: false,

@@ -3,7 +3,7 @@
 use crate::accuracy::audit;
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, FrontPoint};
-use crate::accuracy::record::{PartTime, SceneOutcome, Standing, VariantRecord};
+use crate::accuracy::record::{PartTime, SceneOutcome, VariantRecord, VariantStanding};
 use crate::accuracy::stage::Stage;
 use crate::accuracy::work::Work;
 use crate::image_error::TIMES_REFERENCE;
@@ -33,7 +33,7 @@ pub struct Variant<'a> {
 
 /// What an axis says of a scene beside its variants.
 #[derive(Debug, Clone, Default)]
-pub struct Said {
+pub struct AxisReport {
     /// What is timed, in words.
     pub timed: String,
     /// What was judged, in words.
@@ -56,7 +56,7 @@ fn repeats(seconds: f64) -> u32 {
 }
 
 /// Times the variants and says where each stands.
-pub fn timed(stage: &Stage<'_>, said: Said, mut variants: Vec<Variant<'_>>) -> SceneOutcome {
+pub fn timed(stage: &Stage<'_>, said: AxisReport, mut variants: Vec<Variant<'_>>) -> SceneOutcome {
     let mut faults = said.faults;
     let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
     let mut parts: Vec<Parts> = variants.iter().map(|v| Parts::of(&*v.work)).collect();
@@ -169,7 +169,7 @@ fn row(
         seconds,
         time_s: NO_TIME,
         ratio: NO_TIME,
-        standing: Standing::Dominated,
+        standing: VariantStanding::Dominated,
         also: variant.also.into_iter().map(|(name, x)| (name.to_owned(), x)).collect(),
         parts: parts.names.into_iter().zip(parts.seconds).map(part).collect(),
         is_without: variant.is_without,

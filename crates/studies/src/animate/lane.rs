@@ -1,7 +1,7 @@
 //! A row with a number of threads, from frame to frame.
 
 use accel_core::params::Params;
-use accel_core::query::tracer::{Before, Kept};
+use accel_core::query::tracer::{Before, KeptStructure};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
@@ -23,7 +23,7 @@ use crate::animate::record::{LaneFrame, LaneRecord};
 const LOOK_RAYS: usize = 1024;
 
 /// What a frame gives all rows.
-pub struct OnFrame<'a, 'r, S: Buildable> {
+pub struct FrameInput<'a, 'r, S: Buildable> {
     /// The frame.
     pub frame: &'a Frame<S>,
     /// Its rays, with the answers expected.
@@ -38,7 +38,7 @@ pub struct Lane<'p> {
     params: &'p Params,
     pool: &'p ThreadPool,
     /// The structures of the frame before, one a round; none where it is built anew in any case.
-    kept: Vec<Option<Kept>>,
+    kept: Vec<Option<KeptStructure>>,
     /// Stride of the rays that are timed; none before the first look.
     stride: Option<usize>,
     /// What is known of it.
@@ -80,7 +80,7 @@ impl<'p> Lane<'p> {
     /// [`BuildError`] when it refuses the frame.
     pub fn visit<S: Buildable>(
         &mut self,
-        on: &OnFrame<'_, '_, S>,
+        on: &FrameInput<'_, '_, S>,
         round: usize,
     ) -> Result<(), BuildError> {
         let Self { entry, params, pool, kept, .. } = self;
@@ -131,7 +131,7 @@ impl<'p> Lane<'p> {
     fn traced<S: Buildable>(
         &mut self,
         built: &Built<'_, S>,
-        on: &OnFrame<'_, '_, S>,
+        on: &FrameInput<'_, '_, S>,
         asked: &BatchSet<'_, S>,
     ) -> f64 {
         let mut seconds = 0.0;
@@ -151,7 +151,7 @@ impl<'p> Lane<'p> {
     fn counted<S: Buildable>(
         &mut self,
         built: &Built<'_, S>,
-        on: &OnFrame<'_, '_, S>,
+        on: &FrameInput<'_, '_, S>,
         asked: &BatchSet<'_, S>,
     ) -> Option<WorkRecord> {
         if built.foreign().is_some_and(|foreign| !foreign.has_counters()) {
@@ -173,7 +173,7 @@ impl<'p> Lane<'p> {
 
     fn note<S: Buildable>(
         &mut self,
-        on: &OnFrame<'_, '_, S>,
+        on: &FrameInput<'_, '_, S>,
         wrong: usize,
         example: Option<String>,
     ) {
@@ -188,7 +188,7 @@ impl<'p> Lane<'p> {
 /// Stride of the rays to time, by what few rays take.
 fn first_look<S: Buildable>(
     built: &Built<'_, S>,
-    on: &OnFrame<'_, '_, S>,
+    on: &FrameInput<'_, '_, S>,
     pool: &ThreadPool,
 ) -> usize {
     let all = on.scope.all;

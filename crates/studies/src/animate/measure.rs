@@ -17,7 +17,7 @@ use scene_loading::{LoadError, Scene};
 
 use crate::animate::Animate;
 use crate::animate::frame::Frame;
-use crate::animate::lane::{Lane, OnFrame};
+use crate::animate::lane::{FrameInput, Lane};
 use crate::animate::quality::surface_points;
 use crate::animate::record::{FrameRecord, LaneRecord};
 use crate::error::StudyError;
@@ -101,7 +101,7 @@ fn visit_all<S: Buildable>(
     let confirmed = plan.answers.iter().find(|row| judged.reference == Some(row.label()));
     let edges = Edges::new(&frame.exact, confirmed.cloned());
     let points = surface_points(frame.geometry.prims(), plan.seed);
-    let on = OnFrame {
+    let on = FrameInput {
         frame,
         scope: Scope {
             plan,

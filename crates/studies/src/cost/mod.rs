@@ -12,7 +12,7 @@ pub mod model;
 pub mod test_time;
 
 use accel_core::query::tracer::Tracer;
-use renderer::work::Counted;
+use renderer::work::CountingTracer;
 use renderer::{Effect, EffectPlan, RenderSettings, render_plan};
 use scene_loading::Scene;
 
@@ -32,7 +32,7 @@ const ENOUGH: f64 = 5.0;
 
 /// A structure over a scene, and what a test of the scene's primitives takes.
 #[derive(Clone, Copy)]
-pub struct Traced<'t> {
+pub struct TracedStructure<'t> {
     /// The structure.
     pub tracer: &'t dyn Tracer<f32>,
     /// Seconds a test.
@@ -115,10 +115,10 @@ fn tree(plan: &EffectPlan, depth: u32) -> f64 {
 }
 
 /// The work of an image: counted on one of few pixels, scaled to its own.
-pub fn counted(scene: &Scene, traced: Traced<'_>, plan: &EffectPlan) -> CountedWork {
+pub fn counted(scene: &Scene, traced: TracedStructure<'_>, plan: &EffectPlan) -> CountedWork {
     let [width, height] = plan.settings().resolution;
     let probe = [width, height].map(|n| n.min(PROBE));
-    let counter = Counted::new(traced.tracer);
+    let counter = CountingTracer::new(traced.tracer);
     let counts = render_plan(scene, &counter, &plan.clone().at(probe)).counts;
     let total = counter.total();
     let work = CountedWork {
@@ -176,7 +176,7 @@ pub struct CostRow {
 /// All rows of a scene.
 pub fn rows(
     scene: &Scene,
-    traced: Traced<'_>,
+    traced: TracedStructure<'_>,
     settings: &RenderSettings,
     model: &Model,
     clock: &dyn Clock,

@@ -46,7 +46,7 @@ pub enum Asked {
 
 /// What of a row is code.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Craft {
+pub struct CodeDifferences {
     /// Who sets rays up and tests.
     pub adapter: Adapter,
     /// How triangles are tested.
@@ -55,7 +55,7 @@ pub struct Craft {
     pub query: Asked,
 }
 
-impl Craft {
+impl CodeDifferences {
     /// As set, over triangles in f32.
     fn of(params: &Params) -> Self {
         let adapter = match params.get("adapter") {
@@ -151,7 +151,7 @@ pub struct Variant {
     /// The structure and those of its settings that are not code.
     pub structure: String,
     /// The rest.
-    pub craft: Craft,
+    pub craft: CodeDifferences,
 }
 
 impl Variant {
@@ -159,7 +159,10 @@ impl Variant {
     pub fn of(row: &Row<'_>) -> Self {
         let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
         let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
-        Self { structure: format!("{}{settings}", row.structure()), craft: Craft::of(&row.params) }
+        Self {
+            structure: format!("{}{settings}", row.structure()),
+            craft: CodeDifferences::of(&row.params),
+        }
     }
 }
 
@@ -201,8 +204,8 @@ pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
                     row.params.changed().filter(is_other).collect();
                 settings.extend([adapter, *kernel, *query].into_iter().flatten());
                 let other = Row::of(row.entry, &settings)?;
-                let craft = Craft::of(&other.params);
-                if rows.iter().all(|known| Craft::of(&known.params) != craft) {
+                let craft = CodeDifferences::of(&other.params);
+                if rows.iter().all(|known| CodeDifferences::of(&known.params) != craft) {
                     rows.push(other);
                 }
             }

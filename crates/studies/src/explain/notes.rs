@@ -1,7 +1,7 @@
 //! What is said below the tables of an explanation: settings that a row has not, what does not serve in a
 //! scene, rows without a time.
 
-use crate::explain::craft::{Adapter, Asked, Craft, Kernel, Variant};
+use crate::explain::craft::{Adapter, Asked, CodeDifferences, Kernel, Variant};
 use crate::explain::{Explain, Explanation};
 use crate::run::tables::scene_notes;
 use measurement::record::Verdict;
@@ -11,7 +11,7 @@ use measurement::record::query::Query;
 pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     let (run, scene) = (explanation.run, explanation.scene);
     let mut notes = Vec::new();
-    let has = |is: fn(&Craft) -> bool| explain.variants.iter().any(|v| is(&v.craft));
+    let has = |is: fn(&CodeDifferences) -> bool| explain.variants.iter().any(|v| is(&v.craft));
     let has_direct = has(|craft| craft.adapter == Adapter::Direct);
     if scene.only_triangles == Some(false) {
         notes.push(

@@ -5,7 +5,7 @@
 //! Where there are several, a factor is the geometric mean over all of them: what a thing brings, whichever
 //! of the others were changed before (L. S. Shapley, "A Value for n-Person Games", 1953, of logarithms).
 
-use crate::explain::craft::{Craft, Variant};
+use crate::explain::craft::{CodeDifferences, Variant};
 
 /// What two rows may differ in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +68,7 @@ pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
         let of = |axis| if is_changed(axis) { last } else { first };
         let wanted = Variant {
             structure: of(Axis::Structure).structure.clone(),
-            craft: Craft {
+            craft: CodeDifferences {
                 adapter: of(Axis::Adapter).craft.adapter,
                 kernel: of(Axis::Kernel).craft.kernel,
                 query: of(Axis::Query).craft.query,

@@ -11,7 +11,7 @@ use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
 use presentation::text;
 
-/// The crafts across, as [`Craft::name`](crate::explain::craft::Craft::name) has them.
+/// The crafts across, as [`Craft::name`](crate::explain::craft::CodeDifferences::name) has them.
 const COLUMNS: [&str; 6] =
     ["direct", "as shipped", "scalar", "block", "scalar, batch", "block, batch"];
 

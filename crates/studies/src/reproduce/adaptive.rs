@@ -12,7 +12,9 @@ use accel_core::structure::Structure;
 use accel_core::structures::adaptive_grid::AdaptiveGrid;
 use renderer::RayKind;
 
-use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{
+    PaperCounters, PublishedScene, ReproduceError, Setting, grid_counters, registered,
+};
 
 /// The settings of `adaptive-grid` for a published one like `f=1.5 m=0.1 o=-`.
 fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
@@ -34,7 +36,7 @@ fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
 pub(super) fn counters(
     scene: &PublishedScene,
     setting: &Setting,
-) -> Result<Counted, ReproduceError> {
+) -> Result<PaperCounters, ReproduceError> {
     let params = registered("adaptive-grid")?.params(settings(setting.params)?)?;
     match scene.geometry.prims() {
         PrimsRef::Mixed(prims) => count_over(scene, prims, &params),
@@ -46,7 +48,7 @@ fn count_over<P: PrimSet<f64>>(
     scene: &PublishedScene,
     prims: &P,
     params: &Params,
-) -> Result<Counted, ReproduceError> {
+) -> Result<PaperCounters, ReproduceError> {
     let grid = AdaptiveGrid::<f64>::build(prims, &Settings::of(params))?;
     let (orphans, hierarchy_nodes) = (grid.orphans(), grid.hierarchy_nodes());
     let mut nodes_entered = 0;

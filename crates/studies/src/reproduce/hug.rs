@@ -6,7 +6,9 @@ use accel_core::query::tracer::{ShadowRule, Tracer};
 use accel_core::structure::StructureStats;
 use renderer::Geometry;
 
-use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{
+    PaperCounters, PublishedScene, ReproduceError, Setting, grid_counters, registered,
+};
 
 /// The settings of `hug` for a published one like `HNG=2 HCN=0`.
 fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
@@ -25,7 +27,7 @@ fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
 pub(super) fn counters(
     scene: &PublishedScene,
     setting: &Setting,
-) -> Result<Counted, ReproduceError> {
+) -> Result<PaperCounters, ReproduceError> {
     let own = build(&scene.geometry, setting.params, 0)?;
     let cells = own.stats().cells;
     let sized = sized_as_published(&scene.geometry, setting, own.stats())?;
@@ -39,14 +41,14 @@ pub(super) fn counters(
     Ok(counters)
 }
 
-type Built<'g> = Box<dyn Tracer<f64> + 'g>;
+type HugTracer<'g> = Box<dyn Tracer<f64> + 'g>;
 
 /// HUG with a root sized for so many primitives; 0 for as many as its class has.
 fn build<'g>(
     geometry: &'g Geometry<f64>,
     params: &str,
     root_objects: usize,
-) -> Result<Built<'g>, ReproduceError> {
+) -> Result<HugTracer<'g>, ReproduceError> {
     let entry = registered("hug")?;
     let root_objects = root_objects.to_string();
     let mut settings = settings(params)?;
@@ -61,7 +63,7 @@ fn sized_as_published<'g>(
     geometry: &'g Geometry<f64>,
     setting: &Setting,
     own: StructureStats,
-) -> Result<Option<Built<'g>>, ReproduceError> {
+) -> Result<Option<HugTracer<'g>>, ReproduceError> {
     let published = |name| setting.figures.get(name).and_then(|text| text.parse::<u64>().ok());
     let (Some(1), Some(cells)) = (published("N_IN"), published("N_V")) else { return Ok(None) };
     if own.inner_cells != 1 || own.cells == cells {

@@ -38,7 +38,7 @@ struct Record {
 
 /// The lecture's seconds.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Published {
+pub struct PublishedTimes {
     structure: String,
     scene: String,
     is_build: bool,
@@ -49,12 +49,17 @@ pub struct Published {
 ///
 /// # Errors
 /// When the embedded file is damaged; names the line.
-pub fn published() -> Result<Vec<Published>, csv::Error> {
+pub fn published() -> Result<Vec<PublishedTimes>, csv::Error> {
     csv::Reader::from_reader(TABLES.as_bytes())
         .deserialize()
         .map(|record| {
             let Record { structure, scene, counter, value } = record?;
-            Ok(Published { structure, scene, is_build: counter.starts_with("T_B"), seconds: value })
+            Ok(PublishedTimes {
+                structure,
+                scene,
+                is_build: counter.starts_with("T_B"),
+                seconds: value,
+            })
         })
         .collect()
 }
@@ -95,7 +100,7 @@ pub struct Comparison {
 impl Comparison {
     /// Puts the lecture's times beside a measured scene. Rows of the record stand in the order of
     /// [`STRUCTURES`], then [`MODERN`].
-    pub fn new(scene: &SceneRecord, published: &[Published]) -> Self {
+    pub fn new(scene: &SceneRecord, published: &[PublishedTimes]) -> Self {
         let names = STRUCTURES.iter().map(|(name, _)| Some(*name)).chain([None]);
         let lines = names.zip(&scene.rows).map(|(lecture, row)| {
             let then = |is_build| {
@@ -114,10 +119,11 @@ impl Comparison {
         Self { scene: scene.name.clone(), lines: lines.collect() }
     }
 
-    fn then(published: &[Published], scene: &str, name: &str, is_build: bool) -> Option<f64> {
+    fn then(published: &[PublishedTimes], scene: &str, name: &str, is_build: bool) -> Option<f64> {
         let seconds = |name: &str| {
-            let of =
-                |p: &&Published| p.structure == name && p.scene == scene && p.is_build == is_build;
+            let of = |p: &&PublishedTimes| {
+                p.structure == name && p.scene == scene && p.is_build == is_build
+            };
             published.iter().find(of).map(|p| p.seconds)
         };
         Some(seconds(name)? / seconds(STRUCTURES[0].0)?)

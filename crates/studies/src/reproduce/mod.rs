@@ -18,10 +18,10 @@ pub mod verdict;
 
 use rayon::prelude::*;
 
-pub use setting::{PublishedScene, ReproduceError, Unlisted};
+pub use setting::{PublishedScene, ReproduceError, UnknownName};
 
 use published::{Figure, table};
-use setting::{Count, Counted, Setting};
+use setting::{Count, PaperCounters, Setting};
 use structures::STRUCTURES;
 use verdict::{Verdict, judge};
 
@@ -98,7 +98,7 @@ struct Task<'f> {
 
 impl Task<'_> {
     /// Puts our counters beside the published ones; what is repeated is judged as what it repeats.
-    fn compare(&self, ours: &Counted) -> Vec<ReproducedRow> {
+    fn compare(&self, ours: &PaperCounters) -> Vec<ReproducedRow> {
         let shown = self.shown_as.as_ref().unwrap_or(&self.of);
         ours.iter()
             .filter_map(|&(counter, ours)| {

@@ -15,7 +15,7 @@ use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{
-    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
+    PaperCounters, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
 /// The columns, as named in the table.
@@ -27,7 +27,7 @@ pub const COLUMNS: [&str; 5] =
 pub(super) fn counters(
     scene: &PublishedScene,
     setting: &Setting,
-) -> Result<Counted, ReproduceError> {
+) -> Result<PaperCounters, ReproduceError> {
     let tracer = build(&scene.geometry, setting.structure, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::Historical);
     let required = work.primary_hits + work.secondary_hits + work.shadow_hits;

@@ -4,7 +4,9 @@
 use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
-use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::setting::{
+    PaperCounters, PublishedScene, ReproduceError, Setting, grid_counters, registered,
+};
 
 /// Builds the grid that `params` names, as `RMD=3 RHT=+`.
 fn build<'g>(
@@ -30,7 +32,7 @@ fn build<'g>(
 pub(super) fn counters(
     scene: &PublishedScene,
     setting: &Setting,
-) -> Result<Counted, ReproduceError> {
+) -> Result<PaperCounters, ReproduceError> {
     let tracer = build(&scene.geometry, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell);
     Ok(grid_counters(scene, &work))

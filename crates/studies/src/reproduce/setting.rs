@@ -15,13 +15,13 @@ use scene_loading::procedural::{SpecError, generate_as_printed};
 use measurement::settings::suggest::hint;
 /// A name that is not among those that are valid.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Unlisted {
+pub struct UnknownName {
     name: String,
     hint: String,
     valid: String,
 }
 
-impl Unlisted {
+impl UnknownName {
     /// A name as typed, where these are valid.
     pub fn new(name: &str, valid: &[&str]) -> Self {
         let hint = hint(name, valid.iter().copied());
@@ -35,16 +35,16 @@ impl Unlisted {
 pub enum ReproduceError {
     /// No such scene in the paper.
     #[error("the paper has no scene '{}' that we have{}; it has {}", .0.name, .0.hint, .0.valid)]
-    UnknownScene(Unlisted),
+    UnknownScene(UnknownName),
     /// No such scene in the lecture.
     #[error("the lecture has no scene '{}'{}; it has {}", .0.name, .0.hint, .0.valid)]
-    NotInLecture(Unlisted),
+    NotInLecture(UnknownName),
     /// The lecture's ratios have one reference.
     #[error("--reference: ratios of the lecture are taken to {0}")]
     FixedReference(&'static str),
     /// No such structure among those reproduced.
     #[error("no published figures for structure '{}'{}; there are {}", .0.name, .0.hint, .0.valid)]
-    UnknownStructure(Unlisted),
+    UnknownStructure(UnknownName),
     /// A published setting that has no counterpart here.
     #[error("no counterpart for the published setting '{0}'")]
     UnknownSetting(String),
@@ -69,10 +69,10 @@ pub enum ReproduceError {
 }
 
 /// Counters in the paper's symbols.
-pub(super) type Counted = Vec<(&'static str, f64)>;
+pub(super) type PaperCounters = Vec<(&'static str, f64)>;
 
 /// Counts one setting of a structure in a scene, given the figures published for it.
-pub(super) type Count = fn(&PublishedScene, &Setting) -> Result<Counted, ReproduceError>;
+pub(super) type Count = fn(&PublishedScene, &Setting) -> Result<PaperCounters, ReproduceError>;
 
 /// A setting as published, with its figures.
 pub(super) struct Setting<'f> {
@@ -156,7 +156,7 @@ impl PublishedScene {
     }
 
     /// The figures that no structure changes.
-    pub(super) fn invariants(&self, work: &SceneWork) -> Counted {
+    pub(super) fn invariants(&self, work: &SceneWork) -> PaperCounters {
         let of = |kind| self.rays.rays(kind).len() as u64;
         let secondary =
             of(RayKind::Reflected) + of(RayKind::Refracted) + self.rays.total_internal_reflections;
@@ -183,7 +183,7 @@ pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, Reproduce
 }
 
 /// The counters of a grid in the paper's symbols; those of rays per ray.
-pub(crate) fn grid_counters(scene: &PublishedScene, work: &SceneWork) -> Counted {
+pub(crate) fn grid_counters(scene: &PublishedScene, work: &SceneWork) -> PaperCounters {
     let per_ray = |n: u64| n as f64 / scene.all_rays() as f64;
     vec![
         ("N_IN", work.stats.inner_cells as f64),

@@ -4,7 +4,7 @@
 use accel_core::query::tracer::ShadowRule;
 
 use super::setting::{
-    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
+    PaperCounters, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
 /// Builds the grid at the published resolution and counts.
@@ -26,7 +26,7 @@ pub(super) fn count(
 pub(super) fn counters(
     scene: &PublishedScene,
     setting: &Setting,
-) -> Result<Counted, ReproduceError> {
+) -> Result<PaperCounters, ReproduceError> {
     let work = count(scene, setting.figures.get("resolution").copied())?;
     Ok(grid_counters(scene, &work))
 }

@@ -45,7 +45,7 @@ pub fn break_even(one: Cost, other: Cost) -> BreakEven {
 
 /// A stretch of numbers of rays over which one structure takes the least time.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Reign {
+pub struct EnvelopeSegment {
     /// Which.
     pub index: usize,
     /// From how many rays on.
@@ -53,12 +53,12 @@ pub struct Reign {
 }
 
 /// Who takes the least time for how many rays, from none on.
-pub fn envelope(costs: &[Cost]) -> Vec<Reign> {
+pub fn envelope(costs: &[Cost]) -> Vec<EnvelopeSegment> {
     let by = |a: &(usize, &Cost), b: &(usize, &Cost)| {
         a.1.build_s.total_cmp(&b.1.build_s).then(a.1.ray_s.total_cmp(&b.1.ray_s))
     };
     let Some((first, cost)) = costs.iter().enumerate().min_by(by) else { return Vec::new() };
-    let mut reigns = vec![Reign { index: first, from: 0.0 }];
+    let mut reigns = vec![EnvelopeSegment { index: first, from: 0.0 }];
     let mut current = *cost;
     loop {
         // the next line to cross the current one from above; of several the flattest
@@ -69,7 +69,7 @@ pub fn envelope(costs: &[Cost]) -> Vec<Reign> {
             });
         let next = next.min_by(|a, b| a.2.total_cmp(&b.2).then(a.1.ray_s.total_cmp(&b.1.ray_s)));
         let Some((index, cost, from)) = next else { return reigns };
-        reigns.push(Reign { index, from });
+        reigns.push(EnvelopeSegment { index, from });
         current = cost;
     }
 }

@@ -60,13 +60,13 @@ pub struct Lead {
 const FEW: usize = 6;
 
 /// Another row than the fastest, and the quotients of the fastest one's times and its own.
-struct Other {
+struct Competitor {
     label: String,
     /// By scene, at the end of which they are resampled.
     groups: Vec<Series>,
 }
 
-impl Other {
+impl Competitor {
     fn quotient(&self, seed: u64) -> Option<Estimate> {
         mean(&self.groups, seed)
     }
@@ -104,8 +104,8 @@ fn mean(groups: &[Series], seed: u64) -> Option<Estimate> {
 
 impl Lead {
     /// From the others, in any order.
-    fn new(first: String, took: Estimate, others: Vec<Other>, seed: u64) -> Self {
-        let mut others: Vec<(f64, Other)> =
+    fn new(first: String, took: Estimate, others: Vec<Competitor>, seed: u64) -> Self {
+        let mut others: Vec<(f64, Competitor)> =
             others.into_iter().filter_map(|other| Some((other.middle()?, other))).collect();
         others.sort_by(|a, b| b.0.total_cmp(&a.0));
         let (mut ties, mut next) = (Vec::new(), None);
@@ -146,10 +146,11 @@ pub fn lead<R: AsRef<[Timed]>>(scenes: &[R], seed: u64) -> Option<Lead> {
     let took = |rows: &[&Timed]| rows.iter().map(|t| t.middle.ln()).sum::<f64>();
     let (place, first) = candidates.iter().min_by(|a, b| took(&a.1).total_cmp(&took(&b.1)))?;
     let label = |rows: &[&Timed]| rows.first().map_or(String::new(), |t| t.label.clone());
-    let others = candidates.iter().filter(|(other, _)| other != place).map(|(_, rows)| Other {
-        label: label(rows),
-        groups: first.iter().zip(rows).map(|(a, b)| a.quotients(b)).collect(),
-    });
+    let others =
+        candidates.iter().filter(|(other, _)| other != place).map(|(_, rows)| Competitor {
+            label: label(rows),
+            groups: first.iter().zip(rows).map(|(a, b)| a.quotients(b)).collect(),
+        });
     let own: Vec<Series> = first.iter().map(|t| series(&t.rounds)).collect();
     Some(Lead::new(label(first), mean(&own, seed)?, others.collect(), seed))
 }
@@ -169,13 +170,13 @@ mod tests {
             for largest in [0.9, 1.0, 1.1] {
                 let mut group: Vec<f64> = (1..n).map(|i| 0.5 + 0.05 * i as f64).collect();
                 group.push(largest);
-                let other = Other { label: String::new(), groups: vec![group.into()] };
+                let other = Competitor { label: String::new(), groups: vec![group.into()] };
                 let interval = other.quotient(1).unwrap();
                 assert_eq!(interval.high, largest, "{n}");
                 assert_eq!(other.is_tied_by_few(), interval.high >= 1.0, "{n} {largest}");
             }
         }
-        let many = Other { label: String::new(), groups: vec![vec![1.1; FEW].into()] };
+        let many = Competitor { label: String::new(), groups: vec![vec![1.1; FEW].into()] };
         assert!(!many.is_tied_by_few());
     }
 

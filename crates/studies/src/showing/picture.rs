@@ -73,13 +73,13 @@ pub struct Frame<'a> {
 }
 
 /// Coordinates of a view as places in a panel.
-struct Placed {
+struct ViewTransform {
     low: [f64; 2],
     high: [f64; 2],
     scale: f64,
 }
 
-impl Placed {
+impl ViewTransform {
     fn new(frame: &Frame<'_>) -> Self {
         let [left, low, right, high] = match (frame.focus, frame.view) {
             (Some(ends), _) => ends,
@@ -130,7 +130,7 @@ impl Placed {
 
 /// The structures, from left to right and row by row, and the legend.
 pub fn picture(frame: &Frame<'_>, structures: &[Shown]) -> Drawing {
-    let placed = Placed::new(frame);
+    let placed = ViewTransform::new(frame);
     let [width, height] = placed.size();
     let columns = match structures.len() {
         n @ 0..=3 => n.max(1),
@@ -204,7 +204,7 @@ fn counted(shown: &Shown) -> String {
     )
 }
 
-fn panel(frame: &Frame<'_>, placed: &Placed, shown: &Shown, classes: Classes) -> Drawing {
+fn panel(frame: &Frame<'_>, placed: &ViewTransform, shown: &Shown, classes: Classes) -> Drawing {
     let [width, height] = placed.size();
     let ground = Paint { fill: Some((GROUND, 1.0)), stroke: Some((FAINT, 0.75)) };
     let mut drawing = Drawing::default();
@@ -237,7 +237,7 @@ fn lines(drawing: &mut Drawing, lines: Vec<Vec<[f64; 2]>>, color: Color, width: 
 }
 
 /// Runs of cells of one class as one item: cells that overlap keep their order.
-fn cells(drawing: &mut Drawing, placed: &Placed, sections: &[Section], classes: Classes) {
+fn cells(drawing: &mut Drawing, placed: &ViewTransform, sections: &[Section], classes: Classes) {
     let class = |s: &Section| (s.references > 0).then(|| classes.of(s.references));
     let visible: Vec<_> = sections
         .iter()
@@ -268,7 +268,7 @@ fn cells(drawing: &mut Drawing, placed: &Placed, sections: &[Section], classes: 
 /// Boxes, far ones first, faces that are turned away darker.
 fn boxes(
     drawing: &mut Drawing,
-    placed: &Placed,
+    placed: &ViewTransform,
     bodies: &[Body],
     projection: &Projection,
     classes: Classes,
@@ -290,7 +290,7 @@ fn boxes(
 }
 
 /// A ray and what it meets.
-fn overlay(drawing: &mut Drawing, placed: &Placed, path: &PathThrough) {
+fn overlay(drawing: &mut Drawing, placed: &ViewTransform, path: &PathThrough) {
     let outlined = |ends: &[[f64; 4]], color: Color, width: f64| {
         let boxes = ends.iter().filter_map(|ends| placed.rectangle(*ends)).collect();
         Item::Boxes(boxes, Paint { fill: None, stroke: Some((color, width)) })

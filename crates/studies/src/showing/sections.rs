@@ -27,7 +27,7 @@ pub struct Body {
 }
 
 /// A cell that is drawn.
-struct Drawn<T> {
+struct DrawnCell<T> {
     place: T,
     references: u64,
     is_inner: bool,
@@ -39,8 +39,8 @@ fn drawn<T>(
     tracer: &dyn Tracer<f32>,
     depth: Option<u32>,
     mut place: impl FnMut(&Aabb<f64>) -> Option<T>,
-) -> Result<Vec<Drawn<T>>, NoCells> {
-    let mut all: Vec<Drawn<T>> = Vec::new();
+) -> Result<Vec<DrawnCell<T>>, NoCells> {
+    let mut all: Vec<DrawnCell<T>> = Vec::new();
     // the cell that those below are part of
     let mut around: Option<usize> = None;
     tracer.cells(&mut |cell| {
@@ -60,7 +60,7 @@ fn drawn<T>(
         around = None;
         if is_drawn && let Some(place) = place(&cell.bounds) {
             around = Some(all.len());
-            all.push(Drawn { place, references, is_inner });
+            all.push(DrawnCell { place, references, is_inner });
         }
     })?;
     Ok(all)
@@ -96,6 +96,7 @@ pub fn sections(
 /// [`NoCells`].
 pub fn bodies(tracer: &dyn Tracer<f32>, depth: Option<u32>) -> Result<Vec<Body>, NoCells> {
     let all = drawn(tracer, depth, |bounds| Some(*bounds))?;
-    let body = |cell: Drawn<Aabb<f64>>| Body { bounds: cell.place, references: cell.references };
+    let body =
+        |cell: DrawnCell<Aabb<f64>>| Body { bounds: cell.place, references: cell.references };
     Ok(all.into_iter().map(body).filter(|body| body.references > 0).collect())
 }

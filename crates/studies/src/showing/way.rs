@@ -4,7 +4,7 @@ use accel_core::query::cells::{CellKind, NoCells};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::entered::{cells_entered, crossed};
 use accel_core::query::tracer::Tracer;
-use accel_core::query::way::{Outcome, WayStep};
+use accel_core::query::way::{Outcome, TraceStep};
 use accel_core::{Aabb, Hit, Ray, Scalar};
 use scene_loading::Scene;
 
@@ -13,7 +13,7 @@ use super::plane::Plane;
 
 /// A cell that a ray enters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Entered {
+pub struct EnteredCell {
     /// Numbers of the first and the last step into it, from 1.
     pub steps: [usize; 2],
     /// What the plane cuts of it.
@@ -28,7 +28,7 @@ pub struct Entered {
 #[derive(Debug, Clone, PartialEq)]
 pub struct PathThrough {
     /// The elementary cells entered, in the order of their first steps.
-    pub entered: Vec<Entered>,
+    pub entered: Vec<EnteredCell>,
     /// The inner cells that hold those.
     pub around: Vec<[f64; 4]>,
     /// What the plane cuts of primitives that were tested and not hit.
@@ -38,7 +38,7 @@ pub struct PathThrough {
     /// Where the ray is at the beginning of its interval and at its hit, or far beyond the scene.
     pub line: [[f64; 2]; 2],
     /// The steps, and for each the depth of the cell entered where that is known.
-    pub steps: Vec<(WayStep, Option<u32>)>,
+    pub steps: Vec<(TraceStep, Option<u32>)>,
     /// The answer.
     pub hit: Hit<f32>,
     /// What it took.
@@ -65,7 +65,7 @@ pub fn path_through(
     } else {
         crossed.iter().map(|cell| cell.span[1]).filter(|t| t.is_finite()).fold(1.0, f64::max)
     };
-    let mut entered: Vec<Entered> = Vec::new();
+    let mut entered: Vec<EnteredCell> = Vec::new();
     let mut known: Vec<usize> = Vec::new();
     let mut around: Vec<usize> = Vec::new();
     for (number, cells) in (1..).zip(&cells) {
@@ -84,7 +84,7 @@ pub fn path_through(
             let [t_in, t_out] = cell.span;
             let middle = 0.5 * (t_in.max(0.0) + t_out.min(last).max(t_in));
             known.push(place);
-            entered.push(Entered {
+            entered.push(EnteredCell {
                 steps: [number; 2],
                 ends,
                 depth: cell.depth,
@@ -155,7 +155,7 @@ impl PathThrough {
 
     /// What was entered in a step, and the primitives tested: spared ones in brackets, hits with a star.
     pub fn listed(&self) -> Vec<[String; 4]> {
-        let row = |(number, (step, depth)): (usize, &(WayStep, Option<u32>))| {
+        let row = |(number, (step, depth)): (usize, &(TraceStep, Option<u32>))| {
             let kind = match step.kind {
                 CellKind::Inner => "inner",
                 CellKind::Leaf => "leaf",

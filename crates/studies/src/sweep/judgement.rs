@@ -6,7 +6,7 @@ use statistics::estimate::Estimate;
 
 /// How a swept value stands among the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Standing {
+pub enum ValueStanding {
     /// The lowest tracing time.
     Best,
     /// Its interval overlaps that of the best: no difference was measured.
@@ -19,7 +19,7 @@ pub enum Standing {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
     /// Among the swept values; none for other rows and for rows without a time.
-    pub standing: Option<Standing>,
+    pub standing: Option<ValueStanding>,
     /// Tracing time over that of the best value.
     pub to_best: Option<f64>,
     /// Elementary cells per primitive.
@@ -68,15 +68,15 @@ pub fn costs(scene: &SceneRecord) -> Vec<Option<Estimate>> {
 }
 
 /// How each cost stands among all that there are; of equal ones, the first is the best.
-pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<Standing>> {
+pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<ValueStanding>> {
     let known = costs.iter().enumerate().filter_map(|(i, cost)| Some((i, (*cost)?)));
     let best = known.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let of = |(i, cost): (usize, &Option<Estimate>)| {
         let (cost, (first, best)) = ((*cost)?, best?);
         Some(match () {
-            () if i == first => Standing::Best,
-            () if cost.low <= best.high && best.low <= cost.high => Standing::NotToldApart,
-            () => Standing::Slower,
+            () if i == first => ValueStanding::Best,
+            () if cost.low <= best.high && best.low <= cost.high => ValueStanding::NotToldApart,
+            () => ValueStanding::Slower,
         })
     };
     costs.iter().enumerate().map(of).collect()
@@ -86,12 +86,12 @@ fn cells_per_primitive(row: &RowRecord, primitives: u64) -> Option<f64> {
     Some(row.stats.as_ref()?.n_v as f64 / primitives.max(1) as f64)
 }
 
-fn marks(line: &Line, standing: Option<Standing>, is_reference: bool) -> Vec<String> {
+fn marks(line: &Line, standing: Option<ValueStanding>, is_reference: bool) -> Vec<String> {
     let mut marks = Vec::new();
     match standing {
-        Some(Standing::Best) => marks.push("best".to_owned()),
-        Some(Standing::NotToldApart) => marks.push("~best".to_owned()),
-        Some(Standing::Slower) | None => {}
+        Some(ValueStanding::Best) => marks.push("best".to_owned()),
+        Some(ValueStanding::NotToldApart) => marks.push("~best".to_owned()),
+        Some(ValueStanding::Slower) | None => {}
     }
     if line.is_default {
         marks.push("default".to_owned());
@@ -121,7 +121,7 @@ mod tests {
             estimate(2.2, 2.3, 2.4),
             estimate(2.25, 2.3, 2.4),
         ];
-        use Standing::{Best, NotToldApart, Slower};
+        use ValueStanding::{Best, NotToldApart, Slower};
         assert_eq!(
             standings(&costs),
             [Some(Slower), Some(NotToldApart), None, Some(Best), Some(NotToldApart), Some(Slower)]
@@ -131,15 +131,18 @@ mod tests {
     #[test]
     fn of_equal_costs_the_first_is_the_best() {
         let equal = [estimate(1.0, 1.0, 1.0), estimate(1.0, 1.0, 1.0)];
-        assert_eq!(standings(&equal), [Some(Standing::Best), Some(Standing::NotToldApart)]);
+        assert_eq!(
+            standings(&equal),
+            [Some(ValueStanding::Best), Some(ValueStanding::NotToldApart)]
+        );
         assert_eq!(standings(&[None, None]), [None, None]);
     }
 
     #[test]
     fn marks_say_all_that_a_row_is() {
         let line = Line { is_default: true, rules: vec!["woo"], ..Line::default() };
-        let marks = marks(&line, Some(Standing::Best), true);
+        let marks = marks(&line, Some(ValueStanding::Best), true);
         assert_eq!(marks, ["best", "default", "rule: woo", "reference"]);
-        assert!(super::marks(&Line::default(), Some(Standing::Slower), false).is_empty());
+        assert!(super::marks(&Line::default(), Some(ValueStanding::Slower), false).is_empty());
     }
 }

@@ -145,7 +145,7 @@ impl<'r> Sweep<'r> {
         registry: &'r [Entry],
         scenes: &dyn SceneSource,
     ) -> Result<Self, SweepError> {
-        let swept = Swept::new(args, registry)?;
+        let swept = SweptParameter::new(args, registry)?;
         let values = swept.values(args)?;
         let abscissa = swept.abscissa(&values, args.linear);
         let mut lines = Lines::default();
@@ -183,14 +183,14 @@ impl Sweep<'_> {
 }
 
 /// The structure, its settings and the parameter, as typed.
-struct Swept<'r, 't> {
+struct SweptParameter<'r, 't> {
     entry: &'r Entry,
     parameter: &'static ParamSpec,
     /// Of the other parameters.
     settings: Assignments<'t>,
 }
 
-impl<'r, 't> Swept<'r, 't> {
+impl<'r, 't> SweptParameter<'r, 't> {
     fn new(args: &'t SweepSettings, registry: &'r [Entry]) -> Result<Self, SweepError> {
         let (entry, mut settings) = rows::parse_settings(registry, &args.structure)?;
         let parameter = rows::find_param(entry, &args.parameter)?;

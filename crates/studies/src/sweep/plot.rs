@@ -1,6 +1,6 @@
 //! A sweep as a plot: tracing time over the values, rules of thumb beside them.
 
-use crate::sweep::judgement::{Judgement, Standing, costs, judge};
+use crate::sweep::judgement::{Judgement, ValueStanding, costs, judge};
 use crate::sweep::{Abscissa, Line, Sweep};
 use measurement::record::{RunRecord, SceneRecord, Verdict, reference};
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
@@ -16,7 +16,7 @@ pub fn to_svg(sweep: &Sweep<'_>, run: &RunRecord) -> String {
 }
 
 /// A row that has a time, and where it lies.
-struct Placed<'a> {
+struct PlottedRow<'a> {
     line: &'a Line,
     judgement: &'a Judgement,
     point: Point,
@@ -26,11 +26,11 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
     let judgements = judge(sweep, scene);
     let words = words(sweep);
     let rows = scene.rows.iter().zip(&sweep.lines).zip(&judgements).zip(costs(scene));
-    let placed: Vec<Placed<'_>> = rows
+    let placed: Vec<PlottedRow<'_>> = rows
         .filter(|(((row, _), _), _)| row.verdict == Verdict::Ok)
         .filter_map(|(((_, line), judgement), cost)| {
             let x = abscissa(sweep, line, judgement, &words)?;
-            Some(Placed { line, judgement, point: point(x, cost?) })
+            Some(PlottedRow { line, judgement, point: point(x, cost?) })
         })
         .collect();
     let has_ratios = scene.rows.iter().any(|r| r.ratio.is_some());
@@ -67,7 +67,7 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
 }
 
 /// The default as a level where its value has no place: 0 on a logarithmic axis.
-fn default_level(sweep: &Sweep<'_>, placed: &[Placed<'_>]) -> Option<Level> {
+fn default_level(sweep: &Sweep<'_>, placed: &[PlottedRow<'_>]) -> Option<Level> {
     let is_log = sweep.abscissa == Abscissa::Number { is_log: true };
     let default = placed.iter().find(|p| is_log && p.line.is_default && p.point.x <= 0.0)?;
     let value = default.line.value.as_deref().unwrap_or_default();
@@ -87,7 +87,7 @@ fn subtitle(scene: &SceneRecord, rays: u64, sweep: &Sweep<'_>, judgements: &[Jud
     if !hidden.is_empty() {
         text.push_str(&format!("; wrong or not built: {}", hidden.join(", ")));
     }
-    let has_equals = judgements.iter().any(|j| j.standing == Some(Standing::NotToldApart));
+    let has_equals = judgements.iter().any(|j| j.standing == Some(ValueStanding::NotToldApart));
     if has_equals {
         text.push_str("; dashed rings: no difference to the best was measured");
     }
@@ -135,7 +135,7 @@ fn horizontal(sweep: &Sweep<'_>, words: Vec<String>) -> Axis {
     Axis { label, scale }
 }
 
-fn vertical(placed: &[Placed<'_>]) -> Scale {
+fn vertical(placed: &[PlottedRow<'_>]) -> Scale {
     let times = || placed.iter().map(|p| p.point.y);
     let fastest = times().fold(f64::INFINITY, f64::min);
     let slowest = times().fold(0.0, f64::max);
@@ -143,11 +143,11 @@ fn vertical(placed: &[Placed<'_>]) -> Scale {
 }
 
 /// What is pointed out: the best value and those as good, the default, the rules of thumb.
-fn mark(placed: &Placed<'_>) -> Option<Mark> {
+fn mark(placed: &PlottedRow<'_>) -> Option<Mark> {
     let ring = match placed.judgement.standing {
-        Some(Standing::Best) => Ring::Best,
-        Some(Standing::NotToldApart) => Ring::AsGood,
-        Some(Standing::Slower) | None => Ring::None,
+        Some(ValueStanding::Best) => Ring::Best,
+        Some(ValueStanding::NotToldApart) => Ring::AsGood,
+        Some(ValueStanding::Slower) | None => Ring::None,
     };
     let marks = placed.judgement.marks.iter().map(String::as_str);
     // The dashed ring says the one, the other is a row of its own kind.

@@ -3,7 +3,7 @@
 use crate::run::columns::RATIO;
 use crate::run::markdown;
 use crate::run::tables;
-use crate::sweep::judgement::{Judgement, Standing, judge};
+use crate::sweep::judgement::{Judgement, ValueStanding, judge};
 use crate::sweep::{Line, Sweep};
 use measurement::record::{RunRecord, SceneRecord, Verdict};
 use presentation::numbers;
@@ -91,7 +91,7 @@ fn name(line: &Line, label: &str) -> String {
 /// A run's cell; which ratio is the best is not judged as in a run.
 fn restyled(cell: &Cell, is_ratio: bool, judgement: &Judgement) -> Cell {
     let style = match (is_ratio, cell.style) {
-        (true, Style::Plain | Style::Best) if judgement.standing == Some(Standing::Best) => {
+        (true, Style::Plain | Style::Best) if judgement.standing == Some(ValueStanding::Best) => {
             Style::Best
         }
         (true, Style::Best) => Style::Plain,
@@ -113,10 +113,10 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
             .filter_map(|(line, _)| line.value.as_deref())
     };
     let parameter = sweep.parameter.name;
-    let Some(best) = of(Standing::Best).next() else {
+    let Some(best) = of(ValueStanding::Best).next() else {
         return vec![format!("No value of {parameter} has a time.")];
     };
-    let equal: Vec<&str> = of(Standing::NotToldApart).collect();
+    let equal: Vec<&str> = of(ValueStanding::NotToldApart).collect();
     let mut notes = vec![if equal.is_empty() {
         format!("Best: {parameter}={best}.")
     } else {

@@ -6,7 +6,7 @@ use presentation::table::{Cell, Style};
 
 use super::equal_error::AtError;
 use super::{Measured, TracerRow};
-use crate::accuracy::record::Standing;
+use crate::accuracy::record::VariantStanding;
 use statistics::estimate::estimate;
 
 /// An image of a comparison.
@@ -72,7 +72,7 @@ pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
 
 /// No other image takes less and is nearer to the right one.
 pub fn is_on_front(measured: &Measured) -> bool {
-    measured.standing == Standing::OnFront
+    measured.standing == VariantStanding::OnFront
 }
 
 fn rmse(measured: &Measured) -> String {
@@ -81,11 +81,11 @@ fn rmse(measured: &Measured) -> String {
 }
 
 /// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly different.
-fn front(standing: Standing) -> &'static str {
+fn front(standing: VariantStanding) -> &'static str {
     match standing {
-        Standing::OnFront => "*",
-        Standing::NotToldApart => "~",
-        Standing::Dominated => "",
+        VariantStanding::OnFront => "*",
+        VariantStanding::NotToldApart => "~",
+        VariantStanding::Dominated => "",
     }
 }
 

@@ -17,13 +17,13 @@ use std::collections::BTreeMap;
 
 use accel_core::query::region::FrustumWork;
 use accel_core::query::tracer::Tracer;
-use renderer::tracers::{Drawn, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
+use renderer::tracers::{DrawnImage, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{Image, render_plan};
 use scene_loading::{Scene, Shape};
 
 use crate::accuracy::pareto::{FrontPoint, standings};
-use crate::accuracy::record::Standing;
-use crate::image_error::{Converged, edge_rmse, edges, rmse};
+use crate::accuracy::record::VariantStanding;
+use crate::image_error::{ConvergedImage, edge_rmse, edges, rmse};
 use equal_error::{AtError, SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
@@ -32,16 +32,16 @@ use statistics::estimate::Estimate;
 use statistics::series::Series;
 
 /// A way to draw with cones or beams.
-pub struct Way {
+pub struct DrawingMethod {
     /// The tracer.
     pub info: &'static TracerInfo,
     /// Its settings where they are not the default ones.
     pub settings: &'static str,
     /// The tracer with these settings.
-    pub draw: fn(&Scene, Frame, Structures<'_>) -> Result<Drawn, Refusal>,
+    pub draw: fn(&Scene, Frame, Structures<'_>) -> Result<DrawnImage, Refusal>,
 }
 
-impl Way {
+impl DrawingMethod {
     /// Tracer and settings.
     pub fn label(&self) -> String {
         format!("{} {}", self.info.name, self.settings).trim_end().to_owned()
@@ -49,13 +49,13 @@ impl Way {
 }
 
 /// The ways without samples, in the order of the table: one entry each.
-static WAYS: &[Way] = &[
-    Way {
+static WAYS: &[DrawingMethod] = &[
+    DrawingMethod {
         info: &cone::INFO,
         settings: "",
         draw: |scene, frame, over| cone::draw(scene, frame, &cone::Settings::default(), over),
     },
-    Way {
+    DrawingMethod {
         info: &cone::INFO,
         settings: "subdivisions=0",
         draw: |scene, frame, over| {
@@ -63,7 +63,7 @@ static WAYS: &[Way] = &[
             cone::draw(scene, frame, &plain, over)
         },
     },
-    Way {
+    DrawingMethod {
         info: &beam::INFO,
         settings: "",
         draw: |scene, frame, over| beam::draw(scene, frame, &beam::Settings::default(), over),
@@ -71,7 +71,9 @@ static WAYS: &[Way] = &[
 ];
 
 /// The ways of the tracers that are asked for.
-pub fn ways(is_asked: impl Fn(&TracerInfo) -> bool) -> impl Iterator<Item = &'static Way> {
+pub fn ways(
+    is_asked: impl Fn(&TracerInfo) -> bool,
+) -> impl Iterator<Item = &'static DrawingMethod> {
     WAYS.iter().filter(move |way| is_asked(way.info))
 }
 
@@ -130,7 +132,7 @@ pub struct Measured {
     /// Time over that of the cheapest row, round by round.
     pub ratio: Option<Estimate>,
     /// Whether another row is faster and has a smaller error.
-    pub standing: Standing,
+    pub standing: VariantStanding,
     /// What was counted.
     pub counts: BTreeMap<&'static str, u64>,
     /// The image.
@@ -150,26 +152,29 @@ impl Measured {
 /// current rayon pool. Times are those of the image alone: structures are built before.
 pub fn compare(
     question: &Question<'_>,
-    reference: &Converged,
+    reference: &ConvergedImage,
     clock: &dyn Clock,
 ) -> Vec<TracerRow> {
     let mut rows = Vec::new();
-    let mut makers: Vec<Box<dyn Fn() -> Result<Made, Refusal> + '_>> = Vec::new();
+    let mut makers: Vec<Box<dyn Fn() -> Result<ImageWithCounts, Refusal> + '_>> = Vec::new();
     let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
     let Question { scene, frame, .. } = *question;
     if is_asked(&whitted::INFO) {
         for &samples in question.samples {
             let plan = frame.plan(scene, samples, frame.seed);
             rows.push((whitted::INFO.name, "", Some(samples)));
-            makers.push(Box::new(move || Ok(Made::by_samples(question, &plan))));
+            makers.push(Box::new(move || Ok(ImageWithCounts::by_samples(question, &plan))));
         }
     }
     let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
     for way in ways(is_asked) {
         rows.push((way.info.name, way.settings, None));
-        makers.push(Box::new(move || (way.draw)(scene, size, question.structures).map(Made::from)));
+        makers.push(Box::new(move || {
+            (way.draw)(scene, size, question.structures).map(ImageWithCounts::from)
+        }));
     }
-    let mut made: Vec<Option<Result<Made, Refusal>>> = rows.iter().map(|_| None).collect();
+    let mut made: Vec<Option<Result<ImageWithCounts, Refusal>>> =
+        rows.iter().map(|_| None).collect();
     let mut seconds = vec![Vec::new(); rows.len()];
     let is_left = |round| round < question.rounds as usize;
     interleaved(rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
@@ -191,7 +196,7 @@ pub fn compare(
                 edge_error: edge_rmse(&made.image, &reference.image, &edges),
                 is_below_reference: reference.hides(error),
                 ratio: None,
-                standing: Standing::Dominated,
+                standing: VariantStanding::Dominated,
                 counts: made.counts,
                 image: made.image,
                 by_samples: None,
@@ -205,12 +210,12 @@ pub fn compare(
 }
 
 /// An image and what was counted.
-struct Made {
+struct ImageWithCounts {
     image: Image,
     counts: BTreeMap<&'static str, u64>,
 }
 
-impl Made {
+impl ImageWithCounts {
     fn by_samples(question: &Question<'_>, plan: &renderer::EffectPlan) -> Self {
         let rendered = render_plan(question.scene, question.sampler, plan);
         let counts = BTreeMap::from([("rays", rendered.counts.total())]);
@@ -218,8 +223,8 @@ impl Made {
     }
 }
 
-impl From<Drawn> for Made {
-    fn from(drawn: Drawn) -> Self {
+impl From<DrawnImage> for ImageWithCounts {
+    fn from(drawn: DrawnImage) -> Self {
         let FrustumWork { queries, found, tests, .. } = drawn.work;
         let mut counts =
             BTreeMap::from([("queries", queries), ("candidates", found), ("hull tests", tests)]);
@@ -229,7 +234,7 @@ impl From<Drawn> for Made {
 }
 
 /// Finds the Pareto front, and what samples take for the errors of the others.
-fn judge(rows: &mut [TracerRow], reference: &Converged, seed: u64) {
+fn judge(rows: &mut [TracerRow], reference: &ConvergedImage, seed: u64) {
     let measured = |row: &TracerRow| row.outcome.as_ref().ok().cloned();
     let cheapest = rows
         .iter()
@@ -307,7 +312,7 @@ mod tests {
             edge_error: None,
             is_below_reference: false,
             ratio: None,
-            standing: Standing::Dominated,
+            standing: VariantStanding::Dominated,
             counts: BTreeMap::new(),
             image: Image { width: 0, height: 0, pixels: Vec::new() },
             by_samples: None,
@@ -327,10 +332,10 @@ mod tests {
             row(None, 8.0, 0.05),
         ];
         let blank = Image { width: 0, height: 0, pixels: Vec::new() };
-        judge(&mut rows, &Converged::of(&blank, &blank), 1);
+        judge(&mut rows, &ConvergedImage::of(&blank, &blank), 1);
         let front: Vec<bool> = rows
             .iter()
-            .map(|r| r.outcome.as_ref().unwrap().standing == Standing::OnFront)
+            .map(|r| r.outcome.as_ref().unwrap().standing == VariantStanding::OnFront)
             .collect();
         assert_eq!(front, [true, true, false, false, true]);
         let by_samples = |i: usize| rows[i].outcome.as_ref().unwrap().by_samples;

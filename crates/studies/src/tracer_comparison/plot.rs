@@ -1,11 +1,11 @@
 //! A comparison of tracers as a plot: error over time, both logarithmic.
 
-use crate::accuracy::record::Standing;
+use crate::accuracy::record::VariantStanding;
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series};
 
 /// An image and where it lies.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Placed {
+pub struct PlottedImage {
     /// Median time of the image.
     pub seconds: f64,
     /// Root mean square error.
@@ -15,10 +15,10 @@ pub struct Placed {
     /// Tracer and settings.
     pub label: String,
     /// Whether anything beats it.
-    pub standing: Standing,
+    pub standing: VariantStanding,
 }
 
-impl Placed {
+impl PlottedImage {
     fn point(&self) -> Point {
         // error bars are those of the vertical axis, and errors have none
         Point { x: self.seconds, y: self.error, low: self.error, high: self.error }
@@ -29,9 +29,9 @@ impl Placed {
             point: self.point(),
             label: self.samples.map_or_else(|| self.label.clone(), |n| n.to_string()),
             ring: match self.standing {
-                Standing::OnFront => Ring::Best,
-                Standing::NotToldApart => Ring::AsGood,
-                Standing::Dominated => Ring::None,
+                VariantStanding::OnFront => Ring::Best,
+                VariantStanding::NotToldApart => Ring::AsGood,
+                VariantStanding::Dominated => Ring::None,
             },
             is_in_series: self.samples.is_some(),
         }
@@ -44,7 +44,7 @@ pub fn error_over_time(
     [width, height]: [u32; 2],
     threads: usize,
     reference_error: f64,
-    images: Vec<Placed>,
+    images: Vec<PlottedImage>,
 ) -> Plot {
     let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
     Plot {
@@ -56,10 +56,14 @@ pub fn error_over_time(
         y: axis("root mean square error"),
         series: vec![Series {
             name: "whitted, by samples per pixel".to_owned(),
-            points: images.iter().filter(|i| i.samples.is_some()).map(Placed::point).collect(),
+            points: images
+                .iter()
+                .filter(|i| i.samples.is_some())
+                .map(PlottedImage::point)
+                .collect(),
             is_joined: true,
         }],
-        marks: images.iter().map(Placed::mark).collect(),
+        marks: images.iter().map(PlottedImage::mark).collect(),
         marks_name: "cones and beams".to_owned(),
         levels: vec![Level { y: reference_error, label: "the reference's own error".to_owned() }],
     }

@@ -154,9 +154,9 @@ mod tests {
     use measurement::system::clock::SteppingClock;
 
     /// A grid that loses two of three cells.
-    struct Loser(UniformGrid<f64>);
+    struct LossyGrid(UniformGrid<f64>);
 
-    impl Structure<f64> for Loser {
+    impl Structure<f64> for LossyGrid {
         type Config = <UniformGrid<f64> as Structure<f64>>::Config;
 
         fn build<P: PrimSet<f64>>(
@@ -175,7 +175,7 @@ mod tests {
         }
     }
 
-    impl FrustumTraversal for Loser {
+    impl FrustumTraversal for LossyGrid {
         fn traverse_frustum(
             &self,
             frustum: &Frustum,
@@ -215,7 +215,7 @@ mod tests {
         };
         let rows = asked(frustum_queries::REGISTRY);
         assert!(rows.iter().all(|r| r.missed == 0 && r.ratio.holds(1.0)), "{rows:?}");
-        let planted = [frustum_queries::line(&INFO, frustum_queries::build::<Loser>)];
+        let planted = [frustum_queries::line(&INFO, frustum_queries::build::<LossyGrid>)];
         assert!(asked(&planted)[0].missed > 0);
     }
 }

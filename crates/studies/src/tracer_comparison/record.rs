@@ -6,7 +6,7 @@ use measurement::record::Machine;
 use serde::{Deserialize, Serialize};
 use statistics::estimate::{Estimate, estimate};
 
-use crate::accuracy::record::Standing;
+use crate::accuracy::record::VariantStanding;
 
 /// A comparison, without its images.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -107,7 +107,7 @@ pub enum Outcome {
         /// The error is not ten times that of the reference.
         below_reference: bool,
         /// Whether another row is faster and has a smaller error.
-        standing: Standing,
+        standing: VariantStanding,
         /// What was counted.
         #[serde(default)]
         counts: BTreeMap<String, u64>,

@@ -4,7 +4,7 @@ use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
-use crate::image_error::Converged;
+use crate::image_error::ConvergedImage;
 
 /// The converged image of a scene: two images of `samples` a pixel, in the current rayon pool.
 /// The seeds are none that a measured image has.
@@ -13,10 +13,10 @@ pub fn converged(
     tracer: &dyn Tracer<f32>,
     frame: Sampled,
     samples: u32,
-) -> Converged {
+) -> ConvergedImage {
     let image = |seed| frame.image(scene, tracer, samples, seed);
     let first = image(frame.seed ^ 0x5265_6665_7265_6e63);
-    Converged::of(&first, &image(frame.seed ^ 0x6552_6665_7265_6e63))
+    ConvergedImage::of(&first, &image(frame.seed ^ 0x6552_6665_7265_6e63))
 }
 
 /// An image by samples: size, depth, and the seed of its patterns.

@@ -6,11 +6,11 @@ use accel_core::query::region::FrustumWork;
 
 use super::columns::{ImageRow, columns, is_on_front};
 use super::equal_error::AtError;
-use super::plot::{Placed, error_over_time};
+use super::plot::{PlottedImage, error_over_time};
 use super::queries::QueryRow;
 use super::record::{ImageRecord, Outcome, QueryRecord, ReferenceRecord, RowName, TracersRecord};
 use super::{Measured, TracerRow};
-use crate::image_error::Converged;
+use crate::image_error::ConvergedImage;
 use measurement::record::Machine;
 use presentation::column;
 use presentation::format_error::FormatError;
@@ -39,7 +39,7 @@ pub struct Report {
     /// What it ran on.
     pub machine: Machine,
     /// What images were compared with.
-    pub reference: Converged,
+    pub reference: ConvergedImage,
     /// Samples per pixel of each of its two images.
     pub reference_samples: u32,
     /// The images.
@@ -252,7 +252,7 @@ impl Report {
     /// Error over time, both logarithmic.
     pub fn to_svg(&self) -> String {
         let images = self.measured().filter_map(|(row, m)| {
-            Some(Placed {
+            Some(PlottedImage {
                 seconds: self.seconds(m)?.median,
                 error: m.error,
                 samples: row.samples,

@@ -11,18 +11,18 @@ use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::memory::Counted;
 use crate::parallel::{forks, is_worth_a_fork, map};
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 
 /// Limits and conventions of a build.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Rules {
+pub(crate) struct BuildRules {
     /// Order of ids in a cell.
     pub order: ListOrder,
     /// Cells by division, as in 1999.
     pub by_division: bool,
     /// For the cells of all grids, and the references in them.
-    pub room: Room,
+    pub room: CapacityLimits,
 }
 
 /// Voxels of nested grids: where the ids and the grids of each begin.
@@ -52,7 +52,7 @@ fn lists<S: Scalar>(
     frame: GridFrame<S>,
     boxes: &[Aabb<S>],
     [cells, used]: [u64; 2],
-    rules: &Rules,
+    rules: &BuildRules,
     mut before: CellLists,
 ) -> Result<CellLists, BuildError> {
     let room = rules.room.references_beside(cells).saturating_sub(used);
@@ -72,7 +72,7 @@ fn lists<S: Scalar>(
 
 /// How much there is in all grids.
 #[derive(Debug, Clone, Copy, Default)]
-struct Used {
+struct GridTotals {
     cells: u64,
     ids: u64,
     inner: u64,
@@ -85,7 +85,7 @@ pub(crate) struct LooseGrids<S: Scalar, I> {
     starts: Vec<CellStart>,
     ids: Vec<u32>,
     inner: Vec<I>,
-    before: Used,
+    before: GridTotals,
     /// The most references, while a grid was made.
     peak: u64,
     /// Lists whose memory is used again.
@@ -93,7 +93,7 @@ pub(crate) struct LooseGrids<S: Scalar, I> {
 }
 
 impl<S: Scalar, I> LooseGrids<S, I> {
-    fn beside(before: Used) -> Self {
+    fn beside(before: GridTotals) -> Self {
         let (grids, starts, ids, inner, lists) = Default::default();
         Self { grids, starts, ids, inner, before, peak: 0, lists }
     }
@@ -104,9 +104,9 @@ impl<S: Scalar, I> LooseGrids<S, I> {
     }
 
     /// How much is used by all, where a grid of so many cells is added.
-    fn used_with(&self, cells: usize, rules: &Rules) -> Result<Used, BuildError> {
+    fn used_with(&self, cells: usize, rules: &BuildRules) -> Result<GridTotals, BuildError> {
         let Self { starts, ids, inner, before, .. } = self;
-        let used = Used {
+        let used = GridTotals {
             cells: before.cells + (starts.len() + cells) as u64,
             ids: before.ids + ids.len() as u64,
             inner: before.inner + inner.len() as u64,
@@ -137,7 +137,7 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         &mut self,
         frame: GridFrame<S>,
         (ids, boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules,
+        rules: &BuildRules,
         divide: impl Fn(Aabb<S>, &[u32]) -> Option<I> + Sync,
     ) -> Result<(), BuildError>
     where
@@ -174,7 +174,7 @@ impl<S: Scalar> LooseGrids<S, u32> {
         frame: GridFrame<S>,
         (ids, id_boxes): (&[u32], &[Aabb<S>]),
         (inner, inner_boxes): (&[u32], &[Aabb<S>]),
-        rules: &Rules,
+        rules: &BuildRules,
     ) -> Result<(), BuildError> {
         let used = self.used_with(frame.cells(), rules)?;
         let id_lists = lists(frame, id_boxes, [used.cells, used.ids], rules, CellLists::default())?;
@@ -202,7 +202,7 @@ impl<S: Scalar> NestedGrids<S> {
     pub(crate) fn push_all<T: Sync, I: Send>(
         &mut self,
         items: &[T],
-        rules: &Rules,
+        rules: &BuildRules,
         push: impl Fn(&mut LooseGrids<S, I>, &T) -> Result<(), BuildError> + Sync,
         number: &mut dyn FnMut(I) -> u32,
     ) -> Result<(), BuildError> {
@@ -238,14 +238,14 @@ impl<S: Scalar> NestedGrids<S> {
         Ok(())
     }
 
-    fn used(&self) -> Used {
+    fn used(&self) -> GridTotals {
         let [cells, ids, inner] =
             [self.starts.len() - 1, self.ids.len(), self.inner.len()].map(|n| n as u64);
-        Used { cells, ids, inner }
+        GridTotals { cells, ids, inner }
     }
 
     /// Whether these would have been made with what is used now before them.
-    fn has_room_for<I>(&self, grids: &LooseGrids<S, I>, rules: &Rules) -> bool {
+    fn has_room_for<I>(&self, grids: &LooseGrids<S, I>, rules: &BuildRules) -> bool {
         let used = self.used();
         let references = (used.ids + grids.peak).max(used.inner + grids.inner.len() as u64);
         rules.room.check([used.cells + grids.starts.len() as u64, references]).is_ok()

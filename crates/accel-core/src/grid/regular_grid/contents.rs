@@ -141,9 +141,9 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         cells: usize,
         index: impl Fn([i32; 3]) -> usize + Sync,
     ) -> Result<CellLists, TooManyReferences> {
-        struct Indexed<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
+        struct IndexedContents<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
         impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize + Sync> Placement
-            for Indexed<'_, '_, S, P, F>
+            for IndexedContents<'_, '_, S, P, F>
         {
             #[inline(always)]
             fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
@@ -157,7 +157,7 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
                 return Err(TooManyReferences(needed));
             }
         }
-        let placement = Indexed(self, index);
+        let placement = IndexedContents(self, index);
         CellLists::build(cells, self.primitives, self.order, self.max_references, &placement)
     }
 }

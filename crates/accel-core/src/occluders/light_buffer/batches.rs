@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::occluders::light_buffer::facing::Facing;
+use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane};
 
 /// Primitives of a batch, at most.
@@ -17,7 +17,7 @@ pub(super) struct Batch {
     /// Their half-planes.
     pub(super) sides: Vec<HalfPlane>,
     /// Their planes.
-    pub(super) planes: Vec<Facing>,
+    pub(super) planes: Vec<FacingPlane>,
     /// The planes through the light and the edges of those.
     pub(super) edges: Vec<DVec3>,
 }
@@ -38,23 +38,23 @@ impl<'a> Print<'a> {
     }
 
     /// Its plane.
-    pub(super) fn plane(self) -> Option<&'a Facing> {
+    pub(super) fn plane(self) -> Option<&'a FacingPlane> {
         self.batch.planes.get(self.footprint.plane? as usize)
     }
 
     /// The planes of its edges.
-    pub(super) fn edges(self, plane: &Facing) -> &'a [DVec3] {
+    pub(super) fn edges(self, plane: &FacingPlane) -> &'a [DVec3] {
         &self.batch.edges[plane.edges.start as usize..plane.edges.end as usize]
     }
 }
 
 /// All that a face shows.
 #[derive(Debug, Default)]
-pub(super) struct Shown {
+pub(super) struct FaceCells {
     batches: Vec<Batch>,
 }
 
-impl Shown {
+impl FaceCells {
     /// Adds the next batch.
     pub(super) fn push(&mut self, batch: Batch) {
         self.batches.push(batch);

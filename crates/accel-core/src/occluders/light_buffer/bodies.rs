@@ -49,13 +49,13 @@ impl Bodies {
 }
 
 /// All bodies, as seen in the frame of a face.
-pub(super) struct Sight<'a> {
+pub(super) struct FaceView<'a> {
     pub(super) bodies: &'a Bodies,
     pub(super) light: DVec3,
     pub(super) face: usize,
 }
 
-impl Sight<'_> {
+impl FaceView<'_> {
     pub(super) fn local(&self, ball: &Ball) -> Ball {
         Ball { center: in_frame(self.face, ball.center - self.light), ..*ball }
     }

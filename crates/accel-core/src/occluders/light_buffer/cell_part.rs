@@ -86,12 +86,12 @@ impl Part {
 
 /// Cuts outlines; keeps its memory.
 #[derive(Debug, Default)]
-pub(super) struct Clip {
+pub(super) struct OutlineClipper {
     points: Vec<DVec2>,
     kept: Vec<DVec2>,
 }
 
-impl Clip {
+impl OutlineClipper {
     /// The part of the cell from `low`, a spot as large as `spot`, in which a convex outline is
     /// seen: a rectangle cut by half-planes (I. Sutherland, G. Hodgman, "Reentrant Polygon
     /// Clipping", CACM 17(1), 1974).
@@ -153,7 +153,7 @@ mod tests {
     fn a_part_holds_every_point_of_its_outline_and_not_much_else() {
         let mut random = Random(9);
         let (mut within, mut refused, mut kept) = (0, 0, 0);
-        let mut clip = Clip::default();
+        let mut clip = OutlineClipper::default();
         for round in 0..400 {
             let size = if round % 2 == 0 { 0.1 } else { 2.0 };
             let mut point = || dvec2(random.unit(), random.unit()) * size - size * 0.3;

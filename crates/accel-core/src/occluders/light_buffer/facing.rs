@@ -18,7 +18,7 @@ const LARGEST_SHIFT: f64 = 0.01;
 
 /// A plane seen well enough to be used.
 #[derive(Debug, Clone)]
-pub(super) struct Facing {
+pub(super) struct FacingPlane {
     /// Unit normal, the light on its negative side.
     normal: DVec3,
     /// Distance of the plane from the light.
@@ -40,7 +40,7 @@ fn range(n: DVec3, center: DVec2, half: DVec2) -> (f64, f64) {
     (middle - reach, middle + reach)
 }
 
-impl Facing {
+impl FacingPlane {
     /// The plane of an outline; `None` when it is seen too obliquely, or is no plane.
     pub(super) fn of(seen: &Seen, margins: &Margins, store: &mut Vec<DVec3>) -> Option<Self> {
         let balls = seen.balls.as_slice();

@@ -7,11 +7,11 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
-use crate::occluders::light_buffer::batches::{BATCH, Batch, Shown};
-use crate::occluders::light_buffer::bodies::{Bodies, Sight};
+use crate::occluders::light_buffer::batches::{BATCH, Batch, FaceCells};
+use crate::occluders::light_buffer::bodies::{Bodies, FaceView};
 use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::face_tree::{Cells, DIVIDED, END, Face, LONG};
-use crate::occluders::light_buffer::facing::Facing;
+use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::filling::{Limits, fill_face};
 use crate::occluders::light_buffer::footprint::{Projection, Seen};
 use crate::occluders::light_buffer::margins::Margins;
@@ -25,7 +25,7 @@ pub(super) fn faces<S: Scalar>(
     margins: &Margins,
     out: &mut Cells<S>,
 ) -> [Face<S>; FACES] {
-    let mut shown: [Shown; FACES] = std::array::from_fn(|_| Shown::default());
+    let mut shown: [FaceCells; FACES] = std::array::from_fn(|_| FaceCells::default());
     let batches: Vec<[Batch; FACES]> = (0..bodies.bodies.len().div_ceil(BATCH))
         .into_par_iter()
         .map(|i| batches(bodies, light, i * BATCH, margins))
@@ -35,7 +35,7 @@ pub(super) fn faces<S: Scalar>(
     }
     let mut face = 0;
     shown.map(|shown| {
-        let sight = Sight { bodies, light, face };
+        let sight = FaceView { bodies, light, face };
         face += 1;
         fill_face(&shown, &sight, limits, margins, out)
     })
@@ -54,14 +54,14 @@ fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [B
                 continue;
             }
             seen.balls.clear();
-            let sight = Sight { bodies, light, face };
+            let sight = FaceView { bodies, light, face };
             seen.balls.extend(own.iter().map(|b| sight.local(b)));
             seen.is_outline = body.is_outline;
             let mut projection =
                 Projection { margins, sides: &mut batch.sides, normals: &mut normals };
             let Some(mut footprint) = projection.of(body.id, &seen) else { continue };
             footprint.body = i as u32;
-            if let Some(plane) = Facing::of(&seen, margins, &mut batch.edges) {
+            if let Some(plane) = FacingPlane::of(&seen, margins, &mut batch.edges) {
                 footprint.plane = Some(batch.planes.len() as u32);
                 batch.planes.push(plane);
             }

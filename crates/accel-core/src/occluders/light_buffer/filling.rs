@@ -8,9 +8,9 @@ use glam::{DVec2, dvec2};
 use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
-use crate::occluders::light_buffer::batches::Shown;
-use crate::occluders::light_buffer::bodies::Sight;
-use crate::occluders::light_buffer::cell_part::{Clip, SPOT_BITS};
+use crate::occluders::light_buffer::batches::FaceCells;
+use crate::occluders::light_buffer::bodies::FaceView;
+use crate::occluders::light_buffer::cell_part::{OutlineClipper, SPOT_BITS};
 use crate::occluders::light_buffer::face_tree::{
     COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record,
 };
@@ -49,8 +49,8 @@ pub(super) struct Limits {
 
 /// Makes the cells of a face.
 pub(super) fn fill_face<S: Scalar>(
-    shown: &Shown,
-    sight: &Sight<'_>,
+    shown: &FaceCells,
+    sight: &FaceView<'_>,
     limits: Limits,
     margins: &Margins,
     out: &mut Cells<S>,
@@ -73,8 +73,8 @@ pub(super) fn fill_face<S: Scalar>(
 
 /// What all cells of a face are made from.
 struct FillPlan<'a> {
-    shown: &'a Shown,
-    sight: &'a Sight<'a>,
+    shown: &'a FaceCells,
+    sight: &'a FaceView<'a>,
     limits: Limits,
     margins: &'a Margins,
     low: DVec2,
@@ -92,7 +92,7 @@ impl FillPlan<'_> {
         let side = 1u32 << self.bits;
         let (starts, numbers) = self.coarse_lists();
         let row = |y: u32| {
-            let mut filling = Filling::new(self);
+            let mut filling = CellFiller::new(self);
             let words: Vec<u32> = (0..side)
                 .map(|x| {
                     let c = ((y << self.bits) + x) as usize;
@@ -148,7 +148,7 @@ impl FillPlan<'_> {
     fn coarse_pairs(&self, batch: usize) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
         for i in 0..self.shown.batches()[batch].footprints.len() {
-            let number = Shown::number(batch, i);
+            let number = FaceCells::number(batch, i);
             self.cells_of(number, [0, 0], self.shift, self.bits, |c| pairs.push((c, number)));
         }
         pairs
@@ -196,17 +196,17 @@ impl FillPlan<'_> {
 }
 
 /// Makes cells one after the other.
-struct Filling<'a, S> {
+struct CellFiller<'a, S> {
     plan: &'a FillPlan<'a>,
     out: Cells<S>,
-    clip: Clip,
+    clip: OutlineClipper,
     layers: Layers,
     entries: Vec<(f64, u32)>,
 }
 
-impl<'a, S: Scalar> Filling<'a, S> {
+impl<'a, S: Scalar> CellFiller<'a, S> {
     fn new(plan: &'a FillPlan<'a>) -> Self {
-        let (clip, layers) = (Clip::default(), Layers::default());
+        let (clip, layers) = (OutlineClipper::default(), Layers::default());
         Self { plan, out: Cells::new(), clip, layers, entries: Vec::new() }
     }
 
@@ -355,7 +355,7 @@ impl<'a, S: Scalar> Filling<'a, S> {
 
 /// The resolution of a coarse grid, 2 to this power: about as many cells as footprints, fewer
 /// where these are large.
-fn coarse_bits(shown: &Shown, size: DVec2) -> u32 {
+fn coarse_bits(shown: &FaceCells, size: DVec2) -> u32 {
     let (mut n, mut area, mut edges) = (0.0, 0.0, 0.0);
     for f in shown.footprints() {
         let part = (f.high - f.low) / size;

@@ -41,7 +41,7 @@ use self::face_tree::{COVERED, Cells, Face, Found, LONG, Record};
 use self::fill::{ID_LIMIT, INDEX_LIMIT, largest_index};
 use self::filling::Limits;
 use self::margins::Margins;
-use self::on_demand::OnDemand;
+use self::on_demand::LazyBuffer;
 use self::remainder::Remainder;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
@@ -181,7 +181,7 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
     is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, settings.structure())?;
     // an id of each
     settings.fits(4 * (faces << (2 * bits)))?;
-    Ok(Box::new(OnDemand::new(prims, any, lights, &margins, bits)?))
+    Ok(Box::new(LazyBuffer::new(prims, any, lights, &margins, bits)?))
 }
 
 /// Bits of a resolution that is not given: where cells are divided only as lists call for it, and

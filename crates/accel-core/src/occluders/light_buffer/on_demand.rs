@@ -34,7 +34,7 @@ struct FlatCube<S: Scalar> {
 }
 
 /// A buffer filled on demand, with its primitives.
-pub(super) struct OnDemand<'a, S: Scalar, P> {
+pub(super) struct LazyBuffer<'a, S: Scalar, P> {
     prims: &'a P,
     cubes: Vec<FlatCube<S>>,
     /// The last occluder found in each cell, or [`MISS`].
@@ -43,7 +43,7 @@ pub(super) struct OnDemand<'a, S: Scalar, P> {
     remainder: Remainder<'a, S, P>,
 }
 
-impl<'a, S: Buildable, P: PrimSet<S>> OnDemand<'a, S, P> {
+impl<'a, S: Buildable, P: PrimSet<S>> LazyBuffer<'a, S, P> {
     /// An empty buffer with faces of 2 to the power `bits` cells per side, and its structure.
     ///
     /// # Errors
@@ -114,7 +114,7 @@ fn scene_on_face(
     projection.of(0, &seen).map(|f| (f.low, f.high))
 }
 
-impl<S: Buildable, P: PrimSet<S>> Occluder<S> for OnDemand<'_, S, P> {
+impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LazyBuffer<'_, S, P> {
     fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]) {
         for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
             let cell = match self.cell(ray, light) {

@@ -148,7 +148,7 @@ impl Frustum {
     }
 
     /// The frustum made ready to be cut across an axis.
-    pub fn across(&self, axis: usize) -> Across<'_> {
+    pub fn across(&self, axis: usize) -> AxisFrustum<'_> {
         let upwards = self.direction[axis] >= 0.0;
         let along = |p: DVec3| if upwards { p[axis] } else { -p[axis] };
         let (mut near_max, mut far_min) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -160,13 +160,13 @@ impl Frustum {
             least = least.min(n.min(f));
             most = most.max(n.max(f));
         }
-        Across { frustum: self, axis, upwards, near_max, far_min, least, most }
+        AxisFrustum { frustum: self, axis, upwards, near_max, far_min, least, most }
     }
 }
 
 /// A frustum seen along an axis, mirrored so that it runs upwards.
 #[derive(Debug, Clone, Copy)]
-pub struct Across<'a> {
+pub struct AxisFrustum<'a> {
     frustum: &'a Frustum,
     axis: usize,
     upwards: bool,
@@ -178,7 +178,7 @@ pub struct Across<'a> {
     most: f64,
 }
 
-impl Across<'_> {
+impl AxisFrustum<'_> {
     /// A box around the part of the frustum between the planes `from <= to` of the axis, if there is
     /// any. It is tight where both outlines lie outside the two planes.
     pub fn slice(&self, from: f64, to: f64) -> Option<Aabb<f64>> {

@@ -4,10 +4,10 @@
 use std::ops::Deref;
 
 use super::compiled_once;
-use super::counting::Counting;
-use super::kept::{Kept, Parts};
+use super::counting::CountingTracer;
+use super::kept::{KeptStructure, Parts};
 use super::nearby::{closest, near};
-use super::timing::Timing;
+use super::timing::TimingTracer;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -22,7 +22,7 @@ use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
-use crate::query::way::Way;
+use crate::query::way::TraversalTrace;
 use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
 
@@ -140,20 +140,20 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         self.counting(|counting| counting.closest_hits(rays, hits, mailboxes))
     }
 
-    fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
+    fn counting<R>(&self, pass: impl FnOnce(CountingTracer<'_, S, P>) -> R) -> R {
         let traversal = |ray: &Ray<S>, sink: ErasedSink<'_, S>| {
             compiled_once::counted(&self.structure, ray, sink)
         };
-        pass(Counting { prims: &*self.prims, reach: self.reach, traversal: &traversal })
+        pass(CountingTracer { prims: &*self.prims, reach: self.reach, traversal: &traversal })
     }
 
     /// For sets that are not compiled into the traversal.
-    fn relaying<R>(&self, pass: impl FnOnce(Timing<'_, S, P>) -> R) -> R {
+    fn relaying<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
         let traversal = |ray: &Ray<S>, sink: RelayedSink<'_, S>| {
             compiled_once::relayed(&self.structure, ray, sink)
         };
         let blocks = |_: &Ray<S>| None;
-        pass(Timing {
+        pass(TimingTracer {
             prims: &*self.prims,
             reach: self.reach,
             traversal: &traversal,
@@ -192,7 +192,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
     }
 
-    fn way_of(&self, ray: &Ray<S>) -> Way<S> {
+    fn way_of(&self, ray: &Ray<S>) -> TraversalTrace<S> {
         self.counting(|counting| counting.way_of(ray, &self.mailbox))
     }
 
@@ -333,13 +333,13 @@ where
         self.cells_of(each)
     }
 
-    fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
+    fn way(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
         Ok(self.way_of(ray))
     }
 
-    fn released(self: Box<Self>) -> Option<Kept> {
+    fn released(self: Box<Self>) -> Option<KeptStructure> {
         let Self { prims, structure, blocks, .. } = *self;
-        Some(Kept::new(Parts { structure, blocks, primitives: prims.len() }))
+        Some(KeptStructure::new(Parts { structure, blocks, primitives: prims.len() }))
     }
 
     fn is_updated(&self) -> bool {

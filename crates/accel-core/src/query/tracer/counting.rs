@@ -10,10 +10,10 @@ use crate::primitives::PrimSet;
 use crate::query::counters::WorkCounters;
 use crate::query::mailbox::{AnyMailbox, MailboxSource, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
-use crate::query::way::{Recorder, Way};
+use crate::query::way::{Recorder, TraversalTrace};
 
 /// A structure's traversal with the primitives it was built over.
-pub(super) struct Counting<'a, S: Scalar, P> {
+pub(super) struct CountingTracer<'a, S: Scalar, P> {
     /// The primitives.
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
@@ -23,8 +23,8 @@ pub(super) struct Counting<'a, S: Scalar, P> {
 }
 
 // Mailboxes are taken out here, too: a structure would have its own code for each.
-impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
-    /// [`Counting::closest_hits`] with the mailbox of the settings.
+impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
+    /// [`CountingTracer::closest_hits`] with the mailbox of the settings.
     pub fn all_closest(
         &self,
         rays: &[Ray<S>],
@@ -34,7 +34,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
         mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox))
     }
 
-    /// [`Counting::occlusions`] with the mailbox of the settings.
+    /// [`CountingTracer::occlusions`] with the mailbox of the settings.
     pub fn all_occlusions(
         &self,
         rays: &[Ray<S>],
@@ -45,8 +45,8 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
         mailbox.with(|mailbox| self.occlusions(rays, rule, answers, mailbox))
     }
 
-    /// [`Counting::way`] with the mailbox of the settings.
-    pub fn way_of(&self, ray: &Ray<S>, mailbox: &Setting) -> Way<S> {
+    /// [`CountingTracer::way`] with the mailbox of the settings.
+    pub fn way_of(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
         mailbox.with(|mailbox| self.way(ray, mailbox))
     }
 
@@ -70,7 +70,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
     }
 
     /// The closest hit of a ray, and the way to it.
-    fn way<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> Way<S> {
+    fn way<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> TraversalTrace<S> {
         let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
         closest::<S, B>(
             self.reach,
@@ -87,7 +87,7 @@ impl<S: Scalar, P: PrimSet<S>> Counting<'_, S, P> {
                 hit
             },
         );
-        Way { steps, hit: hits[0], counters: total }
+        TraversalTrace { steps, hit: hits[0], counters: total }
     }
 
     /// What every shadow ray meets.

@@ -7,9 +7,9 @@
 
 use std::ops::Deref;
 
-use super::counting::Counting;
+use super::counting::CountingTracer;
 use super::nearby::{closest, near};
-use super::timing::Timing;
+use super::timing::TimingTracer;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -19,7 +19,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::mailbox::{NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
-use crate::query::way::Way;
+use crate::query::way::TraversalTrace;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
 
@@ -41,17 +41,17 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
         Self { prims, segments, mailbox, reach }
     }
 
-    fn counting<R>(&self, pass: impl FnOnce(Counting<'_, S, P>) -> R) -> R {
+    fn counting<R>(&self, pass: impl FnOnce(CountingTracer<'_, S, P>) -> R) -> R {
         let traversal =
             |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_traversal(ray, sink);
-        pass(Counting { prims: &*self.prims, reach: self.reach, traversal: &traversal })
+        pass(CountingTracer { prims: &*self.prims, reach: self.reach, traversal: &traversal })
     }
 
-    fn timing<R>(&self, pass: impl FnOnce(Timing<'_, S, P>) -> R) -> R {
+    fn timing<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
         let traversal =
             |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_traversal(ray, sink);
         let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
-        pass(Timing {
+        pass(TimingTracer {
             prims: &*self.prims,
             reach: self.reach,
             traversal: &traversal,
@@ -129,7 +129,7 @@ where
         self.segments.cells(each)
     }
 
-    fn way(&self, ray: &Ray<S>) -> Result<Way<S>, NoCells> {
+    fn way(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
         Ok(self.counting(|counting| counting.way_of(ray, &self.mailbox)))
     }
 }

@@ -7,12 +7,12 @@ use crate::query::kernel::ListBlocks;
 use crate::structure::Structure;
 
 /// A structure apart from the primitives of its frame.
-pub struct Kept(Box<dyn Any + Send>);
+pub struct KeptStructure(Box<dyn Any + Send>);
 
 /// The frame before.
 pub struct Before<'m> {
     /// The structure then.
-    pub kept: Kept,
+    pub kept: KeptStructure,
     /// Ids of the primitives that stand elsewhere now or have another shape, ascending. All others are the same.
     pub moved: &'m [u32],
 }
@@ -25,7 +25,7 @@ pub(crate) struct Parts<S, T> {
     pub(crate) primitives: usize,
 }
 
-impl Kept {
+impl KeptStructure {
     pub(crate) fn new<S: Scalar, T: Structure<S>>(parts: Parts<S, T>) -> Self {
         Self(Box::new(parts))
     }

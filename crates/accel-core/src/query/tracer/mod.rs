@@ -13,13 +13,13 @@ mod timing;
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};
 pub use in_motion::BoundInMotion;
-pub use kept::{Before, Kept};
+pub use kept::{Before, KeptStructure};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
-use crate::query::way::Way;
+use crate::query::way::TraversalTrace;
 use crate::structure::{Batches, StructureStats};
 
 /// What a shadow ray of the counting pass does; the historical rules are explained in
@@ -74,11 +74,11 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     ///
     /// # Errors
     /// [`NoCells`] for tracers that are not traversed with a sink.
-    fn way(&self, _ray: &Ray<S>) -> Result<Way<S>, NoCells> {
+    fn way(&self, _ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
         Err(NoCells::UNTOLD)
     }
     /// The structure alone, to be taken to the next frame; none where there is nothing but to build anew.
-    fn released(self: Box<Self>) -> Option<Kept> {
+    fn released(self: Box<Self>) -> Option<KeptStructure> {
         None
     }
     /// Whether it was taken from the frame before, and not built.

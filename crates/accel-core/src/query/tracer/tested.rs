@@ -16,7 +16,7 @@ use crate::variants::chosen_tests::Choice;
 
 /// How primitives are tested, whatever the structure.
 #[derive(Debug, Clone)]
-pub(crate) struct Testing {
+pub(crate) struct TestChoice {
     /// `None` for the tests that are compiled in.
     pub(crate) choice: Option<Choice>,
     pub(crate) mailbox: mailbox::Choice,
@@ -29,7 +29,7 @@ pub(crate) struct Testing {
     pub(crate) is_direct: bool,
 }
 
-impl Config for Testing {
+impl Config for TestChoice {
     fn of(params: &Params) -> Self {
         let mailbox = mailbox::Choice::of(params);
         let has_mailbox = mailbox != mailbox::Choice::None;
@@ -45,7 +45,7 @@ impl Config for Testing {
     }
 }
 
-impl Testing {
+impl TestChoice {
     /// The mailbox that the settings ask for; refuses sets and settings that cannot be.
     pub(crate) fn mailbox<S: Scalar, P: PrimSet<S>>(
         &self,
@@ -70,7 +70,7 @@ impl Testing {
 pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structure<S>>(
     over: &B,
     prims: &'a P,
-    (settings, testing): (&Settings<T::Config>, &Testing),
+    (settings, testing): (&Settings<T::Config>, &TestChoice),
     before: Option<Before<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let limits = settings.limits();

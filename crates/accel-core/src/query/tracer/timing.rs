@@ -11,7 +11,7 @@ use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, RelayedSink, Sink};
 
 /// A structure's traversal with the primitives it was built over.
-pub(super) struct Timing<'a, S: Scalar, P> {
+pub(super) struct TimingTracer<'a, S: Scalar, P> {
     /// The primitives.
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
@@ -22,8 +22,8 @@ pub(super) struct Timing<'a, S: Scalar, P> {
     pub blocks: &'a dyn Fn(&Ray<S>) -> Option<&'a ListBlocks<S>>,
 }
 
-impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
-    /// [`Timing::closest_hits`] with the mailbox of the settings, if there is one.
+impl<S: Scalar, P: PrimSet<S>> TimingTracer<'_, S, P> {
+    /// [`TimingTracer::closest_hits`] with the mailbox of the settings, if there is one.
     pub fn all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailbox: Option<&Setting>) {
         match mailbox {
             None => self.closest_hits(rays, hits, NoMailbox),
@@ -31,7 +31,7 @@ impl<S: Scalar, P: PrimSet<S>> Timing<'_, S, P> {
         }
     }
 
-    /// [`Timing::occlusions`] with the mailbox of the settings, if there is one.
+    /// [`TimingTracer::occlusions`] with the mailbox of the settings, if there is one.
     pub fn all_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool], mailbox: Option<&Setting>) {
         match mailbox {
             None => self.occlusions(rays, blocked, NoMailbox),

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Outcome, WayStep};
+use super::{Outcome, TraceStep};
 use crate::geometry::ray::Hit;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -14,7 +14,7 @@ use crate::query::sink::{ClosestHit, Sink};
 /// A counted closest-hit query that remembers.
 pub(crate) struct Recorder<'a, S: Scalar, P: PrimSet<S>, M> {
     query: ClosestHit<'a, S, P, WorkCounters, M>,
-    steps: Vec<WayStep>,
+    steps: Vec<TraceStep>,
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, M: Mailbox> Recorder<'a, S, P, M> {
@@ -23,13 +23,13 @@ impl<'a, S: Scalar, P: PrimSet<S>, M: Mailbox> Recorder<'a, S, P, M> {
     }
 
     /// The steps, the answer and what the query counted.
-    pub(crate) fn finish(self) -> (Vec<WayStep>, Hit<S>, WorkCounters) {
+    pub(crate) fn finish(self) -> (Vec<TraceStep>, Hit<S>, WorkCounters) {
         let (hit, counters) = self.query.finish();
         (self.steps, hit, counters)
     }
 
     fn step(&mut self, kind: CellKind) {
-        self.steps.push(WayStep { kind, tests: Vec::new() });
+        self.steps.push(TraceStep { kind, tests: Vec::new() });
     }
 }
 

@@ -29,7 +29,7 @@ use crate::structure::{BuildError, Structure, StructureStats};
 use crate::update::{Change, is_by_instances};
 use frames::{FirstCopy, Frames, ROOM_FOR_FRAMES};
 use object::{Boxes, Copy, Members, Object, margin, padding_of};
-use sinks::Upper;
+use sinks::WorldSink;
 
 /// Of which structure both levels are.
 pub trait Levels<S: Scalar>: Structure<S> {
@@ -38,7 +38,7 @@ pub trait Levels<S: Scalar>: Structure<S> {
 }
 
 /// A structure over copies of objects that have structures of the same kind.
-pub struct Instanced<S: Scalar, T> {
+pub struct InstancedStructure<S: Scalar, T> {
     upper: T,
     copies: Vec<Copy<S>>,
     objects: Vec<Object<T>>,
@@ -80,14 +80,14 @@ fn plan<S: Scalar, P: PrimSet<S>>(
     planned
 }
 
-impl<S: Scalar, T: Structure<S>> Instanced<S, T> {
+impl<S: Scalar, T: Structure<S>> InstancedStructure<S, T> {
     #[inline(never)]
     fn traverse_erased<const COUNTED: bool>(
         &self,
         ray: &Ray<S>,
         query: ErasedSink<'_, S, COUNTED>,
     ) {
-        self.upper.traverse(ray, &mut Upper::new(&self.copies, &self.objects, ray, query));
+        self.upper.traverse(ray, &mut WorldSink::new(&self.copies, &self.objects, ray, query));
     }
 }
 
@@ -110,7 +110,7 @@ impl<S: Scalar, T: Levels<S>> Config for LevelsConfig<S, T> {
     }
 }
 
-impl<S: Scalar, T: Levels<S>> Structure<S> for Instanced<S, T> {
+impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
     const DUPLICATES: bool = T::DUPLICATES;
 
     type Config = LevelsConfig<S, T>;

@@ -14,7 +14,7 @@ use crate::structure::Structure;
 const REMEMBERED: usize = 8;
 
 /// What the upper level sees of a query.
-pub(super) struct Upper<'a, 'q, S: Scalar, T, const COUNTED: bool> {
+pub(super) struct WorldSink<'a, 'q, S: Scalar, T, const COUNTED: bool> {
     copies: &'a [Copy<S>],
     objects: &'a [Object<T>],
     ray: &'a Ray<S>,
@@ -24,7 +24,7 @@ pub(super) struct Upper<'a, 'q, S: Scalar, T, const COUNTED: bool> {
     visited: [u32; REMEMBERED],
 }
 
-impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T, COUNTED> {
+impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> WorldSink<'a, 'q, S, T, COUNTED> {
     pub fn new(
         copies: &'a [Copy<S>],
         objects: &'a [Object<T>],
@@ -50,7 +50,7 @@ impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T
             return ControlFlow::Continue(());
         }
         let object = &self.objects[copy.object as usize];
-        let mut query = Lower {
+        let mut query = ObjectSink {
             query: &mut self.query,
             members: &object.members,
             first: copy.first,
@@ -70,7 +70,7 @@ impl<'a, 'q, S: Scalar, T: Structure<S>, const COUNTED: bool> Upper<'a, 'q, S, T
     }
 }
 
-impl<S: Scalar, T: Structure<S>, const COUNTED: bool> Sink<S> for Upper<'_, '_, S, T, COUNTED> {
+impl<S: Scalar, T: Structure<S>, const COUNTED: bool> Sink<S> for WorldSink<'_, '_, S, T, COUNTED> {
     const COUNTING: bool = COUNTED;
 
     #[inline(always)]
@@ -103,7 +103,7 @@ impl<S: Scalar, T: Structure<S>, const COUNTED: bool> Sink<S> for Upper<'_, '_, 
 const AT_ONCE: usize = 16;
 
 /// What the structure of an object sees of a query.
-struct Lower<'a, 'q, S: Scalar, const COUNTED: bool> {
+struct ObjectSink<'a, 'q, S: Scalar, const COUNTED: bool> {
     query: &'a mut ErasedSink<'q, S, COUNTED>,
     members: &'a Members,
     /// The id of the copy's first primitive.
@@ -113,7 +113,7 @@ struct Lower<'a, 'q, S: Scalar, const COUNTED: bool> {
     is_over: bool,
 }
 
-impl<'q, S: Scalar, const COUNTED: bool> Lower<'_, 'q, S, COUNTED> {
+impl<'q, S: Scalar, const COUNTED: bool> ObjectSink<'_, 'q, S, COUNTED> {
     #[inline]
     fn hand_on(
         &mut self,
@@ -136,7 +136,7 @@ impl<'q, S: Scalar, const COUNTED: bool> Lower<'_, 'q, S, COUNTED> {
     }
 }
 
-impl<S: Scalar, const COUNTED: bool> Sink<S> for Lower<'_, '_, S, COUNTED> {
+impl<S: Scalar, const COUNTED: bool> Sink<S> for ObjectSink<'_, '_, S, COUNTED> {
     const COUNTING: bool = COUNTED;
 
     #[inline(always)]

@@ -40,7 +40,7 @@ pub(super) fn subdivide(
     let whole = lattice.whole();
     let stored = AtomicU64::new(0);
     let placement = Placement { lattice, source };
-    let shared = Shared { placement, settings, stored: &stored };
+    let shared = SharedInput { placement, settings, stored: &stored };
     let ids: Vec<u32> = (0..source.len()).collect();
     let pairs = shared.placement.place_all(&ids, &whole);
     let growth = pairs.iter().map(Vec::len).sum::<usize>() as f64 / ids.len() as f64;
@@ -59,14 +59,14 @@ const SAMPLE: usize = 1 << 6;
 
 /// What all threads see.
 #[derive(Clone, Copy)]
-struct Shared<'a> {
+struct SharedInput<'a> {
     placement: Placement<'a>,
     settings: Settings,
     /// Ids stored by all together.
     stored: &'a AtomicU64,
 }
 
-impl<'a> Shared<'a> {
+impl<'a> SharedInput<'a> {
     /// Cells of the parts of a division, whose entries come first.
     /// `growth`: references to a primitive on average, this division included.
     fn divide_large(
@@ -119,18 +119,18 @@ impl<'a> Shared<'a> {
 
 /// One thread's work.
 struct Worker<'a> {
-    shared: Shared<'a>,
+    shared: SharedInput<'a>,
     cells: Cells,
     /// Lists of the cells on the way down, the innermost last.
     ids: Vec<u32>,
     /// Of the division at hand.
     pairs: Vec<Pair>,
     /// Lists that are stored, by their hash.
-    known: HashMap<u64, u32, BuildHasherDefault<Hashed>>,
+    known: HashMap<u64, u32, BuildHasherDefault<IdHasher>>,
 }
 
 impl<'a> Worker<'a> {
-    fn new(shared: Shared<'a>) -> Self {
+    fn new(shared: SharedInput<'a>) -> Self {
         Self {
             shared,
             cells: Cells { lists: vec![0], ..Cells::default() },
@@ -306,7 +306,7 @@ impl<'a> Worker<'a> {
         if ids.is_empty() {
             return 0;
         }
-        let mut hash = Hashed::default();
+        let mut hash = IdHasher::default();
         ids.iter().for_each(|&id| hash.write_u32(id));
         let at = self.cells.lists.len() as u32;
         let known = *self.known.entry(hash.finish()).or_insert(at);
@@ -323,9 +323,9 @@ impl<'a> Worker<'a> {
 /// A quick hash of numbers: a product each, its high bits folded in (the multiplier of D. Knuth,
 /// TAOCP 2, 3.3.4).
 #[derive(Debug, Default, Clone, Copy)]
-struct Hashed(u64);
+struct IdHasher(u64);
 
-impl Hasher for Hashed {
+impl Hasher for IdHasher {
     fn finish(&self) -> u64 {
         self.0
     }

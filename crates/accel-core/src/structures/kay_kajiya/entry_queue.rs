@@ -6,15 +6,15 @@ use crate::geometry::scalar::Scalar;
 const INLINE: usize = 64;
 
 /// A volume that waits: where the ray enters it, and its number.
-pub(super) type Waiting<S> = (S, u32);
+pub(super) type QueuedVolume<S> = (S, u32);
 
 /// A binary heap on the stack; one that outgrows its room moves to a vector.
 pub(super) struct EntryQueue<S> {
-    inline: [Waiting<S>; INLINE],
+    inline: [QueuedVolume<S>; INLINE],
     /// How many there are.
     len: usize,
     /// All of them, once there were more than [`INLINE`]; empty before.
-    spilled: Vec<Waiting<S>>,
+    spilled: Vec<QueuedVolume<S>>,
 }
 
 impl<S: Scalar> EntryQueue<S> {
@@ -25,13 +25,13 @@ impl<S: Scalar> EntryQueue<S> {
     }
 
     #[inline(always)]
-    fn entries(&mut self) -> &mut [Waiting<S>] {
+    fn entries(&mut self) -> &mut [QueuedVolume<S>] {
         if self.spilled.is_empty() { &mut self.inline } else { &mut self.spilled }
     }
 
     /// Adds a volume.
     #[inline(always)]
-    pub(super) fn push(&mut self, entry: Waiting<S>) {
+    pub(super) fn push(&mut self, entry: QueuedVolume<S>) {
         let last = self.len;
         if last >= self.entries().len() {
             self.spill();
@@ -52,7 +52,7 @@ impl<S: Scalar> EntryQueue<S> {
 
     /// Removes the volume that is entered first.
     #[inline(always)]
-    pub(super) fn pop(&mut self) -> Option<Waiting<S>> {
+    pub(super) fn pop(&mut self) -> Option<QueuedVolume<S>> {
         let last = self.len.checked_sub(1)?;
         self.len = last;
         let heap = &mut self.entries()[..=last];
@@ -81,7 +81,7 @@ impl<S: Scalar> EntryQueue<S> {
 }
 
 #[inline(always)]
-fn nearer_child<S: Scalar>(heap: &[Waiting<S>], parent: usize) -> Option<usize> {
+fn nearer_child<S: Scalar>(heap: &[QueuedVolume<S>], parent: usize) -> Option<usize> {
     let left = 2 * parent + 1;
     let nearest = heap.get(left)?.0;
     Some(if heap.get(left + 1).is_some_and(|right| right.0 < nearest) { left + 1 } else { left })

@@ -5,11 +5,11 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
 use crate::parallel::concat;
 use crate::params::config::Settings;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::config::KdTreeConfig;
-use crate::structures::kd_tree::surface_area::{Cut, Heuristic};
+use crate::structures::kd_tree::surface_area::{CutPlane, Heuristic};
 use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
@@ -27,7 +27,7 @@ pub(super) fn cells<S: Scalar>(
         boxes,
         config: settings,
         max_depth: max_depth.min(DEEPEST),
-        room: Room::new(
+        room: CapacityLimits::new(
             settings.limits(),
             [(&CELLS, settings.max_cells), (&REFERENCES, settings.max_references)],
         ),
@@ -45,12 +45,12 @@ struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
     config: &'a KdTreeConfig,
     max_depth: usize,
-    room: Room,
+    room: CapacityLimits,
 }
 
 impl<S: Scalar> Division<S> for Rules<'_, S> {
     type Cells = Cells<S>;
-    type Cut = Cut<S>;
+    type Cut = CutPlane<S>;
     /// Useless cuts.
     type Descent = u64;
     type Scratch = Heuristic<S>;
@@ -65,7 +65,7 @@ impl<S: Scalar> Division<S> for Rules<'_, S> {
         heuristic: &mut Heuristic<S>,
         ids: &[u32],
         cell: &Cell<S, u64>,
-    ) -> Option<(Cut<S>, u64)> {
+    ) -> Option<(CutPlane<S>, u64)> {
         if ids.len() <= self.config.max_leaf || cell.depth == self.max_depth {
             return None;
         }
@@ -75,7 +75,7 @@ impl<S: Scalar> Division<S> for Rules<'_, S> {
     }
 
     #[inline(always)]
-    fn reaches(&self, id: u32, cut: &Cut<S>, side: usize) -> bool {
+    fn reaches(&self, id: u32, cut: &CutPlane<S>, side: usize) -> bool {
         let b = &self.boxes[id as usize];
         // boxes are padded: what ends on a plane has no point on its other side
         match side {
@@ -84,7 +84,7 @@ impl<S: Scalar> Division<S> for Rules<'_, S> {
         }
     }
 
-    fn child(bounds: &Aabb<S>, cut: &Cut<S>, side: usize) -> Aabb<S> {
+    fn child(bounds: &Aabb<S>, cut: &CutPlane<S>, side: usize) -> Aabb<S> {
         let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
         if side == 0 {
             hi[cut.axis] = cut.plane
@@ -94,13 +94,13 @@ impl<S: Scalar> Division<S> for Rules<'_, S> {
         Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
     }
 
-    fn room(&self) -> &Room {
+    fn room(&self) -> &CapacityLimits {
         &self.room
     }
 }
 
 impl<S: Scalar> CellStore for Cells<S> {
-    type Cut = Cut<S>;
+    type Cut = CutPlane<S>;
 
     fn begun() -> Self {
         Self { nodes: vec![Node::leaf(0)], starts: vec![0], ids: Vec::new() }
@@ -110,7 +110,7 @@ impl<S: Scalar> CellStore for Cells<S> {
         [self.nodes.len(), self.ids.len()]
     }
 
-    fn divide(&mut self, cell: usize, cut: Cut<S>) -> usize {
+    fn divide(&mut self, cell: usize, cut: CutPlane<S>) -> usize {
         let lower = self.nodes.len();
         self.nodes[cell] = Node::inner(cut.axis, cut.plane, lower);
         self.nodes.resize(lower + 2, Node::leaf(0));

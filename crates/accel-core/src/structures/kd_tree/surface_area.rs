@@ -13,7 +13,7 @@ use crate::structures::kd_tree::config::KdTreeConfig;
 
 /// A plane that cuts a cell.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cut<S> {
+pub(super) struct CutPlane<S> {
     pub(super) axis: usize,
     pub(super) plane: S,
     /// Expected tests of primitives for a ray through the cell.
@@ -49,7 +49,7 @@ impl<S: Scalar> Heuristic<S> {
         boxes: &[Aabb<S>],
         ids: &[u32],
         cell: &Aabb<S>,
-    ) -> Option<Cut<S>> {
+    ) -> Option<CutPlane<S>> {
         let mut best = None;
         for axis in 0..3 {
             let mut trial = Trial::new(self, cell, axis, &mut best);
@@ -156,7 +156,7 @@ struct Trial<'a, S> {
     scale: f64,
     traversal_cost: f64,
     empty_bonus: f64,
-    best: &'a mut Option<Cut<S>>,
+    best: &'a mut Option<CutPlane<S>>,
 }
 
 impl<'a, S: Scalar> Trial<'a, S> {
@@ -164,7 +164,7 @@ impl<'a, S: Scalar> Trial<'a, S> {
         heuristic: &Heuristic<S>,
         cell: &Aabb<S>,
         axis: usize,
-        best: &'a mut Option<Cut<S>>,
+        best: &'a mut Option<CutPlane<S>>,
     ) -> Self {
         let size = cell.size().to_dvec3();
         let (u, v) = (size[(axis + 1) % 3], size[(axis + 2) % 3]);
@@ -194,7 +194,7 @@ impl<'a, S: Scalar> Trial<'a, S> {
         let bonus = if below == 0 || above == 0 { 1.0 - self.empty_bonus } else { 1.0 };
         let cost = bonus * (self.traversal_cost + tests * self.scale);
         if self.best.is_none_or(|b| cost < b.cost) {
-            *self.best = Some(Cut { axis: self.axis, plane, cost });
+            *self.best = Some(CutPlane { axis: self.axis, plane, cost });
         }
     }
 }

@@ -35,7 +35,7 @@ const CONVERTED_LEVELS: u32 = 4096;
 
 /// Why a tree cannot be had: so many levels in place of so many.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct TooDeep {
+pub(crate) struct DepthError {
     pub(crate) needed: u32,
     pub(crate) limit: u32,
 }
@@ -65,28 +65,28 @@ pub(crate) fn collapsed(mut bvh: Bvh2, params: &BvhBuildParams, robust: bool) ->
 /// The eight-wide tree of a preset.
 ///
 /// # Errors
-/// [`TooDeep`] as shipped; never with the robust adapter.
+/// [`DepthError`] as shipped; never with the robust adapter.
 pub(crate) fn eight_wide(
     boxes: &[Aabb],
     params: &BvhBuildParams,
     robust: bool,
-) -> Result<CwBvh, TooDeep> {
+) -> Result<CwBvh, DepthError> {
     widened(agglomerated(boxes, params, robust), params, robust)
 }
 
 /// The other steps of [`eight_wide`].
 ///
 /// # Errors
-/// [`TooDeep`], as there.
+/// [`DepthError`], as there.
 pub(crate) fn widened(
     mut bvh: Bvh2,
     params: &BvhBuildParams,
     robust: bool,
-) -> Result<CwBvh, TooDeep> {
+) -> Result<CwBvh, DepthError> {
     ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
     let binary_levels = if bvh.max_depth > LEVELS as usize { levels(&bvh) } else { 0 };
     if binary_levels > CONVERTED_LEVELS {
-        return Err(TooDeep { needed: binary_levels, limit: CONVERTED_LEVELS });
+        return Err(DepthError { needed: binary_levels, limit: CONVERTED_LEVELS });
     }
     let leaf = params.max_prims_per_leaf.clamp(1, 3);
     let mut wide = bvh2_to_cwbvh(&bvh, leaf, true, false);
@@ -99,7 +99,7 @@ pub(crate) fn widened(
         wide = bvh2_to_cwbvh(&bvh, leaf, true, false);
     }
     match wide_levels(&wide) {
-        needed if needed > WIDE_LEVELS => Err(TooDeep { needed, limit: WIDE_LEVELS }),
+        needed if needed > WIDE_LEVELS => Err(DepthError { needed, limit: WIDE_LEVELS }),
         _ => Ok(wide),
     }
 }

@@ -26,7 +26,7 @@ use crate::structures::obvhs::adapter::{
 };
 use crate::structures::obvhs::box_ray::{BoxRay, Length, RaySetup};
 use crate::structures::obvhs::builder;
-use crate::structures::obvhs::direct::{self, Direct};
+use crate::structures::obvhs::direct::{self, DirectQueries};
 use crate::structures::obvhs::items::{self, BoxScale, Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks, refit};
 use crate::update::{Change, MovedIds, REBUILD_AT, REFIT};
@@ -60,7 +60,7 @@ pub struct ObvhsBvh2<S: Scalar> {
     blocks: Option<Vec<TriangleBlock<S>>>,
     setup: RaySetup<S>,
     /// With `adapter=direct`, where it serves the set.
-    direct: Option<Direct>,
+    direct: Option<DirectQueries>,
     /// With `update=refit`: what a ray was expected to cost when the tree was built.
     built_cost: Option<f64>,
 }
@@ -78,7 +78,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
             && let Some(triangles) = direct::triangles(prims)
         {
             let bvh = direct_builder::binary(&triangles, &settings.preset);
-            let direct = Some(Direct::new(prims, &bvh, &triangles));
+            let direct = Some(DirectQueries::new(prims, &bvh, &triangles));
             let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
             let built_cost = settings.refitted_until.map(|_| refit::expected_cost(&bvh));
             return Ok(Self { bvh, groups, blocks: None, setup, direct, built_cost });
@@ -132,7 +132,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        Direct::batches::<S, P>(self.direct.as_ref(), prims)
+        DirectQueries::batches::<S, P>(self.direct.as_ref(), prims)
     }
 
     #[inline(always)]
@@ -167,7 +167,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
                 + size_of_val(self.bvh.primitive_indices.as_slice())) as u64
                 + self.groups.bytes()
                 + blocks
-                + self.direct.as_ref().map_or(0, Direct::bytes),
+                + self.direct.as_ref().map_or(0, DirectQueries::bytes),
             ..StructureStats::default()
         }
     }
@@ -221,7 +221,7 @@ impl<S: Scalar> ObvhsBvh2<S> {
                 let ids = leaf_items(bvh, leaf).iter();
                 ids.fold(ObvhsAabb::empty(), |all, &id| all.union(&triangles[id as usize].aabb()))
             });
-            self.direct = Some(Direct::new(prims, &self.bvh, &triangles));
+            self.direct = Some(DirectQueries::new(prims, &self.bvh, &triangles));
             return Ok(true);
         }
         let scale = BoxScale::of_set(prims, settings.structure(), items::padding_of(settings))?;

@@ -25,8 +25,8 @@ use crate::structures::obvhs::adapter::{
     ADAPTER, ALSO_TESTED, AdapterConfig, DEVIATIONS, KERNEL, PRESET, VARIANTS, known_defect,
 };
 use crate::structures::obvhs::box_ray::{Length, RaySetup};
-use crate::structures::obvhs::builder::{TooDeep, eight_wide};
-use crate::structures::obvhs::direct::{self, Direct};
+use crate::structures::obvhs::builder::{DepthError, eight_wide};
+use crate::structures::obvhs::direct::{self, DirectQueries};
 use crate::structures::obvhs::items::{Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
@@ -57,7 +57,7 @@ pub struct ObvhsCwBvh<S: Scalar> {
     blocks: Option<Vec<TriangleBlock<S>>>,
     setup: RaySetup<S>,
     /// With `adapter=direct`, where it serves the set.
-    direct: Option<Direct>,
+    direct: Option<DirectQueries>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
@@ -69,7 +69,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         prims: &P,
         settings: &Settings<AdapterConfig>,
     ) -> Result<Self, BuildError> {
-        let too_deep = |TooDeep { needed, limit }| BuildError::TooLarge {
+        let too_deep = |DepthError { needed, limit }| BuildError::TooLarge {
             structure: settings.structure(),
             what: "depth of obvhs's CwBvh",
             needed: u128::from(needed),
@@ -80,7 +80,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             && let Some(triangles) = direct::triangles(prims)
         {
             let bvh = direct_builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
-            let direct = Some(Direct::new(prims, &bvh, &triangles));
+            let direct = Some(DirectQueries::new(prims, &bvh, &triangles));
             let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
             return Ok(Self { bvh, groups, blocks: None, setup, direct });
         }
@@ -113,7 +113,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        Direct::batches::<S, P>(self.direct.as_ref(), prims)
+        DirectQueries::batches::<S, P>(self.direct.as_ref(), prims)
     }
 
     #[inline(always)]
@@ -151,7 +151,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64
                 + self.groups.bytes()
                 + self.blocks.as_deref().map_or(0, size_of_val) as u64
-                + self.direct.as_ref().map_or(0, Direct::bytes),
+                + self.direct.as_ref().map_or(0, DirectQueries::bytes),
             ..StructureStats::default()
         }
     }

@@ -88,14 +88,14 @@ fn to_obvhs<S: Scalar>(v: crate::Vec3<S>) -> Vec3A {
 }
 
 /// What is asked beside a tree.
-pub(crate) struct Direct {
+pub(crate) struct DirectQueries {
     /// In the order of its leaves.
     triangles: Vec<RtTriangle>,
     /// Which of them let shadow rays pass; empty where none does.
     transmissive: Vec<bool>,
 }
 
-impl Direct {
+impl DirectQueries {
     /// Lays out the triangles, which are all of the set.
     pub(crate) fn new<S: Scalar, P: PrimSet<S>>(
         prims: &P,

@@ -4,7 +4,7 @@
 //! These functions are not called but their steps taken, for one reason: their conversion to
 //! eight-wide trees recurses, and ends the process where a binary tree is a list. So its levels are
 //! looked at between the steps where they can be too many, and those of the tree that came of it,
-//! which obvhs's stack has no room for and its traversal does not check: [`TooDeep`]. A binary tree
+//! which obvhs's stack has no room for and its traversal does not check: [`DepthError`]. A binary tree
 //! whose stack is on the heap is told its true depth, as it would panic. The trees are equal, node by
 //! node.
 
@@ -16,7 +16,7 @@ use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
 
-use crate::structures::obvhs::builder::{TooDeep, collapsed, widened};
+use crate::structures::obvhs::builder::{DepthError, collapsed, widened};
 
 /// The tree of `build_bvh2_from_tris`.
 pub(crate) fn binary(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
@@ -26,11 +26,11 @@ pub(crate) fn binary(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
 /// The tree of `build_cwbvh_from_tris`.
 ///
 /// # Errors
-/// [`TooDeep`].
+/// [`DepthError`].
 pub(crate) fn eight_wide(
     triangles: &[Triangle],
     params: &BvhBuildParams,
-) -> Result<CwBvh, TooDeep> {
+) -> Result<CwBvh, DepthError> {
     widened(agglomerated(triangles, params), params, false)
 }
 

@@ -5,7 +5,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::memory::Counted;
 use crate::parallel::concat;
 use crate::params::config::Settings;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 use crate::structures::octree::cells::{Cells, LEAF};
 use crate::structures::octree::config::OctreeConfig;
@@ -22,7 +22,7 @@ pub(super) fn cells<S: Scalar>(
         boxes,
         config: settings,
         max_growth: if settings.historical { f64::INFINITY } else { settings.max_growth },
-        room: Room::new(
+        room: CapacityLimits::new(
             settings.limits(),
             [(&CELLS, settings.max_cells), (&REFERENCES, settings.max_references)],
         ),
@@ -46,7 +46,7 @@ struct Rules<'a, S: Scalar> {
     /// and faces across the axis only count half.
     config: &'a OctreeConfig,
     max_growth: f64,
-    room: Room,
+    room: CapacityLimits,
 }
 
 /// What the cuts on the way to a cell brought.
@@ -153,7 +153,7 @@ impl<S: Scalar> Division<S> for Rules<'_, S> {
         self.config.order.alternates
     }
 
-    fn room(&self) -> &Room {
+    fn room(&self) -> &CapacityLimits {
         &self.room
     }
 }

@@ -4,11 +4,11 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::room::Room;
+use crate::room::CapacityLimits;
 
 /// A limit was exceeded: so many cells and references would have been there.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct OverLimit {
+pub(super) struct LimitExceeded {
     pub(super) needed: [u64; 2],
 }
 
@@ -19,9 +19,9 @@ pub(super) struct OverLimit {
 /// refused in any order ([`Budget::in_any_order`]).
 #[derive(Debug)]
 pub(super) struct Budget {
-    room: Room,
+    room: CapacityLimits,
     /// Half the room, where grids come in any order: what is given back stays taken.
-    half: Option<Room>,
+    half: Option<CapacityLimits>,
     /// Cells and references.
     taken: Mutex<[u64; 2]>,
     /// What was given back, where it stays taken.
@@ -30,13 +30,13 @@ pub(super) struct Budget {
 
 impl Budget {
     /// For grids that come one after the other.
-    pub(super) fn new(room: Room) -> Self {
+    pub(super) fn new(room: CapacityLimits) -> Self {
         Self { room, half: None, taken: Mutex::default(), given_back: Default::default() }
     }
 
     /// For grids that come in any order. All together have half the room and each, alone, the other half: what is
     /// not over the limit here would get what it asks for in whatever order, so it gets that here.
-    pub(super) fn in_any_order(room: Room) -> Self {
+    pub(super) fn in_any_order(room: CapacityLimits) -> Self {
         Self { half: Some(room.halved()), ..Self::new(room) }
     }
 
@@ -75,16 +75,16 @@ impl Budget {
     }
 
     /// What would be there with so many more cells and references.
-    pub(super) fn exceeded_by(&self, more: [u64; 2]) -> OverLimit {
-        OverLimit { needed: sum(*self.taken(), more) }
+    pub(super) fn exceeded_by(&self, more: [u64; 2]) -> LimitExceeded {
+        LimitExceeded { needed: sum(*self.taken(), more) }
     }
 
     /// Takes so many cells and references.
-    pub(super) fn take(&self, more: [u64; 2]) -> Result<(), OverLimit> {
+    pub(super) fn take(&self, more: [u64; 2]) -> Result<(), LimitExceeded> {
         let mut taken = self.taken();
         let needed = sum(*taken, more);
         if self.half.unwrap_or(self.room).check(needed).is_err() {
-            return Err(OverLimit { needed });
+            return Err(LimitExceeded { needed });
         }
         *taken = needed;
         Ok(())
@@ -113,9 +113,9 @@ mod tests {
     use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
     use crate::memory::{Limits, MemoryLimit};
 
-    fn room(cells: u64, references: u64) -> Room {
+    fn room(cells: u64, references: u64) -> CapacityLimits {
         let limits = Limits { structure: "recursive-grid", memory: MemoryLimit::NONE };
-        Room::new(limits, [(&VOXELS, cells), (&REFERENCES, references)])
+        CapacityLimits::new(limits, [(&VOXELS, cells), (&REFERENCES, references)])
     }
 
     #[test]

@@ -14,8 +14,8 @@ use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, res
 use crate::grid::voxel_traversal::GridFrame;
 use crate::parallel::is_worth_a_fork;
 use crate::query::cells::{Cell, CellVisitor};
-use crate::room::Room;
-use crate::structures::recursive_grid::budget::{Budget, OverLimit};
+use crate::room::CapacityLimits;
+use crate::structures::recursive_grid::budget::{Budget, LimitExceeded};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -219,7 +219,11 @@ impl<S: Scalar> Division<S> {
 
     /// The outermost grid, over all primitives; coarser than asked for where that would multiply references too
     /// much. Several threads make the grids that one makes.
-    pub(super) fn root(&mut self, bounds: Aabb<S>, room: Room) -> Result<Grid<S>, OverLimit> {
+    pub(super) fn root(
+        &mut self,
+        bounds: Aabb<S>,
+        room: CapacityLimits,
+    ) -> Result<Grid<S>, LimitExceeded> {
         if is_worth_a_fork(self.boxes.len()) {
             self.budget = Budget::in_any_order(room);
             if let Ok(root) = self.outermost(bounds) {
@@ -231,7 +235,7 @@ impl<S: Scalar> Division<S> {
         self.outermost(bounds)
     }
 
-    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, OverLimit> {
+    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, LimitExceeded> {
         let mut density = self.densities[0];
         loop {
             let primitives = self.boxes.len();
@@ -255,7 +259,7 @@ impl<S: Scalar> Division<S> {
         ids: &[u32],
         bounds: Aabb<S>,
         depth: u32,
-    ) -> Result<Option<Grid<S>>, OverLimit> {
+    ) -> Result<Option<Grid<S>>, LimitExceeded> {
         let n = self.resolution(ids.len(), bounds, self.densities[1]);
         if n == [1; 3] {
             return Ok(None);
@@ -273,7 +277,7 @@ impl<S: Scalar> Division<S> {
         frame: GridFrame<S>,
         depth: u32,
         lists: impl FnOnce(u64, &BoxPlacement<'_, S>) -> Result<CellLists, TooManyReferences>,
-    ) -> Result<Option<Grid<S>>, OverLimit> {
+    ) -> Result<Option<Grid<S>>, LimitExceeded> {
         let cells = frame.cells() as u64;
         self.budget.take([cells, 0])?;
         let allowed = self.max_growth * primitives as f64;
@@ -317,7 +321,7 @@ impl<S: Scalar> Division<S> {
         lists: &CellLists,
         frame: &GridFrame<S>,
         depth: u32,
-    ) -> Result<Option<Vec<Option<Child<S>>>>, OverLimit> {
+    ) -> Result<Option<Vec<Option<Child<S>>>>, LimitExceeded> {
         let pays = depth < self.eager_depth && is_worth_a_fork(lists.references());
         if !(pays && self.budget.is_in_any_order()) {
             return Ok(None);
@@ -335,7 +339,7 @@ impl<S: Scalar> Division<S> {
         cell: usize,
         list: &[u32],
         depth: u32,
-    ) -> Result<Option<Child<S>>, OverLimit> {
+    ) -> Result<Option<Child<S>>, LimitExceeded> {
         if depth >= self.eager_depth {
             return Ok(Some(Child::later(list)));
         }

@@ -14,7 +14,7 @@ use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
-use crate::room::Room;
+use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 use crate::structures::uniform_grid::DenseCells;
 
@@ -26,7 +26,7 @@ pub(super) struct LeafRules {
     /// Leaf cells for each reference of an upper cell.
     pub density: f64,
     /// For the cells of both levels, and the references in leaf cells.
-    pub room: Room,
+    pub room: CapacityLimits,
 }
 
 /// A cell of the upper level.
@@ -94,7 +94,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     lists: &DenseCells,
     rules: &LeafRules,
 ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
-    let upper = Upper { contents, division, lists, rules };
+    let upper = UpperCellInput { contents, division, lists, rules };
     let stretches = lists.stretches(rayon::current_num_threads());
     // resolutions, then where leaf cells begin
     let resolutions: Vec<Vec<UpperCell>> =
@@ -150,7 +150,7 @@ pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
     (old_cells, old): (&[UpperCell], &LeafCells),
     changed: &[u32],
 ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
-    let upper = Upper { contents, division, lists, rules };
+    let upper = UpperCellInput { contents, division, lists, rules };
     let (old_starts, old_ids) = (old.0.starts(), old.0.ids());
     let mut cells: Vec<UpperCell> = Vec::with_capacity(old_cells.len());
     let mut starts: Vec<u32> = Vec::with_capacity(old_starts.len());
@@ -225,14 +225,14 @@ struct Part<'a> {
 }
 
 /// What dividing an upper cell looks at.
-struct Upper<'a, 'p, S: Scalar, P: PrimSet<S>> {
+struct UpperCellInput<'a, 'p, S: Scalar, P: PrimSet<S>> {
     contents: &'a Contents<'p, S, P>,
     division: &'a CellDivision<S>,
     lists: &'a DenseCells,
     rules: &'a LeafRules,
 }
 
-impl<S: Scalar, P: PrimSet<S>> Upper<'_, '_, S, P> {
+impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
     /// The grid of an upper cell.
     fn leaf(&self, cell: usize, n: [u8; 3]) -> GridFrame<S> {
         self.division.grid(self.contents.frame.coords(cell), n)

@@ -97,14 +97,14 @@ pub(super) struct Collapse<'a> {
 }
 
 /// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after their parents.
-pub(super) struct Collapsed {
+pub(super) struct CollapsedTree {
     pub(super) nodes: Vec<CollapsedNode>,
     /// The ids of all leaves, one after the other, and where each ends.
     ids: Vec<u32>,
     ends: Vec<usize>,
 }
 
-impl Collapsed {
+impl CollapsedTree {
     /// The ids of each leaf.
     pub(super) fn leaves(&self) -> Vec<&[u32]> {
         let mut first = 0;
@@ -165,7 +165,7 @@ impl<'a> Collapse<'a> {
     /// The choices, and the tree's levels.
     fn choices(bvh: &Bvh2, groups: &Groups, costs: Costs) -> (Vec<Choice>, u32) {
         let choices = (0..bvh.nodes.len() / 2 + 1).map(|_| AtomicU64::new(0)).collect();
-        let planner = Planner { bvh, groups, costs, choices };
+        let planner = CollapsePlanner { bvh, groups, costs, choices };
         let root = planner.subtree(0, forks());
         let choices = planner.choices.into_iter().map(|bits| Choice(bits.into_inner())).collect();
         (choices, root.map_or(0, |root| root.levels))
@@ -217,8 +217,8 @@ impl<'a> Collapse<'a> {
     }
 
     /// All nodes and leaves.
-    pub(super) fn collapsed(&self) -> Collapsed {
-        let mut all = Collapsed { nodes: Vec::new(), ids: Vec::new(), ends: Vec::new() };
+    pub(super) fn collapsed(&self) -> CollapsedTree {
+        let mut all = CollapsedTree { nodes: Vec::new(), ids: Vec::new(), ends: Vec::new() };
         let mut below = Vec::new();
         if self.is_leaf(0) {
             self.ids(0, &mut below, &mut all.ids);
@@ -262,7 +262,7 @@ impl<'a> Collapse<'a> {
 }
 
 /// Finds the choices.
-struct Planner<'a> {
+struct CollapsePlanner<'a> {
     bvh: &'a Bvh2,
     groups: &'a Groups,
     costs: Costs,
@@ -270,7 +270,7 @@ struct Planner<'a> {
     choices: Vec<AtomicU64>,
 }
 
-impl Planner<'_> {
+impl CollapsePlanner<'_> {
     /// A subtree once all below it has been looked at: both sides at once, `forks` times one below the other.
     fn subtree(&self, at: u32, forks: u32) -> Option<Subtree> {
         let node = &self.bvh.nodes[at as usize];

@@ -2,7 +2,7 @@
 
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
-use crate::query::prepared::Prepared;
+use crate::query::prepared::LaneStructure;
 use crate::query::sink::Sink;
 use crate::structure::Batches;
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRayLanes};
@@ -20,7 +20,7 @@ pub struct EightRays<S: Scalar> {
     direction: [[f32; LANES]; 3],
 }
 
-impl<S: Scalar> Prepared<S> for WideBvh<S> {
+impl<S: Scalar> LaneStructure<S> for WideBvh<S> {
     type Eight = EightRays<S>;
     type Packet = Packet;
 

@@ -33,7 +33,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::{Layout, Lists};
-use crate::query::prepared::OneByOne;
+use crate::query::prepared::SequentialDriver;
 use crate::query::resumable;
 use crate::query::sink::Sink;
 use crate::structure::{
@@ -282,7 +282,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        batch::answer::<OneByOne, NoCounters, _, _, _>(self, prims, rays, reach, answers);
+        batch::answer::<SequentialDriver, NoCounters, _, _, _>(self, prims, rays, reach, answers);
     }
 
     fn count_batch<P: PrimSet<S>>(
@@ -292,7 +292,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) -> WorkCounters {
-        batch::answer::<OneByOne, _, _, _, _>(self, prims, rays, reach, answers)
+        batch::answer::<SequentialDriver, _, _, _, _>(self, prims, rays, reach, answers)
     }
 
     fn stats(&self) -> StructureStats {

@@ -14,7 +14,7 @@ use super::WideBvh;
 use super::collapse::{LEAF, WIDTH};
 use super::node::{EPSILON, LARGE, LEAST_PART, NodeRay};
 use super::node_ray_lanes::NodeRayLanes;
-use super::stack::{Room, Stack};
+use super::stack::{Stack, StackStorage};
 use super::traversal::State;
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray_lanes::LANES;
@@ -118,7 +118,7 @@ impl Packet {
             *end = parameters.bound(sink.t_max());
         }
         let is_any_hit = sinks[0].is_any_hit();
-        let (mut room, mut waiting) = (Room::default(), 0);
+        let (mut room, mut waiting) = (StackStorage::default(), 0);
         let (mut end, mut at, mut first) = (ends.last(), bvh.root, 0);
         'nodes: loop {
             sinks[first].inner_step();

@@ -16,9 +16,9 @@ type Entry = u64;
 const SIGN: u32 = 1 << 31;
 
 /// Room for a stack, apart from how many wait: that can be in a register.
-pub struct Room([MaybeUninit<Entry>; ROOM]);
+pub struct StackStorage([MaybeUninit<Entry>; ROOM]);
 
-impl Default for Room {
+impl Default for StackStorage {
     #[inline(always)]
     fn default() -> Self {
         Self([const { MaybeUninit::uninit() }; ROOM])
@@ -37,7 +37,7 @@ impl<'a> Stack<'a> {
     /// # Safety
     /// A stack wrote them.
     #[inline(always)]
-    pub(super) unsafe fn new(room: &'a mut Room, waiting: &'a mut usize) -> Self {
+    pub(super) unsafe fn new(room: &'a mut StackStorage, waiting: &'a mut usize) -> Self {
         Self { entries: &mut room.0, waiting }
     }
 

@@ -11,7 +11,7 @@ use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length};
 use crate::structures::wide_bvh::WideBvh;
 use crate::structures::wide_bvh::collapse::LEAF;
 use crate::structures::wide_bvh::node::NodeRay;
-use crate::structures::wide_bvh::stack::{Room, Stack};
+use crate::structures::wide_bvh::stack::{Stack, StackStorage};
 
 /// A ray's way through the tree.
 pub struct State<S: Scalar> {
@@ -49,7 +49,7 @@ impl<S: Scalar> State<S> {
 
 impl<S: Scalar> Resumable<S> for WideBvh<S> {
     type State = State<S>;
-    type Room = Room;
+    type Room = StackStorage;
 
     #[inline(always)]
     fn begin(&self, ray: &Ray<S>, t_max: S) -> State<S> {
@@ -86,7 +86,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
     unsafe fn descend<K: Sink<S>>(
         &self,
         state: &mut State<S>,
-        room: &mut Room,
+        room: &mut StackStorage,
         sink: &mut K,
     ) -> bool {
         sink.inner_step();
@@ -112,7 +112,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
     unsafe fn leave<K: Sink<S>>(
         &self,
         state: &mut State<S>,
-        room: &mut Room,
+        room: &mut StackStorage,
         sink: &mut K,
     ) -> bool {
         if !sink.is_any_hit() {

@@ -8,14 +8,14 @@ const LEAF: usize = 4;
 
 /// How two boxes have to lie to be neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearness<S> {
+pub struct NeighbourRule<S> {
     /// Largest distance on every axis; negative asks for an overlap.
     pub gap: S,
     /// A distance of exactly `gap` counts.
     pub closed: bool,
 }
 
-impl<S: Scalar> Nearness<S> {
+impl<S: Scalar> NeighbourRule<S> {
     /// True when `a` and `b` are neighbours.
     #[inline(always)]
     pub fn holds(&self, a: &Aabb<S>, b: &Aabb<S>) -> bool {
@@ -96,7 +96,7 @@ impl<'a, S: Scalar> BoxTree<'a, S> {
     }
 
     /// Takes out every box near `query` and appends it to `taken`.
-    pub fn take_near(&mut self, query: &Aabb<S>, near: &Nearness<S>, taken: &mut Vec<u32>) {
+    pub fn take_near(&mut self, query: &Aabb<S>, near: &NeighbourRule<S>, taken: &mut Vec<u32>) {
         if !self.boxes.is_empty() {
             self.take(0, 0, self.boxes.len(), query, near, taken);
         }
@@ -108,7 +108,7 @@ impl<'a, S: Scalar> BoxTree<'a, S> {
         first: usize,
         last: usize,
         query: &Aabb<S>,
-        near: &Nearness<S>,
+        near: &NeighbourRule<S>,
         taken: &mut Vec<u32>,
     ) {
         if self.nodes[node].live == 0 || !near.holds(query, &self.nodes[node].bounds) {

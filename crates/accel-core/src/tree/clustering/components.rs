@@ -11,10 +11,10 @@ use std::cmp::Ordering;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::parallel::{forks, is_worth_a_fork};
-use crate::tree::clustering::box_tree::{BoxTree, Nearness};
+use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 
 /// The components, each ascending, in the order of their lowest members; on all threads.
-pub fn components<S: Scalar>(boxes: &[Aabb<S>], near: &Nearness<S>) -> Vec<Vec<u32>> {
+pub fn components<S: Scalar>(boxes: &[Aabb<S>], near: &NeighbourRule<S>) -> Vec<Vec<u32>> {
     let ids = (0..boxes.len() as u32).collect();
     let mut all = in_halves(boxes, near, ids, forks());
     for members in &mut all {
@@ -28,7 +28,7 @@ pub fn components<S: Scalar>(boxes: &[Aabb<S>], near: &Nearness<S>) -> Vec<Vec<u
 /// then those that boxes near the other half connect.
 fn in_halves<S: Scalar>(
     boxes: &[Aabb<S>],
-    near: &Nearness<S>,
+    near: &NeighbourRule<S>,
     mut ids: Vec<u32>,
     forks: u32,
 ) -> Vec<Vec<u32>> {
@@ -55,7 +55,7 @@ fn in_halves<S: Scalar>(
 }
 
 /// The components of these boxes, in the order of their lowest places in `ids`.
-fn flooded<S: Scalar>(boxes: &[Aabb<S>], near: &Nearness<S>, ids: &[u32]) -> Vec<Vec<u32>> {
+fn flooded<S: Scalar>(boxes: &[Aabb<S>], near: &NeighbourRule<S>, ids: &[u32]) -> Vec<Vec<u32>> {
     let boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
     let mut tree = BoxTree::new(&boxes);
     let mut seen = vec![false; boxes.len()];
@@ -136,7 +136,7 @@ mod tests {
     }
 
     /// Quadratic labelling until nothing changes.
-    fn oracle(boxes: &[Aabb<f64>], near: &Nearness<f64>) -> Vec<Vec<u32>> {
+    fn oracle(boxes: &[Aabb<f64>], near: &NeighbourRule<f64>) -> Vec<Vec<u32>> {
         let mut label: Vec<usize> = (0..boxes.len()).collect();
         loop {
             let mut changed = false;
@@ -166,7 +166,7 @@ mod tests {
             let boxes = random_boxes(n, side);
             for gap in [-0.02, 0.0, 0.03] {
                 for closed in [true, false] {
-                    let near = Nearness { gap, closed };
+                    let near = NeighbourRule { gap, closed };
                     assert_eq!(components(&boxes, &near), oracle(&boxes, &near), "{n} {gap}");
                 }
             }
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn any_number_of_threads_finds_the_same() {
-        let on = |threads, boxes: &[Aabb<f64>], near: &Nearness<f64>| {
+        let on = |threads, boxes: &[Aabb<f64>], near: &NeighbourRule<f64>| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| components(boxes, near))
         };
@@ -188,7 +188,7 @@ mod tests {
         });
         for boxes in [random_boxes(30_000, 0.02), random_boxes(20_000, 0.05), rows.collect()] {
             for gap in [-0.02, 0.0, 0.003] {
-                let near = Nearness { gap, closed: gap == 0.0 };
+                let near = NeighbourRule { gap, closed: gap == 0.0 };
                 let one = on(1, &boxes, &near);
                 assert!(one.len() > 1 || gap > 0.0 || boxes.len() == 20_000, "{gap}");
                 for threads in [2, 7] {
@@ -205,13 +205,13 @@ mod tests {
             max: DVec3::new(x + 1.0, 1.0, 1.0),
         };
         let boxes = [unit(0.0), unit(1.0), unit(3.0)];
-        let count = |gap, closed| components(&boxes, &Nearness { gap, closed }).len();
+        let count = |gap, closed| components(&boxes, &NeighbourRule { gap, closed }).len();
         assert_eq!((count(0.0, true), count(0.0, false), count(1.0, true)), (2, 3, 1));
     }
 
     #[test]
     fn many_copies_of_one_box_are_one_component_fast() {
         let boxes = vec![random_boxes(1, 1.0)[0]; 200_000];
-        assert_eq!(components(&boxes, &Nearness { gap: 0.0, closed: true }).len(), 1);
+        assert_eq!(components(&boxes, &NeighbourRule { gap: 0.0, closed: true }).len(), 1);
     }
 }

@@ -13,7 +13,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::convex::{Affine, Convex, Cut};
+use super::convex::{Affine, ConvexPolygon, CutSide};
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::halving_line;
 use crate::shading::surface::refract;
@@ -24,14 +24,14 @@ const SMALLEST: f64 = 1.0 / 64.0;
 /// A part of a beam that meets glass.
 #[derive(Debug, Clone)]
 pub struct Part {
-    pub piece: Convex,
+    pub piece: ConvexPolygon,
     /// What becomes of it.
-    pub beam: Bent,
+    pub beam: BendOutcome,
 }
 
 /// What becomes of a beam at glass.
 #[derive(Debug, Clone)]
-pub enum Bent {
+pub enum BendOutcome {
     /// It goes through, as this one.
     Through(Box<Pyramid>),
     /// It would go along the surface, without a volume.
@@ -40,7 +40,7 @@ pub enum Bent {
     Totally,
 }
 
-pub struct Bend<'a> {
+pub struct BendSetup<'a> {
     pub pyramid: &'a Pyramid,
     pub plane: &'a Plane,
     /// Its outer unit normal.
@@ -49,10 +49,10 @@ pub struct Bend<'a> {
     pub index: f64,
 }
 
-impl Bend<'_> {
+impl BendSetup<'_> {
     /// The parts of a piece. Rays of a part are off by at most `most` times the angle that a pixel
     /// spans, but for parts of less than 1/64 of a pixel.
-    pub fn parts(&self, piece: &Convex, most: f64) -> Vec<Part> {
+    pub fn parts(&self, piece: &ConvexPolygon, most: f64) -> Vec<Part> {
         let mut parts = Vec::new();
         let mut todo = vec![piece.clone()];
         while let Some(piece) = todo.pop() {
@@ -68,17 +68,17 @@ impl Bend<'_> {
 
     /// The beam behind the surface by the central ray of a piece, and by how much the direction
     /// at its worst corner is off, in angles of a pixel.
-    fn whole(&self, piece: &Convex) -> (Bent, f64) {
+    fn whole(&self, piece: &ConvexPolygon) -> (BendOutcome, f64) {
         let centre = piece.centroid();
         let incoming = self.incoming(centre);
         let bent = |p: &DVec2| refract(self.incoming(*p), self.normal, self.index);
         let Some(out) = refract(incoming, self.normal, self.index) else {
             let all = piece.corners().iter().all(|p| bent(p).is_none());
-            return (Bent::Totally, if all { 0.0 } else { f64::INFINITY });
+            return (BendOutcome::Totally, if all { 0.0 } else { f64::INFINITY });
         };
         let shear = self.shear(incoming, out);
         let Some(through) = self.pyramid.through(self.plane, shear, out) else {
-            return (Bent::Flat, 0.0);
+            return (BendOutcome::Flat, 0.0);
         };
         let next = [DVec2::X, DVec2::Y].map(|step| self.incoming(centre + step));
         let pixel = next.map(|d| (d - incoming).length());
@@ -87,7 +87,7 @@ impl Bend<'_> {
             None => f64::INFINITY,
         };
         let worst = piece.corners().iter().map(error).fold(0.0, f64::max);
-        (Bent::Through(Box::new(through)), worst / pixel[0].min(pixel[1]))
+        (BendOutcome::Through(Box::new(through)), worst / pixel[0].min(pixel[1]))
     }
 
     /// The map that takes one unit direction to the other ([`Pyramid::through`]).
@@ -108,7 +108,7 @@ impl Bend<'_> {
 }
 
 /// A piece halved, between pixels if it can be; `None` for small ones.
-fn halves(piece: &Convex) -> Option<[Convex; 2]> {
+fn halves(piece: &ConvexPolygon) -> Option<[ConvexPolygon; 2]> {
     if piece.area() < SMALLEST {
         return None;
     }
@@ -119,8 +119,8 @@ fn halves(piece: &Convex) -> Option<[Convex; 2]> {
         Affine { slope: axis, offset: -(low + high).dot(axis) * 0.5 }
     };
     match piece.cut(&halving_line(piece).unwrap_or_else(middle)) {
-        Cut::Both(a, b) => Some([a, b]),
-        Cut::Inside | Cut::Outside => None,
+        CutSide::Both(a, b) => Some([a, b]),
+        CutSide::Inside | CutSide::Outside => None,
     }
 }
 
@@ -135,8 +135,8 @@ mod tests {
         let pyramid = Pyramid::new(DVec3::ZERO, frame, 10.0).unwrap();
         let depth = Affine { slope: DVec2::ZERO, offset: 8.0 };
         let plane = Plane { normal, point: DVec3::Z, depth };
-        let bend = Bend { pyramid: &pyramid, plane: &plane, normal, index: 1.5 };
-        bend.parts(&Convex::rectangle(DVec2::ZERO, DVec2::splat(8.0)), most)
+        let bend = BendSetup { pyramid: &pyramid, plane: &plane, normal, index: 1.5 };
+        bend.parts(&ConvexPolygon::rectangle(DVec2::ZERO, DVec2::splat(8.0)), most)
     }
 
     #[test]
@@ -148,7 +148,8 @@ mod tests {
             let over = frame.transpose() * normal / normal.dot(DVec3::Z * 2.0);
             let depth = Affine { slope: over.truncate(), offset: over.z };
             let plane = Plane { normal, point: DVec3::Z * 2.0, depth };
-            let bend = Bend { pyramid: &pyramid, plane: &plane, normal: normal * turned, index };
+            let bend =
+                BendSetup { pyramid: &pyramid, plane: &plane, normal: normal * turned, index };
             let middle = DVec2::ZERO;
             let d = bend.incoming(middle);
             let out = refract(d, bend.normal, index).unwrap();
@@ -187,7 +188,7 @@ mod tests {
         let parts = parts(DVec3::Z, 0.3);
         let radius = 8.0 / 1.25_f64.sqrt();
         let leaves = |p: DVec2| (p - DVec2::new(4.0, 0.0)).length() < radius;
-        let is_through = |part: &Part| matches!(part.beam, Bent::Through(_));
+        let is_through = |part: &Part| matches!(part.beam, BendOutcome::Through(_));
         assert!(parts.iter().all(|part| is_through(part) == leaves(part.piece.centroid())));
         assert!(!parts.iter().all(is_through));
         // only small parts lie across the circle

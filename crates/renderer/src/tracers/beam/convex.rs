@@ -43,22 +43,22 @@ impl Affine {
 
 /// A convex polygon of the image, corners in pixels from the origin of the tile, in order.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Convex {
+pub struct ConvexPolygon {
     corners: Vec<DVec2>,
 }
 
 /// What a line does to a piece.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Cut {
+pub enum CutSide {
     /// All of it lies inside.
     Inside,
     /// All of it lies outside.
     Outside,
     /// The part inside and the part outside.
-    Both(Convex, Convex),
+    Both(ConvexPolygon, ConvexPolygon),
 }
 
-impl Convex {
+impl ConvexPolygon {
     /// The rectangle between two corners.
     pub fn rectangle(low: DVec2, high: DVec2) -> Self {
         let corners = vec![low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
@@ -116,10 +116,10 @@ impl Convex {
     }
 
     /// Cuts it along a line ([`Affine::as_line`]).
-    pub fn cut(&self, line: &Affine) -> Cut {
+    pub fn cut(&self, line: &Affine) -> CutSide {
         match self.sides(line) {
-            [_, false] => return Cut::Inside,
-            [false, true] => return Cut::Outside,
+            [_, false] => return CutSide::Inside,
+            [false, true] => return CutSide::Outside,
             [true, true] => {}
         }
         let n = self.corners.len() + 2;
@@ -139,7 +139,7 @@ impl Convex {
                 outside.push(crossing);
             }
         }
-        Cut::Both(Self { corners: inside }, Self { corners: outside })
+        CutSide::Both(Self { corners: inside }, Self { corners: outside })
     }
 }
 
@@ -153,9 +153,9 @@ mod tests {
 
     #[test]
     fn areas_and_centroids() {
-        let piece = Convex::rectangle(DVec2::new(1.0, 2.0), DVec2::new(4.0, 4.0));
+        let piece = ConvexPolygon::rectangle(DVec2::new(1.0, 2.0), DVec2::new(4.0, 4.0));
         assert_eq!((piece.area(), piece.centroid()), (6.0, DVec2::new(2.5, 3.0)));
-        let Cut::Both(inside, outside) = piece.cut(&line(-2.0, -3.0, 14.0)) else { panic!() };
+        let CutSide::Both(inside, outside) = piece.cut(&line(-2.0, -3.0, 14.0)) else { panic!() };
         // the diagonal from (4, 2) to (1, 4)
         assert!((inside.area() - 3.0).abs() < 1e-15 && inside.corners().len() == 3);
         assert!((outside.area() - 3.0).abs() < 1e-15 && outside.corners().len() == 3);
@@ -164,21 +164,21 @@ mod tests {
 
     #[test]
     fn cuts_keep_the_area_and_leave_what_they_touch() {
-        let piece = Convex::rectangle(DVec2::ZERO, DVec2::splat(8.0));
+        let piece = ConvexPolygon::rectangle(DVec2::ZERO, DVec2::splat(8.0));
         for k in 0..200 {
             let angle = f64::from(k);
             let n = DVec2::from_angle(angle);
             let cut = line(n.x, n.y, -n.dot(DVec2::splat(4.0)) + (angle * 0.7).sin() * 3.0);
-            let Cut::Both(inside, outside) = piece.cut(&cut) else { panic!("{k}") };
+            let CutSide::Both(inside, outside) = piece.cut(&cut) else { panic!("{k}") };
             assert!((inside.area() + outside.area() - 64.0).abs() < 1e-12);
             // planted fault: the part that is cut off is dropped
             assert!((inside.area() - 64.0).abs() > 1e-3);
-            assert_eq!(inside.cut(&cut), Cut::Inside);
-            assert_eq!(outside.cut(&cut), Cut::Outside);
+            assert_eq!(inside.cut(&cut), CutSide::Inside);
+            assert_eq!(outside.cut(&cut), CutSide::Outside);
         }
-        assert_eq!(piece.cut(&line(1.0, 0.0, 0.0)), Cut::Inside);
-        assert_eq!(piece.cut(&line(-1.0, 0.0, 0.5 * ON)), Cut::Outside);
-        assert_eq!(piece.cut(&Affine { slope: DVec2::ZERO, offset: -1.0 }), Cut::Outside);
+        assert_eq!(piece.cut(&line(1.0, 0.0, 0.0)), CutSide::Inside);
+        assert_eq!(piece.cut(&line(-1.0, 0.0, 0.5 * ON)), CutSide::Outside);
+        assert_eq!(piece.cut(&Affine { slope: DVec2::ZERO, offset: -1.0 }), CutSide::Outside);
         assert_eq!(Affine { slope: DVec2::ZERO, offset: 0.0 }.as_line(), None);
     }
 }

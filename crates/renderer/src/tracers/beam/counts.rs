@@ -2,7 +2,7 @@
 
 use std::ops::AddAssign;
 
-use super::visibility::Cuts;
+use super::visibility::CutLists;
 
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
@@ -20,7 +20,7 @@ pub struct Counts {
     /// Beams that would have no volume.
     pub degenerate: u64,
     /// What finding them took.
-    pub cuts: Cuts,
+    pub cuts: CutLists,
 }
 
 impl AddAssign for Counts {

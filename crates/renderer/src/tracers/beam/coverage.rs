@@ -2,9 +2,9 @@
 
 use scene_loading::Scene;
 
-use super::prepared::Prepared;
+use super::prepared::BeamScene;
 use super::settings::Settings;
-use super::tile::{Covered, Tile};
+use super::tile::{CoveredArea, Tile};
 use crate::tracers::drawing::{Frame, Structures};
 use crate::tracers::info::Refusal;
 
@@ -17,12 +17,12 @@ pub fn coverage(
     frame: Frame,
     settings: &Settings,
     over: Structures<'_>,
-) -> Result<Vec<Vec<Covered>>, Refusal> {
-    let prepared = Prepared::new(scene, frame, settings, over)?;
+) -> Result<Vec<Vec<CoveredArea>>, Refusal> {
+    let prepared = BeamScene::new(scene, frame, settings, over)?;
     let tiles = prepared.tiles(true);
     let mut pixels = prepared.assemble(Vec::new(), &tiles, Tile::covered);
     for pixel in &mut pixels {
-        pixel.sort_by_key(|c: &Covered| (c.depth, c.id));
+        pixel.sort_by_key(|c: &CoveredArea| (c.depth, c.id));
         pixel.dedup_by(|more, sum| {
             let same = (more.depth, more.id) == (sum.depth, sum.id);
             if same {

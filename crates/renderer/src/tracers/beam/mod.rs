@@ -46,13 +46,13 @@ use scene_loading::Scene;
 pub use coverage::coverage;
 pub use refusal::refusal;
 pub use settings::{INFO, Settings};
-pub use tile::Covered;
+pub use tile::CoveredArea;
 
-use super::drawing::{Drawn, Frame, Structures};
+use super::drawing::{DrawnImage, Frame, Structures};
 use super::info::Refusal;
 use crate::film::Image;
 use counts::Counts;
-use prepared::Prepared;
+use prepared::BeamScene;
 use tile::Tile;
 
 /// Draws the scene by beams, in the current rayon pool. The same image for any number of threads.
@@ -64,8 +64,8 @@ pub fn draw(
     frame: Frame,
     settings: &Settings,
     over: Structures<'_>,
-) -> Result<Drawn, Refusal> {
-    let prepared = Prepared::new(scene, frame, settings, over)?;
+) -> Result<DrawnImage, Refusal> {
+    let prepared = BeamScene::new(scene, frame, settings, over)?;
     let tiles = prepared.tiles(false);
     let (mut work, mut counts) = (FrustumWork::default(), Counts::default());
     for tile in &tiles {
@@ -74,5 +74,5 @@ pub fn draw(
     }
     let pixels = prepared.assemble([0.0; 3], &tiles, Tile::colors);
     let [width, height] = frame.resolution;
-    Ok(Drawn { image: Image { width, height, pixels }, work, counts: counts.named() })
+    Ok(DrawnImage { image: Image { width, height, pixels }, work, counts: counts.named() })
 }

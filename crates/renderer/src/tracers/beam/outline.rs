@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::convex::{Affine, Convex, ON};
+use super::convex::{Affine, ConvexPolygon, ON};
 use super::faces::Face;
 use super::pyramid::Pyramid;
 
@@ -69,7 +69,7 @@ impl Outline {
     }
 
     /// How it lies on a piece.
-    pub fn relation(&self, piece: &Convex) -> Relation {
+    pub fn relation(&self, piece: &ConvexPolygon) -> Relation {
         let mut covers = true;
         for line in &self.lines {
             let [inside, outside] = piece.sides(line);
@@ -85,7 +85,7 @@ impl Outline {
     }
 
     /// True when an edge of the piece has all of this outline beyond it.
-    fn is_beside(&self, piece: &Convex) -> bool {
+    fn is_beside(&self, piece: &ConvexPolygon) -> bool {
         let corners = piece.corners();
         let centroid = piece.centroid();
         corners.iter().zip(corners.iter().cycle().skip(1)).any(|(&a, &b)| {

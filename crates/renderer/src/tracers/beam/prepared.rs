@@ -13,7 +13,7 @@ use crate::tracers::drawing::{Frame, Structures};
 use crate::tracers::info::Refusal;
 
 /// A scene made ready for beams.
-pub struct Prepared<'a> {
+pub struct BeamScene<'a> {
     pub scene: &'a Scene,
     pub over: Structures<'a>,
     pub settings: Settings,
@@ -26,7 +26,7 @@ pub struct Prepared<'a> {
     pub magnitude: f64,
 }
 
-impl<'a> Prepared<'a> {
+impl<'a> BeamScene<'a> {
     /// Refuses what beams cannot do.
     ///
     /// # Errors

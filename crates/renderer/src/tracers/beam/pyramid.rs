@@ -9,7 +9,7 @@
 use accel_core::query::region::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 
-use super::convex::{Affine, Convex};
+use super::convex::{Affine, ConvexPolygon};
 
 /// What lies nearer than this to the surface a beam leaves, or to its apex, is not met: in units
 /// of the scene's largest coordinate.
@@ -135,7 +135,7 @@ impl Pyramid {
     }
 
     /// The part of space behind a piece of the image, `reach` long, world units.
-    pub fn frustum(&self, piece: &Convex, reach: f64) -> Frustum {
+    pub fn frustum(&self, piece: &ConvexPolygon, reach: f64) -> Frustum {
         let unit = |p: &DVec2| self.direction(*p).normalize_or_zero();
         let directions: Vec<DVec3> = piece.corners().iter().map(unit).collect();
         let middle = self.direction(piece.centroid()).normalize_or_zero();
@@ -153,7 +153,7 @@ impl Pyramid {
     }
 
     /// The part of space between a piece of a plane that this pyramid meets, and a light.
-    pub fn frustum_to(&self, piece: &Convex, plane: &Plane, light: DVec3) -> Frustum {
+    pub fn frustum_to(&self, piece: &ConvexPolygon, plane: &Plane, light: DVec3) -> Frustum {
         let near: Vec<DVec3> =
             piece.corners().iter().map(|p| self.point(*p, plane.depth.at(*p))).collect();
         Frustum::new(&near, &vec![light; near.len()])

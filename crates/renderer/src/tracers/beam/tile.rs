@@ -5,12 +5,12 @@ use accel_core::query::region::{Candidates, Frustum, FrustumWork};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
-use super::bend::{Bend, Bent, Part};
-use super::convex::Convex;
+use super::bend::{BendOutcome, BendSetup, Part};
+use super::convex::ConvexPolygon;
 use super::counts::Counts;
 use super::outline::{Outline, Relation};
 use super::pixels::pixels_of;
-use super::prepared::Prepared;
+use super::prepared::BeamScene;
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::{cut_along, resolve};
 use crate::effects::{Origin, SurfaceHit, lit_normal, shadow_ray};
@@ -22,7 +22,7 @@ const REACH: f64 = 4.0;
 
 /// A primitive, or nothing, that is seen in a part of a pixel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Covered {
+pub struct CoveredArea {
     /// 1 as seen from the eye, 2 behind one mirror or glass, and so on.
     pub depth: u32,
     /// The primitive; `None` where nothing is met.
@@ -36,7 +36,7 @@ pub struct Covered {
 /// A beam on its way.
 struct Beam {
     pyramid: Pyramid,
-    piece: Convex,
+    piece: ConvexPolygon,
     weight: Rgb,
     depth: u32,
     /// The primitive it comes from, which it does not meet again: that is flat, if not to the last
@@ -46,12 +46,12 @@ struct Beam {
 
 /// A part of an image, traced alone: beams never leave the pixels that they started in.
 pub struct Tile<'a> {
-    on: &'a Prepared<'a>,
+    on: &'a BeamScene<'a>,
     corner: [u32; 2],
     size: [u32; 2],
     colors: Vec<Rgb>,
     /// If it is recorded.
-    covered: Option<Vec<Vec<Covered>>>,
+    covered: Option<Vec<Vec<CoveredArea>>>,
     counts: Counts,
     work: FrustumWork,
     beams: Vec<Beam>,
@@ -59,7 +59,7 @@ pub struct Tile<'a> {
 
 impl<'a> Tile<'a> {
     /// The pixels from `corner` on, `size` of them across and down.
-    pub fn new(on: &'a Prepared<'a>, corner: [u32; 2], size: [u32; 2], recording: bool) -> Self {
+    pub fn new(on: &'a BeamScene<'a>, corner: [u32; 2], size: [u32; 2], recording: bool) -> Self {
         let pixels = size[0] as usize * size[1] as usize;
         Self {
             on,
@@ -88,7 +88,7 @@ impl<'a> Tile<'a> {
     }
 
     /// What its pixels see, if it was recorded; not summed up.
-    pub fn covered(&self) -> &[Vec<Covered>] {
+    pub fn covered(&self) -> &[Vec<CoveredArea>] {
         self.covered.as_deref().unwrap_or_default()
     }
 
@@ -110,7 +110,7 @@ impl<'a> Tile<'a> {
         let size = DVec2::from_array(self.size.map(f64::from));
         let eye = Pyramid::new(self.on.eye.origin(), frame, self.on.magnitude);
         self.counts.beams += 1;
-        let piece = Convex::rectangle(DVec2::ZERO, size);
+        let piece = ConvexPolygon::rectangle(DVec2::ZERO, size);
         self.send(eye.map(|pyramid| Beam {
             pyramid,
             piece,
@@ -138,7 +138,7 @@ impl<'a> Tile<'a> {
         &self,
         frustum: &Frustum,
         pyramid: &Pyramid,
-        piece: &Convex,
+        piece: &ConvexPolygon,
         candidates: &mut Candidates,
         is_asked: impl Fn(u32) -> bool,
     ) -> Vec<Outline> {
@@ -171,7 +171,13 @@ impl<'a> Tile<'a> {
     }
 
     /// Adds the light of a fragment, and what it mirrors and lets through.
-    fn light(&mut self, beam: &Beam, piece: &Convex, seen: &Outline, candidates: &mut Candidates) {
+    fn light(
+        &mut self,
+        beam: &Beam,
+        piece: &ConvexPolygon,
+        seen: &Outline,
+        candidates: &mut Candidates,
+    ) {
         let on = self.on;
         let (id, pyramid) = (seen.id, &beam.pyramid);
         let centre = piece.centroid();
@@ -242,14 +248,14 @@ impl<'a> Tile<'a> {
     fn refract(
         &mut self,
         beam: &Beam,
-        piece: &Convex,
+        piece: &ConvexPolygon,
         id: u32,
         surface: &SurfacePoint<'_>,
         plane: &Plane,
     ) {
         let m = surface.material;
         let weight = beam.weight.map(|w| w * m.transmittance);
-        let bend = Bend {
+        let bend = BendSetup {
             pyramid: &beam.pyramid,
             plane,
             normal: surface.normal,
@@ -257,19 +263,19 @@ impl<'a> Tile<'a> {
         };
         for Part { piece, beam: bent } in bend.parts(piece, self.on.settings.bend) {
             match bent {
-                Bent::Through(pyramid) => {
+                BendOutcome::Through(pyramid) => {
                     self.counts.refracted += 1;
                     let (pyramid, depth) = (*pyramid, beam.depth + 1);
                     self.send(Some(Beam { pyramid, piece, weight, depth, from: Some(id) }));
                 }
-                Bent::Flat => self.counts.degenerate += 1,
-                Bent::Totally => self.counts.internal += 1,
+                BendOutcome::Flat => self.counts.degenerate += 1,
+                BendOutcome::Totally => self.counts.internal += 1,
             }
         }
     }
 
     /// The parts of a piece that no outline covers.
-    fn unblocked(&mut self, piece: &Convex, blockers: &[Outline]) -> Vec<Convex> {
+    fn unblocked(&mut self, piece: &ConvexPolygon, blockers: &[Outline]) -> Vec<ConvexPolygon> {
         let mut lit = vec![piece.clone()];
         for blocker in blockers {
             let mut next = Vec::with_capacity(lit.len());
@@ -298,7 +304,13 @@ impl<'a> Tile<'a> {
     }
 
     /// Adds light from a piece, once for each pixel of it: `light` at its centre times its area.
-    fn add(&mut self, beam: &Beam, piece: &Convex, id: Option<u32>, light: impl Fn(DVec2) -> Rgb) {
+    fn add(
+        &mut self,
+        beam: &Beam,
+        piece: &ConvexPolygon,
+        id: Option<u32>,
+        light: impl Fn(DVec2) -> Rgb,
+    ) {
         for part in pixels_of(piece) {
             let (centre, area) = (part.centroid(), part.area());
             let light = light(centre);
@@ -315,7 +327,7 @@ impl<'a> Tile<'a> {
     }
 
     /// Notes what is seen in a piece.
-    fn record(&mut self, beam: &Beam, piece: &Convex, id: Option<u32>, seen: f64, lit: f64) {
+    fn record(&mut self, beam: &Beam, piece: &ConvexPolygon, id: Option<u32>, seen: f64, lit: f64) {
         if self.covered.is_none() {
             return;
         }
@@ -324,7 +336,7 @@ impl<'a> Tile<'a> {
             let pixel = self.covered.as_mut().zip(index).and_then(|(all, i)| all.get_mut(i));
             if let Some(pixel) = pixel {
                 let (area, lit) = (area * seen, area * lit);
-                pixel.push(Covered { depth: beam.depth, id, area, lit });
+                pixel.push(CoveredArea { depth: beam.depth, id, area, lit });
             }
         }
     }

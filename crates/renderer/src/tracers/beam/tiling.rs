@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::prepared::Prepared;
+use super::prepared::BeamScene;
 use super::tile::Tile;
 
-impl Prepared<'_> {
+impl BeamScene<'_> {
     /// Traces every tile in the current rayon pool, `recording` what is seen where or not; in
     /// order.
     pub fn tiles(&self, recording: bool) -> Vec<Tile<'_>> {

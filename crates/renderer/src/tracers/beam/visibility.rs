@@ -10,7 +10,7 @@
 
 use glam::DVec2;
 
-use super::convex::{Affine, Convex, Cut};
+use super::convex::{Affine, ConvexPolygon, CutSide};
 use super::outline::{Outline, Relation};
 use super::settings::Settings;
 
@@ -20,12 +20,12 @@ const SAME_DEPTH: f64 = 1e-10;
 /// A piece of the image, and what is seen all over it: an index into the outlines, or nothing.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fragment {
-    pub piece: Convex,
+    pub piece: ConvexPolygon,
     pub seen: Option<usize>,
 }
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Cuts {
+pub struct CutLists {
     /// Pieces that were cut in two or more.
     pub pieces: u64,
     /// Pieces that were decided by the face in front of their centre, as too many cuts were made.
@@ -34,7 +34,7 @@ pub struct Cuts {
     pub lost: f64,
 }
 
-impl std::ops::AddAssign for Cuts {
+impl std::ops::AddAssign for CutLists {
     fn add_assign(&mut self, other: Self) {
         self.pieces += other.pieces;
         self.unresolved += other.unresolved;
@@ -50,7 +50,7 @@ struct Candidate {
 }
 
 struct Task {
-    piece: Convex,
+    piece: ConvexPolygon,
     candidates: Vec<Candidate>,
 }
 
@@ -59,20 +59,21 @@ pub struct Visibility<'a> {
     outlines: &'a [Outline],
     settings: &'a Settings,
     todo: Vec<Task>,
-    cuts: Cuts,
+    cuts: CutLists,
     out: Vec<Fragment>,
 }
 
 /// Cuts `piece` into fragments, in each of which one of `outlines` or nothing is seen.
 pub fn resolve(
-    piece: Convex,
+    piece: ConvexPolygon,
     outlines: &[Outline],
     settings: &Settings,
-    cuts: &mut Cuts,
+    cuts: &mut CutLists,
 ) -> Vec<Fragment> {
     let candidates = (0..outlines.len()).map(|index| Candidate { index, covers: false }).collect();
     let todo = vec![Task { piece, candidates }];
-    let mut this = Visibility { outlines, settings, todo, cuts: Cuts::default(), out: Vec::new() };
+    let mut this =
+        Visibility { outlines, settings, todo, cuts: CutLists::default(), out: Vec::new() };
     while let Some(task) = this.todo.pop() {
         this.step(task);
     }
@@ -128,7 +129,7 @@ impl Visibility<'_> {
         if let (Some(front), Some(&other)) = (front, candidates.iter().find(|c| c.covers)) {
             // both cover the piece and go through each other
             let crossing = self.depth(other).minus(&self.depth(front)).as_line();
-            let is_cut = crossing.is_some_and(|line| matches!(piece.cut(&line), Cut::Both(..)));
+            let is_cut = crossing.is_some_and(|line| matches!(piece.cut(&line), CutSide::Both(..)));
             let all = candidates.iter().copied().chain([front]);
             return match crossing {
                 Some(line) if is_cut => self.cut_in_two(piece, &line, all.collect()),
@@ -144,19 +145,19 @@ impl Visibility<'_> {
         self.cut_out(piece, chosen, candidates);
     }
 
-    fn cut_in_two(&mut self, piece: Convex, line: &Affine, candidates: Vec<Candidate>) {
+    fn cut_in_two(&mut self, piece: ConvexPolygon, line: &Affine, candidates: Vec<Candidate>) {
         self.cuts.pieces += 1;
         match piece.cut(line) {
-            Cut::Both(a, b) => {
+            CutSide::Both(a, b) => {
                 self.push(a, candidates.clone());
                 self.push(b, candidates);
             }
-            Cut::Inside | Cut::Outside => self.push(piece, candidates),
+            CutSide::Inside | CutSide::Outside => self.push(piece, candidates),
         }
     }
 
     /// Cuts the piece along the outline of the chosen candidate.
-    fn cut_out(&mut self, piece: Convex, chosen: Candidate, candidates: Vec<Candidate>) {
+    fn cut_out(&mut self, piece: ConvexPolygon, chosen: Candidate, candidates: Vec<Candidate>) {
         let without: Vec<Candidate> =
             candidates.iter().copied().filter(|c| c.index != chosen.index).collect();
         let lines = self.outline(chosen).map_or(&[][..], |o| &o.lines);
@@ -173,7 +174,7 @@ impl Visibility<'_> {
         self.push(inside, candidates);
     }
 
-    fn push(&mut self, piece: Convex, candidates: Vec<Candidate>) {
+    fn push(&mut self, piece: ConvexPolygon, candidates: Vec<Candidate>) {
         let area = piece.area();
         if area > self.settings.least_area {
             self.todo.push(Task { piece, candidates });
@@ -183,7 +184,7 @@ impl Visibility<'_> {
     }
 
     /// The covering face in front at the centre of the piece.
-    fn front_cover(&self, piece: &Convex, candidates: &[Candidate]) -> Option<Candidate> {
+    fn front_cover(&self, piece: &ConvexPolygon, candidates: &[Candidate]) -> Option<Candidate> {
         let centre = piece.centroid();
         self.nearest(centre, candidates.iter().copied().filter(|c| c.covers))
     }
@@ -206,7 +207,7 @@ impl Visibility<'_> {
     }
 
     /// False when the candidate is hidden by `front`, which covers the piece, wherever it may be.
-    fn is_before(&self, candidate: Candidate, front: Candidate, piece: &Convex) -> bool {
+    fn is_before(&self, candidate: Candidate, front: Candidate, piece: &ConvexPolygon) -> bool {
         let (own, other) = (self.depth(candidate), self.depth(front));
         let mut same = true;
         for p in piece.corners() {
@@ -221,7 +222,7 @@ impl Visibility<'_> {
     }
 
     /// The candidate to cut along next: that in front at the centre, else that which would be.
-    fn chosen(&self, piece: &Convex, candidates: &[Candidate]) -> Option<Candidate> {
+    fn chosen(&self, piece: &ConvexPolygon, candidates: &[Candidate]) -> Option<Candidate> {
         let centre = piece.centroid();
         self.front_at(centre, candidates)
             .or_else(|| self.nearest(centre, candidates.iter().copied()))
@@ -229,14 +230,17 @@ impl Visibility<'_> {
 }
 
 /// The part of a piece within some lines, if there is any, and the parts cut off.
-pub fn cut_along(piece: &Convex, lines: &[Affine]) -> (Option<Convex>, Vec<Convex>) {
+pub fn cut_along(
+    piece: &ConvexPolygon,
+    lines: &[Affine],
+) -> (Option<ConvexPolygon>, Vec<ConvexPolygon>) {
     let mut outside = Vec::new();
     let mut inside = piece.clone();
     for line in lines {
         match inside.cut(line) {
-            Cut::Inside => {}
-            Cut::Outside => return (None, outside),
-            Cut::Both(within, beyond) => {
+            CutSide::Inside => {}
+            CutSide::Outside => return (None, outside),
+            CutSide::Both(within, beyond) => {
                 outside.push(beyond);
                 inside = within;
             }
@@ -247,7 +251,7 @@ pub fn cut_along(piece: &Convex, lines: &[Affine]) -> (Option<Convex>, Vec<Conve
 
 /// The border between pixels nearest to the middle of the longer side of a piece; none within a
 /// pixel.
-pub fn halving_line(piece: &Convex) -> Option<Affine> {
+pub fn halving_line(piece: &ConvexPolygon) -> Option<Affine> {
     let [low, high] = piece.bounds();
     let size = high - low;
     let along = |axis: DVec2| {
@@ -284,8 +288,8 @@ mod tests {
     /// Areas of what is seen of an 8 x 8 image: nothing, then every face.
     fn areas(faces: &[&[[f64; 3]]], candidates: usize) -> Vec<f64> {
         let settings = Settings { candidates, ..Settings::default() };
-        let piece = Convex::rectangle(DVec2::ZERO, DVec2::splat(8.0));
-        let mut cuts = Cuts::default();
+        let piece = ConvexPolygon::rectangle(DVec2::ZERO, DVec2::splat(8.0));
+        let mut cuts = CutLists::default();
         let mut areas = vec![0.0; faces.len() + 1];
         let outlines = outlines(faces);
         for f in resolve(piece, &outlines, &settings, &mut cuts) {
@@ -359,13 +363,13 @@ mod tests {
 
     #[test]
     fn a_cut_that_is_dropped_is_noticed() {
-        let piece = Convex::rectangle(DVec2::ZERO, DVec2::splat(8.0));
+        let piece = ConvexPolygon::rectangle(DVec2::ZERO, DVec2::splat(8.0));
         let outline = &outlines(&[&square(1.0, 1.0, 4.0, 1.0)])[0];
         let (inside, outside) = cut_along(&piece, &outline.lines);
-        let whole = inside.unwrap().area() + outside.iter().map(Convex::area).sum::<f64>();
+        let whole = inside.unwrap().area() + outside.iter().map(ConvexPolygon::area).sum::<f64>();
         assert!((whole - 64.0).abs() < 1e-12 && outside.len() == 4);
         // planted fault
-        let dropped: f64 = outside.iter().skip(1).map(Convex::area).sum();
+        let dropped: f64 = outside.iter().skip(1).map(ConvexPolygon::area).sum();
         assert!((16.0 + dropped - 64.0).abs() > 1.0);
     }
 }

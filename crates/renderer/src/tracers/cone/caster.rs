@@ -4,7 +4,7 @@ use glam::DVec3;
 use scene_loading::{Rgb, Scene};
 
 use super::circular_cone::Cone;
-use super::coverage::Left;
+use super::coverage::DepartedSurface;
 use super::forms::Forms;
 use super::settings::Settings;
 use super::widening::LEAST_COSINE;
@@ -66,7 +66,7 @@ impl<'a> Caster<'a> {
     }
 
     /// The surface that a bundle leaves along a direction.
-    pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Left {
+    pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> DepartedSurface {
         let refined = hit.point.refined;
         let inwards = direction.dot(refined.normal) < 0.0;
         // within a convex body, all of it is on the inner side of the surface
@@ -75,11 +75,11 @@ impl<'a> Caster<'a> {
             let normal = if inwards { -refined.normal } else { refined.normal };
             (normal, normal.dot(refined.position) + PLANE_SLACK * refined.magnitude)
         });
-        Left { id: hit.id, inwards, plane }
+        DepartedSurface { id: hit.id, inwards, plane }
     }
 
     /// The cone that leaves a flat surface begins where its edge does, before its middle.
-    pub(super) fn begun(&self, mut cone: Cone, left: &Left) -> Cone {
+    pub(super) fn begun(&self, mut cone: Cone, left: &DepartedSurface) -> Cone {
         if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
             let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
             let slope = (1.0 - cosine * cosine).sqrt() / cosine;

@@ -9,7 +9,7 @@
 use glam::{DVec2, DVec3};
 
 use super::circular_cone::Cone;
-use super::coverage::{Coverage, Left};
+use super::coverage::{Coverage, DepartedSurface};
 use super::disc_overlap::{Overlap, of_polygon};
 use super::outline::Outline;
 
@@ -27,7 +27,12 @@ pub struct Flat {
 }
 
 impl Flat {
-    pub fn cover(&self, cone: &Cone, corners: &[DVec3], left: Option<&Left>) -> Option<Coverage> {
+    pub fn cover(
+        &self,
+        cone: &Cone,
+        corners: &[DVec3],
+        left: Option<&DepartedSurface>,
+    ) -> Option<Coverage> {
         let &anchor = corners.first()?;
         let (overlap, outline, deepest) = project(cone, corners, left)?;
         // the plane is deepest at the edge of the disc, in the direction in which it recedes
@@ -84,7 +89,7 @@ impl Corner {
 pub fn project(
     cone: &Cone,
     corners: &[DVec3],
-    left: Option<&Left>,
+    left: Option<&DepartedSurface>,
 ) -> Option<(Overlap, Vec<DVec2>, f64)> {
     let plane = left.and_then(|left| left.plane);
     let located: Vec<Corner> = corners
@@ -175,7 +180,7 @@ mod tests {
         Flat { normal, first: 0, count: corners.len() }
     }
 
-    fn cover(cone: &Cone, corners: &[DVec3], left: Option<&Left>) -> f64 {
+    fn cover(cone: &Cone, corners: &[DVec3], left: Option<&DepartedSurface>) -> f64 {
         flat(corners).cover(cone, corners, left).map_or(0.0, |c| c.overlap.share)
     }
 
@@ -195,7 +200,7 @@ mod tests {
         // edge on
         assert_eq!(cover(&cone, &quad(0.0, 0.0, 1.0, 9.0), None), 0.0);
         // half of it is behind the surface that the cone leaves
-        let left = Left { id: 9, inwards: false, plane: Some((DVec3::Y, 0.0)) };
+        let left = DepartedSurface { id: 9, inwards: false, plane: Some((DVec3::Y, 0.0)) };
         assert!((cover(&cone, &quad(0.0, 1e6, 2.0, 2.0), Some(&left)) - 0.25).abs() < 1e-12);
         let mut short = cone;
         short.end = 1.9;

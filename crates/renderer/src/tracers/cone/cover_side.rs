@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3};
 
 use super::circular_cone::Cone;
 use super::cover_flat::project;
-use super::coverage::{Coverage, Left};
+use super::coverage::{Coverage, DepartedSurface};
 use super::outline::Outline;
 
 /// How far an arc may bulge over its chord, in radii of the bundle.
@@ -58,7 +58,12 @@ impl Side {
     }
 
     /// What it covers. `own`: the cone leaves this very side.
-    pub fn cover(&self, cone: &Cone, own: Option<&Left>, left: Option<&Left>) -> Option<Coverage> {
+    pub fn cover(
+        &self,
+        cone: &Cone,
+        own: Option<&DepartedSurface>,
+        left: Option<&DepartedSurface>,
+    ) -> Option<Coverage> {
         if (own.is_some() && !self.shows_inside) || self.base == self.apex {
             return None;
         }

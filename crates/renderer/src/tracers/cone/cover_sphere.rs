@@ -14,7 +14,7 @@ use accel_core::primitives::Sphere;
 use glam::DVec2;
 
 use super::circular_cone::Cone;
-use super::coverage::{Coverage, Left};
+use super::coverage::{Coverage, DepartedSurface};
 use super::disc_overlap::{Overlap, of_disc};
 use super::outline::Outline;
 
@@ -31,7 +31,12 @@ impl Ball {
     }
 
     /// What it covers. `own`: the cone leaves this very sphere.
-    pub fn cover(&self, cone: &Cone, own: Option<&Left>, left: Option<&Left>) -> Option<Coverage> {
+    pub fn cover(
+        &self,
+        cone: &Cone,
+        own: Option<&DepartedSurface>,
+        left: Option<&DepartedSurface>,
+    ) -> Option<Coverage> {
         let (center, size) = (self.sphere.center, self.sphere.radius);
         let (depth, across, radius) = cone.locate(center);
         if size <= 0.0 || depth + size < cone.begin || depth - size > cone.end {
@@ -80,7 +85,7 @@ impl Ball {
 
     /// The depth at which the ray through a place meets it: from within the far side, else the near
     /// one alone.
-    pub fn depth(&self, cone: &Cone, place: DVec2, own: Option<&Left>) -> Option<f64> {
+    pub fn depth(&self, cone: &Cone, place: DVec2, own: Option<&DepartedSurface>) -> Option<f64> {
         let mut ray = cone.ray(place);
         let (center, size) = (self.sphere.center, self.sphere.radius);
         let is_inside = own.is_some_and(|left| left.inwards)
@@ -195,7 +200,7 @@ mod tests {
         assert_eq!(ball.depth(&cone, DVec2::ZERO, None), Some(3.0));
         let away = Cone::new(DVec3::Z * 4.0, DVec3::Z, 0.0, 0.01);
         assert_eq!(ball.cover(&away, None, None), None);
-        let leaving = |inwards| Left { id: 0, inwards, plane: None };
+        let leaving = |inwards| DepartedSurface { id: 0, inwards, plane: None };
         let from_it = Cone::new(DVec3::Z * -1.0, DVec3::Z, 0.1, 0.01);
         let inwards = leaving(true);
         assert_eq!(ball.cover(&from_it, Some(&leaving(false)), None), None);

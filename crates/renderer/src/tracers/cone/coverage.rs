@@ -7,7 +7,7 @@ use super::outline::Outline;
 
 /// The surface that a cone leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Left {
+pub struct DepartedSurface {
     /// Its primitive.
     pub id: u32,
     /// Whether the cone goes into the body: against the outer geometric normal.

@@ -9,7 +9,7 @@ use super::circular_cone::Cone;
 use super::cover_flat::Flat;
 use super::cover_side::Side;
 use super::cover_sphere::Ball;
-use super::coverage::{Coverage, Left};
+use super::coverage::{Coverage, DepartedSurface};
 
 /// A primitive, by what cones ask of it.
 enum Form {
@@ -63,7 +63,7 @@ impl Forms {
     }
 
     /// How much of the cone a primitive covers; `None` for nothing.
-    pub fn cover(&self, cone: &Cone, id: u32, left: Option<&Left>) -> Option<Coverage> {
+    pub fn cover(&self, cone: &Cone, id: u32, left: Option<&DepartedSurface>) -> Option<Coverage> {
         let own = left.filter(|left| left.id == id);
         match &self.forms[id as usize] {
             Form::Ball(ball) => ball.cover(cone, own, left),
@@ -74,7 +74,13 @@ impl Forms {
     }
 
     /// The depth at which the ray through a place meets a primitive; of a flat one, its plane.
-    pub fn depth(&self, cone: &Cone, id: u32, place: DVec2, left: Option<&Left>) -> Option<f64> {
+    pub fn depth(
+        &self,
+        cone: &Cone,
+        id: u32,
+        place: DVec2,
+        left: Option<&DepartedSurface>,
+    ) -> Option<f64> {
         match &self.forms[id as usize] {
             Form::Ball(ball) => ball.depth(cone, place, left.filter(|left| left.id == id)),
             Form::Side(side) => side.depth(cone, place),

@@ -13,7 +13,7 @@ use super::caster::{Caster, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::{Composition, Fragment, compose};
 use super::counts::Scratch;
-use super::coverage::{Coverage, Left};
+use super::coverage::{Coverage, DepartedSurface};
 
 /// While candidates still arrive, so many are combined to see whether the cone is full; more are
 /// combined at the end alone.
@@ -27,7 +27,7 @@ impl Caster<'_> {
     pub(super) fn fragments(
         &self,
         cone: &Cone,
-        left: Option<&Left>,
+        left: Option<&DepartedSurface>,
         is_shadow: bool,
         scratch: &mut Scratch,
     ) -> Vec<Fragment> {
@@ -97,7 +97,7 @@ impl Caster<'_> {
     pub(super) fn compose(
         &self,
         cone: &Cone,
-        left: Option<&Left>,
+        left: Option<&DepartedSurface>,
         fragments: &mut [Fragment],
     ) -> Composition {
         compose(fragments, &|id: u32, place: DVec2| self.forms.depth(cone, id, place, left))

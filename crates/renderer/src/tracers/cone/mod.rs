@@ -52,7 +52,7 @@ use scene_loading::{Rgb, Scene};
 pub use refusal::refusal;
 pub use settings::{INFO, Settings};
 
-use super::drawing::{Drawn, Frame, Structures};
+use super::drawing::{DrawnImage, Frame, Structures};
 use super::info::Refusal;
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
@@ -70,7 +70,7 @@ pub fn draw(
     frame: Frame,
     settings: &Settings,
     over: Structures<'_>,
-) -> Result<Drawn, Refusal> {
+) -> Result<DrawnImage, Refusal> {
     refusal(scene)?;
     let [width, height] = frame.resolution;
     let eye = EyeRays::new(&scene.camera, frame.resolution, Sampling::PixelCentres);
@@ -91,7 +91,7 @@ pub fn draw(
         counts += scratch.counts;
     }
     let counts = counts.rows();
-    Ok(Drawn { image: Image { width, height, pixels }, work, counts })
+    Ok(DrawnImage { image: Image { width, height, pixels }, work, counts })
 }
 
 /// The cone of a pixel: as large as it, seen from the eye.

@@ -16,7 +16,7 @@ use super::caster::{Caster, Path};
 use super::circular_cone::Cone;
 use super::compose::union;
 use super::counts::Scratch;
-use super::coverage::Left;
+use super::coverage::DepartedSurface;
 
 use super::widening::Incidence;
 use crate::effects::SurfaceHit;
@@ -39,7 +39,7 @@ impl Caster<'_> {
     pub(super) fn blocked(
         &self,
         cone: &Cone,
-        left: &Left,
+        left: &DepartedSurface,
         level: u32,
         scratch: &mut Scratch,
     ) -> f64 {

@@ -11,7 +11,7 @@ use super::caster::{Caster, Path, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::Seen;
 use super::counts::Scratch;
-use super::coverage::Left;
+use super::coverage::DepartedSurface;
 use super::widening::Incidence;
 use crate::effects::{HitStage, Origin, SurfaceHit, lit_normal, shadow_ray};
 use crate::shading::surface::{reflect, refract};
@@ -22,11 +22,11 @@ const WIDE: f64 = 0.5;
 /// A bundle on its way.
 enum Bundle {
     Ray(Ray<f64>),
-    Cone(Cone, Option<Left>),
+    Cone(Cone, Option<DepartedSurface>),
 }
 
 /// A surface that is seen, and the cone that sees it.
-struct Sight<'s> {
+struct Sighting<'s> {
     hit: SurfaceHit<'s>,
     incidence: Incidence,
     right: DVec3,
@@ -35,14 +35,14 @@ struct Sight<'s> {
 
 /// How a bundle goes on.
 #[derive(Clone, Copy)]
-enum Way {
+enum Continuation {
     Mirrored,
     Refracted,
 }
 
-impl Way {
+impl Continuation {
     /// What a bundle that goes on from a surface contributes.
-    fn weight(self, sight: &Sight<'_>) -> Rgb {
+    fn weight(self, sight: &Sighting<'_>) -> Rgb {
         let material = sight.hit.point.material;
         let share = match self {
             Self::Mirrored => material.specular,
@@ -89,9 +89,9 @@ impl<'a> Caster<'a> {
 
     /// Follows what goes on from the surfaces that a bundle sees. Those that contribute little do
     /// so through the largest of them: a wide cone may see hundreds of mirrors.
-    fn go_on(&self, sights: &[Sight<'_>], path: Path, color: &mut Rgb, scratch: &mut Scratch) {
-        for way in [Way::Mirrored, Way::Refracted] {
-            let mut little: Option<(&Sight<'_>, Rgb, f64)> = None;
+    fn go_on(&self, sights: &[Sighting<'_>], path: Path, color: &mut Rgb, scratch: &mut Scratch) {
+        for way in [Continuation::Mirrored, Continuation::Refracted] {
+            let mut little: Option<(&Sighting<'_>, Rgb, f64)> = None;
             for sight in sights {
                 let weight = way.weight(sight);
                 let largest = weight.into_iter().fold(0.0, f64::max);
@@ -119,22 +119,22 @@ impl<'a> Caster<'a> {
     /// Follows the bundle that goes on from one surface.
     fn follow(
         &self,
-        sight: &Sight<'_>,
-        way: Way,
+        sight: &Sighting<'_>,
+        way: Continuation,
         weight: Rgb,
         path: Path,
         color: &mut Rgb,
         scratch: &mut Scratch,
     ) {
-        let Sight { hit, incidence, right, up } = sight;
+        let Sighting { hit, incidence, right, up } = sight;
         let (normal, index) = (hit.point.normal, hit.point.material.refraction_index);
         let path = Path { weight, depth: path.depth + 1, level: path.level };
         let (direction, bundle, frame) = match way {
-            Way::Mirrored => {
+            Continuation::Mirrored => {
                 let frame = [reflect(*right, normal), reflect(*up, normal)];
                 (reflect(hit.incoming, normal), incidence.mirrored(), frame)
             }
-            Way::Refracted => {
+            Continuation::Refracted => {
                 let Some(direction) = refract(hit.incoming, normal, index) else { return };
                 let enters = hit.incoming.dot(normal) < 0.0;
                 let (from, to) = if enters { (1.0, index) } else { (index, 1.0) };
@@ -150,7 +150,7 @@ impl<'a> Caster<'a> {
     fn quarter(
         &self,
         cone: &Cone,
-        left: Option<Left>,
+        left: Option<DepartedSurface>,
         path: Path,
         color: &mut Rgb,
         scratch: &mut Scratch,
@@ -169,7 +169,7 @@ impl<'a> Caster<'a> {
         path: Path,
         color: &mut Rgb,
         scratch: &mut Scratch,
-    ) -> Vec<Sight<'a>> {
+    ) -> Vec<Sighting<'a>> {
         scratch.counts.rays += 1;
         let mut hit = [Hit::NONE];
         self.over.rays.closest_hits(&[*ray], &mut hit);
@@ -180,18 +180,18 @@ impl<'a> Caster<'a> {
         }
         let hit = self.surface(hit.id, ray.at(hit.t), ray.direction, path.weight);
         let incidence = Incidence { radius: 0.0, spread: 0.0, cosine: 1.0, curvatures: [0.0; 2] };
-        vec![Sight { hit, incidence, right: DVec3::X, up: DVec3::Y }]
+        vec![Sighting { hit, incidence, right: DVec3::X, up: DVec3::Y }]
     }
 
     /// What a cone sees, and the background between; `None` when it must be cut into four.
     fn sights(
         &self,
         cone: &Cone,
-        left: Option<&Left>,
+        left: Option<&DepartedSurface>,
         path: Path,
         color: &mut Rgb,
         scratch: &mut Scratch,
-    ) -> Option<Vec<Sight<'a>>> {
+    ) -> Option<Vec<Sighting<'a>>> {
         scratch.counts.cones += 1;
         let may_cut = path.level < self.settings.subdivisions;
         if may_cut && cone.spread.abs() > WIDE {
@@ -227,7 +227,7 @@ impl<'a> Caster<'a> {
                 return None;
             }
             let incidence = if self.settings.widening { incidence } else { incidence.flattened() };
-            sights.push(Sight { hit, incidence, right: part.right, up: part.up });
+            sights.push(Sighting { hit, incidence, right: part.right, up: part.up });
         }
         if found.left_over > 0.0 {
             add(color, path.weight.map(|w| w * found.left_over), self.scene.background);
@@ -246,8 +246,8 @@ impl<'a> Caster<'a> {
     }
 
     /// Adds the light that arrives at a surface.
-    fn light(&self, sight: &Sight<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
-        let Sight { hit, incidence, .. } = sight;
+    fn light(&self, sight: &Sighting<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
+        let Sighting { hit, incidence, .. } = sight;
         let normal = lit_normal(hit, true);
         for &(light, light_color, radius) in &self.lights {
             let Some(shadow) = shadow_ray(hit, 0, normal, light, light_color, 1.0) else {

@@ -1,15 +1,15 @@
 //! Names of what is reproduced.
 
-use studies::reproduce::{ReproduceError, Unlisted};
+use studies::reproduce::{ReproduceError, UnknownName};
 
 /// The names asked for, in the publication's order; all when none is.
 pub fn chosen<'v>(
     asked: &[String],
     valid: &[&'v str],
-    unknown: fn(Unlisted) -> ReproduceError,
+    unknown: fn(UnknownName) -> ReproduceError,
 ) -> Result<Vec<&'v str>, ReproduceError> {
     if let Some(name) = asked.iter().find(|name| !valid.contains(&name.as_str())) {
-        return Err(unknown(Unlisted::new(name, valid)));
+        return Err(unknown(UnknownName::new(name, valid)));
     }
     Ok(valid
         .iter()

@@ -17,7 +17,7 @@ use presentation::text::write_table;
 use renderer::RayKind;
 use studies::reproduce::ReproduceError;
 use studies::reproduce::lecture::{
-    Comparison, Line, MODERN, Published, Ratios, SCENES, STRUCTURES, published,
+    Comparison, Line, MODERN, PublishedTimes, Ratios, SCENES, STRUCTURES, published,
 };
 
 /// Measures the lecture's structures, prints one table per scene and all verdicts at the end.
@@ -73,16 +73,16 @@ fn plan<'r>(
     Ok(plan)
 }
 
-fn comparisons(run: &RunRecord, published: &[Published]) -> Vec<Comparison> {
+fn comparisons(run: &RunRecord, published: &[PublishedTimes]) -> Vec<Comparison> {
     run.scenes.iter().map(|scene| Comparison::new(scene, published)).collect()
 }
 
 /// A structure on a scene, by name.
-type OfScene<'a> = (&'a str, &'a Line);
+type SceneLine<'a> = (&'a str, &'a Line);
 
 /// All columns, in the order of the CSV file.
 #[rustfmt::skip]
-fn columns<'a>() -> [Column<OfScene<'a>>; 8] {
+fn columns<'a>() -> [Column<SceneLine<'a>>; 8] {
     use Unit::{None, Ratio};
     let c = Column::new;
     [
@@ -102,12 +102,12 @@ fn columns<'a>() -> [Column<OfScene<'a>>; 8] {
 }
 
 /// In the place of the times of a row that is not right.
-fn bad((_, line): &OfScene<'_>) -> Option<Cell> {
+fn bad((_, line): &SceneLine<'_>) -> Option<Cell> {
     let is_bad = line.verdict != Verdict::Ok;
     is_bad.then(|| Cell { text: line.verdict.name().into(), style: Style::Bad })
 }
 
-fn of_scene(comparison: &Comparison) -> impl Iterator<Item = OfScene<'_>> {
+fn of_scene(comparison: &Comparison) -> impl Iterator<Item = SceneLine<'_>> {
     comparison.lines.iter().map(|line| (&*comparison.scene, line))
 }
 

@@ -2,13 +2,13 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use presentation::page::tables;
 use studies::accuracy::{plot, summary, tables as axis_tables};
 
 /// Axis by axis: in words, as a plot, as tables.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
-    let Some(run) = &material.accuracy else { return Shown::Missing };
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
+    let Some(run) = &material.accuracy else { return SectionOutcome::Missing };
     page.html.list(axis_tables::facts(run));
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
@@ -32,5 +32,5 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         page.html.close();
     }
     page.html.list(axis_tables::GLOSSARY.iter().map(|line| (*line).to_owned()));
-    Shown::Yes
+    SectionOutcome::Yes
 }

@@ -3,7 +3,7 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
@@ -18,9 +18,9 @@ use studies::run::lines::{count, names, seconds};
 const DECADES: std::ops::RangeInclusive<i32> = 0..=9;
 
 /// Scene by scene.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.profiles.iter().all(|p| p.len() < 2) {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     }
     page.html.paragraph(
         "The time for n rays is the build and n times the time per ray, on the mix of rays of this \
@@ -41,7 +41,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         tables::write(&mut page.html, &decades(&scene.name, profiles, seed), look());
         matrix(&mut page.html, &scene.name, profiles);
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 /// Who takes the least time, from how many rays on.

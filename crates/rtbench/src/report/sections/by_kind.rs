@@ -2,18 +2,18 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use presentation::page::tables;
 use presentation::table::Table;
 use studies::run::kind_tables;
 use studies::run::view::View;
 
 /// Missing of records from before there were ratios by kind.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let run = &material.run;
     let rows = || run.scenes.iter().flat_map(|scene| &scene.rows);
     if rows().all(|row| row.ratio_by_kind.is_empty()) {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     }
     let of = |table: &Table, page: &mut Page| tables::write(&mut page.html, table, look());
     of(&kind_tables::picture_table(run), page);
@@ -24,5 +24,5 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     for scene in &run.scenes {
         of(&kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), false), page);
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }

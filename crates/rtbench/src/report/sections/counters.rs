@@ -4,8 +4,8 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
-use crate::report::records::Reproduced;
+use crate::report::page::{Page, SectionOutcome};
+use crate::report::records::ReproducedFigure;
 use presentation::numbers::short;
 use presentation::page::tables::{self, words};
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
@@ -17,9 +17,9 @@ const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];
 const BEST: &str = "best";
 
 /// How many agree, a plot of then and now, and the table of the best settings.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(rows) = material.counters.as_deref().filter(|rows| !rows.is_empty()) else {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     };
     page.html.paragraph(
         "Every published counter, on the scenes and rays of the paper. Figures on the diagonal are \
@@ -33,7 +33,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
             tables::write(&mut page.html, &table, look());
         }
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 /// A word for each kind of verdict; its reason is left out.
@@ -45,16 +45,16 @@ const KINDS: [(&str, &str); 4] = [
 ];
 
 /// How many figures of each structure agree.
-fn verdicts(rows: &[Reproduced]) -> Table {
+fn verdicts(rows: &[ReproducedFigure]) -> Table {
     let kind =
-        |row: &Reproduced| KINDS.iter().position(|(begin, _)| row.verdict.starts_with(begin));
+        |row: &ReproducedFigure| KINDS.iter().position(|(begin, _)| row.verdict.starts_with(begin));
     let mut structures: Vec<&str> = Vec::new();
     for row in rows {
         if !structures.contains(&row.structure.as_str()) {
             structures.push(&row.structure);
         }
     }
-    let counts = |of: &dyn Fn(&Reproduced) -> bool| {
+    let counts = |of: &dyn Fn(&ReproducedFigure) -> bool| {
         let in_kind = |i| rows.iter().filter(|r| of(r) && kind(r) == Some(i)).count().to_string();
         (0..KINDS.len()).map(in_kind).collect::<Vec<_>>()
     };
@@ -74,7 +74,7 @@ fn verdicts(rows: &[Reproduced]) -> Table {
 }
 
 /// Then across, now up.
-fn plot(rows: &[Reproduced]) -> Plot {
+fn plot(rows: &[ReproducedFigure]) -> Plot {
     let series = DRAWN.map(|counter| {
         let points = rows.iter().filter(|r| r.counter == counter).filter_map(|row| {
             let then: f64 = row.published.parse().ok()?;
@@ -105,7 +105,7 @@ fn plot(rows: &[Reproduced]) -> Plot {
 }
 
 /// One counter of the settings that the paper found best: scenes down, then and now across.
-fn best(rows: &[Reproduced], counter: &str) -> Table {
+fn best(rows: &[ReproducedFigure], counter: &str) -> Table {
     let rows = rows.iter().filter(|r| r.structure == BEST && r.counter == counter);
     let lines = rows.map(|row| {
         let then: f64 = row.published.parse().unwrap_or(f64::NAN);

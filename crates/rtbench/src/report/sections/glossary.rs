@@ -2,11 +2,11 @@
 
 use crate::report::glossary::MEANINGS;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use presentation::html::Html;
 
 /// The list, and the papers.
-pub fn write(_: &Material, page: &mut Page) -> Shown {
+pub fn write(_: &Material, page: &mut Page) -> SectionOutcome {
     let html = &mut page.html;
     html.open("dl", &[]);
     for (symbol, meaning) in MEANINGS {
@@ -22,7 +22,7 @@ pub fn write(_: &Material, page: &mut Page) -> Shown {
          differ by chance. All answers are compared, and a wrong row shows no time.",
     );
     papers(html);
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 fn papers(html: &mut Html) {

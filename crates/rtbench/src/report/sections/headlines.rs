@@ -1,13 +1,13 @@
 //! Which row is the fastest at what, and how sure that is: what `run` ends with.
 
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use measurement::record::{SceneRecord, Verdict};
 use presentation::html::Html;
 use studies::run::lines::{self, Line, Lines, names};
 
 /// Over all scenes; those of each stand with it.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let (run, html) = (&material.run, &mut page.html);
     if !run.complete {
         alert(
@@ -37,7 +37,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
             alert(&mut page.html, &text);
         }
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 /// To the answers of each scene.

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 
 /// What each picture shows.
 static CAPTIONS: &[(&str, &str)] = &[
@@ -14,9 +14,9 @@ static CAPTIONS: &[(&str, &str)] = &[
 ];
 
 /// Scene by scene.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.heat_maps.is_empty() {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     }
     let html = &mut page.html;
     for (i, map) in material.heat_maps.iter().enumerate() {
@@ -38,5 +38,5 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         html.element("figcaption", &[], &text);
         html.close();
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }

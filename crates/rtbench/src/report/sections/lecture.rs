@@ -3,7 +3,7 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use crate::report::records::LectureRow;
 use measurement::record::Verdict;
 use presentation::numbers::{ratio, short};
@@ -12,9 +12,9 @@ use presentation::table::{Cell, Style, Table};
 use statistics::estimate::Estimate;
 
 /// One table.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(rows) = material.lecture.as_deref().filter(|rows| !rows.is_empty()) else {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     };
     let now = |row: &LectureRow, estimate: Option<Estimate>| match estimate {
         _ if row.verdict != Verdict::Ok.name() => {
@@ -49,5 +49,5 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         notes: Vec::new(),
     };
     tables::write(&mut page.html, &table, look());
-    Shown::Yes
+    SectionOutcome::Yes
 }

@@ -3,7 +3,7 @@
 use crate::report::date::utc;
 use crate::report::glossary::look;
 use crate::report::material::{DataFile, Material};
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use measurement::record::{RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::mebibytes;
@@ -30,7 +30,7 @@ pub fn one_line(material: &Material, html: &mut Html) {
 }
 
 /// All of it.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let (run, html) = (&material.run, &mut page.html);
     html.open("dl", &[]);
     for (name, value) in facts(run) {
@@ -67,7 +67,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
     html.text(".");
     html.close();
     tables::write(html, &scenes(&run.scenes), look());
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use crate::report::glossary::numbered;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use crate::report::plots;
 use measurement::record::SceneRecord;
 use presentation::html::Html;
@@ -16,10 +16,10 @@ use studies::run::tables::scene_table_of;
 use studies::run::view::{View, by_weight};
 
 /// One after another.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let run = &material.run;
     if run.scenes.is_empty() {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     }
     for scene in &run.scenes {
         let anchor = page.anchor(&format!("scene-{}", scene.name));
@@ -40,7 +40,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
             tables::write(&mut page.html, &table, numbered(&[]));
         }
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 fn picture(html: &mut Html, scene: &SceneRecord, png: &[u8]) {

@@ -5,12 +5,12 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 
 /// Plot by plot.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.sweeps.is_empty() {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     }
     let html = &mut page.html;
     for sweep in &material.sweeps {
@@ -23,5 +23,5 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         html.close();
         html.close();
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }

@@ -2,24 +2,24 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use presentation::numbers::{milliseconds, short};
 use presentation::page::tables::{self, words};
 use presentation::table::Table;
-use studies::tracer_comparison::plot::{Placed, error_over_time};
+use studies::tracer_comparison::plot::{PlottedImage, error_over_time};
 use studies::tracer_comparison::record::{Outcome, TracersRecord};
 
 /// Scene by scene.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.tracers.is_empty() {
-        return Shown::Missing;
+        return SectionOutcome::Missing;
     }
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
         page.plot(&format!("tracers-{}", record.scene), plot(record));
         tables::write(&mut page.html, &table(record), look());
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 fn table(record: &TracersRecord) -> Table {
@@ -57,7 +57,7 @@ fn table(record: &TracersRecord) -> Table {
 fn plot(record: &TracersRecord) -> presentation::svg_plot::Plot {
     let placed = record.images.iter().filter_map(|image| {
         let Outcome::Made { seconds, rmse, standing, .. } = &image.outcome else { return None };
-        Some(Placed {
+        Some(PlottedImage {
             seconds: record.time(seconds)?.median,
             error: *rmse,
             samples: image.row.samples,

@@ -3,13 +3,13 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, Shown};
+use crate::report::page::{Page, SectionOutcome};
 use measurement::record::{Outliers, SceneRecord};
 use presentation::page::tables::{self, words};
 use presentation::table::Table;
 
 /// Warnings, then outliers.
-pub fn write(material: &Material, page: &mut Page) -> Shown {
+pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let scenes = &material.run.scenes;
     let mut all: Vec<String> = material.run.warnings.iter().map(ToString::to_string).collect();
     for scene in scenes {
@@ -33,7 +33,7 @@ pub fn write(material: &Material, page: &mut Page) -> Shown {
         tables::write(&mut page.html, &table, look());
         page.html.close();
     }
-    Shown::Yes
+    SectionOutcome::Yes
 }
 
 /// Rows that have some: how many of how many samples, below and above.

@@ -50,7 +50,7 @@ macro_rules! animated {
             count: $module::count,
             open: |size| {
                 let name = if size == $size { $name.to_owned() } else { format!("{}:{size}", $name) };
-                Box::new(Generated { name, frames: $frames, make: $module::frames(size) })
+                Box::new(GeneratedAnimation { name, frames: $frames, make: $module::frames(size) })
             },
         }),*]
     };
@@ -68,13 +68,13 @@ pub static ANIMATED: &[AnimatedEntry] = animated! {
 };
 
 /// A generated animation at a size.
-struct Generated {
+struct GeneratedAnimation {
     name: String,
     frames: u32,
     make: Frames,
 }
 
-impl Animation for Generated {
+impl Animation for GeneratedAnimation {
     fn name(&self) -> &str {
         &self.name
     }

@@ -15,7 +15,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use crate::verify::draw::{point, unit};
 use statistics::random::Random;
@@ -79,10 +79,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         true => "each test compiled into it",
         false => "each test is a call",
     };
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives; {made}"),
         judged: format!("{} rays at corners, edges and faces of boxes", aims.len()),
-        ..Said::default()
+        ..AxisReport::default()
     };
     let variants = variants.collect();
     Ok(timed(stage, said, variants))

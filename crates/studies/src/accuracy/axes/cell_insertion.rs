@@ -19,7 +19,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use statistics::random::Random;
@@ -71,10 +71,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         });
     }
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
         judged: format!("{} points that lie on primitives", stage.trials()),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

@@ -4,7 +4,7 @@
 use accel_core::variants::chosen_tests::is_compiled;
 
 use crate::accuracy::error_of::Tally;
-use crate::accuracy::stage::{Batches, Built, Replay};
+use crate::accuracy::stage::{Batches, Replay, StagedStructure};
 use crate::accuracy::timing::Variant;
 use statistics::estimate::median;
 
@@ -12,7 +12,7 @@ use statistics::estimate::median;
 const REFERENCE: &str = "f64";
 
 /// What is said of how tests that are chosen are made.
-pub fn made(built: &[Built<'_>]) -> &'static str {
+pub fn made(built: &[StagedStructure<'_>]) -> &'static str {
     match built.iter().all(|built| is_compiled(&*built.tracer)) {
         true => "each test compiled into it as the default is",
         false => "each test is a call: build with --features compiled-tests for prices",
@@ -23,7 +23,7 @@ pub fn made(built: &[Built<'_>]) -> &'static str {
 /// `REFERENCE`, and whether it is wrong to meet or to miss there.
 pub fn variant<'a>(
     name: &str,
-    built: &'a Built<'_>,
+    built: &'a StagedStructure<'_>,
     batches: &'a Batches<f32>,
     answers: impl Iterator<Item = (Option<f32>, Option<f32>, bool)>,
 ) -> Variant<'a> {

@@ -4,19 +4,19 @@
 
 use renderer::Geometry;
 use renderer::Image;
-use renderer::tracers::{Drawn, Frame, Refusal, Structures};
+use renderer::tracers::{DrawnImage, Frame, Refusal, Structures};
 use scene_loading::Scene;
 
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::{Judged, Sampled, SamplingPlan, fingerprint};
+use crate::accuracy::sampled::{Judged, SampledEffect, SamplingPlan, fingerprint};
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use crate::image_error::rmse;
-use crate::tracer_comparison::{Way, ways};
+use crate::tracer_comparison::{DrawingMethod, ways};
 use measurement::plan::rows::Row;
 
 /// What cones and beams ask for candidates.
@@ -47,7 +47,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let rays = row.entry.build(double.prims(), &row.params).map_err(refused)?;
     let frusta = Row::parse(accel_core::structures::frustum_queries::REGISTRY, THROUGH)?;
     let queries = frusta.entry.build(double.prims(), &frusta.params).map_err(refused)?;
-    let sampled = Sampled {
+    let sampled = SampledEffect {
         scene,
         tracer: &*tracer,
         max_depth: DEPTH,
@@ -92,12 +92,12 @@ struct Drawing<'a> {
     scene: &'a Scene,
     frame: Frame,
     over: Structures<'a>,
-    way: &'static Way,
+    way: &'static DrawingMethod,
     image: Option<Image>,
 }
 
 impl Drawing<'_> {
-    fn draw(&self) -> Result<Drawn, Refusal> {
+    fn draw(&self) -> Result<DrawnImage, Refusal> {
         (self.way.draw)(self.scene, self.frame, self.over)
     }
 }

@@ -8,7 +8,7 @@ use scene_loading::{Light, SampleWishes, Scene};
 
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::Sampled;
+use crate::accuracy::sampled::SampledEffect;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
@@ -63,7 +63,7 @@ const fn sampled(
 }
 
 /// How an effect is put on a scene and sampled, and what is left of the scene without it.
-struct Put {
+struct EffectSetup {
     on: fn(&mut Scene),
     off: fn(&mut Scene),
     wish: fn(&mut SampleWishes, u32),
@@ -71,7 +71,7 @@ struct Put {
     max_depth: u32,
 }
 
-const SOFT: Put = Put {
+const SOFT: EffectSetup = EffectSetup {
     on: |scene| {
         let radius = 0.02 * diagonal(scene);
         for light in &mut scene.lights {
@@ -89,7 +89,7 @@ const SOFT: Put = Put {
     max_depth: 1,
 };
 
-const ROUGH: Put = Put {
+const ROUGH: EffectSetup = EffectSetup {
     on: |scene| {
         let mirrors = scene.materials.iter().any(|m| m.specular > 0.0);
         for material in &mut scene.materials {
@@ -107,7 +107,7 @@ const ROUGH: Put = Put {
     max_depth: 2,
 };
 
-const MOVING: Put = Put {
+const MOVING: EffectSetup = EffectSetup {
     on: |scene| {
         let velocity = DVec3::new(0.8, 0.6, 0.0) * (0.02 * diagonal(scene));
         let every_other = |id: usize| if id.is_multiple_of(2) { velocity } else { DVec3::ZERO };
@@ -123,7 +123,7 @@ const MOVING: Put = Put {
     max_depth: 1,
 };
 
-const BLURRED: Put = Put {
+const BLURRED: EffectSetup = EffectSetup {
     on: |scene| scene.camera.aperture = 0.01 * diagonal(scene),
     off: |scene| scene.camera.aperture = 0.0,
     wish: |samples, n| samples.focal = Some(n),
@@ -135,7 +135,7 @@ fn diagonal(scene: &Scene) -> f64 {
     scene.bounds().size().length()
 }
 
-impl Put {
+impl EffectSetup {
     fn measure(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let mut scene = stage.scene().clone();
         (self.on)(&mut scene);
@@ -151,7 +151,7 @@ impl Put {
         (self.off)(&mut without);
         let still = Geometry::<f32>::of(&without)?;
         let of_still = row.entry.build(still.prims(), &row.params).map_err(|e| stage.refused(e))?;
-        let sampled = Sampled {
+        let sampled = SampledEffect {
             scene: &scene,
             tracer: &*tracer,
             max_depth: self.max_depth,

@@ -7,7 +7,7 @@ use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::sampled::Rendering;
 use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use crate::image_error::rmse;
 
@@ -58,11 +58,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             }),
         }
     });
-    let said = Said {
+    let said = AxisReport {
         timed: format!("the image of {size} x {size} pixels, one thread"),
         judged: "the same image".into(),
         pixels: size * size,
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants.into_iter().collect()))
 }

@@ -7,7 +7,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
@@ -77,10 +77,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         ],
         work: Box::new(reference),
     });
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{rays} shadow rays of the scene to {} lights", positions.len()),
         judged: "the same rays".into(),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

@@ -4,7 +4,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 
 /// Registry line.
@@ -59,10 +59,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         }
     });
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive"),
         judged: "the same rays".into(),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants.collect()))
 }

@@ -9,7 +9,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use measurement::rays::batches::Answers;
@@ -69,13 +69,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         also: vec![("MiB of primitives", mebibytes(geometry.bytes()))],
         work: Box::new(reference),
     });
-    let said = Said {
+    let said = AxisReport {
         timed: format!(
             "{rays} rays of the scene through {TRACER}; {}",
             chosen_tests::made(&chosen)
         ),
         judged: "the same rays".into(),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

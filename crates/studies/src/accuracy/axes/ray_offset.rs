@@ -14,7 +14,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 
@@ -58,12 +58,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         });
     }
     let rays = here.departures.len();
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
         judged: format!(
             "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above"
         ),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

@@ -11,12 +11,12 @@ use glam::DVec3;
 use renderer::Geometry;
 use renderer::surface::{SurfacePoint, refract};
 
-use super::secondary_rays::{Departure, GAP, SecondaryRays, Way, quantile};
+use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, quantile};
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 use measurement::plan::rows::Row;
@@ -63,7 +63,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let (ways, exact): (Vec<_>, Vec<DVec3>) = entries
         .iter()
         .zip(exits(&*double, &exact))
-        .filter_map(|((point, along), exit)| Some(((*point, Way::Along(*along)), exit?)))
+        .filter_map(|((point, along), exit)| Some(((*point, RayPurpose::Along(*along)), exit?)))
         .unzip();
     if exact.is_empty() {
         return Err(stage.unfit("no refracted ray leaves what it enters"));
@@ -91,10 +91,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..work.variant(name, stage.timed_rays)
         });
     }
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
         judged: format!("{rays} rays into flat primitives and spheres, of index {INDEX}"),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

@@ -13,7 +13,7 @@ use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 
-use super::triangle_aims::Shared;
+use super::triangle_aims::SharedFeatures;
 use crate::accuracy::stage::Stage;
 use crate::verify::draw::unit;
 use crate::verify::exact::{ExactRay, Soup};
@@ -68,7 +68,7 @@ pub fn known(stage: &Stage<'_>, most: usize) -> [Vec<Known>; 2] {
     let low = corners().fold(glam::Vec3::INFINITY, glam::Vec3::min);
     let high = corners().fold(glam::Vec3::NEG_INFINITY, glam::Vec3::max);
     let (centre, reach) = ((low + high) * 0.5, (high - low).length());
-    let shared = Shared::new(&triangles);
+    let shared = SharedFeatures::new(&triangles);
     let mut random = stage.random("edges");
     let drawn = (0..most * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
     // the direction goes from the origin to the target

@@ -18,7 +18,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::{ErrorOf, Tally};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Batches, Stage, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
@@ -141,7 +141,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         });
     }
     let (all, left) = (count(&batches), secondary.departures.len());
-    let said = Said {
+    let said = AxisReport {
         timed: format!(
             "{all} rays of the scene and {} that leave surfaces, made and traced",
             left.min(stage.timed_rays / KINDS)
@@ -153,7 +153,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
             left.min(most)
         ),
         is_stepwise: true,
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

@@ -37,7 +37,7 @@ pub struct Departure {
 
 /// Where a ray from a surface goes.
 #[derive(Debug, Clone, Copy)]
-pub enum Way {
+pub enum RayPurpose {
     /// Along a unit direction.
     Along(DVec3),
     /// To a point, which is asked for like any other ray.
@@ -115,12 +115,16 @@ impl<'a> SecondaryRays<'a> {
     }
 
     /// All departures outwards.
-    pub fn outward(&self) -> Vec<(SurfacePoint<'a>, Way)> {
-        self.departures.iter().map(|d| (self.point(d), Way::Along(d.out))).collect()
+    pub fn outward(&self) -> Vec<(SurfacePoint<'a>, RayPurpose)> {
+        self.departures.iter().map(|d| (self.point(d), RayPurpose::Along(d.out))).collect()
     }
 
     /// The rays of a rule, made and traced.
-    pub fn work(&self, rule: OffsetRule, ways: Vec<(SurfacePoint<'a>, Way)>) -> SecondaryWork<'_> {
+    pub fn work(
+        &self,
+        rule: OffsetRule,
+        ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
+    ) -> SecondaryWork<'_> {
         let mut work = SecondaryWork {
             offset: RayOffset::new(rule, self.magnitude),
             tracer: &*self.tracer,
@@ -136,7 +140,7 @@ impl<'a> SecondaryRays<'a> {
 
 /// Rays made under a rule and traced.
 pub struct SecondaryWork<'a> {
-    ways: Vec<(SurfacePoint<'a>, Way)>,
+    ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
     offset: RayOffset,
     tracer: &'a dyn Tracer<f32>,
     rays: Vec<Ray<f32>>,
@@ -182,8 +186,8 @@ impl Work for SecondaryWork<'_> {
         self.rays.clear();
         let offset = self.offset;
         self.rays.extend(self.ways.iter().map(|(point, way)| match *way {
-            Way::Along(direction) => offset.along(point, direction),
-            Way::To(target) => offset.to(point, target),
+            RayPurpose::Along(direction) => offset.along(point, direction),
+            RayPurpose::To(target) => offset.to(point, target),
         }));
         if let Some(Answers::Hits(hits)) = self.answers.first_mut() {
             self.tracer.closest_hits(&self.rays, hits);

@@ -13,12 +13,12 @@ use glam::DVec3;
 use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
-use super::secondary_rays::{Departure, SecondaryRays, SecondaryWork, Way};
+use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork};
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 use measurement::rounds::scene_run::light_positions;
@@ -38,7 +38,7 @@ pub static AXIS: Axis = Axis {
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = stage.scene();
     let secondary = SecondaryRays::new(stage, scene, &stage.prepared.geometry)?;
-    let lit = Lit::of(scene, &secondary);
+    let lit = LitPoints::of(scene, &secondary);
     if lit.ids.is_empty() {
         return Err(stage.unfit("the eye sees no smooth surface that faces a light"));
     }
@@ -78,27 +78,27 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         });
     }
     let turned_away = lit.turned_away.iter().filter(|t| **t).count();
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
         judged: format!(
             "{rays} shadow rays from smooth surfaces whose shading faces the light, of which the \
              facets of {turned_away} face away"
         ),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }
 
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]
-struct Lit<'a> {
+struct LitPoints<'a> {
     ids: Vec<u32>,
-    ways: Vec<(SurfacePoint<'a>, Way)>,
+    ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
     /// Whether the facet faces away from the light.
     turned_away: Vec<bool>,
 }
 
-impl<'a> Lit<'a> {
+impl<'a> LitPoints<'a> {
     /// Of patches, each hit once, and each light.
     fn of(scene: &Scene, secondary: &SecondaryRays<'a>) -> Self {
         let mut lit = Self::default();
@@ -114,7 +114,7 @@ impl<'a> Lit<'a> {
                 let way = light - point.position;
                 if facing(point.normal).dot(way) > 0.0 {
                     lit.ids.push(departure.id);
-                    lit.ways.push((point, Way::To(light)));
+                    lit.ways.push((point, RayPurpose::To(light)));
                     lit.turned_away.push(facing(point.refined.normal).dot(way) <= 0.0);
                 }
             }
@@ -188,7 +188,7 @@ fn meshes(scene: &Scene) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::stage::Prepared;
+    use crate::accuracy::stage::PreparedScene;
     use crate::verify::meshes::icosphere;
     use accel_core::occluders;
     use accel_core::structures::REGISTRY;
@@ -209,7 +209,7 @@ mod tests {
         scene.lights = vec![Light::Point { position: dvec3(50.0, 3.0, 8.0), color: None }];
         scene.camera = Camera { from: dvec3(1.0, 2.0, 6.0), at: DVec3::ZERO, ..Camera::default() };
         let settings = RaySettings { resolution: [96; 2], ..RaySettings::default() };
-        let prepared = Prepared::new(scene, REGISTRY, &settings).unwrap();
+        let prepared = PreparedScene::new(scene, REGISTRY, &settings).unwrap();
         let stage = Stage {
             axis: AXIS.name,
             name: "coarse ball",
@@ -225,7 +225,7 @@ mod tests {
             only_times: false,
         };
         let secondary = SecondaryRays::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
-        let lit = Lit::of(&prepared.scene, &secondary);
+        let lit = LitPoints::of(&prepared.scene, &secondary);
         assert!(lit.ids.len() > 500 && lit.ids.len() < 10_000, "{}", lit.ids.len());
         let work = secondary.work(rule, lit.ways);
         (blocked(&meshes(&prepared.scene), &lit.ids, &work), lit.turned_away)

@@ -19,7 +19,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 
@@ -60,9 +60,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     for (name, rule) in RULES {
         let work = secondary.work(rule, secondary.outward());
         let ids = secondary.departures.iter().map(|d| d.id);
-        let chosen: Vec<Chosen> = ids
+        let chosen: Vec<ChosenOffset> = ids
             .zip(work.outcomes())
-            .map(|(id, (point, ray, hit))| Chosen {
+            .map(|(id, (point, ray, hit))| ChosenOffset {
                 offset: height(point, ray),
                 is_self_hit: own.is_hit(id, ray),
                 is_false: hit.id != id && exact.refutes(hit, ray, GAP * secondary.diagonal),
@@ -90,13 +90,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..work.variant(name, stage.timed_rays)
         });
     }
-    let said = Said {
+    let said = AxisReport {
         timed: format!(
             "{} rays made and traced through {TRACER}",
             needed.len().min(stage.timed_rays)
         ),
         judged: said(&needed, &hits),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }
@@ -128,7 +128,7 @@ fn unit(refined: &RefinedHit) -> f64 {
 
 /// What a rule took for a ray.
 #[derive(Debug, Clone, Copy)]
-struct Chosen {
+struct ChosenOffset {
     /// Height over the surface of the first point that counts, world units.
     offset: f64,
     is_self_hit: bool,
@@ -149,7 +149,7 @@ struct Found {
 }
 
 impl Found {
-    fn of(needed: &[f64], chosen: &[Chosen]) -> Self {
+    fn of(needed: &[f64], chosen: &[ChosenOffset]) -> Self {
         let mut found = Self::default();
         for (needed, chosen) in needed.iter().zip(chosen) {
             found.self_hits += u64::from(chosen.is_self_hit);
@@ -262,7 +262,7 @@ mod tests {
             let chosen = rays.iter().zip(&needed).map(|((id, refined, out), needed)| {
                 let offset = needed * times;
                 let is_self_hit = own.is_hit(*id, &lifted(refined, offset, *out));
-                Chosen { offset, is_self_hit, is_false: false }
+                ChosenOffset { offset, is_self_hit, is_false: false }
             });
             found = Found::of(&needed, &chosen.collect::<Vec<_>>());
         });

@@ -14,8 +14,8 @@ use scene_loading::Scene;
 use super::chosen_tests;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Prepared, Stage, TRACER, count};
-use crate::accuracy::timing::{Said, timed};
+use crate::accuracy::stage::{PreparedScene, Stage, TRACER, count};
+use crate::accuracy::timing::{AxisReport, timed};
 use crate::error::StudyError;
 use crate::verify::draw::{direction, unit};
 
@@ -47,7 +47,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         resolution: [if stage.quick { 32 } else { 96 }; 2],
         ..RaySettings::default()
     };
-    let prepared = Prepared::new(beads, stage.registry, &settings)?;
+    let prepared = PreparedScene::new(beads, stage.registry, &settings)?;
     judged(&Stage { prepared: &prepared, ..*stage }, "a bead at a corner of each primitive")
 }
 
@@ -114,10 +114,10 @@ fn judged(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyError> {
             answers.map(|((t, exact), (_, _, is_met))| (t, *exact, t.is_some() != *is_met));
         chosen_tests::variant(name, built, &batches, answers)
     });
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{rays} rays of {what} through {TRACER}; {}", chosen_tests::made(&built)),
         judged: format!("{} rays beside and through spheres of {what}", aims.len()),
-        ..Said::default()
+        ..AxisReport::default()
     };
     let variants = variants.collect();
     Ok(timed(stage, said, variants))

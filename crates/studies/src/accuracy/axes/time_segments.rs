@@ -20,7 +20,7 @@ use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::Tally;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
@@ -107,13 +107,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(Moments(replays)),
         });
     }
-    let said = Said {
+    let said = AxisReport {
         timed: format!(
             "{} rays of the scene, each at a time of its own, through {TRACER}",
             count(&batches)
         ),
         judged: "the same rays".into(),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

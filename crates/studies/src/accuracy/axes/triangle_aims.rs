@@ -32,7 +32,7 @@ const ROUNDINGS: f64 = 64.0;
 type Corners = [[f32; 3]; 3];
 
 /// Where edges and corners are shared, by the bits of coordinates.
-pub struct Shared<'a> {
+pub struct SharedFeatures<'a> {
     triangles: &'a [(u32, Corners)],
     edges: HashMap<[[u32; 3]; 2], Vec<u32>>,
     corners: HashMap<[u32; 3], Vec<u32>>,
@@ -51,7 +51,7 @@ fn edge(a: [f32; 3], b: [f32; 3]) -> [[u32; 3]; 2] {
     ends
 }
 
-impl<'a> Shared<'a> {
+impl<'a> SharedFeatures<'a> {
     /// Of the triangles of a scene with their ids; those without area are left out.
     pub fn new(triangles: &'a [(u32, Corners)]) -> Self {
         let (mut edges, mut corners) = (HashMap::new(), HashMap::new());
@@ -181,7 +181,7 @@ mod tests {
         let corners: Vec<Corners> =
             ball.iter().map(|t| t.map(|p| p.as_vec3().to_array())).collect();
         let with_ids: Vec<_> = (0..).zip(corners.clone()).collect();
-        let shared = Shared::new(&with_ids);
+        let shared = SharedFeatures::new(&with_ids);
         let mut random = Random::new(1, "aims");
         let aims: Vec<Aim> =
             (0..4000).filter_map(|_| shared.aim(&mut random, Vec3::ZERO, 2.0)).collect();
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn open_edges_are_left_out() {
         let alone = [(0, [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])];
-        let shared = Shared::new(&alone);
+        let shared = SharedFeatures::new(&alone);
         let mut random = Random::new(1, "aims");
         assert!((0..100).all(|_| shared.aim(&mut random, Vec3::ZERO, 2.0).is_none()));
     }

@@ -5,11 +5,11 @@ use accel_core::primitives::{PrimSet, PrimitiveKind};
 use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
 
 use super::chosen_tests;
-use super::triangle_aims::{Aim, Shared};
+use super::triangle_aims::{Aim, SharedFeatures};
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Prepared, Stage, count};
-use crate::accuracy::timing::{Said, timed};
+use crate::accuracy::stage::{PreparedScene, Stage, count};
+use crate::accuracy::timing::{AxisReport, timed};
 use crate::error::StudyError;
 
 /// Registry line.
@@ -36,7 +36,7 @@ const COMPILED: &[&str] = &[
 ];
 
 /// Blocks are of triangles alone: in other scenes they would repeat what is tested one by one.
-fn serves(prepared: &Prepared, subject: &str) -> bool {
+fn serves(prepared: &PreparedScene, subject: &str) -> bool {
     let has_blocks = subject.ends_with("kernel=block") || subject == "wide-bvh";
     !has_blocks || matches!(prepared.geometry.prims(), PrimsRef::Watertight(_))
 }
@@ -86,13 +86,13 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
         chosen_tests::variant(name, built, &batches, answers)
     });
-    let said = Said {
+    let said = AxisReport {
         timed: format!(
             "{rays} rays of the scene through {subject}; {}",
             chosen_tests::made(&built)
         ),
         judged: format!("{} rays at corners and edges within the mesh", aims.len()),
-        ..Said::default()
+        ..AxisReport::default()
     };
     let variants = variants.collect();
     Ok(timed(stage, said, variants))
@@ -112,7 +112,7 @@ fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
         }
     };
     let triangles: Vec<_> = (0..set.len() as u32).filter_map(corners).collect();
-    let shared = Shared::new(&triangles);
+    let shared = SharedFeatures::new(&triangles);
     let bounds = set.scene_bounds();
     let (centre, reach) = ((bounds.min + bounds.max) * 0.5, bounds.size().length());
     let mut random = stage.random("aims");

@@ -20,7 +20,7 @@ use crate::accuracy::error_of::Tally;
 use crate::accuracy::integer_ray::IntegerRay;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{Said, Variant, timed};
+use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use crate::verify::draw::point;
 
@@ -87,10 +87,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         });
     }
-    let said = Said {
+    let said = AxisReport {
         timed: format!("{rays} rays of the scene through {n}^3 cells"),
         judged: format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
-        ..Said::default()
+        ..AxisReport::default()
     };
     Ok(timed(stage, said, variants))
 }

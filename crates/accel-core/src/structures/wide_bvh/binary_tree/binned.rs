@@ -11,7 +11,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 
-use super::boxes::{Around, Item};
+use super::boxes::{Item, SetBounds};
 use super::sets::{Set, Sizes};
 use crate::parallel;
 
@@ -35,7 +35,7 @@ fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
     if items.is_empty() {
         return (Bvh2::default(), Vec::new());
     }
-    let around = Around::of_all(&items);
+    let around = SetBounds::of_all(&items);
     let set = Set { items: &mut items, first: 0, around, level, node: 0 };
     let sizes = Sizes { few: FEW.min(longest_leaf) as usize, many: MANY };
     let nodes = set.tree(sizes);
@@ -71,7 +71,7 @@ pub(super) fn insert_anew(bvh: &mut Bvh2, upper: Vec<u32>) {
 pub(super) mod tests {
     use obvhs::bvh2::node::Bvh2Node;
 
-    use super::super::cut::{Bins, Cut};
+    use super::super::cut::{BinSplit, Bins};
     use super::super::sets::MOST_CUTS;
     use super::*;
     use crate::structures::obvhs::builder::tests::{fault, nested, scattered};
@@ -148,9 +148,10 @@ pub(super) mod tests {
             *aabb = Aabb::new(aabb.min + 5.0, aabb.max + 5.0);
         }
         let mut items: Vec<Item> = boxes.iter().zip(0..).map(|(b, i)| Item::of(b, i)).collect();
-        let around = Around::of(&items);
-        let of =
-            |items: &[Item], around: &Around| Cut::of(items, &around.centres, &mut { Bins::NONE });
+        let around = SetBounds::of(&items);
+        let of = |items: &[Item], around: &SetBounds| {
+            BinSplit::of(items, &around.centres, &mut { Bins::NONE })
+        };
         let cut = of(&items, &around).unwrap();
         let (middle, [lower, upper]) = cut.partition(&mut items);
         assert_eq!(middle, 400);
@@ -162,6 +163,6 @@ pub(super) mod tests {
             lower.items.aabb().max.max_element() < 1.1
                 && upper.items.aabb().min.min_element() > 4.9
         );
-        assert!(of(&items[..1], &Around::of(&items[..1])).is_none());
+        assert!(of(&items[..1], &SetBounds::of(&items[..1])).is_none());
     }
 }

@@ -89,12 +89,12 @@ impl Bounds {
 
 /// Boxes of items and of their centres.
 #[derive(Clone, Copy)]
-pub(super) struct Around {
+pub(super) struct SetBounds {
     pub(super) items: Bounds,
     pub(super) centres: Bounds,
 }
 
-impl Around {
+impl SetBounds {
     pub(super) const NONE: Self = Self { items: Bounds::NONE, centres: Bounds::NONE };
 
     #[inline(always)]

@@ -3,7 +3,7 @@
 
 use wide::{f32x4, i32x4};
 
-use super::boxes::{Around, Bounds, Item};
+use super::boxes::{Bounds, Item, SetBounds};
 use crate::geometry::lanes::Four;
 use crate::parallel::{map_parts, parts};
 use crate::structures::wide_bvh::collapse::blocks;
@@ -83,14 +83,14 @@ impl Bins {
 }
 
 /// A cut between two bins.
-pub(super) struct Cut {
+pub(super) struct BinSplit {
     binning: Binning,
     axis: usize,
     /// The first bin of the upper side.
     bin: i32,
 }
 
-impl Cut {
+impl BinSplit {
     /// The cut that costs least; none where all centres are alike.
     pub(super) fn of(items: &[Item], centres: &Bounds, bins: &mut Bins) -> Option<Self> {
         let count = (FEWEST_BINS + items.len() / BOXES_A_BIN).min(MOST_BINS);
@@ -129,8 +129,8 @@ impl Cut {
 
     /// Brings the items of the lower side before the others: how many they are, and what is around both. Without
     /// branches (N. Lomuto's way to partition), as no processor can guess on which side an item is.
-    pub(super) fn partition(&self, items: &mut [Item]) -> (usize, [Around; 2]) {
-        let [mut lower, mut upper] = [Around::NONE; 2];
+    pub(super) fn partition(&self, items: &mut [Item]) -> (usize, [SetBounds; 2]) {
+        let [mut lower, mut upper] = [SetBounds::NONE; 2];
         let mut middle = 0;
         for i in 0..items.len() {
             let item = items[i];

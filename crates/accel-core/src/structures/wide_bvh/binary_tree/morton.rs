@@ -16,7 +16,7 @@ use obvhs::ploc::morton::morton_encode_u64;
 use rayon::prelude::*;
 
 use super::binned::{MANY, insert_anew};
-use super::boxes::{Around, Item};
+use super::boxes::{Item, SetBounds};
 use super::cut::Bins;
 use super::sets::{MOST_CUTS, Nodes, Set, Sizes};
 use crate::parallel;
@@ -49,7 +49,7 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     drop(keys);
     let mut heads: Vec<Item> = Vec::with_capacity(clusters.len());
     heads.extend(clusters.iter().zip(0..).map(|(cluster, number)| cluster.head(number)));
-    let around = Around::of(&heads);
+    let around = SetBounds::of(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
     let sizes = Sizes { few: 1, many: MANY_CLUSTERS };
     let nodes = set.tree(sizes);
@@ -130,12 +130,12 @@ fn code([x, y, z]: [u32; 3]) -> u64 {
 struct Cluster {
     first: usize,
     items: usize,
-    around: Around,
+    around: SetBounds,
 }
 
 impl Cluster {
     fn of(first: usize, items: &[Item]) -> Self {
-        Self { first, items: items.len(), around: Around::of(items) }
+        Self { first, items: items.len(), around: SetBounds::of(items) }
     }
 
     /// What stands for it in the tree over all clusters.

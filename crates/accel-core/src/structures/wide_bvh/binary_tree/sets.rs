@@ -3,8 +3,8 @@
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
 
-use super::boxes::{Around, Item};
-use super::cut::{Bins, Cut};
+use super::boxes::{Item, SetBounds};
+use super::cut::{BinSplit, Bins};
 use crate::parallel;
 
 /// Levels below which sets are halved as they lie: with those of a balanced tree a stack of obvhs has room for them.
@@ -51,12 +51,12 @@ impl Nodes {
 }
 
 /// Nodes that one thread made, and those that others made below some of them.
-struct Forked {
+struct ForkedNodes {
     nodes: Nodes,
     below: Vec<(usize, Self)>,
 }
 
-impl Forked {
+impl ForkedNodes {
     /// What is to be grafted so that the root is at `place`, and all others behind the first `next` nodes.
     fn grafts(
         self,
@@ -85,7 +85,7 @@ pub(super) struct Set<'a> {
     pub(super) items: &'a mut [Item],
     /// The place of the first.
     pub(super) first: usize,
-    pub(super) around: Around,
+    pub(super) around: SetBounds,
     pub(super) level: u32,
     /// The place of the node.
     pub(super) node: usize,
@@ -94,28 +94,28 @@ pub(super) struct Set<'a> {
 impl Set<'_> {
     /// The tree of these items, the set being the root; on all threads.
     pub(super) fn tree(self, sizes: Sizes) -> Nodes {
-        let Forked { nodes, below } = self.forked(sizes, parallel::forks());
+        let ForkedNodes { nodes, below } = self.forked(sizes, parallel::forks());
         let (mut grafts, mut next) = (Vec::new(), nodes.all.len());
         below.into_iter().for_each(|(at, below)| below.grafts(at, &mut next, &mut grafts));
         if grafts.is_empty() { nodes } else { nodes.grafted(grafts) }
     }
 
     /// Both sides at once, `forks` times one below the other.
-    fn forked(self, sizes: Sizes, forks: u32) -> Forked {
+    fn forked(self, sizes: Sizes, forks: u32) -> ForkedNodes {
         let n = self.items.len();
         let (mut nodes, mut bins) = (Nodes::with_root(2 * n), Bins::NONE);
         let root = Set { node: 0, ..self };
         if forks == 0 || !parallel::is_worth_a_fork(n) {
             root.build(&mut nodes, &mut bins, sizes);
-            return Forked { nodes, below: Vec::new() };
+            return ForkedNodes { nodes, below: Vec::new() };
         }
         let Some(sides) = root.divided(&mut nodes, sizes, &mut bins) else {
-            return Forked { nodes, below: Vec::new() };
+            return ForkedNodes { nodes, below: Vec::new() };
         };
         let places = [0, 1].map(|k| sides[k].node);
         let [a, b] = sides;
         let (a, b) = rayon::join(|| a.forked(sizes, forks - 1), || b.forked(sizes, forks - 1));
-        Forked { nodes, below: vec![(places[0], a), (places[1], b)] }
+        ForkedNodes { nodes, below: vec![(places[0], a), (places[1], b)] }
     }
 
     /// Makes the node and all below it.
@@ -140,12 +140,12 @@ impl Set<'_> {
         nodes.all[node] = Bvh2Node::new(bounds, 0, pair as u32);
         nodes.all.extend([nodes.all[node]; 2]);
         let cut = match level {
-            ..=MOST_CUTS => Cut::of(items, &around.centres, bins),
+            ..=MOST_CUTS => BinSplit::of(items, &around.centres, bins),
             _ => None,
         };
         let (middle, [lower, upper]) = match cut {
             Some(cut) => cut.partition(items),
-            None => (n / 2, [Around::of(&items[..n / 2]), Around::of(&items[n / 2..])]),
+            None => (n / 2, [SetBounds::of(&items[..n / 2]), SetBounds::of(&items[n / 2..])]),
         };
         let (lower_items, upper_items) = items.split_at_mut(middle);
         let level = level + 1;
