@@ -50,9 +50,10 @@ impl MemoryLimit {
     /// [`OutOfMemory`].
     #[inline]
     pub fn allows(self, structure: &'static str, needed: u128) -> Result<(), OutOfMemory> {
-        match needed <= u128::from(self.0) {
-            true => Ok(()),
-            false => Err(OutOfMemory { structure, needed, limit: Some(self.0) }),
+        if needed <= u128::from(self.0) {
+            Ok(())
+        } else {
+            Err(OutOfMemory { structure, needed, limit: Some(self.0) })
         }
     }
 

@@ -66,9 +66,10 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
     pub fn build(library: Arc<Library>, set: H, values: &[String]) -> Result<(Self, f64), String> {
         let threads = rayon::current_num_threads();
         let opaque = |id: u32| set.is_opaque(id);
-        let transmissive: Vec<u8> = match (0..set.len() as u32).all(opaque) {
-            true => Vec::new(),
-            false => (0..set.len() as u32).map(|id| u8::from(!opaque(id))).collect(),
+        let transmissive: Vec<u8> = if (0..set.len() as u32).all(opaque) {
+            Vec::new()
+        } else {
+            (0..set.len() as u32).map(|id| u8::from(!opaque(id))).collect()
         };
         let texts: Result<Vec<CString>, _> =
             values.iter().map(|value| CString::new(value.as_str())).collect();
@@ -76,18 +77,17 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         let settings: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         let asks = library.plugin.answers & abi::INDICES != 0;
         let indexed = if asks { IndexedMesh::of(set.triangles()) } else { IndexedMesh::default() };
-        let null_or = |is_there: bool, pointer: *const f32| match is_there {
-            true => pointer,
-            false => std::ptr::null(),
-        };
+        let null_or =
+            |is_there: bool, pointer: *const f32| if is_there { pointer } else { std::ptr::null() };
         let scene = Box::new(abi::Scene {
             size: size_of::<abi::Scene>() as u32,
             threads: threads as u32,
             triangles: set.len() as u64,
             positions: set.triangles().as_flattened().as_flattened().as_ptr(),
-            transmissive: match transmissive.is_empty() {
-                true => std::ptr::null(),
-                false => transmissive.as_ptr(),
+            transmissive: if transmissive.is_empty() {
+                std::ptr::null()
+            } else {
+                transmissive.as_ptr()
             },
             settings: settings.as_ptr(),
             host: std::ptr::from_ref::<TriangleSet<f32>>(&set).cast(),

@@ -45,9 +45,10 @@ impl Stopwatch {
     pub fn took(&self) -> CallTime {
         let [now, own] = read(self.by_processor);
         let seconds = now.saturating_sub(self.start).as_secs_f64();
-        let by_others = match self.by_processor {
-            true => (seconds - own.saturating_sub(self.own).as_secs_f64()).max(0.0),
-            false => 0.0,
+        let by_others = if self.by_processor {
+            (seconds - own.saturating_sub(self.own).as_secs_f64()).max(0.0)
+        } else {
+            0.0
         };
         CallTime { seconds, by_others }
     }
@@ -57,9 +58,10 @@ impl Stopwatch {
 #[cfg(unix)]
 fn read(by_processor: bool) -> [Duration; 2] {
     use rustix::time::{ClockId, clock_gettime};
-    let clocks = match by_processor {
-        true => [ClockId::ProcessCPUTime, ClockId::ThreadCPUTime],
-        false => [ClockId::Monotonic; 2],
+    let clocks = if by_processor {
+        [ClockId::ProcessCPUTime, ClockId::ThreadCPUTime]
+    } else {
+        [ClockId::Monotonic; 2]
     };
     clocks.map(|clock| {
         let time = clock_gettime(clock);

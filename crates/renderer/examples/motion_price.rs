@@ -21,9 +21,10 @@ const ROUNDS: usize = 31;
 fn seconds(tracer: &dyn Tracer<f32>, rays: &[Ray<f32>], kind: RayKind) -> (f64, usize) {
     let (mut hits, mut blocked) = (vec![Hit::NONE; rays.len()], vec![false; rays.len()]);
     let begun = Instant::now();
-    match kind.is_occlusion() {
-        true => tracer.occlusions(rays, &mut blocked),
-        false => tracer.closest_hits(rays, &mut hits),
+    if kind.is_occlusion() {
+        tracer.occlusions(rays, &mut blocked)
+    } else {
+        tracer.closest_hits(rays, &mut hits)
     }
     let took = begun.elapsed().as_secs_f64();
     let found = hits.iter().filter(|h| h.is_hit()).count();

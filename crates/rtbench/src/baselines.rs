@@ -144,9 +144,10 @@ impl Store {
     /// # Errors
     /// [`BaselineError::Name`].
     pub fn path(&self, name: &str) -> Result<PathBuf, BaselineError> {
-        match is_name(name) {
-            true => Ok(self.0.join(format!("{name}.{EXTENSION}"))),
-            false => Err(BaselineError::Name(name.to_owned())),
+        if is_name(name) {
+            Ok(self.0.join(format!("{name}.{EXTENSION}")))
+        } else {
+            Err(BaselineError::Name(name.to_owned()))
         }
     }
 
@@ -164,9 +165,10 @@ impl Store {
             name: name.to_owned(),
             folder: self.0.clone(),
             hint: suggest::hint(name, names.iter().map(String::as_str)),
-            valid: match names.is_empty() {
-                true => "there is none yet: `rtbench baseline save NAME`".into(),
-                false => format!("there are: {}", names.join(", ")),
+            valid: if names.is_empty() {
+                "there is none yet: `rtbench baseline save NAME`".into()
+            } else {
+                format!("there are: {}", names.join(", "))
             },
         })
     }
@@ -208,9 +210,10 @@ impl Store {
     /// [`BaselineError::Name`], [`BaselineError::Exists`].
     pub fn free(&self, name: &str, replace: bool) -> Result<PathBuf, BaselineError> {
         let path = self.path(name)?;
-        match path.exists() && !replace {
-            true => Err(BaselineError::Exists(name.to_owned())),
-            false => Ok(path),
+        if path.exists() && !replace {
+            Err(BaselineError::Exists(name.to_owned()))
+        } else {
+            Ok(path)
         }
     }
 

@@ -210,9 +210,10 @@ impl CellLists {
     pub fn stretches(&self, most: usize) -> Vec<Range<usize>> {
         const LEAST_IDS: usize = 4096;
         let parts = most.min(self.ids.len() / LEAST_IDS).max(1);
-        let end_of = |part: usize| match part == parts {
-            true => self.cells(),
-            false => {
+        let end_of = |part: usize| {
+            if part == parts {
+                self.cells()
+            } else {
                 let ids = (self.ids.len() as u64 * part as u64 / parts as u64) as u32;
                 self.starts.partition_point(|&start| start < ids).min(self.cells())
             }

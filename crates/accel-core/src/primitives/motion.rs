@@ -37,14 +37,13 @@ impl<S: Scalar> Motion<S> {
     /// Lets a primitive move.
     pub fn set(&mut self, id: u32, velocity: DVec3, exposure: f64) {
         let velocity = Vec3::<S>::from_dvec3(velocity).to_array();
-        let number = match velocity == [S::ZERO; 3] {
-            true => 0,
-            false => {
-                if self.velocities.len() == 1 || self.velocities.last() != Some(&velocity) {
-                    self.velocities.push(velocity);
-                }
-                self.velocities.len() as u32 - 1
+        let number = if velocity == [S::ZERO; 3] {
+            0
+        } else {
+            if self.velocities.len() == 1 || self.velocities.last() != Some(&velocity) {
+                self.velocities.push(velocity);
             }
+            self.velocities.len() as u32 - 1
         };
         self.hold(id as usize + 1);
         self.which[id as usize] = number;

@@ -282,8 +282,9 @@ impl<S: Scalar> BoundingVolumes<S> {
 pub(super) fn check_cells(needed: usize, limits: Limits, max_cells: u64) -> Result<(), BuildError> {
     // six slabs of 8 bytes and what they hold
     const VOLUMES: Counted = Counted::cells("number of volumes", 64);
-    match needed as u64 <= limits.most(&VOLUMES, max_cells) {
-        true => Ok(()),
-        false => Err(too_many(limits, &VOLUMES, max_cells, needed as u64)),
+    if needed as u64 <= limits.most(&VOLUMES, max_cells) {
+        Ok(())
+    } else {
+        Err(too_many(limits, &VOLUMES, max_cells, needed as u64))
     }
 }

@@ -41,9 +41,10 @@ impl<S: Scalar, T: Structure<S>> Segment<S, T> {
         testing: &TestChoice,
     ) -> Result<Self, BuildError> {
         let structure = T::build(part, settings)?;
-        let blocks = match testing.has_blocks {
-            true => by_blocks::of_structure(part, &structure, settings.limits())?,
-            false => None,
+        let blocks = if testing.has_blocks {
+            by_blocks::of_structure(part, &structure, settings.limits())?
+        } else {
+            None
         };
         Ok(Self { structure, blocks })
     }

@@ -181,9 +181,10 @@ fn forked<S: Scalar, D: Division<S>>(
     ids: Vec<u32>,
     large: usize,
 ) -> Result<ForkedCells<D::Cells>, BuildError> {
-    let cut = match ids.len() > large && is_worth_a_fork(ids.len()) {
-        true => division.cut(&mut division.scratch(), &ids, &cell),
-        false => None,
+    let cut = if ids.len() > large && is_worth_a_fork(ids.len()) {
+        division.cut(&mut division.scratch(), &ids, &cell)
+    } else {
+        None
     };
     let Some((cut, descent)) = cut else {
         return alone(division, cell, ids).map(ForkedCells::Built);

@@ -100,9 +100,10 @@ fn frames<S: Buildable>(is_mixed: bool, free: Free) -> Vec<(Set<S>, Vec<u32>)> {
     let mut sets: Vec<Set<S>> = Vec::new();
     let mut all_moved = Vec::new();
     for frame in FRAMES {
-        let (mut set, first) = match is_mixed {
-            false => (Set::Triangles(triangle_set(frame, free)), sets.first()),
-            true => (Set::Mixed(mixed_set(frame, free)), sets.first()),
+        let (mut set, first) = if is_mixed {
+            (Set::Mixed(mixed_set(frame, free)), sets.first())
+        } else {
+            (Set::Triangles(triangle_set(frame, free)), sets.first())
         };
         match (&mut set, first) {
             (Set::Triangles(now), Some(Set::Triangles(first))) => now.keep_rigid(first),

@@ -72,9 +72,10 @@ fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -
         if random.unit() < 0.1 {
             d *= power(random, -15.0, 15.0);
         }
-        let beside = match random.unit() < 0.5 {
-            true => normal * off,
-            false => random.signed() * power(random, -10.0, -6.0),
+        let beside = if random.unit() < 0.5 {
+            normal * off
+        } else {
+            random.signed() * power(random, -10.0, -6.0)
         };
         let o = a + (b - a) * u + (c - a) * v + beside;
         let far =

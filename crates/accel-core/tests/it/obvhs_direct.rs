@@ -93,13 +93,13 @@ fn without_us(
                 let own = ObvhsRay::new(own.0, own.1, ray.t_min, ray.t_max);
                 let mut hit = RayHit::none();
                 let test = |ray: &ObvhsRay, i: usize| laid_out[ids[i] as usize].intersect(ray);
-                hits.push(match tree.ray_traverse(own, &mut hit, test) {
-                    true => (hit.t, ids[hit.primitive_id as usize]),
-                    false => (ray.t_max, u32::MAX),
+                hits.push(if tree.ray_traverse(own, &mut hit, test) {
+                    (hit.t, ids[hit.primitive_id as usize])
+                } else {
+                    (ray.t_max, u32::MAX)
                 });
-                let opaque = |ray: &ObvhsRay, i: usize| match ids[i].is_multiple_of(3) {
-                    true => f32::INFINITY,
-                    false => test(ray, i),
+                let opaque = |ray: &ObvhsRay, i: usize| {
+                    if ids[i].is_multiple_of(3) { f32::INFINITY } else { test(ray, i) }
                 };
                 blocked.push(!tree.ray_traverse_miss(own, opaque));
             }

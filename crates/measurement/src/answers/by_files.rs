@@ -84,9 +84,8 @@ fn answers_of(kind: RayKind, hits: &[Hit<f32>], rays: &[Ray<f32>]) -> Answers<f3
     if kind.is_occlusion() {
         return Answers::Blocked(hits.iter().map(Hit::is_hit).collect());
     }
-    let own = |(hit, ray): (&Hit<f32>, &Ray<f32>)| match hit.is_hit() {
-        true => *hit,
-        false => Hit { t: ray.t_max, id: MISS },
+    let own = |(hit, ray): (&Hit<f32>, &Ray<f32>)| {
+        if hit.is_hit() { *hit } else { Hit { t: ray.t_max, id: MISS } }
     };
     Answers::Hits(hits.iter().zip(rays).map(own).collect())
 }

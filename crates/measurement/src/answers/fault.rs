@@ -32,16 +32,24 @@ fn of_hit<S: Scalar>(
         return "drops a hit";
     }
     let (t, right) = (said.t.to_f64(), expected.t.to_f64());
-    match () {
-        () if t.is_nan() => "no answer written",
-        () if said.id as usize >= primitives => "wrong id: there is no such triangle",
-        () if t < ray.t_min.to_f64() => "accepts t < t_min",
-        () if t > ray.t_max.to_f64() => "accepts t > t_max",
-        () if !expected.is_hit() => "invents a hit",
-        () if said.id != expected.id && !is_apart(said, expected, ray) => "wrong id",
-        () if said.id == expected.id => "wrong t",
-        () if t > right => "drops a hit, and takes one behind it",
-        () => "invents a hit, nearer than all",
+    if t.is_nan() {
+        "no answer written"
+    } else if said.id as usize >= primitives {
+        "wrong id: there is no such triangle"
+    } else if t < ray.t_min.to_f64() {
+        "accepts t < t_min"
+    } else if t > ray.t_max.to_f64() {
+        "accepts t > t_max"
+    } else if !expected.is_hit() {
+        "invents a hit"
+    } else if said.id != expected.id && !is_apart(said, expected, ray) {
+        "wrong id"
+    } else if said.id == expected.id {
+        "wrong t"
+    } else if t > right {
+        "drops a hit, and takes one behind it"
+    } else {
+        "invents a hit, nearer than all"
     }
 }
 

@@ -114,9 +114,10 @@ pub fn version() -> Result<String, CallgrindError> {
     let missing = |why: String| CallgrindError::NoValgrind(why);
     let output = Command::new("valgrind").arg("--version").output();
     let output = output.map_err(|e| missing(e.to_string()))?;
-    match output.status.success() {
-        true => Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned()),
-        false => Err(missing(String::from_utf8_lossy(&output.stderr).trim().to_owned())),
+    if output.status.success() {
+        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+    } else {
+        Err(missing(String::from_utf8_lossy(&output.stderr).trim().to_owned()))
     }
 }
 

@@ -22,9 +22,10 @@ impl RowRecord {
         let build_ratio = ratios_of_builds(self, &[]).estimate(seed);
         (self.build_s, self.trace_s, self.mrays) = (build_s, trace_s, mrays);
         (self.ratio, self.ratio_by_kind, self.build_ratio) = (ratio, ratio_by_kind, build_ratio);
-        self.levels = two_levels(&match self.is_reference {
-            true => series(self, |s| Some(s.total_trace_s())),
-            false => trace_ratios(self),
+        self.levels = two_levels(&if self.is_reference {
+            series(self, |s| Some(s.total_trace_s()))
+        } else {
+            trace_ratios(self)
         });
         self.outliers = Outliers::of(&self.samples);
     }

@@ -345,9 +345,8 @@ fn joined(parts: Vec<(ShardRecord, Part)>) -> Option<RunRecord> {
 
 /// A machine of which no more is said than is true of both.
 fn joined_machine(a: &Machine, b: &Machine) -> Machine {
-    let both = |a: &str, b: &str| match a.split("; ").any(|known| known == b) {
-        true => a.to_owned(),
-        false => format!("{a}; {b}"),
+    let both = |a: &str, b: &str| {
+        if a.split("; ").any(|known| known == b) { a.to_owned() } else { format!("{a}; {b}") }
     };
     let mut machine = a.clone();
     machine.cpu = match (&a.cpu, &b.cpu) {

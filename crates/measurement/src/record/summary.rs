@@ -89,13 +89,18 @@ fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
             .collect(),
         batch_scenes,
         build_ratio: mean(&builds),
-        verdict: match () {
-            () if wrong > 0 => Verdict::Wrong,
-            () if panicked > 0 => Verdict::Panicked,
-            () if not_built > 0 && memory == not_built => Verdict::OutOfMemory,
-            () if not_built > 0 => Verdict::NotBuilt,
-            () if shipped > 0 => Verdict::WrongAsShipped,
-            () => Verdict::Ok,
+        verdict: if wrong > 0 {
+            Verdict::Wrong
+        } else if panicked > 0 {
+            Verdict::Panicked
+        } else if not_built > 0 && memory == not_built {
+            Verdict::OutOfMemory
+        } else if not_built > 0 {
+            Verdict::NotBuilt
+        } else if shipped > 0 {
+            Verdict::WrongAsShipped
+        } else {
+            Verdict::Ok
         },
     }
 }

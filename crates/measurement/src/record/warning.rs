@@ -91,9 +91,10 @@ impl fmt::Display for Warning {
                 )
             }
             Self::Drift { change, governor } => {
-                let (by, how) = match *change > 1.0 {
-                    true => (change - 1.0, "slower"),
-                    false => (1.0 / change - 1.0, "faster"),
+                let (by, how) = if *change > 1.0 {
+                    (change - 1.0, "slower")
+                } else {
+                    (1.0 / change - 1.0, "faster")
                 };
                 let governed = governor.as_ref().map(|g| format!(" (governor: {g})"));
                 write!(

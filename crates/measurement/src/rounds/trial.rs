@@ -114,10 +114,12 @@ impl TrialBuild {
                 Ok(Event::Loaded) => begun = Some(Instant::now()),
                 Ok(Event::Refused) => return Some(Outcome::Ended { peak_bytes: None }),
                 Ok(Event::Built { peak_bytes, process_bytes, build_s }) => {
-                    return Some(match () {
-                        () if build_s > seconds => too_long(),
-                        () if process_bytes.is_some_and(|n| n > bytes) => too_much("building"),
-                        () => Outcome::Ended { peak_bytes },
+                    return Some(if build_s > seconds {
+                        too_long()
+                    } else if process_bytes.is_some_and(|n| n > bytes) {
+                        too_much("building")
+                    } else {
+                        Outcome::Ended { peak_bytes }
                     });
                 }
                 Err(RecvTimeoutError::Timeout) => {}

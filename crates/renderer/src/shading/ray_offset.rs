@@ -136,10 +136,11 @@ fn ulp_wise<S: Buildable>(origin: Vec3<S>, side: DVec3) -> Vec3<S> {
     let along = side.to_array();
     Vec3::<S>::from_array(std::array::from_fn(|k| {
         let size = at[k].abs();
-        let step = match size.to_f64() < NEAR_ZERO {
-            true => STEP_NEAR_ZERO,
+        let step = if size.to_f64() < NEAR_ZERO {
+            STEP_NEAR_ZERO
+        } else {
             // whole ulps, as the paper adds whole numbers to the bits
-            false => (size.next_up() - size).to_f64() * ULPS,
+            (size.next_up() - size).to_f64() * ULPS
         };
         S::from_f64(at[k].to_f64() + step * along[k])
     }))

@@ -89,11 +89,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             }
             Ok(context.out.flush()?)
         };
-        let mut of_axis =
-            study.measured(context, axis, |context, of_axis, scene| match is_alone {
-                true => show(context, of_axis, scene),
-                false => Ok(()),
-            })?;
+        let mut of_axis = study.measured(context, axis, |context, of_axis, scene| {
+            if is_alone { show(context, of_axis, scene) } else { Ok(()) }
+        })?;
         if !is_alone {
             if let Err(error) = in_processes(context, args, &mut of_axis) {
                 study.failures += 1;
@@ -216,9 +214,10 @@ impl Study {
         axis: &'static Axis,
         mut show: impl FnMut(&mut Context<'_>, &AxisRecord, &SceneOutcome) -> Result<(), Error>,
     ) -> Result<AxisRecord, Error> {
-        let asked = match self.named.is_empty() {
-            true => axis.scenes.iter().map(|s| (*s).into()).collect(),
-            false => self.named.clone(),
+        let asked = if self.named.is_empty() {
+            axis.scenes.iter().map(|s| (*s).into()).collect()
+        } else {
+            self.named.clone()
         };
         // builds and rays use the threads of this pool: one, so that nothing is timed beside another
         let one_thread = pool(1)?;

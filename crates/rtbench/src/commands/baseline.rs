@@ -84,9 +84,10 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
 /// The results of an earlier run.
 fn finished(path: &Path) -> Result<Baseline, Error> {
     let baseline = read(path).map_err(gate)?;
-    match baseline.record.complete {
-        true => Ok(baseline),
-        false => Err(gate(BaselineError::Incomplete(path.to_owned()))),
+    if baseline.record.complete {
+        Ok(baseline)
+    } else {
+        Err(gate(BaselineError::Incomplete(path.to_owned())))
     }
 }
 
@@ -115,12 +116,11 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
 /// Refuses results of another commit: instructions of this one say nothing of it.
 fn same_program(context: &Context<'_>, path: &Path, record: &RunRecord) -> Result<(), Error> {
     let (was, is) = (record.tool.git_revision.clone(), context.world.tool().git_revision);
-    match was.is_some() && was == is {
-        true => Ok(()),
-        false => {
-            let path = path.to_owned();
-            Err(GateError::from(CallgrindError::OtherProgram { path, was, is }).into())
-        }
+    if was.is_some() && was == is {
+        Ok(())
+    } else {
+        let path = path.to_owned();
+        Err(GateError::from(CallgrindError::OtherProgram { path, was, is }).into())
     }
 }
 

@@ -81,9 +81,10 @@ impl Processes {
             return Ok(());
         }
         let is_kept = plan.processes > 1;
-        let (processes, rounds) = match is_kept {
-            true => (plan.processes, rounds_of(plan, scene, share)),
-            false => (2, own_rounds.div_ceil(PART_OF_ROUNDS).max(FEWEST_ROUNDS).min(own_rounds)),
+        let (processes, rounds) = if is_kept {
+            (plan.processes, rounds_of(plan, scene, share))
+        } else {
+            (2, own_rounds.div_ceil(PART_OF_ROUNDS).max(FEWEST_ROUNDS).min(own_rounds))
         };
         let mut fresh = scene.clone();
         fresh.rows.iter_mut().for_each(|row| row.samples.clear());

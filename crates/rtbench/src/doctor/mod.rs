@@ -223,9 +223,10 @@ const CHECKS: [Check; 10] = [
         advice: instruction_set::ADVICE,
         look: |system| {
             let unused = system.unused.join(", ");
-            Some(match unused.is_empty() {
-                true => (true, "those of the processor".to_owned()),
-                false => (false, format!("compiled without {unused}, which the processor has")),
+            Some(if unused.is_empty() {
+                (true, "those of the processor".to_owned())
+            } else {
+                (false, format!("compiled without {unused}, which the processor has"))
             })
         },
     },

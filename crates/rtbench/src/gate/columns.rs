@@ -30,17 +30,21 @@ pub fn columns() -> [Column<Finding>; 10] {
 
 /// A change, where there is one: exact ones as a percentage, measured ones with their interval.
 pub fn change_in_words(finding: &Finding) -> Option<String> {
-    finding.change.map(|e| match e.low == e.high {
-        true => format!("{:+.3}%", (e.median - 1.0) * 100.0),
-        false => numbers::ratio(&e).trim_end().to_owned(),
+    finding.change.map(|e| {
+        if e.low == e.high {
+            format!("{:+.3}%", (e.median - 1.0) * 100.0)
+        } else {
+            numbers::ratio(&e).trim_end().to_owned()
+        }
     })
 }
 
 /// Counts are whole.
 fn number(x: f64) -> Cell {
-    match x.fract() == 0.0 && x.abs() < 1e15 {
-        true => format!("{x:.0}").into(),
-        false => numbers::short(x).into(),
+    if x.fract() == 0.0 && x.abs() < 1e15 {
+        format!("{x:.0}").into()
+    } else {
+        numbers::short(x).into()
     }
 }
 
@@ -51,9 +55,10 @@ fn outcome(finding: &Finding) -> Cell {
         Outcome::NotJudged => Style::Dim,
         Outcome::Inconclusive | Outcome::Unchanged => Style::Plain,
     };
-    let text = match finding.note.is_empty() {
-        true => finding.outcome.name().to_owned(),
-        false => format!("{}: {}", finding.outcome.name(), finding.note),
+    let text = if finding.note.is_empty() {
+        finding.outcome.name().to_owned()
+    } else {
+        format!("{}: {}", finding.outcome.name(), finding.note)
     };
     Cell { text, style }
 }

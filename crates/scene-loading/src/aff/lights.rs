@@ -9,9 +9,10 @@ use crate::scene::{Light, Material};
 impl Reader<'_> {
     pub fn light(&mut self, words: &mut Words<'_>, place: FilePlace) -> Result<(), LoadError> {
         let position = words.vector("light position")?;
-        let color = match words.peek().is_some_and(|word| word.looks_numeric()) {
-            true => Some(words.vector("light colour")?.to_array()),
-            false => None,
+        let color = if words.peek().is_some_and(|word| word.looks_numeric()) {
+            Some(words.vector("light colour")?.to_array())
+        } else {
+            None
         };
         self.world.lights.push((self.branch, Light::Point { position, color }));
         limits::check(self.world.lights.len(), MAX_LIGHTS, "the number of lights", || place)

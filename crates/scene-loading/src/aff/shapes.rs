@@ -103,9 +103,10 @@ impl Reader<'_> {
         for _ in 0..triangles {
             let line = words.peek().map_or(0, |word| word.line);
             let v = indices(words, "vertex", vertices.len())?;
-            let n = match normals.is_empty() {
-                true => None,
-                false => Some(indices(words, "normal", normals.len())?),
+            let n = if normals.is_empty() {
+                None
+            } else {
+                Some(indices(words, "normal", normals.len())?)
             };
             if texcoords > 0 {
                 indices(words, "texture coordinate", texcoords)?;
@@ -163,9 +164,10 @@ impl Reader<'_> {
 fn keyword<'a>(words: &mut Words<'a>, valid: &[&str]) -> Result<&'a str, LoadError> {
     let expected = valid.join(" or ");
     let word = words.any(&expected)?;
-    match valid.contains(&word.text) {
-        true => Ok(word.text),
-        false => Err(LoadError::syntax(words.place(word.line), word.text, expected)),
+    if valid.contains(&word.text) {
+        Ok(word.text)
+    } else {
+        Err(LoadError::syntax(words.place(word.line), word.text, expected))
     }
 }
 

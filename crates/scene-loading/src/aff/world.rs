@@ -164,9 +164,10 @@ fn place(part: &Part, placement: Placement, scene: &mut Scene) -> Result<(), Loa
         flatten(part, scene);
     }
     if !(part.spheres.is_empty() && part.cones.is_empty()) {
-        let scale = match to_world.matrix3 == DMat3::ZERO {
-            true => Some(0.0),
-            false => uniform_scale(&DMat4::from(to_world)),
+        let scale = if to_world.matrix3 == DMat3::ZERO {
+            Some(0.0)
+        } else {
+            uniform_scale(&DMat4::from(to_world))
         };
         let scale = scale.ok_or_else(|| LoadError::OutOfRange {
             place: part.place.clone(),

@@ -41,9 +41,10 @@ pub(crate) fn text_of(path: &Path, mut bytes: Vec<u8>) -> Result<String, LoadErr
 /// [`text_of`] for what is text already.
 pub(crate) fn unified(text: &str) -> Cow<'_, str> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    match memchr_iter(b'\r', text.as_bytes()).any(|at| is_lone(text.as_bytes(), at)) {
-        true => text.replace("\r\n", "\n").replace('\r', "\n").into(),
-        false => text.into(),
+    if memchr_iter(b'\r', text.as_bytes()).any(|at| is_lone(text.as_bytes(), at)) {
+        text.replace("\r\n", "\n").replace('\r', "\n").into()
+    } else {
+        text.into()
     }
 }
 

@@ -130,10 +130,8 @@ impl Reader<'_> {
     fn light(&mut self) -> Result<(), LoadError> {
         let position = self.words.vector("light position")?;
         let coloured = self.words.peek().is_some_and(|word| word.looks_numeric());
-        let color = match coloured {
-            true => Some(self.words.vector("light colour")?.to_array()),
-            false => None,
-        };
+        let color =
+            if coloured { Some(self.words.vector("light colour")?.to_array()) } else { None };
         self.scene.lights.push(Light::Point { position, color });
         Ok(())
     }

@@ -195,9 +195,8 @@ impl ShapeSink<'_> {
     fn add_normals(&mut self, normals: &[DVec3]) -> Option<u32> {
         let first = u32::try_from(self.scene.normals.len()).ok()?;
         let turn = normal_transform(&self.transform);
-        let turned = normals.iter().map(|normal| match normal.is_nan() {
-            true => DVec3::NAN,
-            false => (turn * *normal).normalize_or_zero(),
+        let turned = normals.iter().map(|normal| {
+            if normal.is_nan() { DVec3::NAN } else { (turn * *normal).normalize_or_zero() }
         });
         self.scene.normals.extend(turned);
         (!normals.is_empty()).then_some(first)

@@ -289,9 +289,10 @@ fn l8_links_and_devices() {
     for (uri, is_outside) in [("out.bin", true), ("zero.bin", true), ("folder.bin", false)] {
         std::fs::write(&path, with("/buffers/0/uri", json!(uri)).to_string()).unwrap();
         let error = load_gltf(&path).unwrap_err();
-        match is_outside {
-            true => assert!(matches!(error, LoadError::OutsideFolder { .. }), "{uri}: {error}"),
-            false => assert!(matches!(error, LoadError::Io { .. }), "{uri}: {error}"),
+        if is_outside {
+            assert!(matches!(error, LoadError::OutsideFolder { .. }), "{uri}: {error}")
+        } else {
+            assert!(matches!(error, LoadError::Io { .. }), "{uri}: {error}")
         }
     }
     assert!(matches!(load_gltf(Path::new("/dev/zero")), Err(LoadError::Io { .. })));

@@ -42,9 +42,10 @@ pub fn standings(places: &[FrontPoint]) -> Vec<VariantStanding> {
         if by.peek().is_none() {
             return VariantStanding::OnFront;
         }
-        match by.any(|other| other.is_told_apart(place)) {
-            true => VariantStanding::Dominated,
-            false => VariantStanding::NotToldApart,
+        if by.any(|other| other.is_told_apart(place)) {
+            VariantStanding::Dominated
+        } else {
+            VariantStanding::NotToldApart
         }
     };
     places.iter().map(of).collect()

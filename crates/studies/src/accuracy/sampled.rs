@@ -36,9 +36,10 @@ pub struct SamplingPlan {
 impl SamplingPlan {
     /// Of a full run, or of a quick one.
     pub fn new(quick: bool) -> Self {
-        match quick {
-            true => Self { size: 12, samples: &[1, 4, 16], reference: 512 },
-            false => Self { size: 24, samples: &[1, 4, 16, 64, 256], reference: 8192 },
+        if quick {
+            Self { size: 12, samples: &[1, 4, 16], reference: 512 }
+        } else {
+            Self { size: 24, samples: &[1, 4, 16, 64, 256], reference: 8192 }
         }
     }
 }

@@ -45,10 +45,12 @@ pub fn cost(axis: &AxisRecord, seed: u64) -> Option<Cost> {
     }
     let ratios: Vec<Series> = axis.scenes.iter().filter_map(ratios_of_accurate).collect();
     let over_all = geometric_mean_of(&ratios.iter().collect::<Vec<_>>(), seed)?;
-    Some(match () {
-        () if over_all.high < NOTICED => Cost::Free(over_all),
-        () if over_all.low <= NOTICED => Cost::NotTold(over_all),
-        () => Cost::More(over_all),
+    Some(if over_all.high < NOTICED {
+        Cost::Free(over_all)
+    } else if over_all.low <= NOTICED {
+        Cost::NotTold(over_all)
+    } else {
+        Cost::More(over_all)
     })
 }
 
@@ -131,15 +133,16 @@ fn words(axis: &AxisRecord, cost: &Cost) -> String {
         Cost::Free(e) => {
             format!("the most accurate variant costs next to nothing: {} more time", more(e))
         }
-        Cost::More(e) => match e.median < 2.0 {
-            true => {
+        Cost::More(e) => {
+            if e.median < 2.0 {
                 format!("the most accurate variant costs {} more time over all scenes", more(e))
+            } else {
+                format!(
+                    "the most accurate variant takes {} times as long over all scenes",
+                    times(e)
+                )
             }
-            false => format!(
-                "the most accurate variant takes {} times as long over all scenes",
-                times(e)
-            ),
-        },
+        }
         Cost::NotTold(e) => format!(
             "what the most accurate variant costs over all scenes is inconclusive: {} more time",
             more(e)

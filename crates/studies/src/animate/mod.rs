@@ -114,9 +114,10 @@ impl<'r> Animate<'r> {
         if measuring.rays.is_empty() {
             measuring.rays = RAYS.map(str::to_owned).into();
         }
-        let structures = match args.structures.is_empty() {
-            true => all_updates(registry),
-            false => args.structures.clone(),
+        let structures = if args.structures.is_empty() {
+            all_updates(registry)
+        } else {
+            args.structures.clone()
         };
         let rows = select(registry, &structures, &args.overrides)?;
         let mut plan = Plan::over(Vec::new(), rows, 0, &measuring, registry)?;

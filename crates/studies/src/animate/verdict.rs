@@ -73,9 +73,10 @@ fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
         parts.push(format!("{} up to {}", current.0.label(), numbers::short(at)));
         (rays, current) = (at, row);
     }
-    parts.push(match parts.is_empty() {
-        true => format!("{} for any number", current.0.label()),
-        false => format!("{} beyond", current.0.label()),
+    parts.push(if parts.is_empty() {
+        format!("{} for any number", current.0.label())
+    } else {
+        format!("{} beyond", current.0.label())
     });
     Some(format!("The fastest by rays per frame: {}.", parts.join(", ")))
 }
@@ -104,15 +105,17 @@ fn grid_and_bvh(run: &AnimationRecord, rows: &[Timed<'_>]) -> Option<String> {
         pair(&at, &bvh_label, &grid_label)
     } else {
         let is_bvh = bvh.1.seconds_of(bvh.1.rays) < grid.1.seconds_of(grid.1.rays);
-        let [(faster, first), (_, other)] = match is_bvh {
-            true => [(&bvh_label, &bvh.1), (&grid_label, &grid.1)],
-            false => [(&grid_label, &grid.1), (&bvh_label, &bvh.1)],
+        let [(faster, first), (_, other)] = if is_bvh {
+            [(&bvh_label, &bvh.1), (&grid_label, &grid.1)]
+        } else {
+            [(&grid_label, &grid.1), (&bvh_label, &bvh.1)]
         };
         let ends = [0.0, RAYS[1]];
         let is_always = ends.iter().all(|&n| first.seconds_of(n) <= other.seconds_of(n));
-        let for_what = match is_always {
-            true => "for any number of rays",
-            false => "here; the rounds do not agree on a number of rays from which on it is not",
+        let for_what = if is_always {
+            "for any number of rays"
+        } else {
+            "here; the rounds do not agree on a number of rays from which on it is not"
         };
         format!(
             "Between building {grid_label} anew and refitting ({bvh_label}), {faster} is faster {for_what}."

@@ -171,9 +171,10 @@ impl Comparison {
         let modern = self.lines.iter().find(|l| l.lecture.is_none());
         if let Some((line, modern)) = modern.and_then(|l| Some((l, l.run.now?))) {
             let factor = ratio.median / modern.median;
-            text += &match factor >= 1.0 {
-                true => format!("; {} is {} times faster still", line.ours, short(factor)),
-                false => format!("; {} is {} times slower", line.ours, short(1.0 / factor)),
+            text += &if factor >= 1.0 {
+                format!("; {} is {} times faster still", line.ours, short(factor))
+            } else {
+                format!("; {} is {} times slower", line.ours, short(1.0 / factor))
             };
         }
         text + "."

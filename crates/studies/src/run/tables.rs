@@ -171,9 +171,10 @@ fn outlier_note(scene: &SceneRecord) -> Option<String> {
 /// The levels of a row whose processes disagree.
 fn levels_note(row: &RowRecord) -> Option<String> {
     let levels = row.levels?;
-    let [low, high] = match row.is_reference {
-        true => [levels.low, levels.high].map(|s| format!("{} ms", numbers::milliseconds(s))),
-        false => [levels.low, levels.high].map(numbers::short),
+    let [low, high] = if row.is_reference {
+        [levels.low, levels.high].map(|s| format!("{} ms", numbers::milliseconds(s)))
+    } else {
+        [levels.low, levels.high].map(numbers::short)
     };
     Some(format!(
         "Two levels: {} takes {low} in some processes and {high} in others, and its rounds do not \
@@ -228,9 +229,10 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
             "; {part:.0}% of its time went to threads that nobody asked for (they count: do they spin?)"
         );
     }
-    note += match plugin.own_test {
-        true => "; its own triangle test",
-        false => "; rtbench's triangle test, compared bit by bit",
+    note += if plugin.own_test {
+        "; its own triangle test"
+    } else {
+        "; rtbench's triangle test, compared bit by bit"
     };
     if plugin.own_test {
         let (edges, checked) = (plugin.edge_mismatches, row.checked_rays);

@@ -136,9 +136,10 @@ impl PathThrough {
     pub fn summary(&self) -> String {
         let c = &self.counters;
         let inner = c.traversal_steps - c.elementary_steps;
-        let hit = match self.hit.is_hit() {
-            true => format!("hits primitive {}", self.hit.id),
-            false => "no hit".to_owned(),
+        let hit = if self.hit.is_hit() {
+            format!("hits primitive {}", self.hit.id)
+        } else {
+            "no hit".to_owned()
         };
         let spared = match c.tests_saved {
             0 => String::new(),

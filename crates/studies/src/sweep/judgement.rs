@@ -73,10 +73,12 @@ pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<ValueStanding>> {
     let best = known.min_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let of = |(i, cost): (usize, &Option<Estimate>)| {
         let (cost, (first, best)) = ((*cost)?, best?);
-        Some(match () {
-            () if i == first => ValueStanding::Best,
-            () if cost.low <= best.high && best.low <= cost.high => ValueStanding::NotToldApart,
-            () => ValueStanding::Slower,
+        Some(if i == first {
+            ValueStanding::Best
+        } else if cost.low <= best.high && best.low <= cost.high {
+            ValueStanding::NotToldApart
+        } else {
+            ValueStanding::Slower
         })
     };
     costs.iter().enumerate().map(of).collect()

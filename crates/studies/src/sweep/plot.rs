@@ -46,9 +46,10 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
         subtitle: subtitle(scene, rays, sweep, &judgements),
         x: horizontal(sweep, words),
         y: Axis {
-            label: match has_ratios {
-                true => format!("trace time / trace time of {reference}"),
-                false => "trace time per ray (seconds)".to_owned(),
+            label: if has_ratios {
+                format!("trace time / trace time of {reference}")
+            } else {
+                "trace time per ray (seconds)".to_owned()
             },
             scale: vertical(&placed),
         },

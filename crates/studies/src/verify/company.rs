@@ -27,10 +27,11 @@ impl<S: Scalar> Company<S> {
             company.places.push(i * GROUP + place);
             // from a few ulps to a tenth
             let apart = 2f64.powf(-24.0 + 20.0 * unit(&mut random));
-            company.rays.extend((0..GROUP).map(|other| match other == place {
-                true => *ray,
-                false => beside(&mut random, ray, apart),
-            }));
+            company.rays.extend(
+                (0..GROUP).map(
+                    |other| if other == place { *ray } else { beside(&mut random, ray, apart) },
+                ),
+            );
         }
         company
     }

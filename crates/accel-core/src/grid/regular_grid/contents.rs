@@ -59,9 +59,10 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     #[cold]
     #[inline(never)]
     fn range_compared(&self, id: u32) -> ([i32; 3], [i32; 3]) {
-        match self.insertion.is_padded() {
-            true => self.frame.range(&self.boxes.of(id)),
-            false => self.frame.range(&self.boxes.prims().bounds(id)),
+        if self.insertion.is_padded() {
+            self.frame.range(&self.boxes.of(id))
+        } else {
+            self.frame.range(&self.boxes.prims().bounds(id))
         }
     }
 

@@ -203,9 +203,10 @@ fn is_below(
     limit: u128,
     structure: &'static str,
 ) -> Result<(), BuildError> {
-    match needed < limit {
-        true => Ok(()),
-        false => Err(BuildError::TooLarge { structure, what, needed, limit }),
+    if needed < limit {
+        Ok(())
+    } else {
+        Err(BuildError::TooLarge { structure, what, needed, limit })
     }
 }
 

@@ -347,11 +347,10 @@ where
     }
 
     fn batches(&self) -> Batches {
-        match () {
-            () if self.blocks.is_none() && T::DUPLICATES && self.mailbox.is_used() => {
-                Batches::RayByRay
-            }
-            () => self.structure.batches(&*self.prims, self.blocks.as_ref()),
+        if self.blocks.is_none() && T::DUPLICATES && self.mailbox.is_used() {
+            Batches::RayByRay
+        } else {
+            self.structure.batches(&*self.prims, self.blocks.as_ref())
         }
     }
 

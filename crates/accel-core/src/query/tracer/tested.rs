@@ -80,9 +80,10 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
         before.and_then(Before::parts::<S, T>).filter(|b| of_frame(&b.0))
     else {
         let bound = Bound::new(prims, T::build(over, settings)?).with_mailbox(mailbox);
-        return Ok(Box::new(match testing.has_blocks {
-            true => bound.with_blocks(over, limits)?,
-            false => bound,
+        return Ok(Box::new(if testing.has_blocks {
+            bound.with_blocks(over, limits)?
+        } else {
+            bound
         }));
     };
     let change = parts.structure.update(over, settings, moved)?;

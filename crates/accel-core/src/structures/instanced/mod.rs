@@ -123,9 +123,10 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
         let [over_copies, over_objects] = settings.levels.clone().map(|own| settings.with(own));
         // a mark and a box of each primitive
         settings.fits((1 + size_of::<Aabb<S>>()) as u128 * prims.len() as u128)?;
-        let parts = match settings.is_by_instances {
-            true => prims.instances().map(|instances| instances.parts()).unwrap_or_default(),
-            false => &[],
+        let parts = if settings.is_by_instances {
+            prims.instances().map(|instances| instances.parts()).unwrap_or_default()
+        } else {
+            &[]
         };
         let planned = plan(prims, parts);
         let mut frames = (!parts.is_empty()).then(Frames::default);
@@ -193,9 +194,10 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        match K::COUNTING {
-            true => self.traverse_erased::<true>(ray, ErasedSink::new(sink)),
-            false => self.traverse_erased::<false>(ray, ErasedSink::new(sink)),
+        if K::COUNTING {
+            self.traverse_erased::<true>(ray, ErasedSink::new(sink))
+        } else {
+            self.traverse_erased::<false>(ray, ErasedSink::new(sink))
         }
     }
 

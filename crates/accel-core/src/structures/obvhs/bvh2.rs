@@ -228,11 +228,12 @@ impl<S: Scalar> ObvhsBvh2<S> {
         let moved = MovedIds::new(moved);
         let is_same = scale.serves(&self.setup);
         self.setup = scale.setup;
-        let fitted = |ids: &[u32], before: &ObvhsAabb| match is_same
-            && !ids.iter().any(|&id| moved.has(id))
-        {
-            true => *before,
-            false => scale.around(prims, ids),
+        let fitted = |ids: &[u32], before: &ObvhsAabb| {
+            if is_same && !ids.iter().any(|&id| moved.has(id)) {
+                *before
+            } else {
+                scale.around(prims, ids)
+            }
         };
         let mut ids = Vec::new();
         if let Some(all) = &mut self.blocks {

@@ -187,9 +187,10 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             each(Cell::inner(bounds, depth));
             for child in (0..8).rev().filter(|child| !node.is_child_empty(*child)) {
                 let bounds = world(node.child_aabb(child));
-                let (number, leaf) = match node.is_leaf(child) {
-                    true => (number, Some(child)),
-                    false => (node.child_node_index(child), None),
+                let (number, leaf) = if node.is_leaf(child) {
+                    (number, Some(child))
+                } else {
+                    (node.child_node_index(child), None)
                 };
                 waiting.push((number, leaf, bounds, depth + 1));
             }

@@ -19,9 +19,8 @@ pub(crate) fn refit(bvh: &mut Bvh2, mut bounds: impl FnMut(&Bvh2, usize) -> Aabb
 /// "Heuristics for Ray Tracing Using Space Subdivision", The Visual Computer 6(3), 1990), both costing the same.
 pub(crate) fn expected_cost(bvh: &Bvh2) -> f64 {
     let area = |node: usize| f64::from(bvh.nodes[node].aabb().half_area());
-    let weight = |node: usize| match bvh.nodes[node].is_leaf() {
-        true => f64::from(bvh.nodes[node].prim_count),
-        false => 1.0,
+    let weight = |node: usize| {
+        if bvh.nodes[node].is_leaf() { f64::from(bvh.nodes[node].prim_count) } else { 1.0 }
     };
     let sum: f64 = (0..bvh.nodes.len()).map(|node| area(node) * weight(node)).sum();
     match bvh.nodes.first() {

@@ -193,10 +193,7 @@ impl<'a> Collapse<'a> {
             left -= 1;
             let (at, allowed) = waiting[left];
             let node = &self.bvh.nodes[at as usize];
-            let choice = match node.is_leaf() {
-                true => None,
-                false => Some(&self.choices[pair_of(node)]),
-            };
+            let choice = if node.is_leaf() { None } else { Some(&self.choices[pair_of(node)]) };
             let roots = match choice {
                 _ if is_root => WIDTH,
                 Some(choice) => choice.roots(allowed),

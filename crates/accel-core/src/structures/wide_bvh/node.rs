@@ -111,10 +111,8 @@ impl NodeRay {
         let shift = SHIFT[0] + SHIFT[1] * o.abs().max_element();
         let shift = Vec3A::splat(shift * EPSILON).copysign(d);
         let longest = d.abs().max_element();
-        let is_shifted = match is_exact {
-            true => d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)),
-            false => BVec3A::TRUE,
-        };
+        let is_shifted =
+            if is_exact { d.abs().cmplt(Vec3A::splat(longest * LEAST_PART)) } else { BVec3A::TRUE };
         let leave_origin = o - Vec3A::select(is_shifted, shift, Vec3A::ZERO);
         let leave = leave_origin * inverse;
         let rounding = leave.abs() * PRODUCT_ROUNDING + inverse.abs() * PLANE_ROUNDING;

@@ -90,9 +90,10 @@ impl Packet {
             // where boxes are left nothing is added to single rays, but for the rounding of products
             let is_tight = is_exact && least[k + 3] >= longest * LEAST_PART;
             let behind = if is_tight { 4.0 * far * EPSILON } else { slack };
-            let (front, back) = match is_negative {
-                true => (least[k] - slack, most[k] + behind),
-                false => (most[k] + slack, least[k] - behind),
+            let (front, back) = if is_negative {
+                (least[k] - slack, most[k] + behind)
+            } else {
+                (most[k] + slack, least[k] - behind)
             };
             let [least, most] = [most[k + 3], least[k + 3]].map(|d: f32| d.recip().min(LARGE));
             let sign = if is_negative { -1.0 } else { 1.0 };

@@ -47,9 +47,10 @@ impl<S: Scalar> WideBvh<S> {
                     own[child as usize]
                 } else {
                     self.lists.ids(child & !LEAF, &mut ids);
-                    let bounds = match is_same && !ids.iter().any(|&id| moved.has(id)) {
-                        true => Aabb::new(before[0].into(), before[1].into()),
-                        false => scale.around(prims, &ids),
+                    let bounds = if is_same && !ids.iter().any(|&id| moved.has(id)) {
+                        Aabb::new(before[0].into(), before[1].into())
+                    } else {
+                        scale.around(prims, &ids)
                     };
                     cost.leaf(&bounds, ids.len());
                     bounds

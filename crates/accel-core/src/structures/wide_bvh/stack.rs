@@ -89,9 +89,10 @@ impl<'a> Stack<'a> {
         is_any_hit: bool,
         name: impl Fn(usize) -> u32,
     ) -> Option<u32> {
-        let next = match is_any_hit {
-            true => self.any_of(node, ray, end, name),
-            false => self.nearest_of(node, ray, end, name),
+        let next = if is_any_hit {
+            self.any_of(node, ray, end, name)
+        } else {
+            self.nearest_of(node, ray, end, name)
         };
         next.or_else(|| self.pop(end))
     }

@@ -57,10 +57,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
         let is_exact = self.is_exact && !parameters.starts_earlier();
         let of_nodes = NodeRay::of(origin, direction, is_exact);
         #[cfg(feature = "compiled-tests")]
-        let of_nodes = match self.is_plain {
-            true => NodeRay::plain(origin, direction),
-            false => of_nodes,
-        };
+        let of_nodes = if self.is_plain { NodeRay::plain(origin, direction) } else { of_nodes };
         self.at_root(parameters, of_nodes, t_max)
     }
 

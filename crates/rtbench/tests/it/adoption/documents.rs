@@ -87,10 +87,12 @@ fn arguments(line: &str) -> Option<Vec<String>> {
     let program = words.first()?;
     let cargo = ["cargo", "run", "--release", "--"];
     let is_cargo = words.len() > 4 && words.iter().zip(cargo).all(|(word, of)| word == of);
-    let skipped = match () {
-        () if is_cargo => 4,
-        () if program.rsplit('/').next() == Some("rtbench") => 1,
-        () => return None,
+    let skipped = if is_cargo {
+        4
+    } else if program.rsplit('/').next() == Some("rtbench") {
+        1
+    } else {
+        return None;
     };
     let rest = words.into_iter().skip(skipped);
     Some(std::iter::once("rtbench".to_owned()).chain(rest).collect())
@@ -99,21 +101,21 @@ fn arguments(line: &str) -> Option<Vec<String>> {
 /// All commands of a document.
 fn commands(document: &str) -> Vec<Vec<String>> {
     let text = text_of(document);
-    let lines = match document.ends_with(".yml") {
+    let lines = if document.ends_with(".yml") {
         // folded texts are one line
-        true => {
-            text.replace(">-\n", "").lines().fold(Vec::new(), |mut lines: Vec<String>, line| {
-                match lines.last_mut() {
-                    Some(last) if line.trim_start().starts_with("--") => {
-                        last.push(' ');
-                        last.push_str(line.trim());
-                    }
-                    _ => lines.push(line.to_owned()),
+
+        text.replace(">-\n", "").lines().fold(Vec::new(), |mut lines: Vec<String>, line| {
+            match lines.last_mut() {
+                Some(last) if line.trim_start().starts_with("--") => {
+                    last.push(' ');
+                    last.push_str(line.trim());
                 }
-                lines
-            })
-        }
-        false => [blocks(&text, "sh"), blocks(&text, "yaml")].concat(),
+                _ => lines.push(line.to_owned()),
+            }
+            lines
+        })
+    } else {
+        [blocks(&text, "sh"), blocks(&text, "yaml")].concat()
     };
     joined(&lines).iter().filter_map(|line| arguments(line)).collect()
 }

@@ -39,9 +39,10 @@ fn tables_of_all_commands_that_judge_fit() {
             let ended = run_within(width, command);
             assert!(matches!(ended.code, 0 | 3), "{command}: {}", ended.err);
             // the last line of a check names its baseline, whole
-            let tables = match command.starts_with("check") {
-                true => ended.out.trim_end().rsplit_once('\n').unwrap().0,
-                false => &ended.out,
+            let tables = if command.starts_with("check") {
+                ended.out.trim_end().rsplit_once('\n').unwrap().0
+            } else {
+                &ended.out
             };
             assert_eq!(too_wide(tables, width), [""; 0], "{command} within {width}");
             for head in heads {

@@ -153,9 +153,10 @@ impl Balls {
         let velocity = self.velocities[i];
         let closing = -velocity.dot(normal);
         let along = (velocity + normal * closing) * (1.0 - FRICTION * STEP);
-        self.velocities[i] = match closing > 0.0 {
-            true => along + normal * (closing * bounce(closing)),
-            false => along - normal * closing,
+        self.velocities[i] = if closing > 0.0 {
+            along + normal * (closing * bounce(closing))
+        } else {
+            along - normal * closing
         };
         self.spins[i] = normal.cross(along) / self.radius;
     }

@@ -77,9 +77,10 @@ fn push(scene: &mut Scene, part: &Part, mesh: &Mesh, placement: DAffine3) {
     scene.normals.extend(mesh.normals.iter().map(|&n| placement.transform_vector3(n)));
     let shape = |t: &[u32; 3]| {
         let v = t.map(|i| first_v + i);
-        match mesh.normals.is_empty() {
-            true => Shape::Triangle { v },
-            false => Shape::Patch { v, n: t.map(|i| first_n + i) },
+        if mesh.normals.is_empty() {
+            Shape::Triangle { v }
+        } else {
+            Shape::Patch { v, n: t.map(|i| first_n + i) }
         }
     };
     let material = part.material;

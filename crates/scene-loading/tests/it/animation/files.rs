@@ -10,16 +10,15 @@ use scene_loading::animation::open;
 fn folder(names: &[&str]) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (i, name) in names.iter().enumerate() {
-        let text = match name.ends_with(".ply") {
-            true => format!(
+        let text = if name.ends_with(".ply") {
+            format!(
                 "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n\
                  property float z\nelement face 1\nproperty list uchar int vertex_indices\n\
                  end_header\n{i} 0 0\n{} 0 0\n{i} 1 0\n3 0 1 2\n",
                 i + 1
-            ),
-            false => {
-                format!("v {i} 0 0\nv {} 0 0\nv {i} 1 0\n{}", i + 1, "f 1 2 3\n".repeat(i + 1))
-            }
+            )
+        } else {
+            format!("v {i} 0 0\nv {} 0 0\nv {i} 1 0\n{}", i + 1, "f 1 2 3\n".repeat(i + 1))
         };
         std::fs::write(folder.path().join(name), text).unwrap();
     }

@@ -75,9 +75,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         }
     });
-    let made = match cfg!(feature = "compiled-tests") {
-        true => "each test compiled into it",
-        false => "each test is a call",
+    let made = if cfg!(feature = "compiled-tests") {
+        "each test compiled into it"
+    } else {
+        "each test is a call"
     };
     let said = AxisReport {
         timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives; {made}"),
@@ -118,10 +119,7 @@ fn on_surface(b: &Aabb<f32>, random: &mut Random) -> Vec3 {
     let mut at = Vec3::ZERO;
     for step in 0..3 {
         let k = (first + step) % 3;
-        let part = match step < fixed {
-            true => random.below(2) as f32,
-            false => unit(random) as f32,
-        };
+        let part = if step < fixed { random.below(2) as f32 } else { unit(random) as f32 };
         at[k] = if part == 1.0 { b.max[k] } else { b.min[k] + (b.max[k] - b.min[k]) * part };
     }
     at

@@ -13,9 +13,10 @@ const REFERENCE: &str = "f64";
 
 /// What is said of how tests that are chosen are made.
 pub fn made(built: &[StagedStructure<'_>]) -> &'static str {
-    match built.iter().all(|built| is_compiled(&*built.tracer)) {
-        true => "each test compiled into it as the default is",
-        false => "each test is a call: build with --features compiled-tests for prices",
+    if built.iter().all(|built| is_compiled(&*built.tracer)) {
+        "each test compiled into it as the default is"
+    } else {
+        "each test is a call: build with --features compiled-tests for prices"
     }
 }
 

@@ -76,12 +76,10 @@ pub fn shells_under<S: Buildable>(
             let along = if is_inner { along } else { -along };
             let slant = along.dot(out).abs();
             let far = 4.0 * gap / slant + 64.0 * S::EPSILON.to_f64();
-            let expected = match is_clear {
-                true => Expected::Hit {
-                    id: Some(if is_inner { 1 - inner } else { inner }),
-                    t: [0.0, far],
-                },
-                false => Expected::Anything,
+            let expected = if is_clear {
+                Expected::Hit { id: Some(if is_inner { 1 - inner } else { inner }), t: [0.0, far] }
+            } else {
+                Expected::Anything
             };
             round.push(offset.along(point, along), expected);
         }
