@@ -33,7 +33,6 @@ impl MemoryLimit {
         if self == Self::NONE { self } else { Self(self.0.saturating_sub(bytes)) }
     }
 
-    /// Half of it.
     #[must_use]
     pub(crate) fn halved(self) -> Self {
         if self == Self::NONE { self } else { Self(self.0 / 2) }
@@ -83,7 +82,6 @@ fn can_be_had(bytes: u128) -> bool {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{structure}: it would take {} of memory, {}", mebibytes(*.needed), reason(*.limit))]
 pub struct OutOfMemory {
-    /// Structure.
     pub structure: &'static str,
     /// Bytes that it needs, at least.
     pub needed: u128,
@@ -130,7 +128,6 @@ impl Limits {
 pub struct Counted {
     /// In errors: `number of cells`.
     pub what: &'static str,
-    /// Bytes of each.
     pub bytes: u64,
 }
 
@@ -140,7 +137,6 @@ impl Counted {
         Self { what, bytes }
     }
 
-    /// Ids in cells.
     pub const fn references(what: &'static str) -> Self {
         Self { what, bytes: 4 }
     }

@@ -5,6 +5,8 @@
 //! [`StructureInfo`] and of [`StructureStats`], and errors may be added. `peers/rust-template` is built and
 //! measured in CI against it. Whatever is not here may change at any time.
 
+#![warn(missing_docs)]
+
 pub use crate::geometry::aabb::Aabb;
 pub use crate::geometry::ray::{Hit, MISS, Ray};
 pub use crate::geometry::scalar::{Scalar, Vec3, Vector};

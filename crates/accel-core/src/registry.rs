@@ -68,20 +68,10 @@ pub enum RegistryError {
     SameName(&'static str),
     /// The same parameter twice, perhaps one that all structures have.
     #[error("{structure} has two parameters of the name '{name}'")]
-    SameParam {
-        /// Structure.
-        structure: &'static str,
-        /// Of both.
-        name: &'static str,
-    },
+    SameParam { structure: &'static str, name: &'static str },
     /// One of the variants that are measured or tested is not `name=value ...`.
     #[error("{structure}: '{settings}' is no variant: expected name=value, separated by spaces")]
-    Variant {
-        /// Structure.
-        structure: &'static str,
-        /// As written.
-        settings: &'static str,
-    },
+    Variant { structure: &'static str, settings: &'static str },
     /// The default of a parameter, or a variant, is not valid.
     #[error(transparent)]
     Param(#[from] ParamError),

@@ -20,7 +20,6 @@ impl CapacityLimits {
         Self { limits, parts }
     }
 
-    /// Half of everything.
     pub(crate) fn halved(&self) -> Self {
         let limits = Limits { memory: self.limits.memory.halved(), ..self.limits };
         Self { limits, parts: self.parts.map(|(part, most)| (part, most / 2)) }

@@ -1,5 +1,7 @@
 //! What a structure is: the trait, what it says of itself, what was built, and why it could not be.
 
+#![warn(missing_docs)]
+
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;

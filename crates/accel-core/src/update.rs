@@ -57,7 +57,6 @@ pub const REBUILD_AT: ParamSpec = ParamSpec::real("rebuild-at", "1.5", 1.0, 1e9)
 pub enum Change {
     /// It was built anew.
     Rebuilt,
-    /// It was updated.
     Updated,
     /// The lists of some cells were changed, and stand elsewhere now.
     Lists(ChangedLists),
@@ -94,7 +93,6 @@ impl MovedIds {
         Self(bits)
     }
 
-    /// Whether one has.
     #[inline(always)]
     pub(crate) fn has(&self, id: u32) -> bool {
         self.0.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)

@@ -12,7 +12,6 @@ pub use scene_loading::{
 
 /// A scene that is known but not loaded.
 pub trait KnownScene: Debug + Send + Sync {
-    /// Name in tables.
     fn name(&self) -> &str;
 
     /// Loads or generates it.
@@ -47,7 +46,6 @@ pub trait KnownScene: Debug + Send + Sync {
     fn fetch(&self) -> Result<Option<PathBuf>, LoadError>;
 }
 
-/// Scenes by name.
 pub trait SceneSource {
     /// The scenes that names, names of sets and paths stand for, each once.
     ///

@@ -3,6 +3,8 @@
 //! Nothing of this repository is needed here, so that plugins in Rust can take this file as it is:
 //! `peers/rust/peer` does.
 
+#![warn(missing_docs)]
+
 use std::ffi::{c_char, c_int, c_void};
 
 use bytemuck::{Pod, Zeroable};

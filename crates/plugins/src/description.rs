@@ -17,7 +17,6 @@ pub struct Description {
     pub name: String,
     /// Its version, as it says.
     pub version: String,
-    /// One line.
     pub summary: String,
     /// It has a query of its own for shadow rays.
     pub has_occlusion: bool,
@@ -34,11 +33,8 @@ pub struct Description {
 /// One setting of a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SettingDescription {
-    /// As typed.
     pub name: String,
-    /// One line.
     pub summary: String,
-    /// The default.
     pub initial: String,
     /// Which values it takes.
     pub kind: SettingKind,

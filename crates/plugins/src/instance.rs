@@ -20,7 +20,6 @@ const CHUNK: usize = 4096;
 /// What is asked of rays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Query {
-    /// Closest hits.
     Closest,
     /// Whether an opaque triangle is in the way.
     Occlusion,
@@ -198,7 +197,6 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
 }
 
 impl<H> Instance<H> {
-    /// What was built.
     pub fn stats(&self) -> Stats {
         let mut stats =
             abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };

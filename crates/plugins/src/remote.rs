@@ -40,7 +40,6 @@ pub(crate) struct Remote {
     said: Arc<Mutex<Vec<u8>>>,
     /// Somebody may hang up on it.
     is_watched: bool,
-    /// How it ended.
     failure: Option<String>,
 }
 
@@ -200,7 +199,6 @@ impl Remote {
         self.done(&Request::Count { on }, "turning counting on or off").map(|_| ())
     }
 
-    /// What was built.
     pub(crate) fn stats(&mut self) -> Result<Stats, String> {
         match self.ask(&Request::Stats, "saying what it built")? {
             Reply::Stats(stats) => Ok(stats),

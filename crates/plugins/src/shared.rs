@@ -54,7 +54,6 @@ impl SharedSegment {
         Ok(Self { map })
     }
 
-    /// All of it.
     pub(crate) fn bytes(&self) -> &[u8] {
         match &self.map {
             Map::Writable(map) => map,

@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 /// What a call took.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct CallTime {
-    /// Seconds.
     pub seconds: f64,
     /// Those of them that threads other than the one that called had; 0 where that is not known.
     pub by_others: f64,

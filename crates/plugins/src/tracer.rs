@@ -29,7 +29,6 @@ struct State<'a> {
     place: Host<'a>,
     /// Of calls since they were asked for.
     seconds: f64,
-    /// Of all calls.
     all: CallTime,
     /// Origins within it are near.
     reach: f32,

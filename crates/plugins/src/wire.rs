@@ -28,16 +28,26 @@ pub(crate) enum Request {
     /// What the plugin is.
     Describe,
     /// To map a file, in place of the one before.
-    Map { part: Part, file: PathBuf },
+    Map {
+        part: Part,
+        file: PathBuf,
+    },
     /// To build over so many triangles.
-    Build { triangles: usize, values: Vec<String>, threads: usize },
+    Build {
+        triangles: usize,
+        values: Vec<String>,
+        threads: usize,
+    },
     /// To answer so many rays.
-    Trace { query: Query, rays: usize },
+    Trace {
+        query: Query,
+        rays: usize,
+    },
     /// To count from here on, or not.
-    Count { on: bool },
-    /// What was built.
+    Count {
+        on: bool,
+    },
     Stats,
-    /// Nothing.
     Nothing,
     /// To destroy what was built.
     Destroy,
@@ -50,10 +60,11 @@ pub(crate) enum Reply {
     Done(CallTime),
     /// What the plugin is.
     Description(Box<Description>),
-    /// What was built.
     Stats(Stats),
     /// It is not done.
-    Refused { message: String },
+    Refused {
+        message: String,
+    },
 }
 
 /// Writes a line.

@@ -13,13 +13,9 @@ use crate::table::{Cell, Table, dash};
 /// What a row has in a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
-    /// Nothing.
     None,
-    /// Words.
     Text(String),
-    /// What is counted.
     Count(u64),
-    /// A number.
     Real(f64),
     /// What is measured, with its interval.
     Measured(Estimate),
@@ -53,7 +49,6 @@ pub struct Column<R> {
     pub keys: &'static [&'static str],
     /// In tables; empty for what is in none.
     pub head: &'static str,
-    /// Unit.
     pub unit: Unit,
     /// What a row has.
     pub of: fn(&R) -> Value,
@@ -64,7 +59,6 @@ pub struct Column<R> {
 }
 
 impl<R> Column<R> {
-    /// A column.
     pub const fn new(
         keys: &'static [&'static str],
         head: &'static str,

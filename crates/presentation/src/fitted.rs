@@ -2,7 +2,6 @@
 
 use crate::table::{Cell, Table};
 
-/// Between two columns.
 pub const GAP: usize = 2;
 
 /// The narrowest that names and closing words are made.

@@ -4,7 +4,6 @@
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("cannot write the results as {format}: {message}")]
 pub struct FormatError {
-    /// CSV or JSON.
     pub format: &'static str,
     /// What the library said.
     pub message: String,

@@ -3,10 +3,8 @@
 
 use crate::svg_plot::xml::escaped;
 
-/// An attribute.
 pub type Attribute<'a> = (&'a str, &'a str);
 
-/// Markup so far.
 #[derive(Debug, Default)]
 pub struct Html {
     out: String,
@@ -14,7 +12,6 @@ pub struct Html {
 }
 
 impl Html {
-    /// Begins an element.
     pub fn open(&mut self, name: &'static str, attributes: &[Attribute<'_>]) {
         self.tag(name, attributes);
         self.out.push('>');
@@ -43,7 +40,6 @@ impl Html {
         self.out.push_str("/>\n");
     }
 
-    /// Text.
     pub fn text(&mut self, text: &str) {
         self.out.push_str(&escaped(text));
     }
@@ -65,7 +61,6 @@ impl Html {
         self.open("div", &attributes);
     }
 
-    /// A paragraph.
     pub fn paragraph(&mut self, text: &str) {
         self.element("p", &[], text);
         self.out.push('\n');

@@ -74,7 +74,6 @@ fn push_escaped(out: &mut String, c: char) {
 pub struct Annotation {
     /// `error` or `warning`.
     pub level: &'static str,
-    /// Above the text.
     pub title: String,
     /// What there is to say.
     pub text: String,
@@ -91,7 +90,6 @@ impl fmt::Display for Annotation {
 /// What a line holds so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Seen {
-    /// Nothing but blanks.
     Blank,
     /// Blanks and a colon.
     Colon,

@@ -3,22 +3,16 @@
 /// How a cell looks where there are colours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
-    /// As text.
     Plain,
-    /// Something is wrong.
     Bad,
     /// The best of its column.
     Best,
-    /// Of little weight.
     Dim,
 }
 
-/// Text and look.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Cell {
-    /// Text.
     pub text: String,
-    /// Look.
     pub style: Style,
 }
 
@@ -31,13 +25,10 @@ impl From<String> for Cell {
 /// A table: the first column is text, the others are numbers.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Table {
-    /// Above it.
     pub title: String,
-    /// Column heads.
     pub header: Vec<&'static str>,
     /// Cells, row by row.
     pub rows: Vec<Vec<Cell>>,
-    /// Below it.
     pub notes: Vec<String>,
 }
 

@@ -11,7 +11,6 @@ use crate::table::{Cell, Style, Table};
 pub struct Screen {
     /// Characters of a line.
     pub width: usize,
-    /// With colours.
     pub colors: bool,
 }
 

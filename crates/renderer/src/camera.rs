@@ -78,7 +78,6 @@ impl EyeRays {
         [right, down, self.forward - self.right + self.up]
     }
 
-    /// The eye.
     pub fn origin(&self) -> DVec3 {
         self.from
     }

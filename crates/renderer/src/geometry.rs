@@ -14,9 +14,7 @@ use scene_loading::{Scene, Shape};
 #[derive(Debug, Clone, thiserror::Error)]
 #[error("scene {scene}: {source}")]
 pub struct GeometryError {
-    /// Scene name.
     pub scene: String,
-    /// What is wrong.
     pub source: PrimitiveError,
 }
 
@@ -79,7 +77,6 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 
-    /// For building structures.
     pub fn prims(&self) -> PrimsRef<'_, S> {
         match self {
             Self::Triangles(set) => PrimsRef::Watertight(set),
@@ -95,7 +92,6 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 
-    /// Number of primitives.
     pub fn len(&self) -> usize {
         match self {
             Self::Triangles(set) => set.len(),

@@ -8,11 +8,9 @@ use crate::shading::ray_offset::OffsetRule;
 /// What a ray is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RayKind {
-    /// From the eye.
     Primary,
     /// From a hit point to a light: a question of occlusion.
     Shadow,
-    /// Mirrored.
     Reflected,
     /// Into or out of a transmissive body.
     Refracted,
@@ -21,11 +19,9 @@ pub enum RayKind {
 }
 
 impl RayKind {
-    /// All kinds.
     pub const ALL: [Self; 5] =
         [Self::Primary, Self::Shadow, Self::Reflected, Self::Refracted, Self::Diffuse];
 
-    /// Name as typed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Primary => "primary",

@@ -21,28 +21,23 @@ use measurement::system::interrupt::undisturbed;
 const FOLDER: &str = ".rtbench/baselines";
 /// How their files end.
 const EXTENSION: &str = "json";
-/// Longest name.
 const LONGEST: usize = 64;
 
 /// What is wrong with a baseline or its name.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
-    /// Not a name.
     #[error(
         "'{0}' is no name of a baseline: expected 1 to {LONGEST} letters, digits, '.', '-' \
              and '_', beginning with a letter or digit"
     )]
     Name(String),
-    /// No such baseline.
     #[error("no baseline '{name}' in {}{hint}; {valid}", folder.display())]
     Unknown {
-        /// As typed.
         name: String,
         /// Where it was looked for.
         folder: PathBuf,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// What there is.
         valid: String,
     },
     /// It would overwrite one.
@@ -57,12 +52,10 @@ pub enum BaselineError {
     /// Only a whole run serves.
     #[error("{}: the run was not finished; go on with `rtbench run --resume DIR`", .0.display())]
     Incomplete(PathBuf),
-    /// The system refused.
     #[error("baseline {}: {source}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// The system's reason.
         source: io::Error,
     },
     /// It is no record.
@@ -70,12 +63,7 @@ pub enum BaselineError {
     Record(#[from] RecordError),
     /// Its instruction counts cannot be read.
     #[error("{}: {message}", path.display())]
-    Counts {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        message: String,
-    },
+    Counts { path: PathBuf, message: String },
 }
 
 impl BaselineError {
@@ -85,10 +73,8 @@ impl BaselineError {
     }
 }
 
-/// A baseline.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Baseline {
-    /// The run.
     #[serde(flatten)]
     pub record: RunRecord,
     /// Instruction counts of its rows.

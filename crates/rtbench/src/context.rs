@@ -31,7 +31,6 @@ pub struct Context<'a> {
     pub world: &'a dyn World,
     /// Standard output: results and nothing else.
     pub out: &'a mut dyn Write,
-    /// Standard error: warnings.
     pub err: &'a mut dyn Write,
     /// The command line, program first; commands get it as results record it.
     pub command_line: Vec<String>,
@@ -146,9 +145,7 @@ impl Terminal {
 /// How much to say on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verbosity {
-    /// Errors only.
     Quiet,
-    /// Warnings and progress.
     Normal,
     /// What is being done, too.
     Verbose,

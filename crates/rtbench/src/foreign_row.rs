@@ -17,38 +17,16 @@ pub enum ForeignRowError {
     Record(#[from] RecordError),
     /// Some scenes are not measured yet.
     #[error("{}: the run is not finished: `rtbench run --resume` first", path.display())]
-    Incomplete {
-        /// The results.
-        path: PathBuf,
-    },
+    Incomplete { path: PathBuf },
     /// The run was of other scenes.
     #[error("{}: it has no scene {scene} of that content; it has: {valid}", path.display())]
-    NoScene {
-        /// The results.
-        path: PathBuf,
-        /// As typed.
-        scene: String,
-        /// What it has.
-        valid: String,
-    },
+    NoScene { path: PathBuf, scene: String, valid: String },
     /// The run issued other rays.
     #[error("{}: its rays are others: {what}; export those of the run, with its options", path.display())]
-    OtherRays {
-        /// The results.
-        path: PathBuf,
-        /// What differs.
-        what: String,
-    },
+    OtherRays { path: PathBuf, what: String },
     /// There is such a row.
     #[error("{}: scene {scene} has a row '{name}': another --name, or --overwrite for a foreign one", path.display())]
-    Taken {
-        /// The results.
-        path: PathBuf,
-        /// The scene.
-        scene: String,
-        /// As typed.
-        name: String,
-    },
+    Taken { path: PathBuf, scene: String, name: String },
 }
 
 /// The results in a folder with a foreign row more, of the scene that is called `name` here and has this

@@ -97,6 +97,7 @@ pub fn main() -> ExitCode {
 ///     rtbench::main_with(&[entry!(UniformGrid, INFO)])
 /// }
 /// ```
+#[warn(missing_docs)]
 pub fn main_with(own: &[Entry]) -> ExitCode {
     main_over(&[REGISTRY, own].concat())
 }

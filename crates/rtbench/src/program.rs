@@ -3,7 +3,6 @@
 use measurement::record::{Compiler, Tool};
 use measurement::system::world::SystemWorld;
 
-/// The program.
 pub fn tool() -> Tool {
     Tool {
         name: env!("CARGO_PKG_NAME").into(),

@@ -61,7 +61,6 @@ impl PackageAsset {
 pub struct Places {
     /// Cargo's home folder; packages are below `registry/src/*/`.
     pub cargo_home: Option<PathBuf>,
-    /// Our own cache.
     pub cache: Option<PathBuf>,
 }
 

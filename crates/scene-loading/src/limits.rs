@@ -9,16 +9,13 @@ pub const MAX_BYTES: u64 = 2 << 30;
 /// Bytes of a JSON scene or set file: 64 MiB. (Parsed, it takes up to 20 times as much.)
 pub const MAX_JSON: u64 = 64 << 20;
 
-/// Vertices, and primitives.
 pub const MAX_ELEMENTS: usize = 64 << 20;
 
 /// Materials, and names of materials.
 pub const MAX_MATERIALS: usize = 1 << 20;
 
-/// Lights.
 pub const MAX_LIGHTS: usize = 1 << 20;
 
-/// Images.
 pub const MAX_TEXTURES: usize = 1 << 14;
 
 /// Bytes of a name.

@@ -19,14 +19,7 @@ pub enum StudyError {
     Measure(Box<MeasureError>),
     /// A scene has nothing that an axis of accuracy is about.
     #[error("{axis}: scene {scene} does not serve: {reason}")]
-    UnfitScene {
-        /// Axis.
-        axis: &'static str,
-        /// Scene.
-        scene: String,
-        /// What it lacks.
-        reason: &'static str,
-    },
+    UnfitScene { axis: &'static str, scene: String, reason: &'static str },
     /// Processes that were to measure the same did not.
     #[error(transparent)]
     Unlike(#[from] ProcessMismatch),
@@ -44,11 +37,9 @@ pub enum StudyError {
 pub struct ProcessMismatch {
     /// The axis of accuracy.
     pub axis: String,
-    /// Scene and subject.
     pub place: String,
     /// The process, from 1.
     pub process: u32,
-    /// What it has.
     pub found: String,
 }
 
@@ -56,9 +47,7 @@ pub struct ProcessMismatch {
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct UnsavedImage {
-    /// The file.
     pub path: PathBuf,
-    /// Why.
     pub source: ImageError,
 }
 

@@ -1,5 +1,7 @@
 //! Axis-aligned bounding boxes.
 
+#![warn(missing_docs)]
+
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
 /// An axis-aligned box; empty when `min > max` on any axis.

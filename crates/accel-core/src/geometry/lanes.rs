@@ -23,9 +23,7 @@ pub trait Lanes:
     type Scalar;
     /// The lanes as an array.
     type Array;
-    /// From an array.
     fn new(lanes: Self::Array) -> Self;
-    /// All lanes equal.
     fn splat(x: Self::Scalar) -> Self;
     /// The lanes as an array.
     fn to_array(self) -> Self::Array;
@@ -56,11 +54,9 @@ pub trait Eight: Lanes + BitAnd<Output = Self> + BitOr<Output = Self> {
     fn at_most(self, other: Self) -> Self;
     /// Where `self < other`.
     fn below(self, other: Self) -> Self;
-    /// Without sign.
     fn absolute(self) -> Self;
     /// Lanes of `self` where `mask` has all ones, of `other` where it has zeros.
     fn where_set(self, mask: Self, other: Self) -> Self;
-    /// Rows as columns.
     fn transposed(rows: [Self; 8]) -> [Self; 8];
     /// The highest bit of each lane, the first lane's lowest.
     fn high_bits(self) -> u32;

@@ -1,5 +1,7 @@
 //! Rays and hits.
 
+#![warn(missing_docs)]
+
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
 /// The id of "no primitive".

@@ -7,22 +7,16 @@ use crate::geometry::scalar::{EightOf, Scalar, Vec3, Vector};
 /// Rays of a group.
 pub const LANES: usize = 8;
 
-/// Their parts.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub struct RayLanes<S> {
-    /// By axis.
     pub origin: [[S; LANES]; 3],
-    /// By axis.
     pub direction: [[S; LANES]; 3],
-    /// Smallest accepted parameters.
     pub t_min: [S; LANES],
-    /// Largest accepted parameters.
     pub t_max: [S; LANES],
 }
 
 impl<S: Scalar> RayLanes<S> {
-    /// Of these rays.
     #[inline(always)]
     pub fn of(rays: &[Ray<S>; LANES]) -> Self {
         let mut rows = [[S::ZERO; LANES]; LANES];
@@ -35,7 +29,6 @@ impl<S: Scalar> RayLanes<S> {
         Self { origin: [x, y, z], direction: [dx, dy, dz], t_min, t_max }
     }
 
-    /// One of them.
     #[inline(always)]
     pub fn ray(&self, lane: usize) -> Ray<S> {
         let ([x, y, z], [dx, dy, dz]) = (&self.origin, &self.direction);

@@ -1,5 +1,7 @@
 //! f32 and f64 from one source: the scalar trait and the vector trait over glam's types.
 
+#![warn(missing_docs)]
+
 use std::fmt::{Debug, Display};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 

@@ -110,7 +110,6 @@ impl Block {
         self.first as u64 | (x as u64) << 32 | (y as u64) << 40 | (z as u64) << 48
     }
 
-    /// What was packed.
     #[inline(always)]
     fn of_packed(packed: u64) -> Self {
         let byte = |shift: u32| (packed >> shift & 0xFF) as usize;

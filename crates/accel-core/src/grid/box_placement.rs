@@ -8,9 +8,7 @@ use crate::grid::voxel_traversal::GridFrame;
 
 /// Primitive `id` goes to every cell that its box touches.
 pub(crate) struct BoxPlacement<'a, S: Scalar> {
-    /// The grid.
     pub frame: GridFrame<S>,
-    /// Boxes by id.
     pub boxes: &'a [Aabb<S>],
     /// Cell indices by division, as in 1999.
     pub by_division: bool,

@@ -22,7 +22,6 @@ pub struct CellLists<I = Vec<u32>> {
 /// The order of ids within a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ListOrder {
-    /// Ascending ids.
     File,
     /// Descending ids, as Havran and Sixta's uniform grid had them.
     Reverse,
@@ -237,12 +236,10 @@ impl<I: Deref<Target = [u32]>> CellLists<I> {
         }
     }
 
-    /// All lists.
     pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).map(|at| &self.ids[at[0] as usize..at[1] as usize])
     }
 
-    /// Number of cells.
     pub fn cells(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
@@ -260,7 +257,6 @@ impl<I: Deref<Target = [u32]>> CellLists<I> {
         }
     }
 
-    /// Bytes occupied.
     pub fn bytes(&self) -> usize {
         (self.starts.len() + self.references()) * 4
     }

@@ -11,16 +11,13 @@ use crate::params::{ParamKind, ParamSpec, Params};
 pub trait CellPosition {
     /// Its index, x fastest.
     fn index(&self) -> usize;
-    /// Its coordinates.
     fn coords(&self) -> [i32; 3];
 }
 
 /// A cell that no ray is in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GridCell {
-    /// Index, x fastest.
     pub index: usize,
-    /// Coordinates.
     pub coords: [i32; 3],
 }
 

@@ -20,7 +20,6 @@ use crate::parallel::{collect, forks, map, ranges};
 pub enum Metric {
     /// |dx| + |dy| + |dz|.
     CityBlock,
-    /// max(|dx|, |dy|, |dz|).
     Chessboard,
     /// sqrt(dx^2 + dy^2 + dz^2), rounded down.
     Euclidean,

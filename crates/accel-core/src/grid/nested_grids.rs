@@ -113,7 +113,6 @@ impl<S: Scalar> NestedGrids<S> {
         self.bounds(grid).clip(ray.origin, ray.direction, t_start, ray.t_max).is_some()
     }
 
-    /// Bytes occupied.
     pub(crate) fn bytes(&self) -> u64 {
         (size_of_val(self.grids.as_slice())
             + size_of_val(self.starts.as_slice())
@@ -177,7 +176,6 @@ pub(crate) struct Census {
     pub empty_cells: u64,
     /// Cells with inner grids.
     pub dividing_cells: u64,
-    /// References to primitives.
     pub references: u64,
 }
 

@@ -43,11 +43,9 @@ pub enum ResolutionRule {
     Regular,
     /// Side = average longest side of a primitive's box.
     AverageEdge,
-    /// Exact cubes.
     Cubic,
     /// The cheapest by the estimate of the module's header.
     Auto,
-    /// Given.
     Fixed([u32; 3]),
 }
 

@@ -55,17 +55,14 @@ impl<S: Scalar> GridFrame<S> {
         Self { bounds, lo, cell, inv_cell, n: n.map(|n| n as i32) }
     }
 
-    /// Cells an axis.
     pub fn resolution(&self) -> [u32; 3] {
         self.n.map(|n| n as u32)
     }
 
-    /// The divided box.
     pub fn bounds(&self) -> Aabb<S> {
         self.bounds
     }
 
-    /// Number of cells.
     pub fn cells(&self) -> usize {
         self.n.iter().map(|&n| n as usize).product()
     }

@@ -1,5 +1,7 @@
 //! Which box a structure takes for a primitive: today's padded boxes, or those of 1999.
 
+#![warn(missing_docs)]
+
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::parallel::collect;

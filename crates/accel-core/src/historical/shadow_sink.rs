@@ -22,7 +22,6 @@ pub struct HistoricalShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalShadow<'a, S, P, C> {
-    /// Starts a query.
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
         Self {
             prims,
@@ -85,7 +84,6 @@ pub struct HistoricalCellShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalCellShadow<'a, S, P, C> {
-    /// Starts a query.
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
         let best = Hit { t: ray.t_max, id: MISS };
         Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }

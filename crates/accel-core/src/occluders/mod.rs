@@ -41,7 +41,6 @@ pub type PreparedOccluder<S> = Box<
 pub type Entry = registry::Entry<Occluding>;
 
 impl Entry {
-    /// Reads the settings.
     pub fn prepare<S: Buildable>(&self, params: &Params) -> PreparedOccluder<S> {
         S::builder(self)(params)
     }

@@ -1,5 +1,7 @@
 //! Typed settings: what a structure is built by, read off [`Params`] once, before anything is built.
 
+#![warn(missing_docs)]
+
 use std::ops::Deref;
 
 use super::Params;

@@ -1,5 +1,7 @@
 //! Settings of a structure: named, typed, with defaults and ranges.
 
+#![warn(missing_docs)]
+
 pub mod config;
 pub mod specs;
 

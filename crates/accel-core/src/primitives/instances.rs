@@ -12,7 +12,6 @@ pub struct Instance {
     pub object: u32,
     /// The id of its first primitive.
     pub first: u32,
-    /// Primitives.
     pub count: u32,
     /// From the object's own space to the world.
     pub placement: DAffine3,

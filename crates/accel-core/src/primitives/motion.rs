@@ -100,7 +100,6 @@ impl<S: Scalar> Motion<S> {
         self.margin
     }
 
-    /// Whether anything moves.
     pub fn any(&self) -> bool {
         !self.which.is_empty()
     }

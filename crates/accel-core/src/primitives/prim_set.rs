@@ -1,5 +1,7 @@
 //! What a set of primitives answers.
 
+#![warn(missing_docs)]
+
 use std::ops::Range;
 
 use glam::DVec3;

@@ -1,5 +1,7 @@
 //! A set of whichever primitives, as scenes have them.
 
+#![warn(missing_docs)]
+
 use super::{MixedSet, TriangleSet};
 use crate::geometry::scalar::Scalar;
 

@@ -11,10 +11,8 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::Ball;
 
-/// A sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere<S: Scalar> {
-    /// Centre.
     pub center: Vec3<S>,
     /// Radius, >= 0; a sphere of radius 0 is never hit.
     pub radius: S,
@@ -96,7 +94,6 @@ impl<S: Scalar> Sphere<S> {
         self.center.to_dvec3().distance(from) + self.radius.to_f64()
     }
 
-    /// Bounds, rounded outwards.
     pub fn bounds(&self) -> Aabb<S> {
         let (c, r) = (self.center.to_array(), self.radius);
         Aabb {

@@ -30,7 +30,6 @@ use crate::primitives::{
 
 /// A way to intersect a ray with a triangle.
 pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
-    /// Per-ray precomputation.
     type Setup: Copy;
     /// Name in settings and tables.
     const NAME: &'static str;

@@ -94,7 +94,6 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
 struct ClosestQuery<'r, 'a, S: Scalar, P, C> {
     prims: &'r P,
     rays: &'r [Ray<S>],
-    /// As many.
     hits: &'a mut [Hit<S>],
     work: C,
 }
@@ -140,7 +139,6 @@ impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for ClosestQuery
 struct Occlusions<'r, 'a, S: Scalar, P, C> {
     prims: &'r P,
     rays: &'r [Ray<S>],
-    /// As many.
     blocked: &'a mut [bool],
     work: C,
 }

@@ -24,7 +24,6 @@ pub struct Cell<'a> {
     pub bounds: Aabb<f64>,
     /// 0 for the outermost.
     pub depth: u32,
-    /// What it is.
     pub kind: CellKind,
     /// The primitives that it lists, as they are tested. Inner cells list none but where voxels hold
     /// primitives and grids alike.
@@ -32,7 +31,6 @@ pub struct Cell<'a> {
 }
 
 impl<'a> Cell<'a> {
-    /// An elementary cell.
     pub fn elementary<S: Scalar>(bounds: Aabb<S>, depth: u32, ids: &'a [u32]) -> Self {
         let kind = if ids.is_empty() { CellKind::Empty } else { CellKind::Leaf };
         Self { bounds: bounds.in_double(), depth, kind, ids }

@@ -48,11 +48,9 @@ impl AddAssign for NoCounters {
 /// Sums over a batch of rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct WorkCounters {
-    /// N_IT: intersection tests.
     pub intersection_tests: u64,
     /// N_TS: traversal steps of every kind.
     pub traversal_steps: u64,
-    /// N_ETS: elementary steps.
     pub elementary_steps: u64,
     /// N_EETS: elementary steps into empty cells.
     pub empty_elementary_steps: u64,

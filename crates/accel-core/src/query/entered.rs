@@ -20,7 +20,6 @@ pub struct CrossedCell {
     pub bounds: Aabb<f64>,
     /// 0 for the outermost.
     pub depth: u32,
-    /// What it is.
     pub kind: CellKind,
     /// The primitives that it lists.
     pub ids: Vec<u32>,

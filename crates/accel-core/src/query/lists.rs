@@ -19,7 +19,6 @@ pub(crate) enum Lists<S> {
 
 /// Where each of some lists, none of them empty, will be.
 pub(crate) struct Layout {
-    /// Their numbers.
     pub(crate) numbers: Vec<u32>,
     /// They are kept as so many blocks or ids.
     end: usize,

@@ -19,7 +19,6 @@ use crate::query::sink::Sink;
 
 /// A structure that derives what it needs of eight rays at once.
 pub(crate) trait LaneStructure<S: Scalar>: Resumable<S> {
-    /// What it derives.
     type Eight;
     /// What they have in common.
     type Packet;

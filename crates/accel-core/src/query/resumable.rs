@@ -52,7 +52,6 @@ pub(crate) trait Resumable<S: Scalar>: Structure<S> {
     ) -> bool;
 }
 
-/// One ray.
 #[inline(always)]
 pub(crate) fn traverse<S: Scalar, T: Resumable<S>, K: Sink<S>>(
     structure: &T,

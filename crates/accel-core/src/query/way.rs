@@ -28,20 +28,16 @@ pub enum Outcome {
 /// A traversal step, and the tests that it led to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct TraceStep {
-    /// What was entered.
     pub kind: CellKind,
     /// Primitives in the order of their tests.
     pub tests: Vec<(u32, Outcome)>,
 }
 
-/// A closest-hit query.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TraversalTrace<S: Scalar> {
     /// The steps, first to last.
     pub steps: Vec<TraceStep>,
-    /// The answer.
     pub hit: Hit<S>,
-    /// What it took.
     pub counters: WorkCounters,
 }
 

@@ -62,7 +62,6 @@ config! {
     and kernel::PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
 }
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "adaptive-grid",
     summary: "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",

@@ -48,11 +48,9 @@ use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec::choice("directions", "7", &["3", "4", "7"])
     .about("plane directions of slabs: 3 axes, 4 diagonals of the cube, or all 7");
 
-/// Limit for volumes.
 pub(super) const MAX_CELLS: ParamSpec = ParamSpec::integer("max-cells", "67108864", 1, 1 << 31)
     .about("upper limit for the number of volumes");
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "bounding-volumes",
     summary: "boxes, spheres or slabs around primitives or groups, each tested in turn",
@@ -118,7 +116,6 @@ impl Config for VolumesConfig {
 /// A list of volumes.
 pub struct BoundingVolumes<S: Scalar> {
     volumes: Volumes<S>,
-    /// Group by group.
     ids: Vec<u32>,
     /// Primitives in a volume; the last one may hold fewer.
     group: usize,

@@ -36,7 +36,6 @@ config! {
 const CACHE_LINE: &str =
     if cfg!(all(target_arch = "aarch64", target_os = "macos")) { "128" } else { "64" };
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "bricked-grid",
     summary: "equal voxels in blocks of a cache line and macro-blocks of the L2 cache",

@@ -12,7 +12,6 @@ use crate::query::region::{Frustum, FrustumTraversal};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     sampled: true,
     ..StructureInfo::new("brute-force", "tests every primitive for every ray; the oracle in f64")

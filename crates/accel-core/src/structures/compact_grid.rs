@@ -40,7 +40,6 @@ config! {
     }
 }
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "compact-grid",
     summary: "equal voxels, a bit each; rows of occupied ones laid over each other in one table",
@@ -145,7 +144,6 @@ impl Bits {
 /// Where each row of cells stands in the table.
 #[derive(Debug, Clone)]
 struct RowDisplacements {
-    /// Rows along y.
     rows_y: usize,
     /// Where cell 0 of each row would stand, modulo 2^32: cells before its first occupied one
     /// need no place.
@@ -244,14 +242,12 @@ impl CellRows for RowDisplacements {
 pub struct CompactCells {
     occupied: Bits,
     rows: RowDisplacements,
-    /// Lists by place.
     lists: CellLists,
 }
 
 impl CellStorage for CompactCells {
     type Config = RowsConfig;
 
-    /// A bit.
     fn cell_bytes(cells: u128) -> u128 {
         cells.div_ceil(8)
     }

@@ -38,7 +38,6 @@ config! {
     }
 }
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "hashed-grid",
     summary: "equal voxels in a hash table: only occupied ones take memory",

@@ -59,7 +59,6 @@ config! {
     and kernel::BLOCK_PARAM, mailbox::PARAM, mailbox::SLOTS_PARAM
 }
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "hug",
     summary: "grids over clusters of primitives of like size, nested, each traversed once per ray",
@@ -166,9 +165,7 @@ impl<S: Scalar> Structure<S> for Hug<S> {
 
 /// What a build looks at.
 pub(super) struct Boxes<S: Scalar> {
-    /// Of every primitive.
     pub of: Vec<Aabb<S>>,
-    /// Of the scene.
     pub scene: Aabb<S>,
     /// By how much the boxes of grids grow.
     pub padding: S,

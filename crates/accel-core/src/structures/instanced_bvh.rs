@@ -10,7 +10,6 @@ use crate::structures::obvhs::adapter::PRESET;
 use crate::structures::wide_bvh::{self, WideBvh};
 use crate::update::INSTANCES;
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003",
     deviations: "objects in the space of their first copy; primitives are tested in the world, one by one",

@@ -13,7 +13,6 @@ use crate::update::INSTANCES;
 const OF_COPIES: ParamSpec =
     ParamSpec { name: "top-density", summary: "voxels per copy of an object", ..specs::DENSITY };
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003",
     deviations: "objects in the space of their first copy; primitives are tested in the world",
@@ -26,7 +25,6 @@ pub static INFO: StructureInfo = StructureInfo {
     )
 };
 
-/// Grids over grids.
 pub type InstancedGrid<S> = InstancedStructure<S, UniformGrid<S>>;
 
 impl<S: Scalar> Levels<S> for UniformGrid<S> {

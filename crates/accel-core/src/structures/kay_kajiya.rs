@@ -28,7 +28,6 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "kay-kajiya",
     summary: "hierarchy of slab volumes, nearest entry first by a priority queue",

@@ -32,7 +32,6 @@ use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, DEEPEST, Node};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "kd-tree",
     summary: "binary space subdivision by the surface-area heuristic, traversed with a stack",
@@ -51,7 +50,6 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
-/// A k-d tree.
 pub struct KdTree<S: Scalar> {
     bounds: Aabb<S>,
     cells: Cells<S>,

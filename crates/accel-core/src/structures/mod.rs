@@ -133,6 +133,7 @@ impl Entry {
 }
 
 /// The entry of that name.
+#[warn(missing_docs)]
 pub fn find(name: &str) -> Option<&'static Entry> {
     registry::find(REGISTRY, name)
 }

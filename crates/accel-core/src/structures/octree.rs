@@ -40,7 +40,6 @@ use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, Content};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "octree",
     summary: "cells cut into eight at the centre or by cost; three ways to traverse them",
@@ -70,7 +69,6 @@ const HISTORICAL_NUDGE: f64 = 1e-6;
 /// the origin.
 const HISTORICAL_START: f64 = 0.01;
 
-/// An octree.
 pub struct Octree<S: Scalar> {
     bounds: Aabb<S>,
     cells: Cells<S>,

@@ -29,7 +29,6 @@ use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::uniform_grid::DenseCells;
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "proximity-clouds",
     summary: "equal voxels; empty ones hold the distance to the nearest occupied one",

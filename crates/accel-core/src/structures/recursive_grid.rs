@@ -72,7 +72,6 @@ config! {
     and mailbox::PARAM, mailbox::SLOTS_PARAM
 }
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "recursive-grid",
     summary: "voxels with many primitives are divided by grids of their own, eagerly or on demand",

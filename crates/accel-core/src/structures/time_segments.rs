@@ -136,7 +136,6 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     }
 }
 
-/// Both together.
 fn with(a: StructureStats, b: StructureStats) -> StructureStats {
     StructureStats {
         inner_cells: a.inner_cells + b.inner_cells,

@@ -37,7 +37,6 @@ use crate::structures::uniform_grid::DenseCells;
 use crate::update::{Change, INCREMENTAL, is_worth_changing};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "two-level-grid",
     summary: "a coarse grid whose cells hold grids, each of a resolution of its own",

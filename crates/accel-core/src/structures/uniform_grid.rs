@@ -26,7 +26,6 @@ use crate::query::mailbox;
 use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "uniform-grid",
     summary: "equal voxels with lists of primitives, in one array",
@@ -83,14 +82,12 @@ fn known_defect(params: &Params) -> Option<&'static str> {
     }
 }
 
-/// A dense grid.
 pub type UniformGrid<S> = RegularGrid<S, DenseCells>;
 
 /// One list for every cell, in one array.
 pub struct DenseCells(CellLists);
 
 impl DenseCells {
-    /// All lists.
     pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
         self.0.lists()
     }

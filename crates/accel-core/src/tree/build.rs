@@ -22,7 +22,6 @@ pub(crate) trait Division<S: Scalar>: Sync {
     /// Of a cell that is cut.
     const CHILDREN: usize;
 
-    /// Of one thread.
     fn scratch(&self) -> Self::Scratch;
 
     /// Where to cut a cell that lists `ids`, and the way to what is below it; `None` makes it a leaf.

@@ -17,7 +17,6 @@ use crate::query::sink::Sink;
 pub(crate) enum Item {
     /// Number of a grid.
     Grid(u32),
-    /// Primitive id.
     Orphan(u32),
 }
 
@@ -74,7 +73,6 @@ impl<S: Scalar> ClusterBvh<S> {
         self.build(right, depth + 1, areas);
     }
 
-    /// Inner nodes.
     pub(crate) fn inner_nodes(&self) -> u64 {
         self.nodes.iter().filter(|n| matches!(n.content, Content::Inner(_))).count() as u64
     }
@@ -107,7 +105,6 @@ impl<S: Scalar> ClusterBvh<S> {
         }
     }
 
-    /// Bytes occupied.
     pub(crate) fn bytes(&self) -> u64 {
         size_of_val(self.nodes.as_slice()) as u64
     }

@@ -17,7 +17,6 @@ pub(crate) struct RayPlanes<S> {
 }
 
 impl<S: Scalar> RayPlanes<S> {
-    /// Prepares a ray.
     #[inline(always)]
     pub(crate) fn new(ray: &Ray<S>) -> Self {
         let d = ray.direction.to_array();

@@ -49,7 +49,6 @@ pub const TRIANGLE_TEST: ParamSpec = ParamSpec::choice(
               others are called, unless built with the feature compiled-tests",
 );
 
-/// Another.
 pub const SPHERE_TEST: ParamSpec =
     ParamSpec::choice("sphere-test", DEFAULT, &[DEFAULT, "naive", "rearranged", "f64"]).about(
         "test of spheres: the default is the rearranged one, compiled into each traversal; \
@@ -92,9 +91,7 @@ pub enum SphereChoice {
 /// The tests of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
-    /// Of triangles.
     pub triangle: TriangleChoice,
-    /// Of spheres.
     pub sphere: SphereChoice,
 }
 

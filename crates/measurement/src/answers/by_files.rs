@@ -18,7 +18,6 @@ use crate::system::clock::Clock;
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
 
-/// Rays by kind.
 pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
 
 /// What an answer may be: the closest hit, or of a shadow ray anything but a miss where it is blocked.

@@ -25,13 +25,11 @@ const PILOT_SECONDS: f64 = 0.000_3;
 pub struct Checked {
     /// What is said of its answers.
     pub verdict: Verdict,
-    /// What was built.
     pub stats: StatsRecord,
     /// How it answers the rays of a batch.
     pub query: Query,
     /// The work of the counted rays; none where nothing counts it.
     pub work: Option<WorkRecord>,
-    /// Rays compared.
     pub checked_rays: usize,
     /// Of those, answered wrongly.
     pub mismatches: usize,

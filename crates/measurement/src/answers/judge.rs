@@ -30,7 +30,6 @@ const ENOUGH_WRONG: usize = 64;
 /// How the answers to a batch compare.
 #[derive(Debug, Default)]
 pub struct Judged {
-    /// Rays compared.
     pub compared: usize,
     /// Of those, answered wrongly.
     pub wrong: usize,

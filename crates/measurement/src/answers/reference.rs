@@ -21,7 +21,6 @@ const FEWEST_ORACLE_RAYS: usize = 16;
 
 /// The rays of a scene, their answers, and what the oracle says of them.
 pub struct Reference<S: Buildable> {
-    /// All rays.
     pub rays: RayBatches<S>,
     /// The answers, one batch a kind.
     pub answers: Vec<(RayKind, Answers<S>)>,
@@ -31,11 +30,8 @@ pub struct Reference<S: Buildable> {
 
 /// A scene ready to be asked.
 pub struct Stage<'a, S: Buildable> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// Its primitives.
     pub geometry: &'a Geometry<S>,
-    /// The judge.
     pub oracle: &'a Oracle<'a>,
 }
 

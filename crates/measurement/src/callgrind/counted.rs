@@ -27,9 +27,7 @@ const FEW_RAYS: usize = 16;
 /// A row, and which calls of [`counted_phase`] were its.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CountedCalls {
-    /// Scene.
     pub scene: String,
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

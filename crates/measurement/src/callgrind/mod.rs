@@ -37,12 +37,10 @@ pub enum CallgrindError {
     /// This program's own file is not known.
     #[error("cannot tell where the file of this program is, to start it under valgrind")]
     NoProgram,
-    /// Callgrind's files.
     #[error("callgrind's output {}: {source}", path.display())]
     Io {
         /// The file or folder.
         path: PathBuf,
-        /// The system's reason.
         source: io::Error,
     },
     /// Callgrind's files are not as they should be.
@@ -54,9 +52,7 @@ pub enum CallgrindError {
         program.display()
     )]
     Phases {
-        /// The program.
         program: PathBuf,
-        /// Calls it made.
         expected: usize,
         /// Calls that callgrind saw.
         found: usize,
@@ -67,9 +63,7 @@ pub enum CallgrindError {
         path.display(), name(was), name(is)
     )]
     OtherProgram {
-        /// The results.
         path: PathBuf,
-        /// Their commit.
         was: Option<String>,
         /// That of this program.
         is: Option<String>,
@@ -83,7 +77,6 @@ fn name(revision: &Option<String>) -> &str {
 /// Instruction counts of rows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
-    /// Version of valgrind.
     pub valgrind: String,
     /// One per scene and row.
     pub rows: Vec<CountedRow>,
@@ -92,9 +85,7 @@ pub struct Counts {
 /// Instructions of a row in a scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CountedRow {
-    /// Scene.
     pub scene: String,
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

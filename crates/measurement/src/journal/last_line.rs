@@ -10,7 +10,6 @@ use crate::journal::seal::Seal;
 use crate::system::files::put;
 use crate::system::kept_folder;
 
-/// Writes it.
 pub struct LastLine {
     pub(super) file: File,
     pub(super) seal: Seal,

@@ -22,7 +22,6 @@ use presentation::format_error::FormatError;
 pub struct Manifest {
     /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
-    /// The program.
     pub tool: Tool,
     /// Hash of the program's file, where it can be read.
     pub program_sha256: Option<String>,
@@ -32,7 +31,6 @@ pub struct Manifest {
     pub machine: Machine,
     /// What was asked for.
     pub settings: Settings,
-    /// How many rounds.
     pub rounds: String,
     /// The scenes, in order.
     pub scenes: Vec<String>,
@@ -57,7 +55,6 @@ pub struct Manifest {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Line {
-    /// The first line.
     Begun(Box<Manifest>),
     /// A scene is begun: its place among the scenes of the manifest.
     Scene(usize),
@@ -70,14 +67,12 @@ pub enum Line {
     Finished {
         /// Its place among the scenes of the manifest.
         scene: usize,
-        /// Its rows.
         record: Box<SceneRecord>,
     },
     /// A scene could not be measured.
     Failed {
         /// Its place among the scenes of the manifest.
         scene: usize,
-        /// Why.
         error: String,
     },
     /// A signal ended the program: its number.
@@ -113,10 +108,7 @@ pub enum LineError {
     },
     /// Another version of the program wrote it.
     #[error("written with schema {found}, expected {SCHEMA_VERSION}")]
-    Schema {
-        /// The version found.
-        found: u32,
-    },
+    Schema { found: u32 },
 }
 
 /// A scene that is finished.
@@ -124,7 +116,6 @@ pub enum LineError {
 pub struct FinishedScene {
     /// Its line in the journal, counted from 1.
     pub line: usize,
-    /// Its rows.
     pub record: SceneRecord,
 }
 

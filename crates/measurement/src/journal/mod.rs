@@ -24,44 +24,23 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// The system refused.
     #[error("cannot write the journal {}: {source}", path.display())]
-    Io {
-        /// The journal.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Io { path: PathBuf, source: io::Error },
     /// No run was begun there.
     #[error("{}: no run was begun here with -o; expected the file {NAME}", folder.display())]
-    None {
-        /// The folder.
-        folder: PathBuf,
-    },
+    None { folder: PathBuf },
     /// It is damaged, or of another version.
     #[error("{}: {source}", path.display())]
-    Lines {
-        /// The journal.
-        path: PathBuf,
-        /// What is wrong.
-        source: LineError,
-    },
+    Lines { path: PathBuf, source: LineError },
     /// It is too large to be one.
     #[error("{}: more than {MAX_BYTES} bytes, too large for a journal", path.display())]
-    TooLarge {
-        /// The journal.
-        path: PathBuf,
-    },
+    TooLarge { path: PathBuf },
     /// Another process writes to it.
     #[error("{}: another run writes here", path.display())]
-    Busy {
-        /// The journal.
-        path: PathBuf,
-    },
+    Busy { path: PathBuf },
     /// A scene that is finished there is not what this run would have measured.
     #[error("{}: line {line}: {message}; begin a new run in another folder", path.display())]
     NotOfPlan {
-        /// The journal.
         path: PathBuf,
         /// Its line, counted from 1.
         line: usize,
@@ -74,7 +53,6 @@ pub enum JournalError {
         folder.display()
     )]
     Differs {
-        /// The folder.
         folder: PathBuf,
         /// Each difference, with what was and what is.
         differences: String,
@@ -85,10 +63,7 @@ pub enum JournalError {
          begin a new one in another folder",
         path.display()
     )]
-    NotAsked {
-        /// The journal.
-        path: PathBuf,
-    },
+    NotAsked { path: PathBuf },
     /// A line could not be made.
     #[error(transparent)]
     Format(#[from] FormatError),
@@ -242,7 +217,6 @@ impl Journal {
         Ok(true)
     }
 
-    /// The file.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -9,46 +9,32 @@ use crate::settings::shard::Shard;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {
-    /// No such structure.
     #[error("unknown structure '{name}'{hint}; valid: {valid}")]
     UnknownStructure {
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// All names.
         valid: String,
     },
     /// No such parameter, or a value out of range.
     #[error("{error}{hint}")]
     Param {
-        /// The registry's message.
         error: ParamError,
         /// ` (did you mean ...?)` or empty.
         hint: String,
     },
     /// Not of the right form.
     #[error("cannot read '{text}': expected {expected}")]
-    Malformed {
-        /// As typed.
-        text: String,
-        /// The form.
-        expected: &'static str,
-    },
+    Malformed { text: String, expected: &'static str },
     /// `--set` for a structure that is not measured.
     #[error("--set names {structure}, which this run does not measure; add it to -s")]
-    OverrideWithoutRow {
-        /// Structure.
-        structure: &'static str,
-    },
+    OverrideWithoutRow { structure: &'static str },
     /// No such kind of ray.
     #[error("unknown kind of ray '{name}'{hint}; valid: {valid}")]
     UnknownRays {
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// All names.
         valid: String,
     },
     /// No such thing among those of a kind.
@@ -56,59 +42,41 @@ pub enum PlanError {
     UnknownName {
         /// The kind: `tracer`.
         what: &'static str,
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// All names.
         valid: String,
     },
     /// No such hard case or group of them.
     #[error("unknown case '{name}'{hint}; valid: {valid}")]
     UnknownCase {
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// All names.
         valid: String,
     },
     /// No such rule for rays that leave surfaces.
     #[error("unknown offset '{name}'{hint}; valid: {valid}")]
     UnknownOffset {
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// All names.
         valid: String,
     },
     /// No such axis of accuracy.
     #[error("unknown axis '{name}'{hint}; valid: {valid}")]
     UnknownAxis {
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// All names.
         valid: String,
     },
     /// A number that a run cannot have.
     #[error("{what}: {value}, expected a number from 1 to {most}")]
-    OutOfRange {
-        /// The setting.
-        what: &'static str,
-        /// As given.
-        value: u64,
-        /// The largest.
-        most: u64,
-    },
+    OutOfRange { what: &'static str, value: u64, most: u64 },
     /// An occluder, and none of the rays that it answers.
     #[error("{structure} answers shadow rays only; add shadow to --rays")]
-    NoRaysFor {
-        /// Occluder.
-        structure: &'static str,
-    },
+    NoRaysFor { structure: &'static str },
     /// The cases asked for concern none of the structures asked for.
     #[error("none of these cases concerns these structures: leave out -s, or name other cases")]
     NothingAsked,
@@ -121,17 +89,13 @@ pub enum PlanError {
              reference); divide it into at most {cells}"
     )]
     TooManyShards {
-        /// As typed.
         shard: Shard,
         /// What there is to divide.
         cells: usize,
     },
     /// Parts could not be joined again.
     #[error("--shard: two scenes have the name {name}; parts are joined by names")]
-    SameName {
-        /// Of both.
-        name: String,
-    },
+    SameName { name: String },
     /// Two outputs would be mixed up.
     #[error("more than one output is to go to standard output (-); name files for the others")]
     OneStdout,

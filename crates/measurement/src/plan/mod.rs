@@ -41,10 +41,8 @@ const DEFAULT_BASELINES: [(&str, &str); 2] =
 /// [`crate::answers::reference`].
 const ANSWERS: [&str; 2] = ["obvhs-bvh2", "uniform-grid"];
 
-/// How many rounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rounds {
-    /// That many.
     Fixed(usize),
     /// As many as fit in the time, all scenes together, but at least so many.
     Budget {
@@ -106,7 +104,6 @@ pub struct OneProcess {
     pub first_round: usize,
 }
 
-/// A validated run.
 #[derive(Debug)]
 pub struct Plan<'r> {
     /// Scenes, in the order given, without duplicates.
@@ -122,13 +119,11 @@ pub struct Plan<'r> {
     pub same_rays: bool,
     /// Structures to compare answers with: the first that the oracle confirms.
     pub answers: Vec<Row<'r>>,
-    /// Kinds of rays.
     pub kinds: Vec<RayKind>,
     /// In which orders rays are issued to rows.
     pub orders: Orders,
     /// Tables of each kind of ray are wanted, too.
     pub by_kind: bool,
-    /// Rounds.
     pub rounds: Rounds,
     /// Threads that build and trace.
     pub threads: usize,
@@ -136,7 +131,6 @@ pub struct Plan<'r> {
     pub seed: u64,
     /// How rays are produced.
     pub settings: RaySettings,
-    /// Arithmetic.
     pub precision: Precision,
     /// What a pass may cost.
     pub limits: Limits,

@@ -10,9 +10,7 @@ use crate::settings::suggest;
 
 /// A structure (or occluder) with settings.
 pub struct Row<'r, L: RegistryItem = Traceable> {
-    /// The structure.
     pub entry: &'r Entry<L>,
-    /// Its settings.
     pub params: Params,
 }
 
@@ -35,7 +33,6 @@ impl<L: RegistryItem> PartialEq for Row<'_, L> {
 }
 
 impl<'r, L: RegistryItem> Row<'r, L> {
-    /// The structure's name.
     pub fn structure(&self) -> &'static str {
         self.entry.info.name
     }
@@ -45,7 +42,6 @@ impl<'r, L: RegistryItem> Row<'r, L> {
         self.params.to_string()
     }
 
-    /// Structure and settings.
     pub fn label(&self) -> String {
         self.params.label()
     }

@@ -13,13 +13,11 @@ use crate::settings::choice::Choice;
 /// What follows the kind in the names of shuffled rays.
 const SUFFIX: &str = "-shuffled";
 
-/// One order.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum RayOrder {
     /// As the image has them.
     #[default]
     Scanline,
-    /// At random.
     Shuffled,
 }
 
@@ -29,7 +27,6 @@ pub enum Orders {
     /// As the image has them, line by line
     #[default]
     Scanline,
-    /// At random, seeded
     Shuffled,
     /// One after the other
     Both,
@@ -44,7 +41,6 @@ impl Choice for Orders {
 }
 
 impl Orders {
-    /// As typed.
     pub fn name(self) -> &'static str {
         self.as_typed()
     }

@@ -12,7 +12,6 @@ use crate::record::{RunRecord, SCHEMA_VERSION};
 /// The record's name in the output folder of a run.
 pub const NAME: &str = "results.json";
 
-/// What writes it.
 const WRITTEN_BY: &str = "rtbench run --export-json";
 
 /// The most bytes that are read: a full run writes about 3 MB.
@@ -21,33 +20,18 @@ const MAX_BYTES: u64 = 1 << 30;
 /// Why a record cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
-    /// The system refused.
     #[error("cannot read {}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Io { path: PathBuf, source: io::Error },
     /// It is a folder, a pipe, a socket or a device.
     #[error("cannot read {}: {what}, expected a file", path.display())]
-    NotAFile {
-        /// What is there.
-        path: PathBuf,
-        /// What it is.
-        what: &'static str,
-    },
+    NotAFile { path: PathBuf, what: &'static str },
     /// It is too large to be one.
     #[error("{}: more than {MAX_BYTES} bytes, too large for a record", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-    },
+    TooLarge { path: PathBuf },
     /// It is no JSON, or not of this form.
     #[error("{}: line {line}, column {column}: {message}; expected what `{written_by}` writes",
             path.display())]
     Syntax {
-        /// The file.
         path: PathBuf,
         /// Counted from 1.
         line: usize,
@@ -60,12 +44,7 @@ pub enum RecordError {
     },
     /// Another version of the program wrote it.
     #[error("{}: written with schema {found}, expected {SCHEMA_VERSION}", path.display())]
-    Schema {
-        /// The file.
-        path: PathBuf,
-        /// The version found.
-        found: u32,
-    },
+    Schema { path: PathBuf, found: u32 },
 }
 
 /// The first thing looked at: the rest may have changed with it.

@@ -7,7 +7,6 @@ use crate::record::{ForeignRecord, RowRecord, Verdict};
 /// What a program says of itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
-    /// Its name.
     pub name: String,
     /// SHA-256 of the file of its answers.
     pub hits_sha256: String,
@@ -22,9 +21,7 @@ pub struct Told {
 /// What was said of the answers to the rays of a kind.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JudgedKind {
-    /// Kind of ray.
     pub kind: String,
-    /// Rays compared.
     pub compared: u64,
     /// Of those, answered wrongly.
     pub wrong: u64,

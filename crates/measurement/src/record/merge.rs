@@ -43,7 +43,6 @@ pub enum MergeProblem {
     Missing {
         /// Which, from 1.
         index: u32,
-        /// Of how many.
         count: u32,
     },
     /// A part is there twice.
@@ -53,7 +52,6 @@ pub enum MergeProblem {
         shard: String,
         /// One file or folder.
         first: PathBuf,
-        /// The other.
         second: PathBuf,
     },
     /// Two parts are not of the same run.
@@ -68,16 +66,12 @@ pub enum MergeProblem {
     },
     /// The results would be written over a part.
     #[error("{}: one of the parts is there; write the whole to another folder", folder.display())]
-    Overwrites {
-        /// The folder.
-        folder: PathBuf,
-    },
+    Overwrites { folder: PathBuf },
     /// A part lacks rows that it should have, or has others.
     #[error("{}: scene {scene}: expected the rows {expected}; it has {found}", path.display())]
     Rows {
         /// The file or folder.
         path: PathBuf,
-        /// Scene.
         scene: String,
         /// Rows that the part was to measure.
         expected: String,
@@ -101,9 +95,7 @@ fn listed(problems: &[MergeProblem]) -> String {
 /// A part and where it was read from.
 #[derive(Debug, Clone)]
 pub struct Part {
-    /// File or folder.
     pub path: PathBuf,
-    /// What it holds.
     pub record: RunRecord,
 }
 

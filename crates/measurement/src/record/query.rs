@@ -21,7 +21,6 @@ pub enum Query {
 }
 
 impl Query {
-    /// As printed.
     pub fn name(self) -> &'static str {
         match self {
             Self::OneRay => "one ray",

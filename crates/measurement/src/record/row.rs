@@ -27,7 +27,6 @@ pub enum Answered {
 }
 
 impl Answered {
-    /// As printed.
     pub fn name(self) -> &'static str {
         match self {
             Self::AllRays => "all rays",
@@ -160,7 +159,6 @@ pub struct Outliers {
 }
 
 impl Outliers {
-    /// Those among samples.
     pub fn of(samples: &[Sample]) -> Self {
         let count = |seconds: fn(&Sample) -> f64| {
             let seconds: Vec<f64> = samples.iter().map(seconds).collect();
@@ -214,7 +212,6 @@ impl RowRecord {
         of_plugin.or(self.foreign.as_ref().map(|foreign| foreign.edge_mismatches))
     }
 
-    /// Structure and settings.
     pub fn label(&self) -> String {
         label(&self.structure, &self.settings)
     }

@@ -55,7 +55,6 @@ fn time_of_day() -> String {
 
 /// What a run of one thread is timed by.
 pub const PROCESSOR_TIME: &str = "processor time";
-/// What others are.
 pub const TIME_OF_DAY: &str = "time of day";
 
 /// Of records from before there could be more.

@@ -30,7 +30,6 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// As printed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",

@@ -18,45 +18,24 @@ pub enum MeasureError {
     Geometry(#[from] GeometryError),
     /// A structure could not be built where nothing can be done without it.
     #[error("scene {scene}: {source}")]
-    Build {
-        /// Scene.
-        scene: String,
-        /// Why.
-        source: BuildError,
-    },
+    Build { scene: String, source: BuildError },
     /// No structure could be built that gives the answers to compare with.
     #[error("scene {scene}: no structure could be built to compare answers with: {reasons}")]
     NoAnswers {
-        /// Scene.
         scene: String,
         /// What each candidate said.
         reasons: String,
     },
     /// Threads could not be started.
     #[error("cannot start {threads} threads: {source}")]
-    Threads {
-        /// How many.
-        threads: usize,
-        /// Why.
-        source: rayon::ThreadPoolBuildError,
-    },
+    Threads { threads: usize, source: rayon::ThreadPoolBuildError },
     /// The program ended too often while it was prepared.
     #[error(
         "scene {scene}: skipped: {times} times the program ended without a word while its rays and their \
          answers were prepared: killed, or out of memory; the next --resume tries it again"
     )]
-    Deadly {
-        /// Scene.
-        scene: String,
-        /// How often.
-        times: usize,
-    },
+    Deadly { scene: String, times: usize },
     /// Something panicked while it was measured: a defect of ours.
     #[error("scene {scene}: {source}; this is a defect of rtbench")]
-    Panicked {
-        /// Scene.
-        scene: String,
-        /// What it said.
-        source: Panicked,
-    },
+    Panicked { scene: String, source: Panicked },
 }

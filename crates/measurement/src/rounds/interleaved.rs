@@ -11,7 +11,6 @@ pub struct Visit {
     pub round: usize,
     /// Position within the round, from 0.
     pub position: usize,
-    /// The row.
     pub row: usize,
 }
 

@@ -13,9 +13,7 @@ use crate::system::progress::Progress;
 
 /// Everything that the measurement of one scene works with.
 pub struct Scope<'a, 'r, S: Buildable> {
-    /// What to do.
     pub plan: &'a Plan<'r>,
-    /// The scene.
     pub stage: &'a Stage<'a, S>,
     /// Where the lights of the scene are.
     pub lights: &'a [DVec3],
@@ -25,10 +23,7 @@ pub struct Scope<'a, 'r, S: Buildable> {
     pub is_confirmed: bool,
     /// Judges answers that differ at edges.
     pub edges: &'a (dyn EdgeJudge<S> + 'a),
-    /// Threads.
     pub pools: &'a Pools,
-    /// Time.
     pub clock: &'a dyn Clock,
-    /// The bar.
     pub progress: &'a Progress,
 }

@@ -25,7 +25,6 @@ const POLL: Duration = Duration::from_millis(10);
 /// What a build may take.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildLimits {
-    /// Seconds, without loading.
     pub seconds: f64,
     /// Bytes of the process that loads the scene and builds.
     pub bytes: u64,
@@ -34,15 +33,12 @@ pub struct BuildLimits {
 /// What is to be built.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialBuild {
-    /// Scene.
     pub scene: String,
     /// What the scene is given instead of its own view and lights: occluders are built for lights.
     pub view: ViewOptions,
     /// Label of the row.
     pub row: String,
-    /// Threads that build.
     pub threads: usize,
-    /// Arithmetic.
     pub precision: Precision,
     /// What it may take.
     pub limits: BuildLimits,
@@ -151,7 +147,6 @@ pub enum Event {
         peak_bytes: Option<u64>,
         /// The largest resident set during the build.
         process_bytes: Option<u64>,
-        /// Seconds.
         build_s: f64,
     },
     /// The structure refused the scene.

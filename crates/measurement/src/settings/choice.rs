@@ -10,7 +10,6 @@ pub trait Choice: Copy + PartialEq + 'static {
         Self::ALL.iter().find(|(_, name, _)| *name == text).map(|(value, ..)| *value)
     }
 
-    /// As typed.
     fn as_typed(self) -> &'static str {
         Self::ALL.iter().find(|(value, ..)| *value == self).map_or("", |(_, name, _)| name)
     }

@@ -2,7 +2,6 @@
 
 use std::time::Duration;
 
-/// What is valid.
 const EXPECTED: &str = "expected a number with a unit: 500ms, 60s, 1.5m, 2h30m";
 
 /// The longest duration, seconds.

@@ -33,7 +33,6 @@ impl Choice for Lights {
 }
 
 impl Lights {
-    /// As typed.
     pub fn name(self) -> &'static str {
         self.as_typed()
     }
@@ -42,10 +41,8 @@ impl Lights {
 /// Arithmetic of primitives and rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Precision {
-    /// Single.
     #[default]
     F32,
-    /// Double.
     F64,
 }
 
@@ -55,7 +52,6 @@ impl Choice for Precision {
 }
 
 impl Precision {
-    /// As typed.
     pub fn name(self) -> &'static str {
         self.as_typed()
     }
@@ -74,7 +70,6 @@ pub struct MeasuringSettings {
     pub lights: Lights,
     /// Longest pass over the rays; none means that of a full run or of a quick one.
     pub pass_limit: Option<Duration>,
-    /// Rounds.
     pub rounds: Option<u32>,
     /// Time for all rounds, all scenes together, where no rounds are said.
     pub time_budget: Option<Duration>,
@@ -96,9 +91,7 @@ pub struct MeasuringSettings {
 }
 
 impl MeasuringSettings {
-    /// Most threads.
     pub const MOST_THREADS: u16 = 1024;
-    /// Most rounds.
     pub const MOST_ROUNDS: u32 = 10_000;
     /// Largest width and height of an image.
     pub const LARGEST_SIZE: u32 = 8192;
@@ -133,7 +126,6 @@ pub struct RunSettings {
     pub structures: Vec<String>,
     /// Overrides of defaults: `uniform-grid.density=4`.
     pub overrides: Vec<String>,
-    /// How to measure.
     pub measuring: MeasuringSettings,
     /// The part of the table that is measured; none means all of it.
     pub shard: Option<Shard>,
@@ -144,7 +136,6 @@ pub struct RunSettings {
 }
 
 impl RunSettings {
-    /// Most processes.
     pub const MOST_PROCESSES: u32 = 1000;
 }
 

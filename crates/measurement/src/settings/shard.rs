@@ -15,7 +15,6 @@ use serde::{Deserialize, Deserializer, Serialize};
 pub struct Shard {
     /// Which, from 1.
     pub index: u32,
-    /// Of how many.
     pub count: u32,
 }
 
@@ -58,10 +57,8 @@ impl std::fmt::Display for Shard {
     }
 }
 
-/// What is divided.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Matrix {
-    /// Number of scenes.
     pub scenes: usize,
     /// Number of rows of each.
     pub rows: usize,
@@ -131,12 +128,10 @@ fn of_parts<'de, D: Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
 }
 
 impl ShardRecord {
-    /// The part.
     pub fn shard(&self) -> Shard {
         Shard { index: self.index, count: self.count }
     }
 
-    /// What is divided.
     pub fn matrix(&self) -> Matrix {
         Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.reference }
     }
@@ -145,7 +140,6 @@ impl ShardRecord {
 /// A part of a run; the scenes of its plan are those in which it has rows to measure.
 #[derive(Debug, Clone)]
 pub struct PlannedPart {
-    /// Of which whole.
     pub record: ShardRecord,
     /// The places of its rows, for each of its scenes.
     pub rows: Vec<Vec<usize>>,

@@ -44,7 +44,6 @@ impl RunSettings {
         self
     }
 
-    /// So many rounds.
     #[must_use]
     pub fn rounds(mut self, rounds: u32) -> Self {
         self.measuring.rounds = Some(rounds);

@@ -8,7 +8,6 @@
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// A monotonic clock.
 pub trait Clock: Sync {
     /// Time since some fixed moment.
     fn now(&self) -> Duration;
@@ -71,7 +70,6 @@ pub struct SteppingClock {
 }
 
 impl SteppingClock {
-    /// Starts at zero.
     pub fn new(step: Duration) -> Self {
         Self { step, now: Mutex::new(Duration::ZERO) }
     }

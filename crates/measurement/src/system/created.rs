@@ -12,7 +12,6 @@ use crate::system::write_error::WriteError;
 #[derive(Debug, Default)]
 pub struct Created {
     files: Vec<PathBuf>,
-    /// Outer ones first.
     folders: Vec<PathBuf>,
 }
 

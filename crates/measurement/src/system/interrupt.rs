@@ -47,7 +47,6 @@ pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 pub struct InterruptedOutput {
     /// How the journal is marked, and its folder.
     pub journal: Option<(Mark, PathBuf)>,
-    /// All scenes.
     pub scenes: usize,
     /// How many of them are finished.
     pub finished: Arc<AtomicUsize>,

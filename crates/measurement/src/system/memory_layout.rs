@@ -17,7 +17,6 @@ use std::hint::black_box;
 const BLOCKS: usize = 96;
 /// Of that many bytes at most, as a power of two; sizes are drawn evenly by their logarithms.
 const LARGEST: f64 = 21.0;
-/// The smallest, likewise.
 const SMALLEST: f64 = 6.0;
 /// One byte of each page is written, so that it is the process's own.
 const PAGE: usize = 4096;

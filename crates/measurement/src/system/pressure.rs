@@ -7,7 +7,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Linux's file.
 pub const CPU: &str = "/proc/pressure/cpu";
 
 /// A look at the pressure that goes on.

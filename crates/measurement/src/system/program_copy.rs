@@ -13,11 +13,9 @@ use tempfile::TempDir;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot copy {} into {}: {source}", program.display(), folder.display())]
 pub struct CopyError {
-    /// The program.
     program: PathBuf,
     /// The folder for temporary files.
     folder: PathBuf,
-    /// The system's reason.
     source: io::Error,
 }
 
@@ -54,7 +52,6 @@ impl ProgramCopy {
         })
     }
 
-    /// Its file.
     pub fn path(&self) -> &Path {
         &self.path
     }

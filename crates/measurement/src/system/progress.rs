@@ -73,7 +73,6 @@ impl Progress {
         progress
     }
 
-    /// Nothing.
     pub fn hidden() -> Self {
         Self::new(false, 1, None)
     }

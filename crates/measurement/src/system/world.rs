@@ -14,7 +14,6 @@ use crate::system::{instruction_set, machine};
 pub trait World: Sync {
     /// Seconds since 1970.
     fn unix_seconds(&self) -> u64;
-    /// The program.
     fn tool(&self) -> Tool;
     /// What it was compiled with.
     fn compiler(&self) -> Compiler;
@@ -39,7 +38,6 @@ pub trait World: Sync {
 /// The world that the process finds.
 #[derive(Debug, Clone)]
 pub struct SystemWorld {
-    /// The program.
     pub tool: Tool,
     /// What it was compiled with.
     pub compiler: Compiler,

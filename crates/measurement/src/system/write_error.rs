@@ -9,6 +9,5 @@ use std::path::PathBuf;
 pub struct WriteError {
     /// The file or folder.
     pub path: PathBuf,
-    /// The system's reason.
     pub source: io::Error,
 }

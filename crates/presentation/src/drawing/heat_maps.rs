@@ -19,7 +19,6 @@ const LEAST: f64 = 160.0;
 /// Images of more pixels are drawn half as large, one pixel of the PNG for each.
 const LARGE: u32 = 512;
 
-/// A map.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
     /// What it shows, above it.

@@ -35,11 +35,8 @@ pub enum Item {
         /// How they are drawn.
         paint: Paint,
     },
-    /// A disc.
     Disc {
-        /// Its centre.
         at: [f64; 2],
-        /// Its radius.
         radius: f64,
         /// How it is drawn.
         paint: Paint,
@@ -54,16 +51,13 @@ pub enum Item {
 /// A picture: later items cover earlier ones.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Drawing {
-    /// Its size.
     pub size: [f64; 2],
     /// What it shows, for those who cannot see it.
     pub alternative: String,
-    /// What is drawn.
     pub items: Vec<Item>,
 }
 
 impl Drawing {
-    /// Adds text.
     pub fn text(&mut self, at: [f64; 2], font: Font, text: impl Into<String>) {
         self.items.push(Item::Text(at, font, text.into()));
     }

@@ -4,7 +4,6 @@ use image::ImageEncoder;
 
 use super::item::Color;
 
-/// The file.
 pub fn encoded(width: u32, pixels: &[Color]) -> Result<Vec<u8>, image::ImageError> {
     let mut bytes = Vec::new();
     let height = pixels.len() as u32 / width.max(1);

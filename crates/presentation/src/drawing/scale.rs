@@ -63,7 +63,6 @@ impl Classes {
         ramp(0.97 - 0.92 * f64::from(class) / f64::from(last))
     }
 
-    /// Its numbers.
     pub fn label(class: u32) -> String {
         match class {
             0 | 1 => (class + 1).to_string(),

@@ -18,10 +18,8 @@ pub struct FittedAxis {
     pub ticks: Vec<Tick>,
 }
 
-/// A tick.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Tick {
-    /// Where.
     pub at: f64,
     /// Its label; none for small ticks.
     pub label: Option<String>,

@@ -16,10 +16,8 @@ const FOOT: f64 = 34.0;
 /// The most that names take of the width, where they stand beside the bars.
 const NAMES: f64 = 400.0;
 
-/// A chart.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarChart {
-    /// Above it, large.
     pub title: String,
     /// Below the title, small.
     pub subtitle: String,
@@ -29,10 +27,8 @@ pub struct BarChart {
     pub rows: Vec<BarRow>,
 }
 
-/// A quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
-    /// Its axis.
     pub axis: Axis,
     /// Where bars begin; at the left end where that has no place.
     pub base: f64,
@@ -41,7 +37,6 @@ pub struct Column {
 /// One name and its bars.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarRow {
-    /// The name.
     pub name: String,
     /// Which of the colours of series its bars have.
     pub color: usize,
@@ -49,7 +44,6 @@ pub struct BarRow {
     pub bars: Vec<Bar>,
 }
 
-/// A bar.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Bar {
     /// As long as a value; the number that stands beside it, and a ring around its end.
@@ -121,7 +115,6 @@ impl Layout {
     }
 }
 
-/// Draws the chart.
 pub fn chart(chart: &BarChart, format: Format) -> String {
     let mut pen = Pen::default();
     let from = if format == Format::Wide { 8.0 } else { 0.0 };
@@ -162,7 +155,6 @@ pub fn chart(chart: &BarChart, format: Format) -> String {
     document_of(&pen.out, [format.width(), bottom + FOOT], &alternative)
 }
 
-/// A column's place.
 struct BarPlace {
     axis: FittedAxis,
     left: f64,

@@ -11,12 +11,10 @@ use crate::svg_plot::plot::WIDTH;
 pub enum Format {
     /// For windows of 900 pixels and more, and for files.
     Wide,
-    /// For phones.
     Narrow,
 }
 
 impl Format {
-    /// Pixels.
     pub fn width(self) -> f64 {
         match self {
             Self::Wide => WIDTH,

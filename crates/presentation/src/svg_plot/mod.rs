@@ -26,9 +26,7 @@ use document::document_of;
 /// What can be drawn in every format.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drawing {
-    /// A plot.
     Plot(Plot),
-    /// Bars.
     Bars(BarChart),
 }
 
@@ -45,7 +43,6 @@ impl From<BarChart> for Drawing {
 }
 
 impl Drawing {
-    /// As SVG.
     pub fn svg(&self, format: Format) -> String {
         match self {
             Self::Plot(plot) => drawn(std::slice::from_ref(plot), format),

@@ -1,14 +1,10 @@
 //! The colours of plots. A page that is read in the dark replaces them by these names' others.
 
-/// Text and frames.
 pub const INK: &str = "#222222";
 /// Text of less weight.
 pub const GREY: &str = "#707070";
-/// Lines behind everything.
 pub const GRID: &str = "#e4e4e4";
-/// The ground.
 pub const PAPER: &str = "#ffffff";
-/// What is best.
 pub const BEST: &str = "#137a3a";
 /// Marks that belong to no series.
 pub const MARK: &str = "#b4560a";

@@ -19,11 +19,8 @@ const LEGEND_STEP: f64 = 18.0;
 /// Height of the bend between a flag's line and its label.
 const BEND: f64 = 14.0;
 
-/// A drawn panel.
 pub struct DrawnPanel {
-    /// SVG elements.
     pub elements: String,
-    /// Height, in pixels.
     pub height: f64,
 }
 

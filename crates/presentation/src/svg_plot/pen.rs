@@ -14,26 +14,20 @@ pub const BOLD_LETTER: f64 = 7.4;
 /// How text stands at its place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Font {
-    /// Height, in pixels.
     pub size: f64,
     /// `start`, `middle` or `end`.
     pub anchor: &'static str,
-    /// Colour.
     pub color: &'static str,
-    /// Bold.
     pub is_bold: bool,
-    /// Degrees, clockwise.
     pub turned: f64,
 }
 
-/// The usual text.
 pub const PLAIN: Font =
     Font { size: 12.0, anchor: "start", color: INK, is_bold: false, turned: 0.0 };
 
 /// What is drawn so far.
 #[derive(Default)]
 pub struct Pen {
-    /// SVG elements.
     pub out: String,
 }
 

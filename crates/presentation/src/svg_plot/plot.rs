@@ -6,17 +6,12 @@ pub const WIDTH: f64 = 900.0;
 /// A panel of a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
-    /// Above it, large.
     pub title: String,
     /// Below the title, small.
     pub subtitle: String,
-    /// Horizontal axis.
     pub x: Axis,
-    /// Vertical axis.
     pub y: Axis,
-    /// Curves.
     pub series: Vec<Series>,
-    /// Points with labels.
     pub marks: Vec<Mark>,
     /// What marks that belong to no series are, for the legend.
     pub marks_name: String,
@@ -24,7 +19,6 @@ pub struct Plot {
     pub levels: Vec<Level>,
 }
 
-/// An axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     /// What it shows, with its unit.
@@ -46,10 +40,8 @@ pub enum Scale {
     Words(Vec<String>),
 }
 
-/// A curve.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// For the legend.
     pub name: String,
     /// Its points, in the order in which they are joined.
     pub points: Vec<Point>,
@@ -73,7 +65,6 @@ pub struct Point {
 /// A point that is pointed out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// The point.
     pub point: Point,
     /// The label; may be empty.
     pub label: String,
@@ -88,17 +79,14 @@ pub struct Mark {
 pub enum Ring {
     /// None.
     None,
-    /// Full: the best.
     Best,
     /// Dashed: as good as the best.
     AsGood,
 }
 
-/// A horizontal line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
     /// Place on the vertical axis.
     pub y: f64,
-    /// The label.
     pub label: String,
 }

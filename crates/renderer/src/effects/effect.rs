@@ -4,14 +4,12 @@ use scene_loading::{Material, Scene};
 
 use super::settings::RenderSettings;
 
-/// An effect.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
     /// Shadows of point lights.
     HardShadows,
     /// Shadows of lights with an extent.
     SoftShadows,
-    /// Mirror reflection.
     Mirror,
     /// Reflection by rough mirrors.
     Gloss,
@@ -37,9 +35,7 @@ impl Effect {
 /// What is known of an effect.
 #[derive(Debug)]
 pub struct EffectInfo {
-    /// Which one.
     pub effect: Effect,
-    /// Name in tables.
     pub name: &'static str,
     /// Where it comes from, and what we do differently.
     pub paper: &'static str,

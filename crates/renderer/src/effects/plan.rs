@@ -23,7 +23,6 @@ pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 /// An effect that is called for.
 #[derive(Debug, Clone)]
 pub struct RequestedEffect {
-    /// The effect.
     pub info: &'static EffectInfo,
     /// What in the scene calls for it.
     pub by: String,
@@ -34,7 +33,6 @@ pub struct RequestedEffect {
 pub struct EffectPlan {
     /// Effects that are called for, in the order of [`EFFECTS`].
     pub called: Vec<RequestedEffect>,
-    /// Numbers of samples.
     pub samples: Samples,
     settings: RenderSettings,
     /// Some material mirrors or transmits, and rays are long enough to show it.

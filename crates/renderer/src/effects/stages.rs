@@ -43,7 +43,6 @@ pub struct SurfaceHit<'a> {
     pub incoming: DVec3,
     /// What the light found here contributes to the pixel.
     pub weight: Rgb,
-    /// Its eye ray.
     pub origin: Origin,
 }
 
@@ -63,13 +62,10 @@ pub struct ShadowRay {
 pub struct ScatteredRay {
     /// Index of the hit it starts at, within the wave.
     pub hit: u32,
-    /// Reflected or refracted.
     pub kind: RayKind,
-    /// Unit direction.
     pub direction: DVec3,
     /// What the light found by it contributes to the pixel.
     pub weight: Rgb,
-    /// Its eye ray.
     pub origin: Origin,
 }
 

@@ -34,9 +34,7 @@ impl ImageFormat {
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot write the image: {source}", path.display())]
 pub struct ImageError {
-    /// The file.
     pub path: PathBuf,
-    /// Why.
     pub source: image::ImageError,
 }
 

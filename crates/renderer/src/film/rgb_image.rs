@@ -5,7 +5,6 @@
 pub struct Image {
     /// Pixels per row.
     pub width: u32,
-    /// Rows.
     pub height: u32,
     /// `width * height` colours, row by row.
     pub pixels: Vec<[f64; 3]>,

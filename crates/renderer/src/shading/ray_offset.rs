@@ -33,7 +33,6 @@ const TARGET_MARGIN: f64 = 4.0;
 /// How a ray is kept off the surface it leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OffsetRule {
-    /// Not at all.
     None,
     /// Hits nearer than this do not count, world units; Havran and Sixta (1999) took 0.01.
     Fixed(f64),

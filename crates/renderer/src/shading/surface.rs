@@ -19,11 +19,9 @@ pub struct Surfaces<'a> {
 /// A point on a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfacePoint<'a> {
-    /// World position.
     pub position: DVec3,
     /// Unit shading normal on the outer side (interpolated on patches); zero where there is none.
     pub normal: DVec3,
-    /// The material.
     pub material: &'a Material,
     /// The colour here: that of the material, unless a stage has found another one.
     pub color: Rgb,

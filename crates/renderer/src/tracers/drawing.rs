@@ -9,7 +9,6 @@ use crate::film::Image;
 /// `Scene::primitives`.
 #[derive(Clone, Copy)]
 pub struct Structures<'a> {
-    /// Answers rays.
     pub rays: &'a dyn Tracer<f64>,
     /// Answers beams and cones.
     pub frusta: &'a dyn FrustumQueries,
@@ -27,7 +26,6 @@ pub struct Frame {
 /// An image by cones or beams.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnImage {
-    /// The image.
     pub image: Image,
     /// What its candidate queries cost.
     pub work: FrustumWork,

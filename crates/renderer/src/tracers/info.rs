@@ -5,9 +5,7 @@ use scene_loading::Scene;
 /// What is known of a tracer.
 #[derive(Debug)]
 pub struct TracerInfo {
-    /// Name as typed.
     pub name: &'static str,
-    /// One line.
     pub summary: &'static str,
     /// Where it comes from.
     pub paper: &'static str,

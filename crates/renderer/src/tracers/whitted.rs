@@ -31,7 +31,6 @@ use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
 use crate::shading::ray_offset::{OffsetRule, RayOffset};
 use crate::shading::surface::Surfaces;
 
-/// Registry line.
 pub static INFO: TracerInfo = TracerInfo {
     name: "whitted",
     summary: "single rays: from the eye, to lights, mirrored and refracted; effects by samples",
@@ -363,9 +362,7 @@ pub fn render<S: Buildable>(
 /// An image and the rays it took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
-    /// The image.
     pub image: Image,
-    /// Its rays.
     pub counts: RayCounts,
 }
 

@@ -73,9 +73,7 @@ impl<S: Buildable> Tracer<S> for CountingTracer<'_, S> {
 pub struct PixelWork {
     /// Pixels of the image.
     pub resolution: [u32; 2],
-    /// Ray-primitive intersection tests.
     pub tests: Vec<f64>,
-    /// Traversal steps.
     pub steps: Vec<f64>,
     /// Nanoseconds, from a pass of its own that does not count.
     pub nanoseconds: Vec<f64>,

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-/// `rtbench accuracy`.
 #[derive(Debug, Clone, Args, Serialize, Deserialize)]
 pub struct AccuracyArgs {
     /// Axes [default: all]

@@ -10,7 +10,6 @@ use crate::args::measuring::MeasuringArgs;
 use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 
-/// `rtbench animate`.
 #[derive(Debug, Clone, Args)]
 pub struct AnimateArgs {
     /// A scene that moves, generated (marbles, city:2; see `rtbench list animations`) or of files:
@@ -27,7 +26,6 @@ pub struct AnimateArgs {
     /// Overrides a default of a structure: uniform-grid.density=4
     #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
     pub overrides: Vec<String>,
-    /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// How much memory a structure may take.

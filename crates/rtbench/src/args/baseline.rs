@@ -7,7 +7,6 @@ use clap::{Args, Subcommand};
 use crate::args::run::RunArgs;
 use crate::args::tables::TableArgs;
 
-/// `rtbench baseline`.
 #[derive(Debug, Clone, Args)]
 pub struct BaselineArgs {
     /// What to do with baselines.
@@ -37,7 +36,6 @@ pub enum BaselineAction {
     Show {
         /// Its name
         name: String,
-        /// How tables look.
         #[command(flatten)]
         tables: TableArgs,
     },
@@ -56,7 +54,6 @@ pub enum BaselineAction {
     },
 }
 
-/// `rtbench baseline save`.
 #[derive(Debug, Clone, Args)]
 pub struct SaveArgs {
     /// Name: letters, digits, '.', '-' and '_'

@@ -6,7 +6,6 @@ use clap::Args;
 
 use crate::args::parsers::scene_name;
 
-/// `rtbench compare-tracers`.
 #[derive(Debug, Clone, Args)]
 pub struct CompareTracersArgs {
     /// A scene's name or file

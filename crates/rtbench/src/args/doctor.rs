@@ -4,7 +4,6 @@ use clap::Args;
 
 use crate::args::list::Format;
 
-/// `rtbench doctor`.
 #[derive(Debug, Clone, Args)]
 pub struct DoctorArgs {
     /// As text or as JSON

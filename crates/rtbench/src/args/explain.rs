@@ -10,7 +10,6 @@ use crate::args::measuring::MeasuringArgs;
 use crate::args::memory::MemoryArgs;
 use crate::args::parsers::scene_name;
 
-/// `rtbench explain`.
 #[derive(Debug, Clone, Args)]
 pub struct ExplainArgs {
     /// Scenes, scene sets or scene files
@@ -19,7 +18,6 @@ pub struct ExplainArgs {
     /// The row whose time is explained, with its settings if any: kd-tree:kernel=block
     #[arg(short, long, value_name = "ROW", default_value = "uniform-grid")]
     pub structure: String,
-    /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// How much memory a structure may take.

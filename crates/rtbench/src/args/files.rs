@@ -8,7 +8,6 @@ use measurement::settings::{Lights, MeasuringSettings, RunSettings};
 
 use crate::args::parsers::{choice, scene_name};
 
-/// `rtbench rays`.
 #[derive(Debug, Clone, Args)]
 pub struct RaysArgs {
     /// What to do with rays.
@@ -23,7 +22,6 @@ pub enum RaysAction {
     Export(ExportRaysArgs),
 }
 
-/// `rtbench rays export`.
 #[derive(Debug, Clone, Args)]
 pub struct ExportRaysArgs {
     /// A scene of triangles
@@ -69,7 +67,6 @@ impl Choice for RayFormat {
     ];
 }
 
-/// `rtbench hits`.
 #[derive(Debug, Clone, Args)]
 pub struct HitsArgs {
     /// What to do with hits.
@@ -84,7 +81,6 @@ pub enum HitsAction {
     Check(CheckHitsArgs),
 }
 
-/// `rtbench hits check`.
 #[derive(Debug, Clone, Args)]
 pub struct CheckHitsArgs {
     /// The scene whose rays they answer

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// `rtbench history`.
 #[derive(Debug, Clone, Args)]
 pub struct HistoryArgs {
     /// Folders of `rtbench run -o`, or folders of such folders

@@ -2,7 +2,6 @@
 
 use clap::{Args, ValueEnum};
 
-/// `rtbench list`.
 #[derive(Debug, Clone, Args)]
 pub struct ListArgs {
     /// What to list

@@ -58,7 +58,6 @@ pub struct MeasuringArgs {
 }
 
 impl MeasuringArgs {
-    /// What was typed.
     pub fn settings(&self) -> MeasuringSettings {
         MeasuringSettings {
             rays: self.rays.clone(),

@@ -7,7 +7,6 @@ use clap::Args;
 use crate::args::exports::ExportArgs;
 use crate::args::tables::TableArgs;
 
-/// `rtbench merge`.
 #[derive(Debug, Clone, Args)]
 pub struct MergeArgs {
     /// The parts: results.json files, or the folders of `run --shard I/N -o DIR`, in any order; with
@@ -22,10 +21,8 @@ pub struct MergeArgs {
     #[arg(long, conflicts_with_all = ["mixed_machines", "export_github_smaller",
           "export_github_bigger", "export_bencher"])]
     pub machines: bool,
-    /// How tables look.
     #[command(flatten)]
     pub tables: TableArgs,
-    /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,
 }

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use clap_complete::Shell;
 
-/// `rtbench schema`.
 #[derive(Debug, Clone, Args)]
 pub struct SchemaArgs {
     /// Of which format
@@ -26,7 +25,6 @@ pub enum SchemaOf {
     Scene,
 }
 
-/// `rtbench completions`.
 #[derive(Debug, Clone, Args)]
 pub struct CompletionsArgs {
     /// The shell
@@ -34,7 +32,6 @@ pub struct CompletionsArgs {
     pub shell: Shell,
 }
 
-/// `rtbench man`.
 #[derive(Debug, Clone, Args)]
 pub struct ManArgs {
     /// The page of this command [default: that of rtbench]

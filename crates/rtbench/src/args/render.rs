@@ -9,7 +9,6 @@ use crate::args::parsers::scene_name;
 /// `--shadows` for shadow rays that the structure answers.
 pub const STRUCTURE_SHADOWS: &str = "structure";
 
-/// `rtbench render`.
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
     /// A scene's name or file
@@ -40,7 +39,6 @@ pub struct RenderArgs {
     pub threads: Option<u16>,
 }
 
-/// `rtbench cost`.
 #[derive(Debug, Clone, Args)]
 pub struct CostArgs {
     /// A scene's name or file

@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-/// `rtbench report`.
 #[derive(Debug, Clone, Args)]
 pub struct ReportArgs {
     /// The folder that `rtbench run -o DIR` wrote; what other commands left there is shown too. Several: runs, or

@@ -6,10 +6,8 @@ use clap::{Args, Subcommand};
 
 use crate::args::measuring::MeasuringArgs;
 
-/// `rtbench reproduce`.
 #[derive(Debug, Clone, Args)]
 pub struct ReproduceArgs {
-    /// The publication.
     #[command(subcommand)]
     pub publication: Publication,
 }
@@ -24,7 +22,6 @@ pub enum Publication {
     Zachmann2007(ZachmannArgs),
 }
 
-/// `rtbench reproduce havran1999`.
 #[derive(Debug, Clone, Args)]
 pub struct HavranArgs {
     /// Scenes [default: all that the publication has]
@@ -41,7 +38,6 @@ pub struct HavranArgs {
     pub strict: bool,
 }
 
-/// `rtbench reproduce zachmann2007`.
 #[derive(Debug, Clone, Args)]
 pub struct ZachmannArgs {
     /// Scenes [default: all seven of the lecture]

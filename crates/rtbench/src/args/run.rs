@@ -12,7 +12,6 @@ use crate::args::parsers::scene_name;
 use crate::args::plugins::PluginArgs;
 use crate::args::tables::TableArgs;
 
-/// `rtbench run`.
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
     /// Scenes, scene sets or scene files [default: the set `spd`]
@@ -25,10 +24,8 @@ pub struct RunArgs {
     /// Overrides a default of a structure: uniform-grid.density=4
     #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
     pub overrides: Vec<String>,
-    /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// Structures of yours.
     #[command(flatten)]
     pub plugins: PluginArgs,
     /// How much memory a structure may take.
@@ -48,10 +45,8 @@ pub struct RunArgs {
     /// Take what is not said from that set, as a run of it alone does: its rays, sizes, rows
     #[arg(long = "as", value_name = "SET")]
     pub as_set: Option<String>,
-    /// How tables look.
     #[command(flatten)]
     pub tables: TableArgs,
-    /// What to write.
     #[command(flatten)]
     pub exports: ExportArgs,
     /// Finish the run that was begun with -o DIR: scenes that are finished are not measured again,

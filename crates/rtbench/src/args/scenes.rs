@@ -4,7 +4,6 @@ use clap::{Args, Subcommand};
 
 use crate::args::parsers::scene_name;
 
-/// `rtbench scenes`.
 #[derive(Debug, Clone, Args)]
 pub struct ScenesArgs {
     /// What to do with them.

@@ -13,7 +13,6 @@ use studies::sweep::sizes::targets::Sizes;
 use crate::args::measuring::MeasuringArgs;
 use crate::args::parsers::scene_name;
 
-/// `rtbench sweep`.
 #[derive(Debug, Clone, Args)]
 pub struct SweepArgs {
     /// Scenes, scene sets or scene files; with --sizes one generated scene: balls, tree-tess, hare
@@ -69,7 +68,6 @@ pub struct SweepArgs {
     #[arg(long, value_name = "TIME", default_value = "60s", requires = "sizes",
           value_parser = measurement::settings::duration::parse)]
     pub time_limit: Duration,
-    /// How to measure.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// Most memory of a structure; a row that would take more is shown as `out of memory` [default:

@@ -5,7 +5,6 @@ use clap::Args;
 use crate::args::parsers::{choice, scene_name};
 use measurement::settings::Precision;
 
-/// `rtbench child build`.
 #[derive(Debug, Clone, Args)]
 pub struct TrialArgs {
     /// Scene

@@ -23,7 +23,6 @@ pub struct ViewArgs {
 }
 
 impl ViewArgs {
-    /// What was typed.
     pub fn options(&self) -> ViewOptions {
         ViewOptions { camera: self.camera, up: self.up, lights: self.light.clone() }
     }

@@ -37,7 +37,6 @@ const SIZE: (u32, u32) = (96, 32);
 const TIMED_RAYS: (usize, usize) = (20_000, 3_000);
 /// Trials of an exact oracle for each variant.
 const TRIALS: (usize, usize) = (100_000, 10_000);
-/// Rounds.
 const ROUNDS: (usize, usize) = (15, 5);
 
 /// Of a full run, or of a quick one.
@@ -176,7 +175,6 @@ fn timed_rays(size: u32, quick: bool) -> usize {
     (pick(TIMED_RAYS, quick) as f64 * share * share).ceil() as usize
 }
 
-/// Axes on scenes.
 struct Study {
     limits: Limits,
     scenes: Scenes,

@@ -32,7 +32,6 @@ fn is_copy(process: u32) -> bool {
     process % 2 == 1
 }
 
-/// What starts them.
 pub struct Processes {
     program: PathBuf,
     copy: ProgramCopy,

@@ -17,9 +17,7 @@ use crate::error::Error;
 
 /// A run that was begun in a folder, and what it left there.
 pub struct ResumedRun<'f> {
-    /// The folder.
     pub folder: &'f Path,
-    /// Its journal.
     pub journal: Journal,
     /// What the journal holds.
     pub found: RecoveredRun,

@@ -20,9 +20,7 @@ pub mod noise;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
-    /// It does not.
     Good,
-    /// It does.
     Warning,
     /// The system does not tell.
     Unknown,
@@ -55,7 +53,6 @@ pub struct Diagnosis {
 /// A file system root to look at: `/`, or a test's own.
 #[derive(Debug, Clone)]
 pub struct System {
-    /// The root.
     pub root: PathBuf,
     /// Threads that the process may use.
     pub threads: usize,

@@ -33,7 +33,6 @@ pub struct Noise {
     pub slowest: f64,
 }
 
-/// Times the loop.
 pub fn measure(clock: &dyn Clock) -> Noise {
     let timed = |rounds: u64| {
         let start = clock.now();

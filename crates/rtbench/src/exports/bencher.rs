@@ -11,7 +11,6 @@ use measurement::record::RunRecord;
 use presentation::format_error::FormatError;
 use presentation::json;
 
-/// One number.
 #[derive(Debug, Serialize)]
 struct Metric {
     value: f64,

@@ -21,7 +21,6 @@ pub enum OccupiedError {
         folder.display()
     )]
     OtherPlan {
-        /// The folder.
         folder: PathBuf,
         /// The command line of what is there.
         there: String,
@@ -37,13 +36,11 @@ pub enum OccupiedError {
         folder.display(), folder.display()
     )]
     SamePlan {
-        /// The folder.
         folder: PathBuf,
         /// The command line of what is there.
         there: String,
         /// Scenes that are finished.
         finished: usize,
-        /// All scenes.
         scenes: usize,
     },
     /// Results are there that cannot be gone on with.
@@ -53,7 +50,6 @@ pub enum OccupiedError {
         path.display()
     )]
     Results {
-        /// The file.
         path: PathBuf,
         /// The command line of what is there.
         there: String,
@@ -66,20 +62,13 @@ pub enum OccupiedError {
          --overwrite",
         path.display()
     )]
-    Unknown {
-        /// The file.
-        path: PathBuf,
-    },
+    Unknown { path: PathBuf },
     /// A file is there.
     #[error("{}: is there already; name another file, or replace it with --overwrite", path.display())]
-    File {
-        /// The file.
-        path: PathBuf,
-    },
+    File { path: PathBuf },
     /// A journal is there that cannot be read.
     #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
     Journal {
-        /// The journal.
         path: PathBuf,
         /// What is wrong with it.
         source: LineError,
@@ -112,7 +101,6 @@ pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), Occu
 pub struct Wanted<'a> {
     /// The names of the files, the record first.
     pub names: &'a [&'a str],
-    /// The command line.
     pub command_line: &'a [String],
     /// What the run is, where it keeps a journal.
     pub manifest: Option<&'a Manifest>,

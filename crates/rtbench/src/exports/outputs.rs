@@ -25,7 +25,6 @@ pub enum OutputError {
     /// Two outputs would be mixed up.
     #[error("more than one output is to go to standard output (-); name files for the others")]
     OneStdout,
-    /// Standard output failed.
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] io::Error),
 }
@@ -33,7 +32,6 @@ pub enum OutputError {
 /// Makes a file's text of what is finished so far.
 type Formatter<'a> = Box<dyn Fn(&RunRecord) -> Result<String, FormatError> + 'a>;
 
-/// One output file.
 struct Output<'a> {
     path: PathBuf,
     format: Formatter<'a>,

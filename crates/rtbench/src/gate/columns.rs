@@ -39,7 +39,6 @@ pub fn change_in_words(finding: &Finding) -> Option<String> {
     })
 }
 
-/// Counts are whole.
 fn number(x: f64) -> Cell {
     if x.fract() == 0.0 && x.abs() < 1e15 {
         format!("{x:.0}").into()

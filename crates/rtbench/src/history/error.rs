@@ -14,30 +14,16 @@ pub enum HistoryError {
     Record(#[from] RecordError),
     /// A folder cannot be looked into.
     #[error("cannot read {}: {source}", folder.display())]
-    Folder {
-        /// The folder.
-        folder: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// Nothing is there.
+    Folder { folder: PathBuf, source: io::Error },
     #[error(
         "{}: no results.json in it, nor in a folder in it; expected what `rtbench run -o DIR` writes",
         folder.display()
     )]
-    NoRecords {
-        /// The folder.
-        folder: PathBuf,
-    },
+    NoRecords { folder: PathBuf },
     /// The repository does not know a commit, or there is no git.
     #[error(transparent)]
     Git(#[from] GitError),
     /// The commit of a record is not in the repository.
     #[error("{}: {source}", record.display())]
-    UnknownCommit {
-        /// The record.
-        record: PathBuf,
-        /// Which, and where.
-        source: GitError,
-    },
+    UnknownCommit { record: PathBuf, source: GitError },
 }

@@ -14,7 +14,6 @@ use presentation::page::finished;
 use presentation::page::tables::{self, Look, words};
 use presentation::table::{Cell, Style, Table};
 
-/// The page.
 pub fn page(history: &History, names: &Names) -> String {
     let visits = &history.visits;
     let days = visits.first().zip(visits.last());

@@ -15,14 +15,12 @@ use statistics::series::ratio_of;
 pub enum Quantity {
     /// The trace time of all rays.
     Trace,
-    /// The build time.
     Build,
     /// The trace time of a kind of rays, as records call it.
     Kind(&'static str),
 }
 
 impl Quantity {
-    /// Above a column.
     pub fn head(self) -> &'static str {
         match self {
             Self::Trace => "all rays",
@@ -31,7 +29,6 @@ impl Quantity {
         }
     }
 
-    /// In words.
     pub fn in_words(self) -> String {
         match self {
             Self::Trace => "trace time of all rays".to_owned(),
@@ -87,22 +84,17 @@ pub struct Line {
 /// What a line is found by: scene, structure, settings, quantity.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
-    /// Scene.
     pub scene: String,
-    /// Structure.
     pub structure: String,
-    /// What was measured.
     pub quantity: Quantity,
     /// Settings of the structure.
     pub settings: String,
 }
 
-/// All of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct History {
     /// The runs, in their order.
     pub visits: Vec<Visit>,
-    /// Machines and settings.
     pub benches: Vec<MachineSetup>,
     /// Which bench each run was made on.
     pub bench_of: Vec<usize>,

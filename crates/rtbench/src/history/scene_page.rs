@@ -12,7 +12,6 @@ use presentation::page::finished;
 use presentation::page::tables::{self, Look};
 use presentation::table::{Cell, Style, Table, dash};
 
-/// The page.
 pub fn page(history: &History, names: &Names, scene: &str) -> String {
     let intro = "The latest ratio of each row to the reference of its run; figures link to their histories. A change is \
                  the last one that was found, newer figures over older ones.";

@@ -63,7 +63,6 @@ pub fn bench_name(bench: usize) -> String {
     format!("machine {}", bench + 1)
 }
 
-/// A moment's day.
 pub fn day(unix_s: u64) -> String {
     utc(unix_s).chars().take(10).collect()
 }

@@ -10,9 +10,7 @@ use measurement::record::file;
 /// A run that was kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visit {
-    /// Its folder's name.
     pub name: String,
-    /// What it measured.
     pub run: RunRecord,
     /// The commit, where a repository says more of it than its name.
     pub commit: Option<Commit>,

@@ -29,16 +29,10 @@ pub enum ReportError {
     Record(#[from] RecordError),
     /// A folder cannot be looked into.
     #[error("cannot read {}: {source}", path.display())]
-    Folder {
-        /// The folder.
-        path: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Folder { path: PathBuf, source: io::Error },
     /// It is no CSV, or has other columns.
     #[error("{}: {message}; expected what `{written_by}` writes", path.display())]
     Csv {
-        /// The file.
         path: PathBuf,
         /// What is wrong with it, and in which line.
         message: String,
@@ -47,14 +41,10 @@ pub enum ReportError {
     },
     /// It is no plot.
     #[error("{}: not an SVG plot; expected what `rtbench sweep --export-svg` draws", path.display())]
-    NotAPlot {
-        /// The file.
-        path: PathBuf,
-    },
+    NotAPlot { path: PathBuf },
     /// It is no picture.
     #[error("{}: not a PNG image; expected what `{written_by}` draws", path.display())]
     NotAPicture {
-        /// The file.
         path: PathBuf,
         /// The command that draws such files.
         written_by: &'static str,
@@ -63,11 +53,8 @@ pub enum ReportError {
 
 /// Everything that a folder has.
 pub struct Material {
-    /// The folder.
     pub folder: PathBuf,
-    /// The record's file.
     pub data: DataFile,
-    /// The run.
     pub run: RunRecord,
     /// By scene: its picture, a PNG file.
     pub pictures: BTreeMap<String, Vec<u8>>,
@@ -93,9 +80,7 @@ pub struct Material {
 pub struct DataFile {
     /// Its name within the folder.
     pub name: String,
-    /// Its size.
     pub bytes: usize,
-    /// Its hash.
     pub sha256: String,
 }
 
@@ -105,9 +90,7 @@ pub struct HeatMap {
     pub scene: String,
     /// What it shows: `tests`, `steps`, `time`.
     pub name: String,
-    /// Width and height.
     pub size: [u32; 2],
-    /// The file.
     pub png: Vec<u8>,
 }
 
@@ -115,7 +98,6 @@ pub struct HeatMap {
 pub struct SweepPlot {
     /// The file's name without its extension.
     pub name: String,
-    /// The file.
     pub svg: Vec<u8>,
 }
 

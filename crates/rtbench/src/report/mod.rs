@@ -25,7 +25,6 @@ use presentation::page::{BEGINNING, begun, finished};
 pub struct Section {
     /// What links name it.
     pub id: &'static str,
-    /// Its head.
     pub title: &'static str,
     /// The command that makes what it shows; `DIR` is the folder.
     pub made_by: &'static str,
@@ -101,7 +100,6 @@ const fn section(
 /// What explains the others stands once on a page of several runs.
 const ONCE: &str = "glossary";
 
-/// A finished page.
 pub struct FinishedPage {
     /// HTML that is well-formed XML, too.
     pub html: String,

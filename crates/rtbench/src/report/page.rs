@@ -9,7 +9,6 @@ use scene_loading::source_hash::sha256_of_bytes;
 /// Whether there was something to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SectionOutcome {
-    /// There was.
     Yes,
     /// The folder has nothing of it.
     Missing,

@@ -21,10 +21,8 @@ use crate::scene::Scene;
 const MAX_DEPTH: usize = 16;
 const MAX_FILES: usize = 1 << 16;
 
-/// The most transforms.
 const MAX_BRANCHES: usize = 1 << 20;
 
-/// The most frames.
 const MAX_FRAMES: u64 = 1 << 20;
 
 const ENTITIES: &str =

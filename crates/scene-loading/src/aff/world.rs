@@ -44,7 +44,6 @@ pub(super) enum Step {
     Named(String),
 }
 
-/// Consecutive primitives.
 pub(super) struct Part {
     pub branch: usize,
     /// The same for runs that several inclusions of a file make.
@@ -56,7 +55,6 @@ pub(super) struct Part {
     pub normals: Range<usize>,
     pub spheres: Range<usize>,
     pub cones: Range<usize>,
-    /// Where it begins.
     pub place: FilePlace,
 }
 

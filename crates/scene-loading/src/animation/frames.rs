@@ -10,7 +10,6 @@ use crate::scene::Scene;
 /// What is rigid in it is claimed in [`Scene::instances`], with the same object, first id and count in all
 /// frames: `p` of frame 0 is at `placement_k * placement_0^-1 * p` in frame `k`, up to rounding.
 pub trait Animation: Send {
-    /// Name in tables.
     fn name(&self) -> &str;
 
     /// Number of frames, at least one; they are numbered from 0.

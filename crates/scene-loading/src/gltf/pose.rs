@@ -16,7 +16,6 @@ pub(crate) struct NodePose {
     pub translation: Option<DVec3>,
     pub rotation: Option<DQuat>,
     pub scale: Option<DVec3>,
-    /// Of morph targets.
     pub weights: Option<Vec<f64>>,
     /// Its scale gets through zero somewhere in the animation, or may.
     pub is_unsteady: bool,

@@ -85,7 +85,6 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// A finite number.
     pub fn number(&mut self, what: impl Display + Copy) -> Result<f64, LoadError> {
         let word = self.any(what)?;
         let value: f64 = word.text.parse().map_err(|_| {
@@ -101,7 +100,6 @@ impl<'a> Words<'a> {
         Ok(value)
     }
 
-    /// Three finite numbers.
     pub fn vector(&mut self, what: impl Display + Copy) -> Result<DVec3, LoadError> {
         Ok(DVec3::new(self.number(what)?, self.number(what)?, self.number(what)?))
     }

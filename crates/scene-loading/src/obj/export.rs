@@ -18,7 +18,6 @@ pub enum ObjExportError {
          tessellate the scene first"
     )]
     Curved { primitive: usize, kind: &'static str },
-    /// The writer failed.
     #[error("cannot write the OBJ text: {0}")]
     Io(#[from] io::Error),
 }

@@ -25,7 +25,6 @@ pub(crate) struct Placement {
 /// The colour maps of all materials.
 #[derive(Default)]
 pub(crate) struct ColorMaps {
-    /// The MTL files.
     files: Vec<PathBuf>,
     /// By material of the scene: which of the files, and its map.
     maps: HashMap<u32, (usize, ColorMap)>,
@@ -104,7 +103,6 @@ fn read_one(
 /// What stands behind `map_Kd`.
 #[derive(Debug, PartialEq)]
 struct Options<'a> {
-    /// Of the file.
     name: &'a str,
     wrap: Wrap,
     placement: Option<Placement>,

@@ -42,7 +42,6 @@ pub(crate) struct ColorMap {
     pub text: String,
 }
 
-/// An MTL file.
 #[derive(Default)]
 pub(crate) struct Library {
     /// The materials in its order.

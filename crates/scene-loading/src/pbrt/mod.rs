@@ -107,7 +107,6 @@ struct Loader<'a> {
     camera: Option<Camera>,
     lights: Vec<LightEntry>,
     state: State,
-    /// Named materials.
     materials: HashMap<String, u32>,
     /// The material of shapes before any `Material`.
     plain: Option<u32>,

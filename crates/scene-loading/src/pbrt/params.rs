@@ -195,7 +195,6 @@ impl Params {
         }
     }
 
-    /// A string.
     pub fn string(&self, name: &str) -> Option<&str> {
         self.find(name)?.words.first().map(String::as_str)
     }

@@ -125,7 +125,6 @@ struct Ring {
     candidates: Vec<[usize; 2]>,
     /// Remaining vertices with a turn to the right or none: only they can be in the way of an ear.
     reflex: PointTree,
-    /// Vertices left.
     len: usize,
     /// Vertices left when all were last made candidates.
     renewed_at: usize,

@@ -14,9 +14,7 @@ const LEAF: usize = 4;
 /// Where a vertex that is not in the tree stands.
 const NOWHERE: u32 = u32::MAX;
 
-/// See the module.
 pub(super) struct PointTree {
-    /// Vertices, by leaf.
     ids: Vec<u32>,
     /// Position in `ids` of each vertex of the polygon.
     slots: Vec<u32>,

@@ -6,7 +6,6 @@
 /// Shapes by kind, as far as counts of triangles depend on it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct ShapeCounts {
-    /// Spheres.
     pub spheres: u64,
     /// Cones and cylinders, none of which has a tip.
     pub cones: u64,
@@ -33,7 +32,6 @@ impl ShapeCounts {
     }
 }
 
-/// Triangles alone.
 fn triangles(n: u64) -> ShapeCounts {
     ShapeCounts { flat: n, flat_triangles: n, ..ShapeCounts::default() }
 }

@@ -39,7 +39,6 @@ struct Profile {
 
 /// A gear of a scene.
 pub(crate) struct Gear {
-    /// Its surface.
     pub material: Material,
     /// The middle of its upper face.
     pub center: DVec3,

@@ -30,10 +30,8 @@ pub use printed::{PrintfG, round_to_printed};
 
 use crate::scene::Scene;
 
-/// One generator.
 #[derive(Debug, Clone, Copy)]
 pub struct SpdEntry {
-    /// Name in specs.
     pub name: &'static str,
     /// Size factor of the published scene, or of ours as measured.
     pub default_size: u32,

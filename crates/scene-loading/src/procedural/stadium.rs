@@ -9,7 +9,6 @@ use super::hare::push_hare;
 use super::parts::{View, matte, push_triangle, stage};
 use crate::scene::Scene;
 
-/// Rows of seats.
 const ROWS: u32 = 28;
 /// Segments of each row, all around.
 const SEGMENTS: u32 = 141;

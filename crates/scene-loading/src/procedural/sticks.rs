@@ -10,7 +10,6 @@ use glam::DVec3;
 use super::parts::{View, matte, push_triangle, stage};
 use crate::scene::Scene;
 
-/// Of a stick.
 const LENGTH: f64 = 1.2;
 /// Half a side of its square section.
 const HALF_SIDE: f64 = 0.001;

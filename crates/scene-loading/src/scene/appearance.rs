@@ -10,9 +10,7 @@ pub type Rgb = [f64; 3];
 pub struct Material {
     /// Name in the source file, empty where the format has none.
     pub name: String,
-    /// Base colour.
     pub color: Rgb,
-    /// Diffuse share Kd.
     pub diffuse: f64,
     /// Specular share Ks: highlights, and mirror reflection when > 0.
     pub specular: f64,
@@ -47,12 +45,10 @@ impl Default for Material {
     }
 }
 
-/// A light source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
     /// A point light without falloff, as NFF's `l`.
     Point {
-        /// Where it is.
         position: DVec3,
         /// Its colour, or `None` where the file gives none (then every light counts
         /// 1/sqrt(number of lights), as SPD's documentation asks).
@@ -61,7 +57,6 @@ pub enum Light {
     /// A light without falloff that has an extent: a disc that faces whatever it lights, as a
     /// ball does. Of radius 0 it is a point light.
     Disc {
-        /// Its centre.
         position: DVec3,
         /// As for [`Light::Point`].
         color: Option<Rgb>,

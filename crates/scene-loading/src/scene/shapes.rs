@@ -8,7 +8,6 @@ pub type Texcoords = [[f32; 2]; 3];
 /// One primitive: its shape and the material it is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Primitive {
-    /// Geometry.
     pub shape: Shape,
     /// Index into `Scene::materials`.
     pub material: u32,
@@ -23,16 +22,12 @@ pub enum Shape {
     Cone(u32),
     /// A planar polygon, concave ones too: `count` vertices from `first` in `Scene::vertices`.
     Polygon {
-        /// First vertex.
         first: u32,
         /// Number of vertices, at least 3.
         count: u32,
     },
     /// A flat triangle: three indices into `Scene::vertices`.
-    Triangle {
-        /// Vertex indices.
-        v: [u32; 3],
-    },
+    Triangle { v: [u32; 3] },
     /// A triangle with a shading normal at each vertex.
     Patch {
         /// Vertex indices into `Scene::vertices`.
@@ -45,7 +40,6 @@ pub enum Shape {
 /// A sphere; world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
-    /// Centre.
     pub center: DVec3,
     /// Radius, >= 0.
     pub radius: f64,

@@ -22,7 +22,6 @@ pub struct Texture {
 /// What a texture shows beyond its edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// The image again.
     #[default]
     Repeat,
     /// The image again, every other one mirrored.

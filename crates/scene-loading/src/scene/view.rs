@@ -34,7 +34,6 @@ impl SampleWishes {
 /// A camera in NFF's terms, with a thin lens and a shutter; a pinhole by default.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
-    /// Eye.
     pub from: DVec3,
     /// Point in the middle of the image.
     pub at: DVec3,

@@ -30,7 +30,6 @@ pub(crate) fn above_0<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>,
     checked(from, |x| x > 0.0, "a number above 0").map(Some)
 }
 
-/// A share.
 pub(crate) fn share<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
     checked(from, |x| (0.0..=1.0).contains(&x), "a number from 0 to 1").map(Some)
 }

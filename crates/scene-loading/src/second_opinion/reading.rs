@@ -17,7 +17,6 @@ const MAX_NAMED: usize = 5;
 /// What a reader found in a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reading {
-    /// Around all triangles.
     pub bounds: Bounds,
     /// Triangles that have an area by the name of their material. A polygon of `k` corners is `k - 2`.
     pub triangles: BTreeMap<String, u64>,
@@ -57,7 +56,6 @@ impl Reading {
         }
     }
 
-    /// All triangles.
     pub fn total(&self) -> u64 {
         self.triangles.values().sum()
     }

@@ -28,12 +28,10 @@ pub struct Axis {
 /// How an axis is measured on a scene.
 #[derive(Debug, Clone, Copy)]
 pub enum Measure {
-    /// At once.
     Whole(fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>),
     /// Subject by subject, each with variants, ratios and a front of its own: structures with
     /// settings, as `run -s` takes them.
     Each {
-        /// All there are.
         subjects: &'static [&'static str],
         /// Whether one tells more of a scene than others do.
         serves: fn(&PreparedScene, &str) -> bool,

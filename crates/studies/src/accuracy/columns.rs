@@ -13,11 +13,8 @@ use crate::accuracy::record::{
 /// A variant on a scene of an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct VariantRow<'a> {
-    /// The axis.
     pub axis: &'a AxisRecord,
-    /// The scene.
     pub scene: &'a SceneOutcome,
-    /// The variant.
     pub row: &'a VariantRecord,
 }
 
@@ -114,7 +111,6 @@ fn also(of: &VariantRow<'_>) -> String {
     })
 }
 
-/// Seconds by round.
 fn seconds(rounds: &[f64]) -> String {
     joined(rounds, " ", |s| format!("{s:e}"))
 }

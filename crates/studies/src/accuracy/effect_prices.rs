@@ -20,7 +20,6 @@ const MICROSECONDS: f64 = 1e6;
 pub struct Price {
     /// Error that it removes, root mean square of colours; negative where it adds some.
     pub removed: f64,
-    /// Seconds a pixel.
     pub added_s: Estimate,
 }
 

@@ -7,12 +7,7 @@ use serde::{Deserialize, Serialize};
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum ErrorOf {
     /// Answers, of which some are wrong.
-    Counted {
-        /// Wrong ones.
-        wrong: u64,
-        /// All.
-        trials: u64,
-    },
+    Counted { wrong: u64, trials: u64 },
     /// Root of the mean square of the differences to the reference's colours, a channel.
     Rmse {
         /// Of all pixels together.
@@ -38,7 +33,6 @@ impl ErrorOf {
     }
 }
 
-/// Counts trials.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Tally {
     wrong: u64,
@@ -46,13 +40,11 @@ pub struct Tally {
 }
 
 impl Tally {
-    /// Adds a trial.
     pub fn add(&mut self, is_wrong: bool) {
         self.trials += 1;
         self.wrong += u64::from(is_wrong);
     }
 
-    /// Adds several.
     pub fn add_all(&mut self, wrong: u64, trials: u64) {
         self.trials += trials;
         self.wrong += wrong;
@@ -63,7 +55,6 @@ impl Tally {
         self.wrong
     }
 
-    /// As an error.
     pub fn error(self) -> ErrorOf {
         ErrorOf::Counted { wrong: self.wrong, trials: self.trials }
     }

@@ -16,16 +16,13 @@ const FARTHEST: f64 = UNITS * (1_u32 << 14) as f64;
 /// A ray in the coordinates of the grid: cells have side 1 and the grid begins at 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct IntegerRay {
-    /// Units.
     origin: [i128; 3],
-    /// Of any scale.
     direction: [i128; 3],
 }
 
 /// A cell on the way of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pierced {
-    /// Its coordinates.
     pub cell: [i32; 3],
     /// The longest way on an axis that the ray makes within it, in cells; correct to a few ulps.
     pub length: f64,

@@ -11,7 +11,6 @@ use statistics::estimate::Estimate;
 pub struct FrontPoint {
     /// Time over that of the cheapest.
     pub time: Estimate,
-    /// Error.
     pub error: f64,
 }
 
@@ -35,7 +34,6 @@ impl FrontPoint {
     }
 }
 
-/// Where each stands.
 pub fn standings(places: &[FrontPoint]) -> Vec<VariantStanding> {
     let of = |place: &FrontPoint| {
         let mut by = places.iter().filter(|other| other.dominates(place)).peekable();

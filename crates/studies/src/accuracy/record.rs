@@ -34,7 +34,6 @@ impl VariantStanding {
 /// What a part of a variant's work takes: rays of a kind.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartTime {
-    /// Its name.
     pub part: String,
     /// Seconds of each round, process by process.
     pub seconds: Vec<f64>,
@@ -45,7 +44,6 @@ pub struct PartTime {
 /// A variant on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantRecord {
-    /// Its name.
     pub variant: String,
     /// How to have it without this command, in the words of the command line.
     pub setting: String,
@@ -59,11 +57,9 @@ pub struct VariantRecord {
     pub is_below_reference: bool,
     /// Seconds of each round, process by process.
     pub seconds: Vec<f64>,
-    /// Their median.
     pub time_s: Estimate,
     /// Time over that of the cheapest variant in the same rounds.
     pub ratio: Estimate,
-    /// Where it stands.
     pub standing: VariantStanding,
     /// More of it, by name.
     pub also: BTreeMap<String, f64>,
@@ -91,7 +87,6 @@ fn is_one(processes: &u32) -> bool {
 /// An axis on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SceneOutcome {
-    /// Scene.
     pub scene: String,
     /// Through which structure, where an axis has several.
     #[serde(default, skip_serializing_if = "String::is_empty")]
@@ -118,7 +113,6 @@ pub struct SceneOutcome {
 }
 
 impl SceneOutcome {
-    /// Seconds of rounds.
     pub fn series(&self, seconds: &[f64]) -> Series {
         Series::of_pairs(seconds, seconds, self.processes, |s, _| s)
     }
@@ -133,7 +127,6 @@ impl SceneOutcome {
         Series::of_pairs(seconds, other, self.processes, |s, other| s - other)
     }
 
-    /// Scene and subject.
     pub fn place(&self) -> String {
         match self.subject.as_str() {
             "" => self.scene.clone(),
@@ -162,13 +155,11 @@ impl SceneOutcome {
 /// An axis on all its scenes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisRecord {
-    /// Name.
     pub axis: String,
     /// What an error is.
     pub metric: String,
     /// What says which answer is right.
     pub reference: String,
-    /// One a scene.
     pub scenes: Vec<SceneOutcome>,
 }
 
@@ -191,16 +182,11 @@ impl AxisRecord {
     }
 }
 
-/// A whole run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyRecord {
-    /// As typed.
     pub command_line: Vec<String>,
-    /// The program.
     pub tool: measurement::record::Tool,
-    /// The machine.
     pub machine: measurement::record::Machine,
-    /// The compiler.
     pub compiler: measurement::record::Compiler,
     /// Seed of rays, aims, schedules and intervals.
     pub seed: u64,

@@ -48,7 +48,6 @@ impl SamplingPlan {
 pub struct SampledEffect<'a> {
     /// The scene, the effect put on.
     pub scene: &'a Scene,
-    /// Who traces it.
     pub tracer: &'a dyn Tracer<f32>,
     /// Longest chain of rays.
     pub max_depth: u32,
@@ -179,7 +178,6 @@ impl SampledEffect<'_> {
 
 /// What is known of images with samples before they are timed.
 pub struct Judged<'a> {
-    /// The images.
     pub variants: Vec<Variant<'a>>,
     /// What is said of them.
     pub said: AxisReport,
@@ -189,13 +187,9 @@ pub struct Judged<'a> {
 
 /// An image that is made again and again, in the current rayon pool.
 pub struct Rendering<'a> {
-    /// The scene.
     pub scene: &'a Scene,
-    /// Who traces it.
     pub tracer: &'a dyn Tracer<f32>,
-    /// Its effects.
     pub plan: EffectPlan,
-    /// The last one.
     pub image: Option<Image>,
 }
 

@@ -28,7 +28,6 @@ const FEW_TRIALS: usize = 1000;
 
 /// A scene and its primitives.
 pub struct PreparedScene {
-    /// The scene.
     pub scene: Scene,
     /// Its primitives in single precision.
     pub geometry: Geometry<f32>,
@@ -64,13 +63,11 @@ pub struct Stage<'a> {
     pub axis: &'static str,
     /// Name of the scene.
     pub name: &'a str,
-    /// Scene, primitives, rays.
     pub prepared: &'a PreparedScene,
     /// The structures there are.
     pub registry: &'a [Entry],
     /// The occluders there are.
     pub occluders: &'a [occluders::Entry],
-    /// Time.
     pub clock: &'a dyn Clock,
     /// Seed of everything random.
     pub seed: u64,
@@ -88,11 +85,9 @@ pub struct Stage<'a> {
 
 /// A structure over the stage's primitives.
 pub struct StagedStructure<'a> {
-    /// Structure and settings.
     pub label: String,
     /// What is wrong with it by design.
     pub known_defect: Option<&'static str>,
-    /// The structure.
     pub tracer: Box<dyn Tracer<f32> + 'a>,
     /// Seconds of the build, made once.
     pub build_s: f64,
@@ -104,7 +99,6 @@ impl StagedStructure<'_> {
         format!("run -s {}", self.label.replace(' ', ":"))
     }
 
-    /// What was built.
     pub fn stats(&self) -> StructureStats {
         self.tracer.stats()
     }
@@ -116,7 +110,6 @@ impl<'a> Stage<'a> {
         Random::new(self.seed, &format!("accuracy/{}/{}/{purpose}", self.axis, self.name))
     }
 
-    /// The scene.
     pub fn scene(&self) -> &'a Scene {
         &self.prepared.scene
     }
@@ -174,7 +167,6 @@ impl<'a> Stage<'a> {
     }
 }
 
-/// Rays by kind.
 pub type Batches<S> = Vec<(RayKind, Vec<Ray<S>>)>;
 
 /// At most `most` of the rays, evenly thinned, kinds without rays left out.

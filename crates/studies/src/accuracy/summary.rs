@@ -60,7 +60,6 @@ fn ratios_of_accurate(scene: &SceneOutcome) -> Option<Series> {
     Some(scene.ratios(&accurate.seconds, &cheapest.seconds))
 }
 
-/// The page.
 pub fn to_markdown(run: &AccuracyRecord) -> String {
     let mut text = String::from("# What accuracy costs in time\n\n");
     push_facts(&mut text, run);

@@ -13,7 +13,6 @@ use statistics::estimate::Estimate;
 
 /// A variant, judged and ready to be timed.
 pub struct Variant<'a> {
-    /// Name in tables.
     pub name: String,
     /// How to have it without this command.
     pub setting: String,
@@ -25,7 +24,6 @@ pub struct Variant<'a> {
     pub error: ErrorOf,
     /// More of it, by name.
     pub also: Vec<(&'static str, f64)>,
-    /// What is timed.
     pub work: Box<dyn Work + 'a>,
     /// See [`VariantRecord::is_without`].
     pub is_without: bool,

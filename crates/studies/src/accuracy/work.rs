@@ -4,7 +4,6 @@
 pub trait Work {
     /// Undoes what the last run left, so that it cannot pass for this one's.
     fn prepare(&mut self) {}
-    /// The work itself.
     fn run(&mut self);
     /// Names of the parts that are timed one by one, in order; none where it is timed as a whole.
     fn parts(&self) -> Vec<String> {

@@ -13,12 +13,10 @@ pub struct Totals {
     pub update_s: Vec<f64>,
     /// Seconds a frame of rays, a round each.
     pub trace_s: Vec<f64>,
-    /// Rays a frame.
     pub rays: f64,
 }
 
 impl LaneRecord {
-    /// The row's name.
     pub fn label(&self) -> String {
         label(&self.structure, &self.settings)
     }

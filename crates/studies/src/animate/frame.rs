@@ -6,9 +6,7 @@ use scene_loading::Scene;
 
 use crate::error::StudyError;
 
-/// A frame's primitives.
 pub struct Frame<S: Buildable> {
-    /// Its number.
     pub number: u32,
     /// The scene at rest.
     pub scene: Scene,

@@ -24,7 +24,6 @@ const LOOK_RAYS: usize = 1024;
 
 /// What a frame gives all rows.
 pub struct FrameInput<'a, 'r, S: Buildable> {
-    /// The frame.
     pub frame: &'a Frame<S>,
     /// Its rays, with the answers expected.
     pub scope: Scope<'a, 'r, S>,

@@ -24,7 +24,6 @@ use crate::error::StudyError;
 
 /// What is measured with.
 pub struct Equipment<'a> {
-    /// Time.
     pub clock: &'a dyn Clock,
     /// The bar: a step each frame.
     pub progress: &'a Progress,

@@ -27,7 +27,6 @@ use measurement::settings::Precision;
 
 /// Width and height of the image, unless it is said: of a quick run, and of another.
 const SIZE: [u32; 2] = [48, 256];
-/// Rounds, likewise.
 const ROUNDS: [u32; 2] = [1, 3];
 /// The rays asked for when none are named.
 const RAYS: [&str; 2] = ["primary", "shadow"];
@@ -41,7 +40,6 @@ pub enum AnimateError {
     /// There are no such frames.
     #[error("--frames {first}..{last}: {scene} has {frames} frames, numbered from 0")]
     NoSuchFrames {
-        /// Animation.
         scene: String,
         /// First frame asked for.
         first: u32,
@@ -67,11 +65,9 @@ pub struct AnimateSettings {
     pub structures: Vec<String>,
     /// Overrides of defaults: `uniform-grid.density=4`.
     pub overrides: Vec<String>,
-    /// How to measure.
     pub measuring: MeasuringSettings,
 }
 
-/// A validated animation.
 #[derive(Debug)]
 pub struct Animate<'r> {
     /// Name of the scene.

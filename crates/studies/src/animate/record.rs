@@ -3,10 +3,8 @@
 use measurement::record::{Compiler, Machine, OracleRecord, Tool, WorkRecord};
 use serde::Serialize;
 
-/// An animation.
 #[derive(Debug, Clone, Serialize)]
 pub struct AnimationRecord {
-    /// What was run.
     pub tool: Tool,
     /// The command line, program first.
     pub command_line: Vec<String>,
@@ -22,9 +20,7 @@ pub struct AnimationRecord {
     pub seed: u64,
     /// Pixels of the image whose rays are asked.
     pub resolution: [u32; 2],
-    /// Arithmetic.
     pub precision: String,
-    /// Kinds of rays.
     pub kinds: Vec<String>,
     /// The whole, seconds.
     pub took_s: f64,
@@ -36,12 +32,9 @@ pub struct AnimationRecord {
     pub lanes: Vec<LaneRecord>,
 }
 
-/// A frame.
 #[derive(Debug, Clone, Serialize)]
 pub struct FrameRecord {
-    /// Its number.
     pub frame: u32,
-    /// Primitives.
     pub primitives: u64,
     /// Of these, those that are others than in the frame before; none in the first, and where there are not the
     /// same primitives in both.
@@ -55,7 +48,6 @@ pub struct FrameRecord {
 /// A row with a number of threads.
 #[derive(Debug, Clone, Serialize)]
 pub struct LaneRecord {
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,
@@ -71,7 +63,6 @@ pub struct LaneRecord {
     pub example: Option<String>,
     /// Stride of the rays that were timed.
     pub stride: usize,
-    /// The frames.
     pub frames: Vec<LaneFrame>,
 }
 
@@ -92,6 +83,5 @@ pub struct LaneFrame {
     pub work: Option<WorkRecord>,
     /// Expected steps and tests of a ray; with one thread alone: see [`crate::animate::quality`].
     pub expected_cost: Option<f64>,
-    /// End-point overlap, likewise.
     pub overlap: Option<f64>,
 }

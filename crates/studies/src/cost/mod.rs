@@ -33,9 +33,7 @@ const ENOUGH: f64 = 5.0;
 /// A structure over a scene, and what a test of the scene's primitives takes.
 #[derive(Clone, Copy)]
 pub struct TracedStructure<'t> {
-    /// The structure.
     pub tracer: &'t dyn Tracer<f32>,
-    /// Seconds a test.
     pub seconds_per_test: f64,
 }
 
@@ -155,7 +153,6 @@ pub fn measured(
 /// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostRow {
-    /// The factor.
     pub name: &'static str,
     /// What the product multiplies with.
     pub nominal: f64,

@@ -11,9 +11,7 @@
 pub struct CountedWork {
     /// Rays of all kinds.
     pub rays: f64,
-    /// Traversal steps.
     pub steps: f64,
-    /// Ray-primitive intersection tests.
     pub tests: f64,
     /// Seconds that such a test takes.
     pub seconds_per_test: f64,

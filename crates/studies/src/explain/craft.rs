@@ -27,7 +27,6 @@ pub enum Adapter {
 /// How triangles are tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kernel {
-    /// One by one.
     Scalar,
     /// Eight at a time.
     Block,
@@ -114,7 +113,6 @@ impl CodeDifferences {
 }
 
 impl Adapter {
-    /// As typed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Direct => "direct",
@@ -125,7 +123,6 @@ impl Adapter {
 }
 
 impl Asked {
-    /// In words.
     pub fn name(self) -> &'static str {
         match self {
             Self::OneRay => Query::OneRay.name(),
@@ -136,7 +133,6 @@ impl Asked {
 }
 
 impl Kernel {
-    /// As typed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
@@ -150,7 +146,6 @@ impl Kernel {
 pub struct Variant {
     /// The structure and those of its settings that are not code.
     pub structure: String,
-    /// The rest.
     pub craft: CodeDifferences,
 }
 

@@ -6,7 +6,6 @@ use measurement::record::RunRecord;
 use presentation::csv::{estimate, written};
 use presentation::format_error::FormatError;
 
-/// The columns.
 const COLUMNS: [&str; 10] = [
     "scene",
     "rays",

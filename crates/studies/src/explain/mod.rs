@@ -31,16 +31,10 @@ use statistics::series::Series;
 pub enum ExplainError {
     /// A row has no difference to itself.
     #[error("{row} is the reference, too: name another with --structure or --reference")]
-    SameRow {
-        /// The row.
-        row: String,
-    },
+    SameRow { row: String },
     /// A chosen test goes through code of its own.
     #[error("{row}: only rows with the default tests of primitives can be explained")]
-    ChosenTest {
-        /// The row.
-        row: String,
-    },
+    ChosenTest { row: String },
     /// What is no plan either.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -59,7 +53,6 @@ pub struct ExplainSettings {
     pub processes: u32,
 }
 
-/// A validated explanation.
 #[derive(Debug)]
 pub struct Explain<'r> {
     /// The rows, and how they are measured.
@@ -160,7 +153,6 @@ impl Rays<'_> {
 #[derive(Debug)]
 pub struct Explanation<'a> {
     run: &'a RunRecord,
-    /// The scene.
     pub scene: &'a SceneRecord,
     /// What each row was in this scene; none for one that was the same as another before it.
     pub variants: Vec<Option<Variant>>,

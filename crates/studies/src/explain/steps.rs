@@ -24,7 +24,6 @@ impl Axis {
     /// In the order of tables.
     const ALL: [Self; 4] = [Self::Adapter, Self::Kernel, Self::Structure, Self::Query];
 
-    /// In words.
     pub fn name(self) -> &'static str {
         match self {
             Self::Adapter => "adapter",

@@ -13,7 +13,6 @@ use statistics::estimate::{Estimate, rank_correlation};
 
 static TABLES: &str = include_str!("../../published/zachmann2007_tables.csv");
 
-/// The lecture's scenes.
 pub const SCENES: [&str; 7] = ["balls", "gears", "mount", "rings", "teapot", "tetra", "tree"];
 
 /// The structures of Zachmann 2007 and what we put beside them; the first is the reference.
@@ -78,11 +77,9 @@ pub struct Ratios {
 pub struct Line {
     /// As the lecture names it; none for the modern structure.
     pub lecture: Option<&'static str>,
-    /// Our row.
     pub ours: String,
     /// What is said of its answers.
     pub verdict: Verdict,
-    /// Of the build.
     pub build: Ratios,
     /// Of tracing all rays.
     pub run: Ratios,
@@ -91,7 +88,6 @@ pub struct Line {
 /// A scene's part of both tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
-    /// Scene.
     pub scene: String,
     /// Lines in the lecture's order, the modern structure last.
     pub lines: Vec<Line>,

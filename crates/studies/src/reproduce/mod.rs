@@ -28,21 +28,14 @@ use verdict::{Verdict, judge};
 /// One figure, published and ours.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct ReproducedRow {
-    /// Scene.
     pub scene: String,
-    /// Structure as published.
     pub structure: String,
-    /// Setting as published.
     pub params: String,
-    /// Counter.
     pub counter: String,
     /// Published figure, as printed.
     pub published: String,
-    /// Ours.
     pub ours: f64,
-    /// Ours / published.
     pub ratio: f64,
-    /// Judgement.
     #[serde(serialize_with = "as_text")]
     pub verdict: Verdict,
 }

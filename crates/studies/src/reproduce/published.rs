@@ -12,18 +12,15 @@ static INVARIANTS: &str = include_str!("../../published/havran1999_invariants.cs
 pub const SCENES: [&str; 8] =
     ["balls", "gears", "lattice", "mount", "rings", "teapot", "tetra", "tree"];
 
-/// One published figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Structure as the paper names it: `uniform`; `invariants` for what no structure changes.
     pub structure: String,
     /// Setting as the paper names it: `woo D=1.0`.
     pub params: String,
-    /// Scene.
     pub scene: String,
     /// Counter: `N_OIV`.
     pub counter: String,
-    /// Value as printed.
     pub value: String,
 }
 

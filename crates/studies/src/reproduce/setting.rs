@@ -98,7 +98,6 @@ pub(crate) struct SceneWork {
     pub(super) secondary_hits: u64,
     /// Blocked shadow rays, plus glass hit by the others.
     pub(super) shadow_hits: u64,
-    /// Blocked shadow rays.
     pub(super) blocked: u64,
 }
 

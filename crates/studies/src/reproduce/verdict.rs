@@ -5,7 +5,6 @@ use std::fmt;
 /// The judgement of one figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Equal as printed.
     Exact,
     /// Within the counter's tolerance.
     Within,

@@ -16,9 +16,7 @@ const RESAMPLES: usize = if cfg!(fuzzing) { 10 } else { 1000 };
 /// For how many rays one structure takes less time than another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BreakEven {
-    /// For any number.
     Always,
-    /// For no number.
     Never,
     /// For more than these: it takes longer to build.
     From(f64),
@@ -46,7 +44,6 @@ pub fn break_even(one: Cost, other: Cost) -> BreakEven {
 /// A stretch of numbers of rays over which one structure takes the least time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvelopeSegment {
-    /// Which.
     pub index: usize,
     /// From how many rays on.
     pub from: f64,

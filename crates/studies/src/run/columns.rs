@@ -13,9 +13,7 @@ pub const RATIO: &str = "ratio [95%]";
 /// A row of a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct RowOf<'a> {
-    /// The scene.
     pub scene: &'a SceneRecord,
-    /// The row.
     pub row: &'a RowRecord,
     /// Rays of the scene; a verdict that rests on fewer says so.
     pub all_rays: u64,

@@ -16,9 +16,7 @@ use crate::run::leads::{Lead, Timed, Visit, lead};
 /// Seconds of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
-    /// To build.
     pub build_s: f64,
-    /// For a ray.
     pub ray_s: f64,
 }
 
@@ -34,7 +32,6 @@ impl Cost {
 pub struct Profile {
     /// Its number in the scene's table, from 1.
     pub number: usize,
-    /// Structure and settings.
     pub label: String,
     /// It may be called the best of anything.
     pub may_lead: bool,

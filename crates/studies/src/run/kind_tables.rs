@@ -23,7 +23,6 @@ pub fn kinds(run: &RunRecord) -> Vec<&'static str> {
     kinds_of(run.scenes.iter())
 }
 
-/// Those of scenes.
 pub fn kinds_of<'s>(scenes: impl Iterator<Item = &'s SceneRecord> + Clone) -> Vec<&'static str> {
     let is_asked = |name: &str| scenes.clone().any(|scene| scene.rays.contains_key(name));
     let all = METRICS.iter().filter_map(|metric| match metric.reading {

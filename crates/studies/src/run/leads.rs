@@ -12,13 +12,11 @@ pub type Visit = (u32, u32);
 /// A row and what it took in each round: seconds of something, or bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timed {
-    /// Structure and settings.
     pub label: String,
     /// How it was asked.
     pub query: Query,
     /// By process and round, each above 0.
     pub rounds: BTreeMap<Visit, f64>,
-    /// Their middle.
     pub middle: f64,
 }
 

@@ -48,16 +48,13 @@ pub enum Columns {
 pub struct View {
     /// The order of rows.
     pub sort: Sort,
-    /// The columns.
     pub columns: Columns,
-    /// With colours.
     pub colors: bool,
 }
 
 /// A column by the name that it is asked for by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TableColumn {
-    /// As typed.
     name: &'static str,
     /// Above it in tables.
     heads: &'static [&'static str],

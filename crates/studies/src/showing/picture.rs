@@ -19,7 +19,6 @@ const TEXT: f64 = 16.0;
 const GROUND: Color = [252, 252, 250];
 /// Sides of empty cells.
 const FAINT: Color = [205, 205, 205];
-/// Sides of cells.
 const SIDE: Color = [250, 250, 250];
 /// Surfaces of the scene.
 const SURFACE: Color = [20, 20, 20];
@@ -31,20 +30,15 @@ const NUMBER: f64 = 9.0;
 pub enum Seen {
     /// What a plane cuts.
     Sections(Vec<Section>),
-    /// Boxes.
     Bodies(Vec<Body>),
 }
 
 /// A structure as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shown {
-    /// Structure and settings.
     pub label: String,
-    /// What was built.
     pub stats: StructureStats,
-    /// Its cells.
     pub seen: Seen,
-    /// One ray's way.
     pub path: Option<PathThrough>,
 }
 
@@ -53,14 +47,12 @@ pub struct Shown {
 pub enum View<'a> {
     /// Cut by a plane, with what that cuts of the scene.
     Cut(Plane, &'a [Line]),
-    /// As boxes.
     Boxes(Projection),
 }
 
 /// What all panels of a picture have in common.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame<'a> {
-    /// Above them.
     pub title: String,
     /// From where cells are seen.
     pub view: View<'a>,

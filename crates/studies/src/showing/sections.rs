@@ -20,7 +20,6 @@ pub struct Section {
 /// A cell as a box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Body {
-    /// The box.
     pub bounds: Aabb<f64>,
     /// References in it, or below it.
     pub references: u64,

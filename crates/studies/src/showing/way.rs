@@ -18,7 +18,6 @@ pub struct EnteredCell {
     pub steps: [usize; 2],
     /// What the plane cuts of it.
     pub ends: [f64; 4],
-    /// Its depth.
     pub depth: u32,
     /// Where the ray is half-way through it.
     pub middle: [f64; 2],
@@ -39,9 +38,7 @@ pub struct PathThrough {
     pub line: [[f64; 2]; 2],
     /// The steps, and for each the depth of the cell entered where that is known.
     pub steps: Vec<(TraceStep, Option<u32>)>,
-    /// The answer.
     pub hit: Hit<f32>,
-    /// What it took.
     pub counters: WorkCounters,
 }
 

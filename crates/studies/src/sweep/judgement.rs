@@ -11,7 +11,6 @@ pub enum ValueStanding {
     Best,
     /// Its interval overlaps that of the best: no difference was measured.
     NotToldApart,
-    /// Slower.
     Slower,
 }
 

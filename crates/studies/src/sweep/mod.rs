@@ -30,34 +30,16 @@ use measurement::settings::MeasuringSettings;
 pub enum SweepError {
     /// `--from` and `--to` for words.
     #[error("{structure}.{parameter} has no range, it takes {valid}: name some with --values")]
-    NoRange {
-        /// Structure.
-        structure: &'static str,
-        /// Parameter.
-        parameter: &'static str,
-        /// Its values.
-        valid: String,
-    },
+    NoRange { structure: &'static str, parameter: &'static str, valid: String },
     /// Nothing lies between the ends.
     #[error("--from {from} must be below --to {to}")]
-    EmptyRange {
-        /// First value.
-        from: f64,
-        /// Last value.
-        to: f64,
-    },
+    EmptyRange { from: f64, to: f64 },
     /// Equal ratios from zero or less.
     #[error("equal ratios cannot start at --from {from}: it must be above 0, or use --linear")]
-    NotPositive {
-        /// First value.
-        from: f64,
-    },
+    NotPositive { from: f64 },
     /// The swept parameter is given a value.
     #[error("{parameter} is swept and cannot be set to a value at the same time")]
-    SetsSwept {
-        /// Parameter.
-        parameter: &'static str,
-    },
+    SetsSwept { parameter: &'static str },
     /// What is no plan either.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -73,21 +55,16 @@ pub struct SweepSettings {
     pub scenes: Vec<String>,
     /// The structure, with its other settings if any.
     pub structure: String,
-    /// The parameter.
     pub parameter: String,
-    /// Its values.
     pub values: Vec<String>,
     /// In their place its first value, a number.
     pub from: Option<f64>,
-    /// Its last value.
     pub to: Option<f64>,
-    /// Number of values.
     pub steps: u16,
     /// Equal steps between values, not equal ratios.
     pub linear: bool,
     /// Settings of other parameters: `resolution=woo`.
     pub settings: Vec<String>,
-    /// How to measure.
     pub measuring: MeasuringSettings,
 }
 
@@ -110,26 +87,20 @@ pub enum Abscissa {
     /// Cells per primitive: rules of thumb have a place there too.
     CellsPerPrimitive,
     /// The value, on a logarithmic axis or a linear one.
-    Number {
-        /// Logarithmic.
-        is_log: bool,
-    },
+    Number { is_log: bool },
     /// The values one beside the other.
     Words,
 }
 
-/// A validated sweep.
 #[derive(Debug)]
 pub struct Sweep<'r> {
     /// The rows, and how they are measured.
     pub plan: Plan<'r>,
     /// What each row of the plan stands for.
     pub lines: Vec<Line>,
-    /// The structure.
     pub structure: &'static str,
     /// Its other settings, as typed; empty for the defaults.
     pub settings: String,
-    /// The parameter.
     pub parameter: &'static ParamSpec,
     /// The horizontal axis of plots.
     pub abscissa: Abscissa,

@@ -12,11 +12,8 @@ const WIDE: f64 = 8.0;
 /// Numbers from one to another, both included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// First.
     pub from: f64,
-    /// Last.
     pub to: f64,
-    /// How many.
     pub steps: usize,
     /// Equal steps; else equal ratios.
     pub is_linear: bool,

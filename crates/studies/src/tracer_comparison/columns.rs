@@ -14,11 +14,9 @@ use statistics::estimate::estimate;
 pub struct ImageRow<'a> {
     /// Name of the scene.
     pub scene: &'a str,
-    /// Seed of intervals.
     pub seed: u64,
     /// The reference's own error.
     pub reference_error: f64,
-    /// The image.
     pub row: &'a TracerRow,
 }
 

@@ -8,7 +8,6 @@ pub struct SampledImage {
     pub samples: f64,
     /// Root mean square error.
     pub error: f64,
-    /// Seconds.
     pub seconds: f64,
 }
 
@@ -19,7 +18,6 @@ pub enum AtError {
     Reached {
         /// Samples per pixel.
         samples: f64,
-        /// Seconds.
         seconds: f64,
     },
     /// One sample per pixel is as good already.

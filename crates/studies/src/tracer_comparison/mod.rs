@@ -33,7 +33,6 @@ use statistics::series::Series;
 
 /// A way to draw with cones or beams.
 pub struct DrawingMethod {
-    /// The tracer.
     pub info: &'static TracerInfo,
     /// Its settings where they are not the default ones.
     pub settings: &'static str,
@@ -42,7 +41,6 @@ pub struct DrawingMethod {
 }
 
 impl DrawingMethod {
-    /// Tracer and settings.
     pub fn label(&self) -> String {
         format!("{} {}", self.info.name, self.settings).trim_end().to_owned()
     }
@@ -79,7 +77,6 @@ pub fn ways(
 
 /// What a comparison is made with.
 pub struct Question<'a> {
-    /// The scene.
     pub scene: &'a Scene,
     /// What samples are traced through.
     pub sampler: &'a dyn Tracer<f32>,
@@ -98,7 +95,6 @@ pub struct Question<'a> {
 /// A row: an image by one way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TracerRow {
-    /// The tracer.
     pub tracer: &'static str,
     /// Its settings where they are not the default ones.
     pub settings: String,
@@ -133,9 +129,7 @@ pub struct Measured {
     pub ratio: Option<Estimate>,
     /// Whether another row is faster and has a smaller error.
     pub standing: VariantStanding,
-    /// What was counted.
     pub counts: BTreeMap<&'static str, u64>,
-    /// The image.
     pub image: Image,
     /// What samples would have taken for the same error; none for samples themselves.
     pub by_samples: Option<AtError>,

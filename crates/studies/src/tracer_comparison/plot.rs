@@ -12,7 +12,6 @@ pub struct PlottedImage {
     pub error: f64,
     /// Samples per pixel, of images that are sampled.
     pub samples: Option<u32>,
-    /// Tracer and settings.
     pub label: String,
     /// Whether anything beats it.
     pub standing: VariantStanding,

@@ -19,7 +19,6 @@ const MOST_TESTS: usize = 1 << 25;
 /// What the queries of a structure cost.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QueryRow {
-    /// Its name.
     pub structure: &'static str,
     /// Queries a round: all pixels, or every so many of them.
     pub queries: usize,
@@ -61,7 +60,6 @@ struct Asked {
 /// How often queries are repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rounds {
-    /// Rounds.
     pub rounds: u32,
     /// Seed of their orders and of the intervals.
     pub seed: u64,

@@ -18,7 +18,6 @@ pub struct TracersRecord {
     pub machine: Option<Machine>,
     /// Name of the scene.
     pub scene: String,
-    /// Its primitives.
     #[serde(default)]
     pub primitives: usize,
     /// Width and height of the images.
@@ -26,15 +25,11 @@ pub struct TracersRecord {
     /// What samples were traced through, and cones and beams.
     #[serde(default)]
     pub through: [String; 2],
-    /// Threads that traced.
     pub threads: usize,
-    /// Seed of everything.
     pub seed: u64,
     /// What images were compared with.
     pub reference: ReferenceRecord,
-    /// The images.
     pub images: Vec<ImageRecord>,
-    /// The candidate queries.
     #[serde(default)]
     pub queries: Vec<QueryRecord>,
 }
@@ -49,7 +44,6 @@ impl TracersRecord {
 /// What images were compared with: the mean of two.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ReferenceRecord {
-    /// Its error.
     pub own_error: f64,
     /// Samples per pixel of each of the two.
     pub samples: u32,
@@ -58,7 +52,6 @@ pub struct ReferenceRecord {
 /// An image by one way.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImageRecord {
-    /// Which way.
     pub row: RowName,
     /// What came of it.
     pub outcome: Outcome,
@@ -67,7 +60,6 @@ pub struct ImageRecord {
 /// A way to make an image.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct RowName {
-    /// The tracer.
     pub tracer: String,
     /// Its settings where they are not the default ones.
     pub settings: String,
@@ -76,7 +68,6 @@ pub struct RowName {
 }
 
 impl RowName {
-    /// In words.
     pub fn label(&self) -> String {
         let samples = self
             .samples
@@ -91,11 +82,7 @@ impl RowName {
 #[serde(untagged)]
 pub enum Outcome {
     /// The tracer refuses the scene.
-    Refused {
-        /// Why.
-        refused: String,
-    },
-    /// It was made.
+    Refused { refused: String },
     Made {
         /// Seconds of each round.
         seconds: Vec<f64>,
@@ -108,7 +95,6 @@ pub enum Outcome {
         below_reference: bool,
         /// Whether another row is faster and has a smaller error.
         standing: VariantStanding,
-        /// What was counted.
         #[serde(default)]
         counts: BTreeMap<String, u64>,
     },
@@ -117,21 +103,17 @@ pub enum Outcome {
 /// What the queries of a structure cost, and did in one round.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct QueryRecord {
-    /// Its name.
     pub structure: String,
-    /// Queries a round.
     pub queries: usize,
     /// Microseconds a query.
     pub microseconds: Estimate,
     /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio_to_brute_force: Estimate,
-    /// Cells visited.
     pub cells: u64,
     /// Ids in those cells.
     pub references: u64,
     /// Tests of a hull against a frustum.
     pub hull_tests: u64,
-    /// Primitives found.
     pub found: u64,
     /// Queries that did not find what the ray through the pixel's centre hits.
     pub missed: usize,

@@ -26,7 +26,6 @@ pub struct Sampled {
     pub resolution: [u32; 2],
     /// Longest chain of rays.
     pub max_depth: u32,
-    /// Seed.
     pub seed: u64,
 }
 

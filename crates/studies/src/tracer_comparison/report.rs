@@ -20,21 +20,16 @@ use presentation::svg_plot::figure;
 use presentation::table::{Cell, Style, Table};
 use statistics::estimate::{Estimate, estimate};
 
-/// A finished comparison.
 pub struct Report {
     /// Name of the scene.
     pub scene: String,
-    /// Its primitives.
     pub primitives: usize,
     /// Width and height of the images.
     pub resolution: [u32; 2],
     /// What samples were traced through, and cones and beams.
     pub through: [String; 2],
-    /// Threads that traced.
     pub threads: usize,
-    /// Seed of everything.
     pub seed: u64,
-    /// The command line.
     pub command_line: Vec<String>,
     /// What it ran on.
     pub machine: Machine,
@@ -42,7 +37,6 @@ pub struct Report {
     pub reference: ConvergedImage,
     /// Samples per pixel of each of its two images.
     pub reference_samples: u32,
-    /// The images.
     pub rows: Vec<TracerRow>,
     /// The candidate queries; empty where no tracer that makes them took part.
     pub queries: Vec<QueryRow>,

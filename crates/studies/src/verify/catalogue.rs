@@ -5,7 +5,6 @@ use super::registry::{Case, Group};
 use measurement::plan::error::PlanError;
 use measurement::settings::suggest;
 
-/// All groups.
 pub static GROUPS: &[&Group] = &[
     &cases::ray::GROUP,
     &cases::geometry::GROUP,

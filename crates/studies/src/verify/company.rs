@@ -11,7 +11,6 @@ const GROUP: usize = 8;
 
 /// Rays of eights, each with one of those that are asked about.
 pub struct Company<S: Scalar> {
-    /// All of them.
     pub rays: Vec<Ray<S>>,
     /// Where those that are asked about stand, in their order.
     pub places: Vec<usize>,

@@ -13,7 +13,6 @@ use super::model::Corners;
 /// A triangle that the line of the ray meets, or passes closely.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Meeting {
-    /// Its id.
     pub id: u32,
     /// The ray's parameter in its plane; correct to a few ulps of f64.
     pub t: f64,
@@ -27,7 +26,6 @@ pub struct Meeting {
 /// See [`Meeting::blur`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blur {
-    /// Of the parameter.
     pub t: f64,
     /// Of the barycentric coordinates.
     pub depth: f64,

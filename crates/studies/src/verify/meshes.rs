@@ -85,7 +85,6 @@ pub fn torus(around: u32, tube: u32) -> Vec<Corners> {
 pub struct Cubes {
     /// Cubes along each axis.
     pub side: i32,
-    /// All of them.
     pub is_solid: bool,
 }
 

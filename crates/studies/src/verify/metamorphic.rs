@@ -22,7 +22,6 @@ pub struct MetamorphicPair<S: Scalar> {
     pub name: String,
     /// What must be the same.
     pub same: Same,
-    /// The scene.
     pub model: Model<S>,
     /// The rays, in the order of the round.
     pub rays: Vec<Ray<S>>,
@@ -45,9 +44,7 @@ impl<S: Scalar> MetamorphicPair<S> {
 /// A scene of triangles and the rays through it, from which pairs are made.
 #[derive(Debug)]
 pub struct Original<'a, S: Scalar> {
-    /// The triangles.
     pub triangles: &'a [Corners],
-    /// The rays.
     pub rays: &'a [Ray<S>],
 }
 

@@ -57,6 +57,5 @@ macro_rules! case {
 pub struct Group {
     /// `geometry`.
     pub name: &'static str,
-    /// Its cases.
     pub cases: &'static [Case],
 }

@@ -6,12 +6,9 @@ use super::round::MOST_RAYS;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
 
-/// One trial.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Replay {
-    /// The case.
     pub case: String,
-    /// Precision.
     pub precision: Precision,
     /// The seed of the run.
     pub seed: u64,
@@ -64,7 +61,6 @@ impl Replay {
     }
 }
 
-/// As typed.
 pub fn precision_name(precision: Precision) -> &'static str {
     match precision {
         Precision::F32 => "f32",

@@ -13,7 +13,6 @@ use measurement::system::progress::Progress;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cut {
-    /// By this signal.
     Interrupted(usize),
     /// By `--time-limit`.
     OutOfTime,
@@ -63,7 +62,6 @@ impl<'a> Watch<'a> {
         self.progress.step(Duration::ZERO);
     }
 
-    /// All is over.
     pub fn finish(&self) {
         self.progress.finish();
     }

@@ -27,7 +27,6 @@ pub(crate) struct BuildRules {
 
 /// Voxels of nested grids: where the ids and the grids of each begin.
 pub(crate) static VOXELS: Counted = Counted::cells("number of voxels", 8);
-/// Ids in them.
 pub(crate) static REFERENCES: Counted = Counted::references("references in voxels");
 
 /// References that boxes would have in a grid; counted without visiting cells.

@@ -21,13 +21,10 @@ use crate::update::is_incremental;
 
 /// What a storage is built from: which primitive goes to which cells.
 pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
-    /// The grid.
     pub frame: GridFrame<S>,
-    /// Number of primitives.
     pub primitives: usize,
     /// Order of ids in a cell.
     pub order: ListOrder,
-    /// Limit for references.
     pub max_references: u64,
     boxes: BoundsOf<'a, S, P>,
     historical: bool,

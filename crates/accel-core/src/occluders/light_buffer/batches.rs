@@ -14,9 +14,7 @@ const BATCH_BITS: u32 = 12;
 pub(super) struct Batch {
     /// One for each primitive that is seen.
     pub(super) footprints: Vec<Footprint>,
-    /// Their half-planes.
     pub(super) sides: Vec<HalfPlane>,
-    /// Their planes.
     pub(super) planes: Vec<FacingPlane>,
     /// The planes through the light and the edges of those.
     pub(super) edges: Vec<DVec3>,
@@ -25,19 +23,16 @@ pub(super) struct Batch {
 /// A footprint with what it refers to.
 #[derive(Clone, Copy)]
 pub(super) struct Print<'a> {
-    /// The footprint.
     pub(super) footprint: &'a Footprint,
     batch: &'a Batch,
 }
 
 impl<'a> Print<'a> {
-    /// Its half-planes.
     pub(super) fn sides(self) -> &'a [HalfPlane] {
         let own = &self.footprint.sides;
         &self.batch.sides[own.start as usize..own.end as usize]
     }
 
-    /// Its plane.
     pub(super) fn plane(self) -> Option<&'a FacingPlane> {
         self.batch.planes.get(self.footprint.plane? as usize)
     }
@@ -60,12 +55,10 @@ impl FaceCells {
         self.batches.push(batch);
     }
 
-    /// All batches.
     pub(super) fn batches(&self) -> &[Batch] {
         &self.batches
     }
 
-    /// All footprints.
     pub(super) fn footprints(&self) -> impl Iterator<Item = &Footprint> {
         self.batches.iter().flat_map(|s| &s.footprints)
     }

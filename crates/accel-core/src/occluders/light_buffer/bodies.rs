@@ -6,7 +6,6 @@ use crate::geometry::scalar::Scalar;
 use crate::occluders::light_buffer::direction_cube::in_frame;
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
-/// A primitive.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     pub(super) id: u32,

@@ -43,7 +43,6 @@ impl Spot {
 pub(super) struct Part(u64);
 
 impl Part {
-    /// The whole cell.
     pub(super) const ALL: Self = Self(0);
 
     /// Whether the spot may show what the part was made from.

@@ -15,9 +15,7 @@ pub(super) const FACES: usize = 6;
 /// Where a direction meets the cube.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CubePoint<S> {
-    /// The face.
     pub(super) face: usize,
-    /// u and v.
     pub(super) at: [S; 2],
     /// Length along the axis of the face.
     pub(super) depth: S,

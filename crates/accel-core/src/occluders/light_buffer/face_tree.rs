@@ -31,7 +31,6 @@ impl<S: Scalar> Record<S> {
     }
 }
 
-/// Ends a list.
 pub(super) const END: u32 = MISS;
 /// First of a list: whatever is deeper is hidden by one primitive that covers the cell.
 pub(super) const COVERED: u32 = MISS - 1;
@@ -147,11 +146,9 @@ impl<S: Scalar> Face<S> {
 pub(super) struct Tally {
     /// Cells that are divided, and coarse grids.
     pub(super) inner: u64,
-    /// Cells with lists.
     pub(super) leaves: u64,
     /// Of those, empty ones.
     pub(super) empty: u64,
-    /// Records of primitives.
     pub(super) references: u64,
     /// Lists left to a structure.
     pub(super) long: u64,
@@ -177,17 +174,14 @@ pub(super) struct Cells<S> {
     pub(super) cells: Vec<u32>,
     /// The lists; the first one is empty.
     pub(super) records: Vec<Record<S>>,
-    /// What there is.
     pub(super) tally: Tally,
 }
 
 impl<S: Scalar> Cells<S> {
-    /// Nothing yet.
     pub(super) fn new() -> Self {
         Self { cells: Vec::new(), records: vec![Record::end()], tally: Tally::default() }
     }
 
-    /// Bytes of both.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice()) + size_of_val(self.records.as_slice())
     }

@@ -313,7 +313,6 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
         first as u32 | DIVIDED
     }
 
-    /// Writes a list.
     fn leaf(&mut self, list: &[u32], cover: Option<f64>, at: [u32; 2], shift: u32) -> u32 {
         let tally = &mut self.out.tally;
         tally.leaves += 1;

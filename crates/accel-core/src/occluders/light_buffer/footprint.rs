@@ -19,16 +19,13 @@ const MOST_EDGES: usize = 8;
 /// The part of a face within `normal . (u, v) <= limit`.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct HalfPlane {
-    /// Unit normal.
     pub(super) normal: DVec2,
-    /// Largest dot product.
     pub(super) limit: f64,
 }
 
 /// What a face shows of a primitive.
 #[derive(Debug, Clone)]
 pub(super) struct Footprint {
-    /// The primitive.
     pub(super) id: u32,
     /// The body it was made from.
     pub(super) body: u32,
@@ -151,9 +148,7 @@ impl Seen {
 pub(super) struct Projection<'a> {
     /// Margins for rounding; those of positions are in the balls already.
     pub(super) margins: &'a Margins,
-    /// Store of half-planes.
     pub(super) sides: &'a mut Vec<HalfPlane>,
-    /// Room for normals.
     pub(super) normals: &'a mut Vec<DVec2>,
 }
 

@@ -23,7 +23,6 @@ struct Tile {
     corners: [DVec3; 3],
     /// The same on the face, turning to the left.
     points: [DVec2; 3],
-    /// Its largest depth.
     far: f64,
     /// By how much rounding may move a point on the face.
     pad: f64,

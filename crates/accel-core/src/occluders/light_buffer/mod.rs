@@ -55,7 +55,6 @@ use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
 use crate::structure::{Batches, BuildError, StructureInfo, StructureStats, no_defect};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "light-buffer",
     summary: "a cube of directions around each light, lists of occluders sorted by depth",
@@ -275,7 +274,6 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         Some((place, cube.faces.get(place.face)?))
     }
 
-    /// One ray.
     #[inline(always)]
     fn answer<C: Counters>(&self, ray: &Ray<S>, light: u32, counters: &mut C) -> Answer {
         let Some((place, face)) = self.place(ray, light) else { return Answer::Unknown };

@@ -24,7 +24,6 @@ pub(super) struct Remainder<'a, S: Scalar, P> {
 }
 
 impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
-    /// Builds nothing yet.
     pub(super) fn new(prims: &'a P, any: PrimsRef<'a, S>) -> Self {
         let reach = far_ray::reach(prims.magnitude());
         Self { prims, any, reach, made: OnceLock::new() }

@@ -15,7 +15,6 @@ pub trait MailboxSource {
     type Mailbox<'r>: Mailbox
     where
         Self: 'r;
-    /// An empty mailbox.
     fn next_ray(&mut self) -> Self::Mailbox<'_>;
 }
 
@@ -31,7 +30,6 @@ impl<B: MailboxSource> MailboxSource for &mut B {
     }
 }
 
-/// Nothing is remembered.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct NoMailbox;
 

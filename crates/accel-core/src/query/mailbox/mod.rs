@@ -43,7 +43,6 @@ pub const PARAM: ParamSpec =
         "spares repeated tests: stamp in the primitive, array per thread, or small hash per ray",
     );
 
-/// Its companion.
 pub const SLOTS_PARAM: ParamSpec = ParamSpec::integer("mailbox-slots", "64", 1, 1 << 20)
     .about("slots of the mailbox 'hash' (rounded up to a power of two)");
 
@@ -51,9 +50,7 @@ pub const SLOTS_PARAM: ParamSpec = ParamSpec::integer("mailbox-slots", "64", 1, 
 pub enum AnyMailbox<'m> {
     /// None.
     None,
-    /// Stamps.
     Stamps(&'m mut Stamps<u32>),
-    /// A small hash.
     Slots(&'m mut Slots<u32>),
 }
 

@@ -5,10 +5,8 @@
 
 use crate::query::mailbox::{Mailbox, MailboxSource, Stamp};
 
-/// The slots.
 #[derive(Debug, Clone)]
 pub struct Slots<I> {
-    /// Ray and primitive.
     slots: Vec<(I, u32)>,
     /// 32 minus the logarithm of their number.
     shift: u32,

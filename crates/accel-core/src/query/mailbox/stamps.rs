@@ -64,7 +64,6 @@ impl<I: Stamp> Stamps<I> {
         }
     }
 
-    /// Bytes occupied.
     pub fn bytes(&self) -> usize {
         size_of_val(self.stamps.as_slice())
     }

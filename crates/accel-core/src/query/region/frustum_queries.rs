@@ -19,7 +19,6 @@ pub trait FrustumQueries: Send + Sync {
         arrived: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
     );
 
-    /// What was built.
     fn stats(&self) -> StructureStats;
 
     /// Collects all primitives whose hulls meet the frustum.
@@ -31,15 +30,12 @@ pub trait FrustumQueries: Send + Sync {
 /// What queries cost, counted always: it is small beside what beams and cones do with the answer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrustumWork {
-    /// Queries.
     pub queries: u64,
-    /// Cells visited.
     pub cells: u64,
     /// Ids in those cells.
     pub references: u64,
     /// Tests of a hull against a frustum: each id once per query.
     pub tests: u64,
-    /// Primitives found.
     pub found: u64,
 }
 

@@ -12,6 +12,7 @@ use crate::query::counters::Counters;
 use crate::query::mailbox::{Mailbox, NoMailbox};
 
 /// What a traversal sees of a query.
+#[warn(missing_docs)]
 pub trait Sink<S: Scalar> {
     /// True when the sink counts: lets an adapter skip work that is only done for counting.
     const COUNTING: bool;

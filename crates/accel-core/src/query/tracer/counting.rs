@@ -14,11 +14,9 @@ use crate::query::way::{Recorder, TraversalTrace};
 
 /// A structure's traversal with the primitives it was built over.
 pub(super) struct CountingTracer<'a, S: Scalar, P> {
-    /// The primitives.
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
     pub reach: S,
-    /// The structure's traversal.
     pub traversal: &'a dyn Fn(&Ray<S>, ErasedSink<'_, S>),
 }
 

@@ -9,9 +9,7 @@ use crate::structure::Structure;
 /// A structure apart from the primitives of its frame.
 pub struct KeptStructure(Box<dyn Any + Send>);
 
-/// The frame before.
 pub struct Before<'m> {
-    /// The structure then.
     pub kept: KeptStructure,
     /// Ids of the primitives that stand elsewhere now or have another shape, ascending. All others are the same.
     pub moved: &'m [u32],

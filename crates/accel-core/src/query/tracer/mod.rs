@@ -47,6 +47,7 @@ pub struct ShadowCount {
 /// A structure with the primitives it was built over.
 ///
 /// Output slices must be as long as `rays`; longer inputs are cut to the shorter of both.
+#[warn(missing_docs)]
 pub trait Tracer<S: Scalar>: Send + Sync {
     /// The closest hit of every ray.
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]);

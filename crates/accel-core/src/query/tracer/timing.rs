@@ -12,11 +12,9 @@ use crate::query::sink::{AnyHit, ClosestHit, RelayedSink, Sink};
 
 /// A structure's traversal with the primitives it was built over.
 pub(super) struct TimingTracer<'a, S: Scalar, P> {
-    /// The primitives.
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
     pub reach: S,
-    /// The structure's traversal.
     pub traversal: &'a dyn Fn(&Ray<S>, RelayedSink<'_, S>),
     /// The blocks of its lists, where it has some.
     pub blocks: &'a dyn Fn(&Ray<S>) -> Option<&'a ListBlocks<S>>,

@@ -17,7 +17,6 @@ pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
     /// point, loses a hit. The boxes are [`crate::historical::bounds_rule::BoundsRule::Padded`] ones.
     fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self;
 
-    /// Prepares a ray.
     fn setup(ray: &Ray<S>) -> Self::RaySetup;
 
     /// The first parameter in `[t_min, t_max]` at which the ray is within the volume, or a smaller
@@ -34,7 +33,6 @@ pub(super) fn box_around<S: Scalar, P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf
 }
 
 impl<S: Scalar> Volume<S> for Aabb<S> {
-    /// Origin and direction.
     type RaySetup = (Vec3<S>, Vec3<S>);
 
     fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {

@@ -15,7 +15,6 @@ pub(super) const ROOM_FOR_FRAMES: f64 = 4.0;
 
 /// What an update needs of the build.
 pub(super) struct Frames<S: Scalar> {
-    /// By object.
     pub objects: Vec<FirstCopy>,
     /// The boxes of the copies, as the upper structure was built over them.
     pub tight: Vec<Aabb<S>>,

@@ -91,7 +91,6 @@ impl<S: Scalar, T: Structure<S>> InstancedStructure<S, T> {
     }
 }
 
-/// Both levels.
 pub struct LevelsConfig<S: Scalar, T: Structure<S>> {
     levels: [T::Config; 2],
     is_by_instances: bool,

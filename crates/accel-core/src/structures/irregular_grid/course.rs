@@ -18,7 +18,6 @@ pub(super) struct LatticeFrame<S: Scalar> {
     /// Lattice cells less one.
     last: Point,
     last_coordinate: FourOf<S>,
-    /// Lattice cells.
     size: FourOf<S>,
 }
 
@@ -88,7 +87,6 @@ pub(super) struct Course<S: Scalar> {
 }
 
 impl<S: Scalar> Course<S> {
-    /// Of no ray.
     pub(super) fn idle() -> Self {
         let zero = FourOf::<S>::splat(S::ZERO);
         let down = Point::ZERO;

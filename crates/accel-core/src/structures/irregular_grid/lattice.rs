@@ -43,7 +43,6 @@ impl Lattice {
         }
     }
 
-    /// The top grid.
     pub(super) fn whole(&self) -> Division {
         Division { first: [0; 3], shift: self.levels, parts: self.top }
     }
@@ -74,7 +73,6 @@ fn filling(n: u32) -> u32 {
 /// Cells of a node of the tree, or of the top grid: a regular grid within the lattice.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Division {
-    /// First lattice cell.
     pub(super) first: [u32; 3],
     /// Lattice cells of a part, as a power of two.
     pub(super) shift: [u32; 3],
@@ -83,7 +81,6 @@ pub(super) struct Division {
 }
 
 impl Division {
-    /// Number of parts.
     pub(super) fn count(&self) -> usize {
         self.parts.iter().map(|&n| n as usize).product()
     }

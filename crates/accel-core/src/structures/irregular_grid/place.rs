@@ -10,7 +10,6 @@ use crate::structures::irregular_grid::overlap::Overlap;
 
 /// What is built over, whatever the scalar and the set.
 pub(super) trait Source {
-    /// Number of primitives.
     fn len(&self) -> u32;
     /// The padded box of a primitive.
     fn bounds(&self, id: u32) -> (DVec3, DVec3);
@@ -25,7 +24,6 @@ pub(super) trait Source {
 /// Boxes that meet more cells of the top grid than this on average are nearly all in the same place.
 const MOST_TOP_CELLS: f64 = 16.0;
 
-/// Part and id.
 pub(super) type Pair = (u32, u32);
 
 /// So many ids are placed at a time.

@@ -117,7 +117,6 @@ impl<'a> SharedInput<'a> {
     }
 }
 
-/// One thread's work.
 struct Worker<'a> {
     shared: SharedInput<'a>,
     cells: Cells,
@@ -277,7 +276,6 @@ impl<'a> Worker<'a> {
         (shift != levels).then_some(Division { first, shift, parts })
     }
 
-    /// An undivided cell.
     fn cell(
         &mut self,
         ids: Range<usize>,

@@ -21,10 +21,8 @@ pub(super) type Point = i32x4;
 pub(super) struct Voxel(u32x4);
 
 impl Voxel {
-    /// An empty box.
     pub(super) const NOTHING: Self = Self(u32x4::ZERO);
 
-    /// An undivided part.
     pub(super) fn leaf(first: [u16; 3], end: [u16; 3], list: u32) -> Self {
         Self::new(first, end, list & !DIVIDED)
     }
@@ -43,7 +41,6 @@ impl Voxel {
         Self(u32x4::new([pair(a[0], a[1]), pair(a[2], b[0]), pair(b[1], b[2]), word]))
     }
 
-    /// The last word.
     #[inline(always)]
     fn word(&self) -> u32 {
         self.0.to_array()[3]
@@ -101,7 +98,6 @@ impl Voxel {
 pub(super) struct Records([u32x8; 4]);
 
 impl Records {
-    /// Empty boxes.
     pub(super) const NOTHING: Self = Self([u32x8::ZERO; 4]);
 
     /// The last words: of undivided ones the numbers of their lists.
@@ -150,7 +146,6 @@ impl Records {
     }
 }
 
-/// The records.
 #[derive(Debug)]
 pub(super) struct Voxels {
     /// Those of the top grid, x fastest, then those of parts.
@@ -278,7 +273,6 @@ const NONE: u8 = 0x80;
 /// The first three words of 16 bits.
 #[rustfmt::skip]
 const FIRST_THREE: [u8; 16] = [0, 1, NONE, NONE, 2, 3, NONE, NONE, 4, 5, NONE, NONE, NONE, NONE, NONE, NONE];
-/// The next three.
 #[rustfmt::skip]
 const NEXT_THREE: [u8; 16] = [6, 7, NONE, NONE, 8, 9, NONE, NONE, 10, 11, NONE, NONE, NONE, NONE, NONE, NONE];
 

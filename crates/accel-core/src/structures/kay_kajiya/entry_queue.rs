@@ -18,7 +18,6 @@ pub(super) struct EntryQueue<S> {
 }
 
 impl<S: Scalar> EntryQueue<S> {
-    /// Nothing waits.
     #[inline(always)]
     pub(super) fn new() -> Self {
         Self { inline: [(S::ZERO, 0); INLINE], len: 0, spilled: Vec::new() }
@@ -29,7 +28,6 @@ impl<S: Scalar> EntryQueue<S> {
         if self.spilled.is_empty() { &mut self.inline } else { &mut self.spilled }
     }
 
-    /// Adds a volume.
     #[inline(always)]
     pub(super) fn push(&mut self, entry: QueuedVolume<S>) {
         let last = self.len;
@@ -70,7 +68,6 @@ impl<S: Scalar> EntryQueue<S> {
         Some(first)
     }
 
-    /// Doubles the room.
     #[cold]
     #[inline(never)]
     fn spill(&mut self) {

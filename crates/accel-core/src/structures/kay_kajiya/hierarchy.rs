@@ -28,10 +28,15 @@ struct Node<S, const K: usize> {
 /// What a node holds, as a range.
 #[derive(Debug, Clone, Copy)]
 enum Content {
-    /// Of nodes.
-    Inner { first: u32, count: u32 },
+    Inner {
+        first: u32,
+        count: u32,
+    },
     /// Of places in the list of ids.
-    Leaf { first: u32, count: u32 },
+    Leaf {
+        first: u32,
+        count: u32,
+    },
 }
 
 /// Volumes of `K` slabs; node 0 is the root, children come after their parents.
@@ -131,7 +136,6 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
         }
     }
 
-    /// What was built.
     pub(super) fn stats(&self) -> StructureStats {
         let inner = |node: &&Node<S, K>| matches!(node.content, Content::Inner { .. });
         let inner_cells = self.nodes.iter().filter(inner).count() as u64;

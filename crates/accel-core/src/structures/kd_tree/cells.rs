@@ -14,7 +14,6 @@ pub(super) struct Cells<S> {
     pub(super) ids: Vec<u32>,
 }
 
-/// One cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node<S> {
     /// The plane, if it is an inner cell.

@@ -51,7 +51,6 @@ struct Rules<'a, S: Scalar> {
 impl<S: Scalar> Division<S> for Rules<'_, S> {
     type Cells = Cells<S>;
     type Cut = CutPlane<S>;
-    /// Useless cuts.
     type Descent = u64;
     type Scratch = Heuristic<S>;
     const CHILDREN: usize = 2;

@@ -20,7 +20,6 @@ pub(super) struct CutPlane<S> {
     pub(super) cost: f64,
 }
 
-/// Bins an axis.
 const BINS: usize = 32;
 
 /// The settings, and memory that is used again for each cell.
@@ -105,7 +104,6 @@ struct Ends<S> {
 }
 
 impl<S: Scalar> Ends<S> {
-    /// Those of both.
     fn and(mut self, other: Self) -> Self {
         let both = self.begin.iter_mut().chain(&mut self.end);
         both.zip(other.begin.into_iter().chain(other.end)).for_each(|(n, more)| *n += more);

@@ -98,7 +98,6 @@ pub struct AdapterConfig {
     pub(crate) preset: obvhs::BvhBuildParams,
     pub(crate) is_robust: bool,
     pub(crate) is_direct: bool,
-    /// Triangles in blocks.
     pub(crate) is_block: bool,
     pub(crate) is_unpadded: bool,
     /// See [`refitted_until`].

@@ -11,7 +11,6 @@ use crate::geometry::scalar::{Scalar, Vector};
 /// How rays are told to trees.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum RaySetup<S: Scalar> {
-    /// Unchanged.
     AsShipped,
     /// Origins times `unit`, so that the scene's largest coordinate lies in [1, 2).
     Robust {
@@ -191,7 +190,6 @@ impl<S: Scalar> BoxRay<S> {
 }
 
 impl<S: Scalar> BoxParameters<S> {
-    /// Ours.
     const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
 
     /// Whether its origin is not the true one.

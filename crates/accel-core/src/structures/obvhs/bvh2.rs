@@ -31,7 +31,6 @@ use crate::structures::obvhs::items::{self, BoxScale, Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks, refit};
 use crate::update::{Change, MovedIds, REBUILD_AT, REFIT};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "obvhs-bvh2",
     summary: "binary BVH of the obvhs crate (PLOC, reinsertion)",

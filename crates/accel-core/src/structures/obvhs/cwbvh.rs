@@ -30,7 +30,6 @@ use crate::structures::obvhs::direct::{self, DirectQueries};
 use crate::structures::obvhs::items::{Groups, Items, items};
 use crate::structures::obvhs::{direct_builder, leaf_blocks};
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "obvhs-cwbvh",
     summary: "compressed 8-wide BVH of the obvhs crate",

@@ -81,7 +81,6 @@ pub(crate) fn block_of(primitive: u32, first: u32) -> (usize, u32) {
     ((primitive / LANES) as usize, 0xff << (place & !(LANES - 1)))
 }
 
-/// Triangles in blocks.
 pub(crate) fn references<S: Scalar>(blocks: &[TriangleBlock<S>]) -> u64 {
     blocks.iter().map(|block| block.ids().1 as u64).sum()
 }

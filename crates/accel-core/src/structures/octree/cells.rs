@@ -25,7 +25,6 @@ pub(super) const LEAF: u32 = 1 << 31;
 pub(super) enum Content<'a, S> {
     /// Cut by these planes; the first of its eight children.
     Inner(&'a [S; 3], u32),
-    /// Its references.
     Leaf(&'a [u32]),
 }
 

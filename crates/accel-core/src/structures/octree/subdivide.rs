@@ -116,7 +116,6 @@ impl<S: Scalar> CellStore for Cells<S> {
 
 impl<S: Scalar> Division<S> for Rules<'_, S> {
     type Cells = Cells<S>;
-    /// Its planes.
     type Cut = [S; 3];
     type Descent = Descent;
     type Scratch = ();

@@ -22,7 +22,6 @@ pub(super) struct Budget {
     room: CapacityLimits,
     /// Half the room, where grids come in any order: what is given back stays taken.
     half: Option<CapacityLimits>,
-    /// Cells and references.
     taken: Mutex<[u64; 2]>,
     /// What was given back, where it stays taken.
     given_back: [AtomicU64; 2],

@@ -40,9 +40,7 @@ pub(super) struct Grid<S: Scalar> {
 
 /// What a voxel holds.
 pub(super) enum Voxel<'a, S: Scalar> {
-    /// Primitives.
     Ids(&'a [u32]),
-    /// A divided voxel.
     Child(&'a Child<S>),
 }
 
@@ -125,7 +123,6 @@ pub(super) struct Child<S: Scalar> {
 
 /// What became of such a voxel.
 pub(super) enum Content<S: Scalar> {
-    /// It was divided.
     Grid(Grid<S>),
     /// Dividing it would not have paid, or broken a limit: an elementary voxel after all.
     List(Vec<u32>),

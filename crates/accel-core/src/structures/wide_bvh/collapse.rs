@@ -258,7 +258,6 @@ impl<'a> Collapse<'a> {
     }
 }
 
-/// Finds the choices.
 struct CollapsePlanner<'a> {
     bvh: &'a Bvh2,
     groups: &'a Groups,

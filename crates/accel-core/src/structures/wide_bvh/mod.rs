@@ -51,7 +51,6 @@ use collapse::{Collapse, Costs, LEAF, WIDTH};
 use node::Node;
 use stack::LEVELS;
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
     summary: "eight-wide BVH with exact boxes, collapsed from a binary tree binned from the top down",
@@ -100,7 +99,6 @@ fn is_exact<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
     size_of::<S>() == size_of::<f32>() && prims.is_watertight()
 }
 
-/// The tree.
 pub struct WideBvh<S: Scalar> {
     nodes: Vec<Node>,
     /// The root: a node or, with [`LEAF`], a list.

@@ -18,7 +18,6 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// Without children.
     pub(super) fn empty() -> Self {
         let [low, high] = [f32::INFINITY, f32::NEG_INFINITY].map(f32x8::splat);
         Self { planes: [low, low, low, high, high, high], children: [LEAF; WIDTH] }

@@ -39,7 +39,6 @@ struct Cluster {
     half: f64,
     /// Its first member in the chain.
     head: u32,
-    /// Its last member.
     tail: u32,
 }
 

@@ -26,7 +26,6 @@ impl Affine {
         self.slope.dot(p) + self.offset
     }
 
-    /// This less another.
     pub fn minus(&self, other: &Self) -> Self {
         Self { slope: self.slope - other.slope, offset: self.offset - other.offset }
     }

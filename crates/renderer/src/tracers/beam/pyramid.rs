@@ -27,7 +27,6 @@ struct HalfSpace {
 pub struct Plane {
     /// Unit normal, either side.
     pub normal: DVec3,
-    /// Any point.
     pub point: DVec3,
     /// 1/s on it, for the beam that meets it.
     pub depth: Affine,

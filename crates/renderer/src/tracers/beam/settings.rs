@@ -2,7 +2,6 @@
 
 use crate::tracers::info::TracerInfo;
 
-/// Registry line.
 pub static INFO: TracerInfo = TracerInfo {
     name: "beam",
     summary: "pyramids cut exactly by the polygons they meet: antialiasing without samples",

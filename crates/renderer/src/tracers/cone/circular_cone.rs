@@ -25,7 +25,6 @@ pub struct Cone {
     pub axis: DVec3,
     /// Unit direction across; with `up`, the axes of places.
     pub right: DVec3,
-    /// The other one.
     pub up: DVec3,
     /// Radius at depth 0.
     pub radius: f64,

@@ -21,11 +21,9 @@ const MOST_COMPARED: usize = 64;
 /// A surface within a cone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fragment {
-    /// Its primitive.
     pub id: u32,
     /// How deep it is in the middle of what it covers.
     pub depth: f64,
-    /// What it covers.
     pub coverage: Coverage,
 }
 

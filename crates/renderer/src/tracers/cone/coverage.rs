@@ -8,7 +8,6 @@ use super::outline::Outline;
 /// The surface that a cone leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepartedSurface {
-    /// Its primitive.
     pub id: u32,
     /// Whether the cone goes into the body: against the outer geometric normal.
     pub inwards: bool,
@@ -22,7 +21,6 @@ pub struct DepartedSurface {
 pub struct Coverage {
     /// Share of the cone that it covers if nothing is in front, and where.
     pub overlap: Overlap,
-    /// Its outline.
     pub outline: Outline,
     /// A depth that no point of it within the cone lies beyond.
     pub far: f64,

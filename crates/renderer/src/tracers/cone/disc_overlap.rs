@@ -25,9 +25,7 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// Nothing is covered.
     pub const NONE: Self = Self { share: 0.0, centroid: DVec2::ZERO };
-    /// All is covered.
     pub const ALL: Self = Self { share: 1.0, centroid: DVec2::ZERO };
 
     /// From an area and its first moment about the centre of the disc.
@@ -103,7 +101,6 @@ fn sector(p: DVec2, q: DVec2) -> (f64, DVec2) {
     (angle / 2.0, DVec2::new(b.y - a.y, a.x - b.x) / 3.0)
 }
 
-/// With another disc.
 pub fn of_disc(center: DVec2, radius: f64) -> Overlap {
     let distance = center.length();
     if radius.is_nan() || radius <= 0.0 || distance.is_nan() || distance >= 1.0 + radius {

@@ -27,7 +27,6 @@ pub struct Forms {
 }
 
 impl Forms {
-    /// Of a scene.
     pub fn new(scene: &Scene) -> Self {
         let mut corners = Vec::new();
         let form = |primitive: &scene_loading::Primitive| match primitive.shape {

@@ -2,7 +2,6 @@
 
 use crate::tracers::info::TracerInfo;
 
-/// Registry line.
 pub static INFO: TracerInfo = TracerInfo {
     name: "cone",
     summary: "one cone per pixel: covered areas in place of samples, soft shadows and all",

@@ -17,7 +17,6 @@ use studies::run::lines::{count, names, seconds};
 /// Powers of ten that are asked about.
 const DECADES: std::ops::RangeInclusive<i32> = 0..=9;
 
-/// Scene by scene.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.profiles.iter().all(|p| p.len() < 2) {
         return SectionOutcome::Missing;

@@ -13,7 +13,6 @@ static CAPTIONS: &[(&str, &str)] = &[
     ("time", "microseconds of each pixel"),
 ];
 
-/// Scene by scene.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.heat_maps.is_empty() {
         return SectionOutcome::Missing;

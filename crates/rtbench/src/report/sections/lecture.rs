@@ -11,7 +11,6 @@ use presentation::page::tables;
 use presentation::table::{Cell, Style, Table};
 use statistics::estimate::Estimate;
 
-/// One table.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(rows) = material.lecture.as_deref().filter(|rows| !rows.is_empty()) else {
         return SectionOutcome::Missing;

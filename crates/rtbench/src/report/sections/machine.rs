@@ -29,7 +29,6 @@ pub fn one_line(material: &Material, html: &mut Html) {
     ));
 }
 
-/// All of it.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let (run, html) = (&material.run, &mut page.html);
     html.open("dl", &[]);

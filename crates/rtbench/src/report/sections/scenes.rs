@@ -15,7 +15,6 @@ use studies::run::lines;
 use studies::run::tables::scene_table_of;
 use studies::run::view::{View, by_weight};
 
-/// One after another.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let run = &material.run;
     if run.scenes.is_empty() {

@@ -7,7 +7,6 @@ use base64::engine::general_purpose::STANDARD;
 use crate::report::material::Material;
 use crate::report::page::{Page, SectionOutcome};
 
-/// Plot by plot.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.sweeps.is_empty() {
         return SectionOutcome::Missing;

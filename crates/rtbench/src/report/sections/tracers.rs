@@ -9,7 +9,6 @@ use presentation::table::Table;
 use studies::tracer_comparison::plot::{PlottedImage, error_over_time};
 use studies::tracer_comparison::record::{Outcome, TracersRecord};
 
-/// Scene by scene.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.tracers.is_empty() {
         return SectionOutcome::Missing;

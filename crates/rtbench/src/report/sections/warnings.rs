@@ -8,7 +8,6 @@ use measurement::record::{Outliers, SceneRecord};
 use presentation::page::tables::{self, words};
 use presentation::table::Table;
 
-/// Warnings, then outliers.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let scenes = &material.run.scenes;
     let mut all: Vec<String> = material.run.warnings.iter().map(ToString::to_string).collect();

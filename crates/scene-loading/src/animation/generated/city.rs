@@ -16,7 +16,6 @@ const PLOT: f64 = 0.68;
 /// Height of a storey, units.
 const STOREY: f64 = 0.09;
 
-/// Surfaces of buildings.
 const WALLS: [[f64; 3]; 4] =
     [[0.75, 0.7, 0.62], [0.6, 0.62, 0.66], [0.72, 0.55, 0.45], [0.5, 0.56, 0.6]];
 
@@ -26,7 +25,6 @@ pub(super) fn count(size: u32) -> u64 {
     2 + 24 * storeys + 24 * 2 * u64::from(size)
 }
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let reach = f64::from(size) * BLOCK / 2.0;
     let view = View {

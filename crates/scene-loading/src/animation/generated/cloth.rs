@@ -17,7 +17,6 @@ pub(super) fn count(size: u32) -> u64 {
     2 * u64::from(SLIMNESS) * u64::from(size).pow(2)
 }
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let view = View {
         from: [1.1, -3.0, 1.3],

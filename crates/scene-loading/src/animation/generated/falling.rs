@@ -66,7 +66,6 @@ impl Balls {
         Self { radius, positions, turns, velocities: still.clone(), spins: still }
     }
 
-    /// Takes one step.
     pub fn step(&mut self) {
         for (i, velocity) in self.velocities.iter_mut().enumerate() {
             velocity.z -= GRAVITY * STEP;

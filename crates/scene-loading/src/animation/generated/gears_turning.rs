@@ -20,7 +20,6 @@ pub(super) fn count(size: u32) -> u64 {
     2 + u64::from(size).pow(3) * (2 * 142 + 2 * 144)
 }
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let mut stage = Stage::new(gears::view());
     let floor = stage.material(gears::floor());

@@ -22,7 +22,6 @@ pub(super) fn count(size: u32) -> u64 {
     2 + u64::from(AROUND * (2 * RINGS - 1)) + 80 * u64::from(size)
 }
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let view = View {
         from: [1.1, -3.8, 2.7],

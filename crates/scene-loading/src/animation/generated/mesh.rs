@@ -31,7 +31,6 @@ const CORNERS: [(usize, f64, f64); 12] = [
     (2, 1.0, -1.0),
 ];
 
-/// Its faces.
 const FACES: [[usize; 3]; 20] = [
     [0, 11, 5],
     [0, 5, 1],

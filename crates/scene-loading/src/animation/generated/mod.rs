@@ -20,7 +20,6 @@ use crate::error::LoadError;
 use crate::procedural::SpecError;
 use crate::scene::Scene;
 
-/// One generated animation.
 #[derive(Debug, Clone, Copy)]
 pub struct AnimatedEntry {
     /// Its name, to which a size can be added: `marbles:5`.
@@ -29,7 +28,6 @@ pub struct AnimatedEntry {
     pub default_size: u32,
     /// Largest size factor: about 20 million primitives.
     pub max_size: u32,
-    /// Number of frames.
     pub frames: u32,
     /// What the scene shows and how it grows with the size factor `n`.
     pub summary: &'static str,

@@ -30,7 +30,6 @@ const CORNERS: [DVec3; 4] = [
 ];
 const FACES: [[u32; 3]; 4] = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let view = View {
         from: [2.4, -3.6, 1.9],

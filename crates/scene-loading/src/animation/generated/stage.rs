@@ -7,7 +7,6 @@ use crate::scene::{Instance, Material, Primitive, Scene, Shape};
 
 /// A scene without primitives, and the parts that it will have.
 pub(super) struct Stage {
-    /// Camera, lights, materials.
     pub scene: Scene,
     meshes: Vec<Mesh>,
     parts: Vec<Part>,

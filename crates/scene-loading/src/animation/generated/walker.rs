@@ -88,7 +88,6 @@ pub(super) fn count(size: u32) -> u64 {
     2 + 20 * u64::from(size).pow(2) * LIMBS.len() as u64
 }
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let view = View {
         from: [1.6, -3.0, 1.5],

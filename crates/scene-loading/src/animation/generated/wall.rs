@@ -28,7 +28,6 @@ pub(super) fn count(size: u32) -> u64 {
     2 + 12 * u64::from(size).pow(2)
 }
 
-/// Makes the frames.
 pub(super) fn frames(size: u32) -> Frames {
     let view = View {
         from: [2.3, 4.6, 2.0],

@@ -20,7 +20,6 @@ use crate::error::StudyError;
 use crate::verify::draw::{point, unit};
 use statistics::random::Random;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "box-test",
     summary: "slab test of tight boxes: plain, exits two ulps later, in f64",

@@ -24,7 +24,6 @@ use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use statistics::random::Random;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "cell-insertion",
     summary: "cells of a primitive: of its box or those it overlaps, with and without a margin",

@@ -24,7 +24,6 @@ const THROUGH: &str = "uniform-grid";
 /// Longest chain of rays.
 const DEPTH: u32 = 3;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "cone-and-beam",
     summary: "an image by cones or beams in place of rays, and rays per pixel",

@@ -17,27 +17,23 @@ const METRIC: &str = "root mean square difference of colours to the reference";
 const REFERENCE: &str = "mean of two images of many samples with other seeds; its error is half their \
                          distance";
 
-/// Registry line.
 pub static SOFT_SHADOWS: Axis = Axis {
     summary: "shadow rays per hit and light",
     scenes: &["teapot", "balls:3", "pavilion"],
     ..sampled("soft-shadows", "render --shadow-samples", |stage| SOFT.measure(stage))
 };
 
-/// Registry line.
 pub static GLOSS: Axis = Axis {
     summary: "rays of the first rough mirror of a path",
     ..sampled("gloss", "render --glossy-samples", |stage| ROUGH.measure(stage))
 };
 
-/// Registry line.
 pub static MOTION: Axis = Axis {
     summary: "eye rays per pixel for the time the shutter is open",
     scenes: &["balls:3", "gears:2", "pavilion"],
     ..sampled("motion", "render --temporal-samples", |stage| MOVING.measure(stage))
 };
 
-/// Registry line.
 pub static FOCUS: Axis = Axis {
     summary: "eye rays per pixel for the area of the lens",
     paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",

@@ -11,7 +11,6 @@ use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use crate::image_error::rmse;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "effect-gating",
     summary: "effects that nothing calls for: left out, those of the eye in, all in",

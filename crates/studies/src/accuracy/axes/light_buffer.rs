@@ -14,7 +14,6 @@ use measurement::plan::rows::Row;
 use measurement::rays::batches::Answers;
 use measurement::rounds::scene_run::light_positions;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "light-buffer",
     summary: "cells per side of a light buffer's faces, from 16 to 1024",

@@ -7,7 +7,6 @@ use crate::accuracy::stage::{Replay, Stage, count};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "mailbox",
     summary: "tests saved of a primitive in several cells: none, slots of a hash, stamps",

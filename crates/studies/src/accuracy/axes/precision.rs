@@ -14,7 +14,6 @@ use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use measurement::rays::batches::Answers;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "precision",
     summary: "f32, tests in f64 over primitives in f32, f64 throughout",

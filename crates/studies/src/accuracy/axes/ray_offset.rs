@@ -18,7 +18,6 @@ use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "ray-offset",
     summary: "how a ray is kept off the surface it leaves: not at all, fixed, ulps, error bound",

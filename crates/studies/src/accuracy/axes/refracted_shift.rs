@@ -21,7 +21,6 @@ use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 use measurement::plan::rows::Row;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "refracted-shift",
     summary: "how far a rule of offsets moves the point at which a refracted ray leaves a body",

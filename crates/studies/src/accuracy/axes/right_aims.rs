@@ -29,7 +29,6 @@ const NEAREST: f64 = 512.0;
 /// A ray, and the parameter by which it must have hit something.
 #[derive(Debug, Clone, Copy)]
 pub struct Known {
-    /// The ray.
     pub ray: Ray<f32>,
     /// A later hit lies behind what is there.
     pub latest: f64,

@@ -23,7 +23,6 @@ use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "right-answers",
     summary: "the price of right answers, step by step, from the fastest known to f64",

@@ -25,7 +25,6 @@ pub const GAP: f64 = 1e-5;
 /// A hit of an eye ray, and where a ray goes from there.
 #[derive(Debug, Clone, Copy)]
 pub struct Departure {
-    /// Primitive.
     pub id: u32,
     /// Hit point, as the renderer has it: with the rounding of the eye ray's parameter.
     pub position: DVec3,
@@ -46,11 +45,9 @@ pub enum RayPurpose {
 
 /// Points of surfaces that rays leave, and who answers those.
 pub struct SecondaryRays<'a> {
-    /// Normals and feet.
     pub surfaces: Surfaces<'a>,
     /// Where from; the first ones are all different hits.
     pub departures: Vec<Departure>,
-    /// Who answers.
     pub tracer: Box<dyn Tracer<f32> + 'a>,
     /// Largest coordinate of the scene and the eye.
     pub magnitude: f64,
@@ -114,7 +111,6 @@ impl<'a> SecondaryRays<'a> {
         self.surfaces.at(departure.id, departure.position)
     }
 
-    /// All departures outwards.
     pub fn outward(&self) -> Vec<(SurfacePoint<'a>, RayPurpose)> {
         self.departures.iter().map(|d| (self.point(d), RayPurpose::Along(d.out))).collect()
     }

@@ -23,7 +23,6 @@ use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 use measurement::rounds::scene_run::light_positions;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "shadow-terminator",
     summary: "shadow rays that a smoothly shaded mesh blocks itself though its shading is lit, by rule",

@@ -23,7 +23,6 @@ use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use measurement::plan::ray_overrides::RULES;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "smallest-offset",
     summary: "ray offset over the smallest that is safe, by rule",

@@ -19,7 +19,6 @@ use crate::accuracy::timing::{AxisReport, timed};
 use crate::error::StudyError;
 use crate::verify::draw::{direction, unit};
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "sphere-test",
     summary: "tests of spheres: the quadratic as it stands, rearranged, in f64",

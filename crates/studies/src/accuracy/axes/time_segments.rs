@@ -27,7 +27,6 @@ use measurement::plan::rows::Row;
 use measurement::rays::batches::Answers;
 use statistics::random::Random;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "time-segments",
     summary: "what moves, by 1 to 8 segments of time, or held still at 1 to 8 moments",
@@ -39,7 +38,6 @@ pub static AXIS: Axis = Axis {
     measure: Measure::Whole(measure),
 };
 
-/// Segments, and moments.
 const PARTS: [usize; 4] = [1, 2, 4, 8];
 
 /// How far primitives move, in parts of the scene's size.

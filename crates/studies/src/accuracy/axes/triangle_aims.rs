@@ -19,7 +19,6 @@ use statistics::random::Random;
 /// A ray and triangles of which it must hit one.
 #[derive(Debug, Clone)]
 pub struct Aim {
-    /// The ray.
     pub ray: Ray<f32>,
     /// The triangles around the target.
     pub around: Vec<u32>,

@@ -12,7 +12,6 @@ use crate::accuracy::stage::{PreparedScene, Stage, count};
 use crate::accuracy::timing::{AxisReport, timed};
 use crate::error::StudyError;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "triangle-test",
     summary: "tests of triangles: Moeller-Trumbore, Pluecker, watertight, f64",

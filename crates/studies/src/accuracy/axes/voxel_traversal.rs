@@ -24,7 +24,6 @@ use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
 use crate::verify::draw::point;
 
-/// Registry line.
 pub static AXIS: Axis = Axis {
     name: "voxel-traversal",
     summary: "plane parameters of a traversal of voxels: accumulated, recomputed, in f64",

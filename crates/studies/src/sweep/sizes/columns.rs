@@ -16,7 +16,6 @@ pub struct SizeRow<'a> {
 }
 
 impl SizeRow<'_> {
-    /// For each primitive.
     fn each(&self, all: Option<f64>) -> Value {
         Value::of(all.map(|x| x / self.of.scene.primitives.max(1) as f64), Value::Real)
     }

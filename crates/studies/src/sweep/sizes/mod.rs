@@ -67,9 +67,7 @@ pub enum SizesError {
          {least} to {most}"
     )]
     NoneNear {
-        /// Scene.
         scene: String,
-        /// Primitives asked for.
         asked: u64,
         /// Those of the nearest size.
         nearest: u64,
@@ -81,7 +79,6 @@ pub enum SizesError {
     /// What is no plan either.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// No such scene.
     #[error(transparent)]
     Scene(#[from] LoadError),
 }

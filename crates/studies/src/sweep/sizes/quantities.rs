@@ -16,7 +16,6 @@ pub struct Quantity {
     pub of: fn(&RowRecord) -> Option<Estimate>,
 }
 
-/// All of them.
 pub static QUANTITIES: [Quantity; 4] = [
     Quantity { name: "build", label: "build time (s)", of: |row| row.build_s },
     Quantity { name: "trace", label: "trace time per ray (s)", of: trace_s_per_ray },

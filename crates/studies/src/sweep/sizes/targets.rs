@@ -3,19 +3,12 @@
 use crate::sweep::values::Range;
 use measurement::settings::quantity;
 
-/// What is valid.
 const EXPECTED: &str = "expected FROM..TO, like 1e3..1e7, or counts with commas: 1k,20k,1M";
 
-/// Numbers of primitives.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Sizes {
     /// From one to another, both included.
-    Range {
-        /// Least.
-        from: u64,
-        /// Most.
-        to: u64,
-    },
+    Range { from: u64, to: u64 },
     /// These, in ascending order, each once.
     List(Vec<u64>),
 }

@@ -154,7 +154,6 @@ fn denormal<S: Scalar>(random: &mut Random) -> f64 {
     least * size * one_of(random, &[1.0, -1.0])
 }
 
-/// A huge number.
 fn huge<S: Scalar>(random: &mut Random) -> f64 {
     let [least, most] = if S::NAME == "f32" { [60.0, 126.0] } else { [500.0, 1022.0] };
     (least + (most - least) * unit(random)).floor().exp2()

@@ -32,7 +32,6 @@ pub(super) fn from_hits<S: Buildable>(
     Ok(round)
 }
 
-/// The scene's primitives.
 fn model_of<S: Buildable>(scene: &Scene) -> Result<Model<S>, PrimitiveError> {
     Ok(match Geometry::<S>::of(scene).map_err(|e| e.source)? {
         Geometry::Triangles(set) => Model::Triangles(set),

@@ -18,7 +18,6 @@ use crate::verify::registry::{Case, Group};
 use crate::verify::round::{Expected, Round};
 use statistics::random::Random;
 
-/// The group.
 pub static GROUP: Group = Group {
     name: "grid",
     cases: &[GR1, GR2, GR3, GR4, GR5, GR6, GR7, GR8, GR10, nested_planes::GR12],

@@ -22,7 +22,6 @@ use crate::verify::registry::Case;
 use crate::verify::round::{Expected, Round, ray};
 use statistics::random::Random;
 
-/// Reports from elsewhere.
 pub const G16: Case = case!(
     "G16",
     "exact, own bounds",

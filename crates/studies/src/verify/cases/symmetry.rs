@@ -24,7 +24,6 @@ pub const K1: Case = case!(
     scaled,
     "the whole scene times 2^-27 to 2^28 (f64: 2^-200 to 2^200): identical bits"
 );
-/// Oracle P.
 pub const P1: Case = case!(
     "P1",
     "mirrored, permuted",

@@ -16,7 +16,6 @@ use crate::verify::registry::{Case, Group};
 use crate::verify::round::Round;
 use statistics::random::Random;
 
-/// The group.
 pub static GROUP: Group = Group { name: "traversal", cases: &[T2, T5, T6, T7] };
 
 const T2: Case = case!(

@@ -38,7 +38,6 @@ impl Item {
         self.0.low.to_array()[3].to_bits()
     }
 
-    /// Twice the centre.
     #[inline(always)]
     pub(super) fn centre(&self) -> f32x4 {
         (self.0.low + self.0.high) & XYZ
