@@ -172,10 +172,6 @@ impl LoadError {
     pub(crate) fn syntax(place: FilePlace, found: &str, expected: impl Into<String>) -> Self {
         Self::Syntax { place, found: quote(found), expected: expected.into() }
     }
-
-    pub(crate) fn gltf(file: &Path, message: String) -> Self {
-        Self::Parser { place: FilePlace::file(file), parser: "gltf", message }
-    }
 }
 
 /// Text from a file, quoted for a message and cut to a readable length.
