@@ -4,7 +4,8 @@
  * FILE.so` loads it and measures it beside the structures of rtbench. docs/bring-your-own.md shows how.
  *
  * Strings are UTF-8, end with a zero, and live as long as the library. Nothing may throw through this
- * interface: that ends the process. All lengths and ids are zero-based counts; all coordinates are world units.
+ * interface: that ends the process. All lengths and ids are zero-based counts; all coordinates are world units,
+ * of a scene far from the origin relative to a point that rtbench has moved it by (docs/scenes.md).
  *
  * License: MIT OR Apache-2.0, as rtbench. Copy this file into your own tree.
  */

@@ -1,11 +1,12 @@
 //! Rays, triangles and hits as files, for programs that are no plugins.
 //!
-//! All numbers are little-endian. A file is a header of 128 bytes and records, one after another:
+//! All numbers are little-endian. A file is a header of 128 bytes, of version 2 of 152, and
+//! records, one after another:
 //!
 //! | offset | type | what |
 //! | ---: | --- | --- |
 //! | 0 | 8 bytes | `RTBRAYS` , `RTBTRIS` or `RTBHITS`, each with a line feed |
-//! | 8 | u32 | version: 1 |
+//! | 8 | u32 | version: 1, or 2 where the scene was moved near the origin |
 //! | 12 | u32 | bytes of a record: 32, 40 or 8 |
 //! | 16 | 5 x u64 | rays of each kind: primary, shadow, reflected, refracted, diffuse; in this order |
 //! | 56 | u64 | triangles of the scene |
@@ -14,6 +15,7 @@
 //! | 72 | u64 | seed of the rays |
 //! | 80 | 32 bytes | SHA-256 of the scene |
 //! | 112 | 16 bytes | zero |
+//! | 128 | 3 x f64 | version 2 alone: the origin of all coordinates, in those of the scene's file |
 //!
 //! | file | a record |
 //! | --- | --- |
@@ -21,15 +23,23 @@
 //! | triangles | nine f32, the corners; u32, 1 where shadow rays pass, else 0 |
 //! | hits | `rtbench_hit`: t as f32, id as u32; no hit: id 0xffffffff. A shadow ray that is blocked has any other id |
 //!
-//! The header of a file of hits is that of its rays, but for the first 16 bytes.
+//! The header of a file of hits is that of its rays, but for the first 16 bytes; the version stays.
+//!
+//! A scene far from the origin of its coordinates is moved near it before it is rounded to f32, and
+//! so are its rays: in f32, 5,400 km away, they would be half a metre off. A point of the file is
+//! the origin plus what the record says, added in f64.
 
 use std::path::PathBuf;
 
 use crate::abi;
 
-/// Bytes of a header.
+/// Bytes of a header of version 1.
 pub const HEADER: usize = 128;
+/// Bytes of the origin behind it.
+const ORIGIN: usize = 24;
 const VERSION: u32 = 1;
+/// The version of headers with an origin.
+const WITH_ORIGIN: u32 = 2;
 
 /// What a file holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,7 +72,7 @@ impl Content {
 }
 
 /// What rays a file is about.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct About {
     /// Rays of each kind: primary, shadow, reflected, refracted, diffuse.
     pub rays: [u64; 5],
@@ -76,6 +86,8 @@ pub struct About {
     pub seed: u64,
     /// SHA-256 of the scene.
     pub scene: [u8; 32],
+    /// The origin of all coordinates, in those of the scene's file.
+    pub origin: [f64; 3],
 }
 
 /// Why a file of hits cannot be used. Offsets are bytes from the start of the file.
@@ -91,11 +103,21 @@ pub struct FileError {
 }
 
 impl About {
+    /// Bytes of its header.
+    pub fn header_bytes(&self) -> usize {
+        HEADER + if self.has_origin() { ORIGIN } else { 0 }
+    }
+
+    fn has_origin(&self) -> bool {
+        self.origin != [0.0; 3]
+    }
+
     /// The header of a file.
     pub fn header(&self, content: Content) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(HEADER);
         bytes.extend_from_slice(content.magic());
-        bytes.extend(VERSION.to_le_bytes());
+        let version = if self.has_origin() { WITH_ORIGIN } else { VERSION };
+        bytes.extend(version.to_le_bytes());
         bytes.extend((content.record_bytes() as u32).to_le_bytes());
         bytes.extend(self.rays.iter().flat_map(|n| n.to_le_bytes()));
         bytes.extend(self.triangles.to_le_bytes());
@@ -104,6 +126,9 @@ impl About {
         bytes.extend(self.seed.to_le_bytes());
         bytes.extend(self.scene);
         bytes.resize(HEADER, 0);
+        if self.has_origin() {
+            bytes.extend(self.origin.iter().flat_map(|x| x.to_le_bytes()));
+        }
         bytes
     }
 
@@ -120,16 +145,18 @@ impl About {
             let part = bytes.get(offset..).and_then(|rest| rest.first_chunk::<4>());
             part.map(|bytes| u32::from_le_bytes(*bytes)).unwrap_or_default()
         };
-        if bytes.len() < HEADER {
-            let (has, needs) = (bytes.len(), HEADER);
+        let needs = if short(8) == WITH_ORIGIN { HEADER + ORIGIN } else { HEADER };
+        if bytes.len() < needs {
+            let has = bytes.len();
             return Err(wrong(has, format!("the file ends within its header of {needs} bytes")));
         }
         let name = String::from_utf8_lossy(content.magic());
         if bytes.first_chunk() != Some(content.magic()) {
             return Err(wrong(0, format!("expected {:?}", name)));
         }
-        if short(8) != VERSION {
-            return Err(wrong(8, format!("version {}, expected {VERSION}", short(8))));
+        if ![VERSION, WITH_ORIGIN].contains(&short(8)) {
+            let expected = format!("expected {VERSION} or {WITH_ORIGIN}");
+            return Err(wrong(8, format!("version {}, {expected}", short(8))));
         }
         let size = content.record_bytes();
         if short(12) as usize != size {
@@ -138,6 +165,13 @@ impl About {
         if short(64) == 0 || short(68) > 1 {
             return Err(wrong(64, "no size of an image, or no choice of lights".into()));
         }
+        let origin = match short(8) {
+            WITH_ORIGIN => [0, 1, 2].map(|k| f64::from_bits(long(HEADER + 8 * k))),
+            _ => [0.0; 3],
+        };
+        if short(8) == WITH_ORIGIN && origin == [0.0; 3] || !origin.iter().all(|x| x.is_finite()) {
+            return Err(wrong(HEADER, format!("no origin: {origin:?}")));
+        }
         let about = Self {
             rays: std::array::from_fn(|kind| long(16 + 8 * kind)),
             triangles: long(56),
@@ -145,12 +179,13 @@ impl About {
             first_light: short(68) == 1,
             seed: long(72),
             scene: bytes.get(80..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default(),
+            origin,
         };
         let records = match content {
             Content::Triangles => u128::from(about.triangles),
             Content::Rays | Content::Hits => about.rays.iter().map(|&n| u128::from(n)).sum(),
         };
-        let expected = records * size as u128 + HEADER as u128;
+        let expected = records * size as u128 + about.header_bytes() as u128;
         if bytes.len() as u128 != expected {
             let offset = bytes.len().min(usize::try_from(expected).unwrap_or(usize::MAX));
             let has = bytes.len();
@@ -189,9 +224,9 @@ fn record(numbers: [f32; 8]) -> [u8; 32] {
     record
 }
 
-/// The hits behind the header of a file that [`About::read`] has read.
-pub fn hits(bytes: &[u8]) -> impl Iterator<Item = abi::Hit> {
-    let records = bytes.get(HEADER..).unwrap_or_default().chunks_exact(8);
+/// The hits behind the header of a file, which [`About::read`] has read.
+pub fn hits<'a>(about: &About, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
+    let records = bytes.get(about.header_bytes()..).unwrap_or_default().chunks_exact(8);
     records.map(|record| {
         let number = |i: usize| {
             let part = record.get(i..).and_then(|rest| rest.first_chunk::<4>());
@@ -215,6 +250,7 @@ mod tests {
             first_light: true,
             seed: 5,
             scene: [3; 32],
+            origin: [0.0; 3],
         }
     }
 
@@ -224,7 +260,7 @@ mod tests {
         assert_eq!(bytes.len(), HEADER);
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
         assert_eq!(About::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
-        let all: Vec<_> = hits(&bytes).collect();
+        let all: Vec<_> = hits(&about(), &bytes).collect();
         assert_eq!(all, [abi::Hit { t: 1.0, id: 4 }; 3]);
         let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
         assert_eq!(ray_record(&ray)[28..], 3.0f32.to_le_bytes());
@@ -232,11 +268,29 @@ mod tests {
     }
 
     #[test]
+    fn headers_of_rebased_scenes_have_the_origin() {
+        let about = About { origin: [448_000.0, 0.0, -1e-3], ..about() };
+        let mut bytes = about.header(Content::Hits);
+        assert_eq!((bytes.len(), bytes[8]), (152, 2));
+        bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
+        assert_eq!(About::read(Path::new("f"), &bytes, Content::Hits).as_ref(), Ok(&about));
+        assert_eq!(hits(&about, &bytes).count(), 3);
+        // planted: a number that is none, no origin, a header that ends within it
+        let mut bad = bytes.clone();
+        bad[128..136].copy_from_slice(&f64::NAN.to_le_bytes());
+        assert_eq!(About::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
+        bad[128..152].fill(0);
+        assert_eq!(About::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
+        let error = About::read(Path::new("f"), &bytes[..140], Content::Hits).unwrap_err();
+        assert_eq!(error.offset, 140);
+    }
+
+    #[test]
     fn what_is_wrong_is_named_with_its_offset() {
         let mut good = about().header(Content::Hits);
         good.resize(HEADER + 24, 0);
         let planted: [(usize, u8, usize); 6] =
-            [(0, b'X', 0), (8, 2, 8), (12, 32, 12), (64, 0, 64), (68, 7, 64), (16, 9, HEADER + 24)];
+            [(0, b'X', 0), (8, 3, 8), (12, 32, 12), (64, 0, 64), (68, 7, 64), (16, 9, HEADER + 24)];
         for (at, byte, offset) in planted {
             let mut bad = good.clone();
             bad[at] = byte;

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use glam::DVec3;
+
 use crate::error::FilePlace;
 use crate::polygon::{area_vector, is_flat};
 use crate::scene::{Bounds, Scene, Shape, Warning};
@@ -34,8 +36,10 @@ pub struct SceneInfo {
     pub objects: usize,
     /// Their instances.
     pub instances: usize,
-    /// Bounds of all primitives, world units.
+    /// Bounds of all primitives, in the coordinates of the file.
     pub bounds: Bounds,
+    /// Where the scene's origin is in the coordinates of the file.
+    pub origin: DVec3,
     /// Bytes that the scene's arrays take in memory.
     pub bytes: usize,
 }
@@ -63,6 +67,7 @@ impl SceneInfo {
             objects: placed.len(),
             instances: placed.values().sum(),
             bounds: Bounds::EMPTY,
+            origin: scene.origin,
             bytes: size_of_val(scene.lights.as_slice())
                 + size_of_val(scene.materials.as_slice())
                 + scene.materials.iter().map(|m| m.name.len()).sum::<usize>()
@@ -83,8 +88,8 @@ impl SceneInfo {
             }
             if indices_are_valid(scene, primitive.shape) {
                 let bounds = scene.shape_bounds(primitive.shape);
-                info.bounds.include(bounds.min);
-                info.bounds.include(bounds.max);
+                info.bounds.include(scene.to_file_coordinates(bounds.min));
+                info.bounds.include(scene.to_file_coordinates(bounds.max));
             }
         }
         info
@@ -115,14 +120,20 @@ impl fmt::Display for SceneInfo {
         if !self.bounds.is_empty() {
             writeln!(f, "bounds      {} to {}", self.bounds.min, self.bounds.max)?;
         }
+        if self.origin != DVec3::ZERO {
+            writeln!(
+                f,
+                "shift       by {}: coordinates are computed from there",
+                DVec3::ZERO - self.origin
+            )?;
+        }
         write!(f, "memory      {:.1} MiB", self.bytes as f64 / (1 << 20) as f64)
     }
 }
 
 /// Looks for what loaders let pass or generators may get wrong: invalid indices, numbers that are
-/// not finite, shapes without extent, bent polygons, a camera without a view, no lights, detail
-/// below what single precision resolves. An empty list means that nothing was found; the
-/// scene's own warnings are not repeated.
+/// not finite, shapes without extent, bent polygons, a camera without a view, no lights. An empty
+/// list means that nothing was found; the scene's own warnings are not repeated.
 pub fn validate(scene: &Scene) -> Vec<Warning> {
     let mut faults = Faults::default();
     for (id, primitive) in scene.primitives.iter().enumerate() {
@@ -169,11 +180,7 @@ fn check_shape(scene: &Scene, shape: Shape, id: usize, faults: &mut Faults) {
         faults.add(Fault::NotFinite, id);
         return;
     }
-    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
     let extent = bounds.size().max_element();
-    if extent > 0.0 && extent < reach * f64::from(f32::EPSILON) {
-        faults.add(Fault::TooSmall, id);
-    }
     match shape {
         Shape::Sphere(_) | Shape::Cone(_) => {
             if extent <= 0.0 {
@@ -207,12 +214,11 @@ enum Fault {
     NoExtent,
     Bent,
     Normal,
-    TooSmall,
 }
 
 /// For each kind of fault: how many primitives have it, and the first.
 #[derive(Default)]
-struct Faults([(usize, usize); 7]);
+struct Faults([(usize, usize); 6]);
 
 impl Faults {
     fn add(&mut self, fault: Fault, id: usize) {
@@ -232,7 +238,6 @@ impl Faults {
             "without area or extent",
             "that are polygons with corners off their plane",
             "with normals of length 0",
-            "too small for single precision at their place",
         ];
         let found = self.0.iter().zip(texts).filter(|((count, _), _)| *count > 0);
         found

@@ -77,15 +77,16 @@ impl ViewOptions {
         camera.chain(up).chain(lights).collect()
     }
 
-    /// Gives a scene the view and the lights that are said.
+    /// Gives a scene the view and the lights that are said, in the coordinates of its file.
     ///
     /// # Errors
     /// [`LoadError::OutOfRange`] for a camera that sees nothing: without direction, with `up` along
     /// it.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), LoadError> {
+        let origin = scene.origin;
         let camera = &mut scene.camera;
         if let Some(CameraOption { from, at, angle }) = self.camera {
-            (camera.from, camera.at) = (from, at);
+            (camera.from, camera.at) = (from - origin, at - origin);
             camera.angle = angle.unwrap_or(camera.angle);
             // a lens is focused where its own camera looks
             camera.focal_distance = None;
@@ -96,7 +97,11 @@ impl ViewOptions {
             camera.check(|| FilePlace::file(Path::new(&place)))?;
         }
         if !self.lights.is_empty() {
-            scene.lights = self.lights.iter().map(|&light| light.into()).collect();
+            let near = |light: &LightOption| Light::Point {
+                position: light.position - origin,
+                color: light.color,
+            };
+            scene.lights = self.lights.iter().map(near).collect();
         }
         Ok(())
     }
@@ -116,12 +121,6 @@ pub(crate) fn light_if_dark(scene: &mut Scene) {
 impl fmt::Display for ViewOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.arguments().join(" "))
-    }
-}
-
-impl From<LightOption> for Light {
-    fn from(LightOption { position, color }: LightOption) -> Self {
-        Self::Point { position, color }
     }
 }
 

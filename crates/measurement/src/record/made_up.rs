@@ -98,6 +98,7 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
         primitives: 4,
         geometry_bytes: 144,
         only_triangles: Some(true),
+        origin: None,
         warnings: Vec::new(),
         rays: [("primary".to_owned(), 256)].into(),
         oracle: Default::default(),

@@ -29,6 +29,9 @@ pub struct SceneRecord {
     /// in records from before, and of scenes that were not loaded.
     #[serde(default)]
     pub only_triangles: Option<bool>,
+    /// Where the scene's origin is in the coordinates of its file, if it was moved there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub origin: Option<[f64; 3]>,
     /// What the loader noticed.
     pub warnings: Vec<String>,
     /// Rays of each kind; those in shuffled order by `KIND-shuffled`, here and in all rows.

@@ -25,6 +25,7 @@ use crate::rounds::scope::Scope;
 use crate::rounds::stand_in;
 use crate::rounds::trial::Outcome;
 use crate::scenes::LoadedScene;
+use crate::settings::Precision;
 use crate::system::clock::Clock;
 use crate::system::panics::{Panicked, caught};
 use crate::system::pools::Pools;
@@ -137,7 +138,11 @@ pub fn run_scene<S: Buildable>(
         primitives: geometry.len() as u64,
         geometry_bytes: geometry.bytes() as u64,
         only_triangles: Some(matches!(geometry, Geometry::Triangles(_))),
-        warnings: scene.warnings.iter().map(ToString::to_string).collect(),
+        warnings: match plan.precision {
+            Precision::F32 => scene.warnings_in_f32().map(ToString::to_string).collect(),
+            Precision::F64 => scene.warnings.iter().map(ToString::to_string).collect(),
+        },
+        origin: (scene.origin != DVec3::ZERO).then(|| scene.origin.to_array()),
         rays: by_kind(&all, |_| true),
         oracle: judged,
         rows,

@@ -49,7 +49,7 @@ pub struct ShowArgs {
 pub struct Slice {
     /// The axis that the plane is across.
     pub axis: usize,
-    /// Where, in world units; in the middle of the scene if it is not said.
+    /// Where, in the coordinates of the scene's file; in the middle of the scene if it is not said.
     pub position: Option<f64>,
 }
 

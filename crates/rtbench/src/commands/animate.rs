@@ -68,9 +68,13 @@ pub fn run(
     let clock = context.clock;
     let equipment = Equipment { clock, progress: &progress };
     let mut unwritten = None;
+    let mut too_fine = None;
     let load = |number: u32| {
         let mut scene = scene.frame(number)?;
         view.apply(&mut scene)?;
+        if animate.precision() == Precision::F32 && too_fine.is_none() {
+            too_fine.clone_from(&scene.fine_detail);
+        }
         if let Some(strip) = &mut strip {
             strip.see(number, &scene);
         }
@@ -87,6 +91,9 @@ pub fn run(
         Precision::F64 => measure::<f64>(&animate, load, &equipment, watch),
     };
     progress.finish();
+    if let Some(warning) = too_fine {
+        context.warn(format_args!("{name}: {warning}"));
+    }
     let measured = measured.map_err(|error| match error {
         StudyError::Measure(error) => match *error {
             MeasureError::Load(error) => Error::Load(error),

@@ -46,6 +46,7 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
         first_light: args.lights == Lights::First,
         seed: args.seed,
         scene: digest(&loaded.sha256),
+        origin: loaded.scene.origin.to_array(),
     };
     if let Some(path) = &args.output {
         let all = by_kind.iter().flat_map(|(_, rays)| rays).map(abi::Ray::from);
@@ -56,6 +57,13 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
                 .chain(all.flat_map(|r| ray_record(&r)))
                 .collect(),
             RayFormat::Hagrid => {
+                let [x, y, z] = about.origin;
+                if about.origin != [0.0; 3] {
+                    context.warn(format_args!(
+                        "{}: rays start from the origin {x},{y},{z}, for which this format has no place",
+                        loaded.scene.name
+                    ));
+                }
                 let six = |ray: abi::Ray| ray.origin.into_iter().chain(ray.direction);
                 all.flat_map(six).flat_map(f32::to_le_bytes).collect()
             }
@@ -102,9 +110,9 @@ pub fn check_hits(
         );
     }
     let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
-    let mut all = hits(&bytes);
+    let mut all = hits(&about, &bytes);
     let mut by_kind = Vec::new();
-    let mut place = plugins::files::HEADER;
+    let mut place = about.header_bytes();
     for (kind, count) in asked() {
         let mut own = Vec::new();
         for hit in all.by_ref().take(count as usize) {

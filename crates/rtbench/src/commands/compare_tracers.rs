@@ -67,7 +67,7 @@ pub fn run(
         created.folder(folder)?;
     }
     let loaded = known.load()?;
-    for warning in &loaded.scene.warnings {
+    for warning in loaded.scene.warnings_in_f32() {
         context.warn(format_args!("{}: {warning}", known.name()));
     }
     let scene = without(loaded.scene, &kinds);

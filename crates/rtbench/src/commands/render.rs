@@ -51,7 +51,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     }
     let name = scene.name();
     let loaded = context.load(&*scene)?;
-    for warning in &loaded.scene.warnings {
+    for warning in loaded.scene.warnings_in_f32() {
         context.warn(format_args!("{name}: {warning}"));
     }
     let geometry = Geometry::<f32>::of(&loaded.scene)?;

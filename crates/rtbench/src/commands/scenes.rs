@@ -41,13 +41,13 @@ fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
             writeln!(out, "  {}", line(text))?;
         }
         let camera = &loaded.scene.camera;
-        let (from, at) = (camera.from, camera.at);
+        let [from, at] = [camera.from, camera.at].map(|p| loaded.scene.to_file_coordinates(p));
         writeln!(out, "  camera      from {from} at {at}, {} degrees", camera.angle)?;
         writeln!(out, "  source      {}", line(&loaded.source))?;
         let licence = loaded.licence.as_deref().unwrap_or("unknown");
         writeln!(out, "  licence     {}", line(licence))?;
         writeln!(out, "  sha256      {}", loaded.sha256)?;
-        for warning in &loaded.scene.warnings {
+        for warning in loaded.scene.warnings_in_f32() {
             writeln!(out, "  warning     {}", line(&warning.to_string()))?;
         }
         Ok(())
@@ -62,6 +62,7 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
         let copies = geometry.instances().map_or(0, Instances::copies);
         let instances = SceneInfo::of(&loaded).instances;
         let mut warnings = std::mem::take(&mut loaded.warnings);
+        warnings.extend(loaded.fine_detail.take());
         warnings.extend(scene_loading::info::validate(&loaded));
         if copies < instances {
             let text =

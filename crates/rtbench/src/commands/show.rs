@@ -57,7 +57,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         created.file(path)?;
     }
     let loaded = context.load(&*scene)?.scene;
-    for warning in &loaded.warnings {
+    for warning in loaded.warnings_in_f32() {
         context.warn(format_args!("{}: {warning}", loaded.name));
     }
     let geometry = Geometry::<f32>::of(&loaded)?;
@@ -70,7 +70,9 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             let axis = slice.map_or_else(|| Plane::usual_axis(camera), |slice| slice.axis);
             let middle = (0.5 * (bounds.min + bounds.max)).to_array();
             let middle = middle.get(axis).copied().unwrap_or_default();
-            let at = slice.and_then(|slice| slice.position).unwrap_or(middle);
+            let origin = loaded.origin.to_array().get(axis).copied().unwrap_or_default();
+            let position = slice.and_then(|slice| slice.position);
+            let at = position.map_or(middle, |position| position - origin);
             Plane::at(axis, at, camera)
         }
     };
@@ -98,7 +100,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             true => View::Boxes(Projection::of(camera)),
             false => View::Cut(plane, &surfaces),
         };
-        let title = title(args, &loaded.name, &plane);
+        let title = title(args, &loaded, &plane);
         let way = shown.first().and_then(|shown| shown.path.as_ref());
         let focus = ray.zip(way).and_then(|(ray, way)| focus(&plane, &ray, &bounds, &way.hit));
         let frame = Frame { title, view, scene: bounds, focus, size: f64::from(args.size) };
@@ -144,22 +146,24 @@ fn ray_at(at: RayAt, scene: &Scene) -> Ray<f32> {
             (eye.origin(), eye.direction_within(x, y, DVec2::splat(0.5)))
         }
         RayAt::Points(points) => {
-            let [from, towards] = points.map(DVec3::from_array);
+            let [from, towards] = points.map(|p| scene.to_scene_coordinates(DVec3::from_array(p)));
             (from, (towards - from).normalize_or(DVec3::X))
         }
     };
     Ray::new(origin.as_vec3(), direction.as_vec3())
 }
 
-fn title(args: &ShowArgs, scene: &str, plane: &Plane) -> String {
+fn title(args: &ShowArgs, scene: &Scene, plane: &Plane) -> String {
+    let plane = plane.name(scene.origin);
+    let scene = &scene.name;
     let cells = match args.depth {
         None => "cells".to_owned(),
         Some(depth) => format!("cells of depth {depth}, and leaves above,"),
     };
     match (args.ray, args.project) {
-        (Some(_), _) => format!("{scene}: one ray's way; {cells} cut by {}", plane.name()),
+        (Some(_), _) => format!("{scene}: one ray's way; {cells} cut by {plane}"),
         (None, true) => format!("{scene}: {cells} that hold primitives"),
-        (None, false) => format!("{scene}: {cells} cut by {}", plane.name()),
+        (None, false) => format!("{scene}: {cells} cut by {plane}"),
     }
 }
 

@@ -11,6 +11,7 @@ mod common;
 mod compare_tracers;
 mod effects;
 mod explain;
+mod far_scenes;
 mod hard_cases;
 mod history;
 mod house;

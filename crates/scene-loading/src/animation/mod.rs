@@ -6,12 +6,14 @@ mod files;
 pub(crate) mod frames;
 #[allow(clippy::indexing_slicing)]
 mod generated;
+mod rebased;
 
 use crate::aff;
 use std::path::Path;
 
 pub use crate::animation::frames::Animation;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
+use crate::animation::rebased::Rebased;
 use crate::error::{FilePlace, LoadError};
 use crate::gltf;
 use crate::input::read::{extension, read_file};
@@ -31,7 +33,7 @@ pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     }
     let path = path_of_name(name);
     if files::is_pattern(&path) {
-        return files::open(&path);
+        return Ok(Rebased::boxed(files::open(&path)?));
     }
     match is_moving(&path) {
         true => parse(&path, read_file(&path)?),
@@ -44,20 +46,22 @@ fn is_moving(path: &Path) -> bool {
     ["gltf", "glb", "aff"].contains(&extension(path).as_str())
 }
 
-/// The animation in the bytes of a glTF or AFF file, as its ending says. `path` gives it its name and the folder
-/// of the files that it names, and appears in errors.
+/// The animation in the bytes of a glTF or AFF file, as its ending says. `path` gives it its name
+/// and the folder of the files that it names, and appears in errors. Far from the origin, all
+/// frames are moved near it as the first one is: [`Scene::origin`](crate::Scene::origin).
 ///
 /// # Errors
 /// [`LoadError::UnknownFormat`] for other endings, else those of the loader.
 pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadError> {
-    match extension(path).as_str() {
+    let animation = match extension(path).as_str() {
         "gltf" | "glb" => gltf::animated::parse(path, &bytes),
         "aff" => aff::parse(path, bytes),
         _ => Err(LoadError::UnknownFormat {
             place: FilePlace::file(path),
             valid: ".gltf, .glb, .aff".into(),
         }),
-    }
+    };
+    Ok(Rebased::boxed(animation?))
 }
 
 fn unknown(name: &str) -> LoadError {

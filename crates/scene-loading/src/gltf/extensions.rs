@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use ::gltf::json::Root;
+use glam::DVec3;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
@@ -105,13 +106,15 @@ pub(super) fn warnings(json: &Root) -> Vec<String> {
     unread.map(text).collect()
 }
 
-/// What extensions say of nodes.
+/// What files say of nodes that the crate `gltf` does not.
 #[derive(Debug, Default)]
 pub(crate) struct NodeExtensions {
     /// `EXT_mesh_gpu_instancing`, by node.
     pub instancing: BTreeMap<usize, InstanceAttributes>,
     /// Nodes that are not to be seen, with all below them (`KHR_node_visibility`).
     pub hidden: BTreeSet<usize>,
+    /// Translations in f64, where f32 is too coarse for them.
+    pub translations: BTreeMap<usize, DVec3>,
 }
 
 /// Accessors of what places the instances of a node's mesh.

@@ -19,6 +19,7 @@ mod container;
 mod counts;
 mod deform;
 pub(crate) mod extensions;
+mod far_nodes;
 pub(crate) mod instancing;
 mod keys;
 mod materials;
@@ -92,7 +93,8 @@ impl Opened {
         let json = container.parse(path)?;
         extensions::check(path, &json)?;
         rules::check(path, &json)?;
-        let extensions = NodeExtensions::read(path, container.json)?;
+        let mut extensions = NodeExtensions::read(path, container.json)?;
+        extensions.translations = far_nodes::translations(path, container.json, &json)?;
         let document = Document::from_json_without_validation(json);
         let buffers = Buffers::load(path, &document, container.binary)?;
         Ok(Self { path: path.to_path_buf(), document, buffers, extensions })

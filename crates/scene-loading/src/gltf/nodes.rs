@@ -82,8 +82,8 @@ impl<'a> Walker<'a> {
         for text in extensions::warnings(self.document.as_json()) {
             self.warn(text);
         }
-        let hidden = &self.extensions.hidden;
-        let placed = tree::placed(self.path, self.document, scene, self.pose, hidden)?;
+        let more = self.extensions;
+        let placed = tree::placed(self.path, self.document, scene, self.pose, more)?;
         self.deformer.joints = vec![None; self.document.nodes().len()];
         for node in &placed {
             if let Some(joint) = self.deformer.joints.get_mut(node.node.index()) {

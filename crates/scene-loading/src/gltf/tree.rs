@@ -1,6 +1,5 @@
 //! The tree of nodes: where each stands in the world, as the file says or in a pose.
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use ::gltf::scene::Transform;
@@ -8,6 +7,7 @@ use ::gltf::{Document, Node};
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
+use crate::gltf::extensions::NodeExtensions;
 use crate::gltf::pose::Pose;
 use crate::gltf::vectors::affine;
 
@@ -29,7 +29,7 @@ pub(crate) fn placed<'a>(
     document: &'a Document,
     scene: &::gltf::Scene<'a>,
     pose: Option<&Pose>,
-    hidden: &BTreeSet<usize>,
+    extensions: &NodeExtensions,
 ) -> Result<Vec<Placed<'a>>, LoadError> {
     let mut visited = vec![false; document.nodes().len()];
     let mut stack: Vec<(Node<'a>, Parent)> =
@@ -47,7 +47,8 @@ pub(crate) fn placed<'a>(
                 });
             }
         }
-        let world = parent.world * transform(path, &node, pose)?;
+        let world =
+            parent.world * transform(path, &node, pose, extensions.translations.get(&index))?;
         if !world.is_finite() {
             return Err(not_finite(path, format!("node {index}: world transform")));
         }
@@ -55,7 +56,7 @@ pub(crate) fn placed<'a>(
         let own = Parent {
             world,
             is_steady: parent.is_steady && pose.is_none_or(|pose| pose.is_steady(index)),
-            is_hidden: parent.is_hidden || hidden.contains(&index),
+            is_hidden: parent.is_hidden || extensions.hidden.contains(&index),
             is_scaled: parent.is_scaled || moved.is_some_and(|moved| moved.scale.is_some()),
         };
         let first = stack.len();
@@ -88,8 +89,13 @@ impl Parent {
 /// The last row of a matrix may differ from 0, 0, 0, 1 by so much: programs invert in f32.
 const ROW_TOLERANCE: f64 = 1e-5;
 
-/// From a node's own space to its parent's.
-fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4, LoadError> {
+/// From a node's own space to its parent's. `exact` is its translation in f64, if it is known.
+fn transform(
+    path: &Path,
+    node: &Node<'_>,
+    pose: Option<&Pose>,
+    exact: Option<&DVec3>,
+) -> Result<DMat4, LoadError> {
     let object = format!("node {}", node.index());
     let invalid = |found: String, expected: &str| LoadError::Gltf {
         place: FilePlace::file(path),
@@ -104,7 +110,11 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
             return Err(invalid(found, "translation, rotation and scale"));
         }
         Transform::Matrix { matrix } => {
-            DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)))
+            let mut matrix = DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)));
+            if let Some(exact) = exact {
+                matrix.w_axis = exact.extend(matrix.w_axis.w);
+            }
+            matrix
         }
         Transform::Decomposed { translation, rotation, scale } => {
             let rotation = DQuat::from_array(rotation.map(f64::from));
@@ -115,6 +125,7 @@ fn transform(path: &Path, node: &Node<'_>, pose: Option<&Pose>) -> Result<DMat4,
             }
             let [translation, scale] =
                 [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
+            let translation = exact.copied().unwrap_or(translation);
             DMat4::from_scale_rotation_translation(
                 moved.and_then(|moved| moved.scale).unwrap_or(scale),
                 rotation.normalize(),

@@ -4,6 +4,7 @@
 //! tie-breaking, in counters). Vertices and normals are shared arrays that shapes index into.
 
 mod appearance;
+pub(crate) mod origin;
 mod shapes;
 pub mod texture;
 mod view;
@@ -54,6 +55,12 @@ pub struct Scene {
     pub samples: SampleWishes,
     /// What a loader noticed and went on from (missing material file, dropped faces, ...).
     pub warnings: Vec<Warning>,
+    /// Where the origin of all coordinates here is in those of the file: 0 unless the file's are
+    /// far from theirs. What is read from users or shown to them is in the file's, by
+    /// [`Scene::to_file_coordinates`].
+    pub origin: DVec3,
+    /// Set where primitives are too small for f32; f64 resolves them.
+    pub fine_detail: Option<Warning>,
 }
 
 /// Consecutive primitives that are an object at a place.
@@ -238,10 +245,14 @@ impl Scene {
                     bounds.include(center + reach * radius.abs());
                 }
             }
-            Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
-                for p in self.outline(shape) {
-                    bounds.include(p);
-                }
+            Shape::Polygon { first, count } => {
+                let (first, count) = (first as usize, count as usize);
+                let corners = self.vertices.get(first..first.saturating_add(count));
+                corners.unwrap_or_default().iter().for_each(|p| bounds.include(*p));
+            }
+            Shape::Triangle { v } | Shape::Patch { v, .. } => {
+                let corners = v.iter().filter_map(|&i| self.vertices.get(i as usize));
+                corners.for_each(|p| bounds.include(*p));
             }
         }
         bounds
@@ -249,9 +260,15 @@ impl Scene {
 
     /// Bounds of all primitives, of moving ones over the time that the shutter is open.
     pub fn bounds(&self) -> Bounds {
+        self.bounds_seen(|_| {})
+    }
+
+    /// [`Scene::bounds`]; `each` sees those of every primitive as the shutter opens.
+    fn bounds_seen(&self, mut each: impl FnMut(&Bounds)) -> Bounds {
         let mut all = Bounds::EMPTY;
         for primitive in &self.primitives {
             let b = self.shape_bounds(primitive.shape);
+            each(&b);
             all.include(b.min);
             all.include(b.max);
         }

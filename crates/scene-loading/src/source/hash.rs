@@ -11,7 +11,8 @@ pub fn sha256_of_bytes(bytes: &[u8]) -> String {
 }
 
 /// SHA-256 of what a scene looks like: camera, background, lights, materials, geometry and the
-/// order of the primitives. Names and warnings do not count. Numbers enter as the little-endian
+/// order of the primitives; of a rebased scene where its origin was, too. Names and warnings do not
+/// count. Numbers enter as the little-endian
 /// bits of their `f64`, each list after its length, so the hash is the same on every machine.
 pub fn sha256_of_scene(scene: &Scene) -> String {
     let mut hash = Canonical(Sha256::new());
@@ -59,6 +60,10 @@ pub fn sha256_of_scene(scene: &Scene) -> String {
     }
     hash_effects(scene, &mut hash);
     hash_textures(scene, &mut hash);
+    if scene.origin != DVec3::ZERO {
+        hash.0.update(b"origin 1\n");
+        hash.vectors(&[scene.origin]);
+    }
     hex(hash.0.finalize().as_slice())
 }
 
@@ -165,6 +170,7 @@ mod tests {
             |s: &mut Scene| s.materials[0].roughness = 0.1,
             |s: &mut Scene| s.last_moves(DVec3::X),
             |s: &mut Scene| s.last_is_textured([[0.0; 2]; 3]),
+            |s: &mut Scene| s.origin.y = 1024.0,
         ] {
             let mut other = scene.clone();
             change(&mut other);

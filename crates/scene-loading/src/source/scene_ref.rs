@@ -70,7 +70,8 @@ impl SceneRef {
     }
 
     /// Loads or generates the scene. One without lights gets one at the eye, with a warning, unless
-    /// its scene file says that it has none (`"lights": []`).
+    /// its scene file says that it has none (`"lights": []`). One that is far from the origin of
+    /// its coordinates is moved near it: [`Scene::origin`].
     ///
     /// # Errors
     /// [`LoadError::NotFetched`] when its package is not on this machine,
@@ -104,6 +105,7 @@ impl SceneRef {
         if self.description().is_none_or(|file| file.lights.is_none()) {
             light_if_dark(&mut scene);
         }
+        scene.bring_near();
         Ok(LoadedScene { sha256: sha256_of_scene(&scene), scene, source, licence })
     }
 

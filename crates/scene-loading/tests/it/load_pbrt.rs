@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use scene_loading::pbrt::parse_pbrt;
 use scene_loading::source::formats::{ReadOptions, parse_scene};
-use scene_loading::{LoadError, Scene, SceneCatalogue, Shape};
+use scene_loading::{LoadError, Primitive, Scene, SceneCatalogue, Shape};
 
 const TRIANGLE: &str = "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n\
                         \"point3 P\" [0 0 0  1 0 0  0 1 0]\n";
@@ -136,7 +136,8 @@ fn files_are_included_and_named_ones_lie_in_the_folder() {
     let scene = SceneCatalogue::embedded().unwrap();
     let scene = scene.resolve(&[path.join("a.pbrt").to_str().unwrap().to_owned()]).unwrap();
     let scene = scene[0].load().unwrap().scene;
-    let places: Vec<f64> = scene.primitives.iter().map(|p| scene.outline(p.shape)[0].z).collect();
+    let corner = |p: &Primitive| scene.to_file_coordinates(scene.outline(p.shape)[0]);
+    let places: Vec<f64> = scene.primitives.iter().map(|p| corner(p).z).collect();
     assert_eq!(places, [9.0, 9.0], "what an Import sets ends with it");
     for (text, part) in [
         ("Include \"../b.pbrt\"", "leads out"),

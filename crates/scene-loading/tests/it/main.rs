@@ -1,6 +1,7 @@
 //! All integration tests of the crate, as one program: each more would be linked on its own.
 
 mod animation;
+mod far_scenes;
 mod fuzz_seeds;
 mod gltf_extensions;
 mod gltf_file;

@@ -107,10 +107,14 @@ impl Plane {
         (from < to).then_some([from, b.min[self.up], to, b.max[self.up]])
     }
 
-    /// What it is, in words: `z = 1.5`, or upright through a ray.
-    pub fn name(&self) -> String {
+    /// What it is, in words: `z = 1.5`, or upright through a ray. `origin` is that of the scene in
+    /// the coordinates of its file, which are named.
+    pub fn name(&self, origin: DVec3) -> String {
         let on_axis = (0..3).find(|&k| k != self.up && self.across[k] == 0.0);
         match on_axis {
+            Some(k) if origin[k] != 0.0 => {
+                format!("{} = {}", LETTERS[k], self.origin[k] + origin[k])
+            }
             Some(k) => format!("{} = {}", LETTERS[k], presentation::numbers::short(self.origin[k])),
             None => format!("the plane through the ray and along {}", LETTERS[self.up]),
         }
@@ -150,7 +154,8 @@ mod tests {
         let plane = Plane::at(1, 2.0, &front);
         let unit = Aabb { min: DVec3::ZERO, max: DVec3::new(4.0, 3.0, 2.0) };
         assert_eq!(plane.cut(&unit), Some([0.0, 0.0, 4.0, 2.0]));
-        assert_eq!(plane.name(), "y = 2.00");
+        assert_eq!(plane.name(DVec3::ZERO), "y = 2.00");
+        assert_eq!(plane.name(DVec3::splat(5.4e6)), "y = 5400002");
         assert_eq!(plane.coordinates(DVec3::new(3.0, 2.0, 1.0)), [3.0, 1.0]);
         // boxes that touch in the plane: one of them
         assert_eq!(Plane::at(1, 3.0, &front).cut(&unit), None);

@@ -28,17 +28,24 @@ fn hit(ray: [f64; 8], triangle: [f64; 9]) -> Option<f64> {
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t >= ray[3] && t <= ray[7]).then_some(t)
 }
 
+/// Bytes of a file's header, by its version.
+fn header(bytes: &[u8]) -> usize {
+    if bytes[8] == 2 { HEADER + 24 } else { HEADER }
+}
+
 /// What a program outside makes of files of rays and triangles: a file of hits.
 pub fn answered(rays: &[u8], triangles: &[u8]) -> Vec<u8> {
     let numbers = |bytes: &[u8], n: usize| -> Vec<f64> {
         (0..n).map(|i| f64::from(f32_at(bytes, 4 * i))).collect()
     };
-    let all: Vec<[f64; 9]> =
-        triangles[HEADER..].chunks(40).map(|c| numbers(c, 9).try_into().unwrap()).collect();
-    let mut hits = rays[..HEADER].to_vec();
+    let all: Vec<[f64; 9]> = triangles[header(triangles)..]
+        .chunks(40)
+        .map(|c| numbers(c, 9).try_into().unwrap())
+        .collect();
+    let mut hits = rays[..header(rays)].to_vec();
     hits[..8].copy_from_slice(b"RTBHITS\n");
     hits[12] = 8;
-    for record in rays[HEADER..].chunks(32) {
+    for record in rays[header(rays)..].chunks(32) {
         let ray: [f64; 8] = numbers(record, 8).try_into().unwrap();
         let found = all.iter().zip(0u32..).filter_map(|(tri, id)| Some((hit(ray, *tri)?, id)));
         let (t, id) = found.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, u32::MAX));
@@ -129,4 +136,40 @@ fn rays_may_be_six_numbers() {
     let ended = rtbench(&["rays", "export", "balls:1", "-o", &format!("{path}.not")]);
     let said = String::from_utf8_lossy(&ended.stderr);
     assert!(!ended.status.success() && said.contains("not of triangles"), "{said}");
+}
+
+#[test]
+fn of_a_far_scene_the_origin_is_said_and_answers_are_judged() {
+    let folder = Folder::new();
+    let file = |name: &str| Path::new(&folder.path()).join(name).to_str().unwrap().to_owned();
+    let [scene, rays, triangles, answers] = ["a.obj", "a.rays", "a.tris", "a.hits"].map(file);
+    let mut text = String::new();
+    for i in 0..9 {
+        let [x, y] = [448_000 + i % 3, 5_411_000 + i / 3];
+        text += &format!("v {x}.1 {y}.1 12\nv {x}.9 {y}.1 12.5\nv {x}.1 {y}.9 12.25\nf -3 -2 -1\n");
+    }
+    fs::write(&scene, text).unwrap();
+    let kind = ["--kind", "primary,shadow"];
+    let files = ["-o", &rays, "--triangles", &triangles];
+    let command = [&["rays", "export", &scene, "--size", "24"], &kind[..], &files[..]].concat();
+    let ended = rtbench(&command);
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    let (r, t) = (fs::read(&rays).unwrap(), fs::read(&triangles).unwrap());
+    for bytes in [&r, &t] {
+        let origin = [0, 1, 2].map(|k| f64::from_bits(u64_at(bytes, HEADER + 8 * k)));
+        assert_eq!((bytes[8], origin), (2, [448_000.0, 5_411_000.0, 0.0]));
+    }
+    // a record and the origin are a corner of the file
+    assert!((f64::from(f32_at(&t, header(&t))) - 0.1).abs() < 1e-7);
+    let check = |hits: &[u8]| {
+        fs::write(&answers, hits).unwrap();
+        rtbench(&["hits", "check", &scene, &answers]).status.code()
+    };
+    let hits = answered(&r, &t);
+    assert_eq!(check(&hits), Some(0));
+    // planted: one parameter that is another
+    let first = (header(&hits)..hits.len()).step_by(8).find(|&at| hits[at + 4] != 255).unwrap();
+    let mut wrong = hits.clone();
+    wrong[first..first + 4].copy_from_slice(&1.0f32.to_le_bytes());
+    assert_eq!(check(&wrong), Some(4));
 }

@@ -116,7 +116,7 @@ fn animated_triangles_are_straight_between_their_times() {
     let mut animation = animation(&body.replace("tpa", "fm 0 0 0 1 1 1 0 0 0 0 0 0 tpa"));
     for (index, z) in [(0, 10.0), (1, 10.0), (2, 11.0), (3, 15.0), (4, 15.0)] {
         let scene = animation.frame(index).unwrap();
-        near(corners(&scene, 0)[1], [1.0, 0.0, z]);
+        near(scene.to_file_coordinates(corners(&scene, 0)[1]), [1.0, 0.0, z]);
         assert!(matches!(scene.primitives[0].shape, Shape::Patch { .. }));
         assert!(scene.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-12));
         assert!(scene.instances.is_empty());

@@ -160,7 +160,7 @@ fn vertices_follow_their_joints() {
     // where there is nothing to follow, the mesh stays at its node
     let warning = |file: &File| {
         let scene = file.open().unwrap().frame(1).unwrap();
-        near(scene.vertices[1], [101.0, 0.0, 0.0]);
+        near(scene.to_file_coordinates(scene.vertices[1]), [101.0, 0.0, 0.0]);
         scene.warnings[0].to_string()
     };
     bad.json["nodes"][1]["children"] = json!([]);

@@ -71,6 +71,7 @@ pub fn without_rows(
         primitives: size.map_or(0, |size| size.primitives),
         geometry_bytes: 0,
         only_triangles: None,
+        origin: None,
         warnings: Vec::new(),
         rays: BTreeMap::new(),
         oracle: Default::default(),
