@@ -49,19 +49,11 @@ check_sum() {
     if command -v sha256sum > /dev/null; then sha256sum --check "$1"; else shasum -a 256 --check "$1"; fi
 }
 
-# a program that is rtbench with a plugin
-with_plugin() { # NAME PLUGIN
-    printf '#!/bin/sh\nexec %q "$@" --plugin %q\n' "$(command -v rtbench)" "$(realpath "$2")" > "$home/$1"
-    chmod +x "$home/$1"
-    echo "$home/$1"
-}
-
 measure() {
-    local run check arguments plugin=() results=$home/results code=0 judged=0 verdict=
+    local run check plugin=() results=$home/results code=0 judged=0 verdict=
     # blanks separate; nothing is expanded
     read -ra run <<< "${RUN:-}"
     read -ra check <<< "${CHECK:-}"
-    read -ra arguments <<< "${PROGRAM_ARGUMENTS:-}"
     [ -z "${PLUGIN:-}" ] || plugin=(--plugin "$PLUGIN")
     mkdir -p "$home"
     rm -rf "$results"
@@ -73,16 +65,14 @@ measure() {
     mkdir -p "$results"
     local exports=(--export-markdown "$results/check.md" --export-json "$results/check.json")
     local checked=(rtbench check "${exports[@]}" ${check[@]+"${check[@]}"})
-    if [ -n "${PROGRAM:-}" ] && [ -n "${BASE_PROGRAM:-}" ]; then
-        checked+=(--against "$BASE_PROGRAM" --new "$PROGRAM" -- ${arguments[@]+"${arguments[@]}"})
-    elif [ -n "${PLUGIN:-}" ] && [ -n "${BASE_PLUGIN:-}" ]; then
-        checked+=(--against "$(with_plugin base "$BASE_PLUGIN")" --new "$(with_plugin change "$PLUGIN")")
-        checked+=(-- run ${run[@]+"${run[@]}"} --quiet --export-json -)
+    if [ -n "${PLUGIN:-}" ] && [ -n "${BASE_PLUGIN:-}" ] && [ -e "$results/results.json" ]; then
+        # what the run measured, both builds in turns
+        checked+=(--baseline "$results" --plugin "$PLUGIN" --against-plugin "$BASE_PLUGIN")
     elif [ -n "${BASELINE:-}" ]; then
         checked+=(--baseline "$BASELINE" ${plugin[@]+"${plugin[@]}"})
     else
         checked=()
-        echo "::notice::nothing to check against: set base-program, base-plugin or baseline"
+        echo "::notice::nothing to check against: set base-plugin or baseline"
     fi
     if [ ${#checked[@]} -gt 0 ]; then
         "${checked[@]}" | tee "$home/check.txt" || judged=${PIPESTATUS[0]}
@@ -95,9 +85,12 @@ measure() {
 
 # One comment for each job, which is written anew.
 comment() {
-    local number=${GITHUB_REF#refs/pull/} marker body=$home/comment.md id
+    local number=${GITHUB_REF#refs/pull/} matrix marker body=$home/comment.md id
     number=${number%%/*}
-    marker="<!-- rtbench ${GITHUB_WORKFLOW:?} ${GITHUB_JOB:?} -->"
+    # jobs of a matrix have one name, and other values
+    matrix=$(tr -cd 'A-Za-z0-9._:,-' <<< "${MATRIX:-}")
+    [ "$matrix" != null ] || matrix=
+    marker="<!-- rtbench ${GITHUB_WORKFLOW:?} ${GITHUB_JOB:?}${matrix:+ $matrix} -->"
     {
         echo "$marker"
         [ ! -e "$RESULTS/check.md" ] || cat "$RESULTS/check.md"

@@ -26,9 +26,8 @@ use studies::reproduce::ReproduceError;
 use studies::sweep::SweepError;
 use studies::sweep::sizes::SizesError;
 
-use crate::bisect::BisectError;
 use crate::comparison::CompareError;
-use crate::exit_code::{FAILURE, USAGE};
+use crate::exit_code::{FAILURE, NOTHING_COMPARED, USAGE};
 use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
 use crate::foreign_row::ForeignRowError;
@@ -129,9 +128,6 @@ pub enum Error {
     /// What a history is made from cannot be read.
     #[error(transparent)]
     History(#[from] HistoryError),
-    /// No commit was found.
-    #[error(transparent)]
-    Bisect(Box<BisectError>),
     /// The copy of this program that the floor is measured with.
     #[error(transparent)]
     Copy(#[from] CopyError),
@@ -235,15 +231,6 @@ impl From<GateError> for Error {
     }
 }
 
-impl From<BisectError> for Error {
-    fn from(error: BisectError) -> Self {
-        match error {
-            BisectError::Gate(error) => Self::Gate(error),
-            other => Self::Bisect(Box::new(other)),
-        }
-    }
-}
-
 impl From<LikeError> for Error {
     fn from(error: LikeError) -> Self {
         match error {
@@ -288,7 +275,9 @@ impl Error {
                 | CompareError::NothingMatches { .. },
             ) => USAGE,
             Self::Gate(error) if error.is_usage() => USAGE,
-            Self::Bisect(error) if error.is_usage() => USAGE,
+            Self::Gate(error) if matches!(**error, GateError::NothingCompared(_)) => {
+                NOTHING_COMPARED
+            }
             Self::Plan(_)
             | Self::Sweep(_)
             | Self::Sizes(_)

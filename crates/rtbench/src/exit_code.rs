@@ -10,8 +10,10 @@ pub const USAGE: u8 = 2;
 pub const REGRESSION: u8 = 3;
 /// A structure gave wrong hits.
 pub const WRONG_HITS: u8 = 4;
-/// Something was indistinguishable from a regression, and `--strict` was given; or `verify` ran out of
+/// Something was inconclusive, or a row was missing, and `--strict` was given; or `verify` ran out of
 /// time before it had asked everything.
 pub const INCONCLUSIVE: u8 = 5;
+/// Nothing could be compared.
+pub const NOTHING_COMPARED: u8 = 6;
 /// SIGINT (Ctrl-C) ended the run; other signals as shells count them, 128 and their number.
 pub const INTERRUPTED: u8 = 130;

@@ -1,4 +1,4 @@
-//! What is asked of git: commits, their order and moments, trees of files beside the repository's own.
+//! What is asked of git: commits and when they were made.
 
 use std::ffi::OsStr;
 use std::io;
@@ -80,24 +80,12 @@ impl Git {
     ///
     /// # Errors
     /// [`GitError`].
-    pub fn ask<A: AsRef<OsStr>>(
+    fn ask<A: AsRef<OsStr>>(
         &self,
-        arguments: impl IntoIterator<Item = A>,
-    ) -> Result<String, GitError> {
-        self.ask_in(&self.folder, arguments)
-    }
-
-    /// The same of another tree of files of the repository.
-    ///
-    /// # Errors
-    /// [`GitError`].
-    pub fn ask_in<A: AsRef<OsStr>>(
-        &self,
-        folder: &Path,
         arguments: impl IntoIterator<Item = A>,
     ) -> Result<String, GitError> {
         let mut command = Command::new(&self.program);
-        command.arg("-C").arg(folder).args(arguments).stdin(Stdio::null());
+        command.arg("-C").arg(&self.folder).args(arguments).stdin(Stdio::null());
         // a hook that calls us names its own repository
         for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX"] {
             command.env_remove(name);
@@ -110,7 +98,7 @@ impl Git {
         let said = said.lines().rev().map(str::trim).find(|line| !line.is_empty());
         let asked = command.get_args().skip(2).map(OsStr::to_string_lossy);
         Err(GitError::Failed {
-            folder: folder.into(),
+            folder: self.folder.clone(),
             asked: asked.collect::<Vec<_>>().join(" "),
             said: said.map_or_else(|| ended.status.to_string(), str::to_owned),
         })

@@ -21,7 +21,6 @@
 
 pub mod args;
 pub mod baselines;
-pub mod bisect;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
@@ -61,7 +60,6 @@ use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::occupied::{self, OccupiedError};
-use crate::gate::thresholds::Thresholds;
 use crate::given_view::GivenView;
 use crate::plugin_rows::Plugins;
 use crate::set_options::{added_by_set, join};
@@ -281,12 +279,7 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
         Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
-        Command::Check(args) => {
-            commands::check::run(context, args, Thresholds::default(), cli.color)
-        }
-        Command::Bisect(args) => {
-            commands::bisect::run(context, args, Thresholds::default()).map(|()| SUCCESS)
-        }
+        Command::Check(args) => commands::check::run(context, args, cli.color),
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),
         Command::Merge(args) => commands::merge::run(context, args, cli.color),

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use measurement::plan::Plan;
 use measurement::plan::error::PlanError;
+use measurement::plan::measured_row::select;
 use measurement::plan::strides::FixedStrides;
 use measurement::rays::order::Orders;
 use measurement::record::{RunRecord, SceneRecord};
@@ -133,6 +134,22 @@ pub fn plan<'r>(
     Ok(plan)
 }
 
+/// The record without the rows that this program does not know; rows of plugins stay. A reference that is not
+/// known is another one.
+pub fn known(record: &RunRecord, context: &Context<'_>) -> RunRecord {
+    let mut record = record.clone();
+    let is_known =
+        |label: &str| select(context.registry, context.occluders, &[label.to_owned()], &[]).is_ok();
+    for scene in &mut record.scenes {
+        scene.rows.retain(|row| row.plugin.is_some() || is_known(&row.label()));
+    }
+    record.scenes.retain(|scene| !scene.rows.is_empty());
+    if !is_known(&record.settings.reference) {
+        record.settings.reference.clear();
+    }
+    record
+}
+
 /// The first structure of a record that is of a plugin which nobody loaded, and that one's file.
 fn missing_plugin(record: &RunRecord, context: &Context<'_>) -> Option<(String, String)> {
     let is_there = |name: &str| context.registry.iter().any(|entry| entry.info.name == name);
@@ -183,7 +200,7 @@ fn settings_of(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunSettings,
         quick: of.quick,
         threads: within("threads", of.threads as u64, MeasuringSettings::MOST_THREADS.into())?,
         seed: of.seed,
-        reference: Some(of.reference.clone()),
+        reference: Some(of.reference.clone()).filter(|reference| !reference.is_empty()),
         precision: choice::<Precision>("precision", &of.precision)?,
         size: Some(within("size", width.into(), MeasuringSettings::LARGEST_SIZE.into())?),
         ..MeasuringSettings::default()

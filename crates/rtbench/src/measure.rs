@@ -58,6 +58,7 @@ pub fn measure(registry: &[Entry], settings: &RunSettings) -> Result<RunRecord, 
         progress: &Progress::new(false, 0, None),
         trials: &[],
         log: &RowJournal::new(None),
+        laps: None,
     };
     let budget = Budget::new(&plan, clock.now(), 0);
     for (i, known) in plan.scenes.iter().enumerate() {

@@ -26,3 +26,4 @@ pub mod random;
 pub mod ratio_of_medians;
 pub mod series;
 pub mod sign_test;
+pub mod verdict;

@@ -33,6 +33,18 @@ pub fn p_value(a: &[f64], b: &[f64]) -> Option<f64> {
     Some(approximate(a, b, u as f64 / 2.0))
 }
 
+/// The least probability that samples of such sizes can have.
+pub fn least_p(n: usize, m: usize) -> f64 {
+    let orders = (1..=n).fold(1.0, |all, i| all * (m + i) as f64 / i as f64);
+    (2.0 / orders).min(1.0)
+}
+
+/// Samples a side from which one of so many tests can be significant.
+pub fn samples_needed(tests: usize, significance: f64) -> usize {
+    let is_enough = |n: &usize| least_p(*n, *n) * (tests.max(1) as f64) < significance;
+    (crate::ratio_of_medians::FEWEST..1000).find(is_enough).unwrap_or(1000)
+}
+
 /// Twice the part of all orders of `n` and `m` samples that have at most `u` inversions.
 fn exact(n: usize, m: usize, u: usize) -> f64 {
     // counts[k][v]: orders of k samples of one side among j of the other with v inversions, by
@@ -92,6 +104,18 @@ mod tests {
         assert_eq!(p_value(&a, &[]), None);
         assert_eq!(p_value(&[f64::NAN], &b), None);
         assert_eq!(p_value(&[2.0; 5], &[2.0; 5]), Some(1.0));
+    }
+
+    #[test]
+    fn the_least_probability_is_that_of_samples_wholly_apart() {
+        for (n, m) in [(3, 3), (5, 5), (15, 3)] {
+            let low: Vec<f64> = (0..n).map(f64::from).collect();
+            let high: Vec<f64> = (0..m).map(|x| 100.0 + f64::from(x)).collect();
+            let least = least_p(n as usize, m as usize);
+            assert!((p_value(&low, &high).unwrap() / least - 1.0).abs() < 1e-9, "{n} {m}");
+        }
+        // 2 / 252 of five a side; 2 / 924 of six
+        assert_eq!([samples_needed(1, 0.05), samples_needed(7, 0.05)], [4, 6]);
     }
 
     #[test]

@@ -116,6 +116,11 @@ impl Series {
         }
     }
 
+    /// The two-sided probability of values as far from 1, by the medians of several processes; none of one.
+    pub fn p_value_of_one(&self) -> Option<f64> {
+        Some(self.levels()?.p_value())
+    }
+
     /// None of one process, and of values that have no logarithm.
     fn levels(&self) -> Option<Levels> {
         if !self.has_levels() || self.values.iter().any(|v| !v.is_finite() || *v <= 0.0) {
@@ -221,6 +226,19 @@ pub fn geometric_mean_of_ratios_of(groups: &[(&Series, &Series)]) -> Option<Esti
     let terms: Option<Vec<Levels>> =
         groups.iter().map(|(above, below)| difference(above, below)).collect();
     Some(Levels::sum(terms?.into_iter().map(|term| (term, weight))).estimate())
+}
+
+/// The two-sided probability of such ratios if their geometric mean is 1: of several groups each by its
+/// processes, or else its rounds.
+pub fn p_value_of_mean(groups: &[(&Series, &Series)]) -> Option<f64> {
+    if let [(above, below)] = groups {
+        return p_value(above, below);
+    }
+    let weight = 1.0 / groups.len() as f64;
+    let terms: Option<Vec<Levels>> =
+        groups.iter().map(|(above, below)| difference(above, below)).collect();
+    let terms = terms.filter(|terms| !terms.is_empty())?;
+    Some(Levels::sum(terms.into_iter().map(|term| (term, weight))).p_value())
 }
 
 fn difference(above: &Series, below: &Series) -> Option<Levels> {

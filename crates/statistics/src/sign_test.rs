@@ -17,6 +17,12 @@ pub fn p_value(samples: &[f64], median: f64) -> Option<f64> {
     Some((2.0 * binomial_tail(above + below, above.min(below))).min(1.0))
 }
 
+/// Pairs from which one of so many tests can be significant.
+pub fn pairs_needed(tests: usize, significance: f64) -> usize {
+    let least = |n: usize| 2.0 * 0.5_f64.powi(n as i32);
+    (1..1000).find(|&n| least(n) * (tests.max(1) as f64) < significance).unwrap_or(1000)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -29,6 +35,8 @@ mod tests {
         assert_eq!(p(&[1.1, 0.9]), 1.0);
         assert_eq!(p(&[1.0; 4]), 1.0);
         assert_eq!(p_value(&[], 1.0), None);
+        // 2 / 64 of six pairs
+        assert_eq!([pairs_needed(1, 0.05), pairs_needed(2, 0.05)], [6, 7]);
         assert_eq!(p_value(&[f64::NAN], 1.0), None);
     }
 }

@@ -34,6 +34,24 @@ pub struct Conclusion {
     pub not_different: Vec<String>,
     /// The nearest row that is significantly different; none where there is none.
     pub next: Option<Next>,
+    /// Rows that are as fast or faster and do not lead, since some of their answers are wrong by a known defect;
+    /// the fastest first.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub defective: Vec<Defective>,
+}
+
+/// A row with a known defect beside the best one without.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct Defective {
+    /// Structure and settings.
+    pub row: String,
+    /// How many times as much as the best row it takes, paired by round.
+    pub times: Estimate,
+    /// Answers that were wrong.
+    pub wrong: u64,
+    /// Answers that were compared.
+    pub rays: u64,
 }
 
 /// The nearest row that is significantly different from the best one.

@@ -11,8 +11,14 @@ use serde_json::Value;
 
 use crate::journal::lines::compare;
 use crate::record::merge::Part;
+use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
 use crate::record::{Machine, RowRecord, RunRecord, SCHEMA_VERSION, SceneRecord, Tool};
 use statistics::estimate::{Estimate, geometric_mean};
+use statistics::series::Series;
+use statistics::verdict::{Change, correct};
+
+/// The probability of one false alarm among all ratios and machines.
+const SIGNIFICANCE: f64 = 0.05;
 
 /// Runs that are not the same but for their machines.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -95,7 +101,7 @@ pub struct MachineRatio {
     pub least: f64,
     /// The largest.
     pub most: f64,
-    /// Two machines have intervals without a common point: the machine decides, and not chance.
+    /// Two machines differ by more than chance explains, among all that were compared.
     pub is_apart: bool,
 }
 
@@ -163,6 +169,12 @@ fn common(record: &RunRecord) -> Value {
     })
 }
 
+/// A ratio and its rounds on each machine, by scene.
+struct Measured {
+    ratio: MachineRatio,
+    rounds: Vec<Vec<Series>>,
+}
+
 fn ratios(records: &[&RunRecord]) -> Vec<MachineRatio> {
     let Some(first) = records.first() else { return Vec::new() };
     let mut all = Vec::new();
@@ -171,10 +183,12 @@ fn ratios(records: &[&RunRecord]) -> Vec<MachineRatio> {
         let of = |read: &dyn Fn(&crate::record::SummaryRow) -> Option<Estimate>| {
             records.iter().map(|r| read(r.summary.get(i)?)).collect::<Vec<_>>()
         };
-        all.extend(ratio(name, "build", of(&|row| row.build_ratio)));
-        all.extend(ratio(name, "trace", of(&|row| row.ratio)));
+        let rounds = |quantity: &str| rounds_of(records, name, quantity);
+        all.extend(ratio(name, "build", of(&|row| row.build_ratio), rounds("build")));
+        all.extend(ratio(name, "trace", of(&|row| row.ratio), rounds("trace")));
         for kind in row.ratio_by_kind.keys() {
-            all.extend(ratio(name, kind, of(&|row| row.ratio_by_kind.get(kind).copied())));
+            let of_kind = of(&|row| row.ratio_by_kind.get(kind).copied());
+            all.extend(ratio(name, kind, of_kind, rounds(kind)));
         }
     }
     for (s, scene) in first.scenes.iter().enumerate() {
@@ -184,14 +198,66 @@ fn ratios(records: &[&RunRecord]) -> Vec<MachineRatio> {
                 let row = |r: &&RunRecord| read(r.scenes.get(s)?.rows.get(i)?);
                 records.iter().map(row).collect::<Vec<_>>()
             };
-            all.extend(ratio(name, "build", of(&|row| row.build_ratio)));
-            all.extend(ratio(name, "trace", of(&|row| row.ratio)));
+            let rounds = |quantity: &str| rounds_of(records, name, quantity);
+            all.extend(ratio(name, "build", of(&|row| row.build_ratio), rounds("build")));
+            all.extend(ratio(name, "trace", of(&|row| row.ratio), rounds("trace")));
             for kind in row.ratio_by_kind.keys() {
-                all.extend(ratio(name, kind, of(&|row| row.ratio_by_kind.get(kind).copied())));
+                let of_kind = of(&|row| row.ratio_by_kind.get(kind).copied());
+                all.extend(ratio(name, kind, of_kind, rounds(kind)));
             }
         }
     }
-    all
+    mark_apart(&mut all);
+    all.into_iter().map(|measured| measured.ratio).collect()
+}
+
+/// The rounds of a ratio on each machine, a series for each scene that has the row.
+fn rounds_of(
+    records: &[&RunRecord],
+    (scene, structure, settings): (Option<&str>, &str, &str),
+    quantity: &str,
+) -> Vec<Vec<Series>> {
+    let of_row = |row: &RowRecord, own: &SceneRecord| match quantity {
+        "build" => build_ratios(own, row),
+        "trace" => trace_ratios(row),
+        kind => kind_ratios(row, kind),
+    };
+    let of_scene = |own: &SceneRecord| {
+        let is_own = |row: &&RowRecord| row.structure == structure && row.settings == settings;
+        let series = own.rows.iter().find(is_own).map(|row| of_row(row, own));
+        series.unwrap_or_default()
+    };
+    let is_asked = |own: &&SceneRecord| scene.is_none_or(|name| own.name == name);
+    let of_record =
+        |record: &&RunRecord| record.scenes.iter().filter(is_asked).map(of_scene).collect();
+    records.iter().map(of_record).collect()
+}
+
+/// Marks the ratios of which chance does not explain that two machines differ, corrected for all ratios and all
+/// pairs of machines.
+fn mark_apart(all: &mut [Measured]) {
+    let mut tested: Vec<(usize, Change)> = Vec::new();
+    for (place, Measured { rounds, .. }) in all.iter().enumerate() {
+        for (i, one) in rounds.iter().enumerate() {
+            for other in rounds.iter().skip(i + 1) {
+                let groups: Vec<[&Series; 2]> = one
+                    .iter()
+                    .zip(other)
+                    .filter(|(a, b)| !a.is_empty() && !b.is_empty())
+                    .map(|(a, b)| [a, b])
+                    .collect();
+                tested.extend(Change::of_mean(&groups).map(|change| (place, change)));
+            }
+        }
+    }
+    correct(tested.iter_mut().map(|(_, change)| change));
+    for (place, change) in tested {
+        let is_apart = change.ratio.is_some_and(|ratio| !ratio.holds(1.0))
+            && change.p.is_some_and(|p| p < SIGNIFICANCE);
+        if let Some(measured) = all.get_mut(place).filter(|_| is_apart) {
+            measured.ratio.is_apart = true;
+        }
+    }
 }
 
 /// None where no machine has it.
@@ -199,12 +265,11 @@ fn ratio(
     (scene, structure, settings): (Option<&str>, &str, &str),
     quantity: &str,
     of_machines: Vec<Option<Estimate>>,
-) -> Option<MachineRatio> {
+    rounds: Vec<Vec<Series>>,
+) -> Option<Measured> {
     let known: Vec<Estimate> = of_machines.iter().copied().flatten().collect();
     let medians: Vec<f64> = known.iter().map(|e| e.median).collect();
-    let highest_low = known.iter().map(|e| e.low).fold(f64::NEG_INFINITY, f64::max);
-    let lowest_high = known.iter().map(|e| e.high).fold(f64::INFINITY, f64::min);
-    Some(MachineRatio {
+    let ratio = MachineRatio {
         scene: scene.map(str::to_owned),
         structure: structure.to_owned(),
         settings: settings.to_owned(),
@@ -212,9 +277,28 @@ fn ratio(
         mean: geometric_mean(&medians)?,
         least: medians.iter().copied().fold(f64::INFINITY, f64::min),
         most: medians.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-        is_apart: highest_low > lowest_high,
+        is_apart: false,
         of_machines,
-    })
+    };
+    Some(Measured { ratio, rounds })
+}
+
+impl MachinesRecord {
+    /// Pairs of runs, from 1, of which nothing in the records says that their machines are two.
+    pub fn perhaps_one(&self) -> Vec<[usize; 2]> {
+        let is_alike = |a: &Machine, b: &Machine| {
+            let of = |m: &Machine| (m.cpu.clone(), m.threads, m.batches_by_avx512);
+            of(a) == of(b)
+        };
+        let runs = || self.machines.iter().zip(1..);
+        let pairs = runs().flat_map(|(one, i)| {
+            let later = runs().filter(move |(_, j)| *j > i);
+            later
+                .filter(move |(other, _)| is_alike(&one.machine, &other.machine))
+                .map(move |(_, j)| [i, j])
+        });
+        pairs.collect()
+    }
 }
 
 #[cfg(test)]
@@ -222,9 +306,11 @@ mod tests {
     use super::*;
     use crate::record::made_up::run;
     use crate::record::summary::summarize;
+    use statistics::random::Random;
 
     fn part(name: &str, grid: &[f64]) -> Part {
-        let rows: &[(&str, &[f64])] = &[("obvhs-cwbvh", &[1.0; 4]), ("uniform-grid", grid)];
+        let rows: &[(&str, &[f64])] =
+            &[("obvhs-cwbvh", &[1.0; 8][..grid.len()]), ("uniform-grid", grid)];
         let mut record = run(&[("tetra", rows), ("balls", rows)]);
         for row in record.scenes.iter_mut().flat_map(|s| &mut s.rows) {
             row.figure(1);
@@ -236,7 +322,9 @@ mod tests {
 
     #[test]
     fn ratios_have_their_range_over_machines() {
-        let parts = [part("a", &[2.0, 2.1, 1.9, 2.0]), part("b", &[3.0, 3.1, 2.9, 3.0])];
+        let times =
+            |by: f64| -> Vec<f64> { (0..8).map(|i| by + 0.01 * f64::from(i % 3)).collect() };
+        let parts = [part("a", &times(2.0)), part("b", &times(3.0))];
         let joined = over_machines(&parts, &[]).unwrap();
         assert_eq!(joined.machines.len(), 2);
         let of = |scene: Option<&str>, quantity: &str| {
@@ -248,12 +336,31 @@ mod tests {
         };
         for scene in [None, Some("tetra"), Some("balls")] {
             let ratio = of(scene, "trace").unwrap();
-            assert!((ratio.least - 2.0).abs() < 1e-9 && (ratio.most - 3.0).abs() < 1e-9);
-            assert!((ratio.mean - 6.0f64.sqrt()).abs() < 1e-9 && ratio.is_apart, "{ratio:?}");
+            assert!((ratio.least - 2.01).abs() < 1e-9 && (ratio.most - 3.01).abs() < 1e-9);
+            assert!((ratio.mean - 6.0501f64.sqrt()).abs() < 1e-9 && ratio.is_apart, "{ratio:?}");
             assert!(of(scene, "primary").is_some() && of(scene, "build").is_some());
         }
         let alike = over_machines(&[parts[0].clone(), parts[0].clone()], &[]).unwrap();
         assert!(alike.ratios.iter().all(|r| !r.is_apart && r.least == r.most));
+        assert_eq!((joined.perhaps_one(), alike.perhaps_one()), (vec![], vec![[1, 2]]));
+    }
+
+    #[test]
+    fn chance_is_no_machine() {
+        let mut random = Random::new(3, "two runs of one machine");
+        let mut noise = |n: usize| -> Vec<f64> {
+            (0..n).map(|_| 2.0 + random.next_u64() as f64 / u64::MAX as f64).collect()
+        };
+        let mut apart = [0; 2];
+        for _ in 0..20 {
+            for (place, rounds) in [(0, 3), (1, 8)] {
+                let parts = [part("a", &noise(rounds)), part("a", &noise(rounds))];
+                let joined = over_machines(&parts, &[]).unwrap();
+                apart[place] += usize::from(joined.ratios.iter().any(|r| r.is_apart));
+            }
+        }
+        // three rounds say nothing; of twenty pairs of runs one may be called different
+        assert!(apart[0] == 0 && apart[1] <= 3, "{apart:?}");
     }
 
     #[test]

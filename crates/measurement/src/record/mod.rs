@@ -32,7 +32,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::shard::ShardRecord;
 
-pub use conclusion::{Conclusion, LeastTime, Next, Question};
+pub use conclusion::{Conclusion, Defective, LeastTime, Next, Question};
 pub use floor::FloorRecord;
 pub use label::label;
 pub use plugin::{ForeignRecord, PluginRecord};

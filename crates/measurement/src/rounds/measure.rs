@@ -15,6 +15,7 @@ use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
 use crate::rounds::interleaved::{Visit, interleaved_from};
+use crate::rounds::laps::Laps;
 use crate::rounds::row_log::RowLog;
 use crate::rounds::schedule::round_order;
 use crate::rounds::scope::Scope;
@@ -71,13 +72,7 @@ pub fn measure<S: Buildable>(
     let mut timed = vec![Timed::default(); plan.rows.len()];
     let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
     let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
-    let mut subsamples: BTreeMap<usize, Subsample<'_, S>> = BTreeMap::new();
-    for stride in strides.iter().flatten() {
-        subsamples.entry(*stride).or_insert_with(|| {
-            let set = scope.all.thinned(*stride);
-            Subsample { answers: set.answers(), set }
-        });
-    }
+    let mut subsamples = thinned(scope, &strides);
     let (at_least, deadline) = match plan.rounds {
         // fresh processes time the rows; here they are asked once
         _ if plan.processes > 1 => (1, None),
@@ -116,16 +111,7 @@ pub fn measure<S: Buildable>(
         };
         out.stride = stride;
         out.mismatches = out.mismatches.max(seen.mismatches);
-        out.samples.push(Sample {
-            process: plan.process.number,
-            round: round as u32,
-            position: position as u32,
-            build_s: seen.build_s,
-            trace_s: seen.trace_s,
-            reference_trace_s: None,
-            reference_build_s: None,
-            reference_by_kind: BTreeMap::new(),
-        });
+        out.samples.push(seen.sample(plan.process.number, round as u32, position as u32));
         scope.progress.step(scope.clock.now());
     });
     for &row in &rows {
@@ -163,6 +149,45 @@ pub fn measure<S: Buildable>(
     }
     log.rows_passed();
     timed
+}
+
+/// Builds and asks rows as somebody else says, until no more is wanted; see [`measure`].
+pub fn measure_laps<S: Buildable>(
+    scope: &Scope<'_, '_, S>,
+    checked: &[Option<Checked>],
+    baseline: usize,
+    laps: &dyn Laps,
+) {
+    let plan = scope.plan;
+    let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
+    let mut subsamples = thinned(scope, &strides);
+    while let Some(label) = laps.next() {
+        let place = plan.rows.iter().position(|row| row.label() == label);
+        let asked = place.and_then(|place| {
+            let (row, stride) = (plan.rows.get(place)?, (*strides.get(place)?)?);
+            Some(Asked { row, stride, is_baseline: false })
+        });
+        let seen = asked.and_then(|asked| {
+            caught(|| asked.make(scope, &mut subsamples, &mut BTreeMap::new())).ok()?.ok()
+        });
+        let sample = seen.map(|seen| seen.sample(plan.process.number, 0, 0));
+        laps.made(sample.as_ref());
+    }
+}
+
+/// A sample of the rays for each stride.
+fn thinned<'a, S: Buildable>(
+    scope: &Scope<'a, '_, S>,
+    strides: &[Option<usize>],
+) -> BTreeMap<usize, Subsample<'a, S>> {
+    let mut subsamples = BTreeMap::new();
+    for stride in strides.iter().flatten() {
+        subsamples.entry(*stride).or_insert_with(|| {
+            let set = scope.all.thinned(*stride);
+            Subsample { answers: set.answers(), set }
+        });
+    }
+    subsamples
 }
 
 /// Stride of the rays that each row is timed on; none for rows that are not timed. No row is timed
@@ -212,6 +237,21 @@ struct Seen {
     build_s: f64,
     trace_s: Seconds,
     mismatches: usize,
+}
+
+impl Seen {
+    fn sample(self, process: u32, round: u32, position: u32) -> Sample {
+        Sample {
+            process,
+            round,
+            position,
+            build_s: self.build_s,
+            trace_s: self.trace_s,
+            reference_trace_s: None,
+            reference_build_s: None,
+            reference_by_kind: BTreeMap::new(),
+        }
+    }
 }
 
 impl Asked<'_, '_> {

@@ -3,6 +3,7 @@
 pub mod error;
 pub mod interleaved;
 pub mod joined;
+pub mod laps;
 #[allow(clippy::indexing_slicing)]
 pub mod measure;
 pub mod row_log;

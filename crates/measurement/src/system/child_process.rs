@@ -2,8 +2,8 @@
 //! out.
 
 use std::io::{self, Write};
-use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitStatus, Stdio};
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -79,16 +79,18 @@ pub fn answer<T: DeserializeOwned>(
     let ended = child.wait_with_output().map_err(started)?;
     let said = String::from_utf8_lossy(&ended.stderr);
     if !ended.status.success() {
-        if said.contains("unrecognized subcommand") {
-            return Err(ChildError::Lacks { program });
-        }
-        return Err(ChildError::Failed {
-            program,
-            how: ended.status.to_string(),
-            said: last(&said),
-        });
+        return Err(ended_early(&program, ended.status, &said));
     }
     serde_json::from_slice(&ended.stdout).map_err(|e| unreadable(e.to_string()))
+}
+
+/// Why a child that said something on standard error gave no answer.
+pub fn ended_early(program: &Path, status: ExitStatus, said: &str) -> ChildError {
+    let program = program.to_owned();
+    if said.contains("unrecognized subcommand") {
+        return ChildError::Lacks { program };
+    }
+    ChildError::Failed { program, how: status.to_string(), said: last(said) }
 }
 
 /// The last lines, joined.

@@ -80,7 +80,7 @@ fn ticks(all: &str, own: &str) -> Option<Ticks> {
         number.is_some_and(|n| n.parse::<u32>().is_ok())
     };
     // the program's name, in parentheses, may hold anything; user and system time are the 12th and
-    // 13th field behind it
+    // 13th field behind it, those of children that have ended the 14th and 15th
     let (_, own) = own.rsplit_once(')')?;
     let mut own = own.split_whitespace().skip(11);
     let mut next = || own.next()?.parse::<u64>().ok();
@@ -88,7 +88,7 @@ fn ticks(all: &str, own: &str) -> Option<Ticks> {
         processors: all.lines().filter(is_processor).count() as u64,
         all: all_ticks,
         busy: all_ticks - idle - waiting,
-        own: next()? + next()?,
+        own: next()? + next()? + next()? + next()?,
     })
 }
 
@@ -138,7 +138,7 @@ mod tests {
         let all = "cpu  40 2 10 100 5 0 1 3 7 0\ncpu0 20 1 5 50 2 0 1 3 7 0\ncpu1 20 1 5 50 3 0 0 0\n\
                    intr 5\n";
         let own = "7 (a ) name) R 1 1 1 0 -1 4 101 0 0 0 21 4 9 9 20 0\n";
-        let expected = Ticks { processors: 2, all: 161, busy: 56, own: 25 };
+        let expected = Ticks { processors: 2, all: 161, busy: 56, own: 43 };
         assert_eq!(ticks(all, own), Some(expected));
         assert_eq!(ticks("", own), None);
         assert_eq!(ticks(all, "7 (name) R 1"), None);

@@ -1,13 +1,12 @@
 //! `rtbench check`, and what commands start as processes of their own.
 
-use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::{Args, Subcommand};
 
 use crate::args::baseline::FolderArgs;
-use crate::args::parsers::{choice, scene_name};
+use crate::args::parsers::{choice, percent, scene_name};
 use crate::args::plugins::{PluginArgs, ServeArgs};
 use crate::args::trial::TrialArgs;
 use crate::gate::thresholds::Thresholds;
@@ -16,31 +15,38 @@ use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 /// `rtbench check`.
 #[derive(Debug, Clone, Args)]
 pub struct CheckArgs {
-    /// Scenes, of those that the baseline has; with --against alone, any [default: all of the
+    /// Scenes, of those that the baseline has; without a baseline, any [default: all of the
     /// baseline]
     #[arg(value_name = "SCENE", value_parser = scene_name())]
     pub scenes: Vec<String>,
     /// What to check against: the name of a baseline, a results.json, or the folder of `run -o`
-    #[arg(short, long, value_name = "FILE|NAME", required_unless_present = "against")]
+    #[arg(short, long, value_name = "FILE|NAME",
+          required_unless_present_any = ["against", "against_plugin"])]
     pub baseline: Option<String>,
-    /// An older binary of this program, measured in turns with this one; with ARGS, any program that
-    /// prints times
+    /// An older rtbench binary, measured in turns with this one
     #[arg(long, value_name = "BINARY", conflicts_with = "plugin")]
     pub against: Option<PathBuf>,
-    /// The newer program, where it is not this one: what it and BINARY print when called with ARGS is
-    /// compared
-    #[arg(long, value_name = "BINARY", requires = "against", requires = "arguments")]
-    pub new: Option<PathBuf>,
-    /// Arguments for both programs, which print rtbench's JSON or lines that end in a time, like
-    /// `name: 12.5 ms`
-    #[arg(last = true, value_name = "ARGS", requires = "against",
-          conflicts_with_all = ["baseline", "scenes", "structures", "instructions", "rays", "quick",
-          "threads", "reference", "precision", "size"])]
-    pub arguments: Vec<OsString>,
+    /// The older build of the plugin that --plugin names, measured in turns with it
+    #[arg(long, value_name = "FILE", requires = "plugin", conflicts_with = "against")]
+    pub against_plugin: Vec<PathBuf>,
+    /// Check these results of an earlier run, and measure nothing
+    #[arg(long, value_name = "DIR|FILE", requires = "baseline", conflicts_with_all = ["against",
+          "against_plugin", "plugin", "rounds", "time_budget", "instructions", "output"])]
+    pub results: Option<PathBuf>,
+    /// Compare a row that has another name now: OLD in the baseline or the older program with NEW
+    /// of this one; of a structure, all its rows
+    #[arg(long = "match", value_name = "OLD=NEW")]
+    pub matches: Vec<String>,
+    /// A row, or a structure, that one side may lack though --strict is given
+    #[arg(long, value_name = "ROW")]
+    pub allow_missing: Vec<String>,
+    /// Judge times though the baseline is of another processor
+    #[arg(long)]
+    pub across_processors: bool,
     /// Rows, of those that the baseline has: a structure, or a label [default: all]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Rounds; with --against, turns of a process of each [default: 15, or those of the baseline if more]
+    /// Rounds; without a baseline, turns of a process of each [default: 15, or those of the baseline if more]
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
@@ -53,7 +59,7 @@ pub struct CheckArgs {
     /// Count none
     #[arg(long)]
     pub no_instructions: bool,
-    /// Exit with 5 where something is inconclusive
+    /// Exit with 5 where something is inconclusive, or a row is missing on one side
     #[arg(long)]
     pub strict: bool,
     /// Print what did not change, too
@@ -71,6 +77,9 @@ pub struct CheckArgs {
     /// Structures of yours that the baseline has.
     #[command(flatten)]
     pub plugins: PluginArgs,
+    /// Keep what was measured there, as `run -o` does
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
     /// Write one CSV row for each thing judged
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
@@ -85,18 +94,19 @@ pub struct CheckArgs {
 /// What `check` takes for a regression.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct ThresholdArgs {
-    /// More instructions than that are a regression, percent [default: 1]
-    #[arg(long, value_name = "PCT", value_parser = percent)]
+    /// More instructions than that are a regression [default: 0.5%]
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub instruction_threshold: Option<f64>,
-    /// A time longer by more than that is one, where that is certain, percent [default: 5]
-    #[arg(short = 't', long, value_name = "PCT", value_parser = percent)]
+    /// A time longer by more than that is one, where that is certain [default: 5%; 2% where programs or
+    /// plugins are measured in turns]
+    #[arg(short = 't', long, value_name = "PERCENT", value_parser = percent)]
     pub time_threshold: Option<f64>,
     /// Probability of one false alarm in all times of a check [default: 0.05]
     #[arg(long, value_name = "P")]
     pub significance: Option<f64>,
     /// Ratios within a run are not trusted where some thread waited for a processor for a longer
-    /// part of it, percent [default: 20]
-    #[arg(long, value_name = "PCT", value_parser = percent)]
+    /// part of it [default: 20%]
+    #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub busiest: Option<f64>,
     /// Times shorter than that are not judged [default: 200us]
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
@@ -145,6 +155,11 @@ pub struct AgainstArgs {
 }
 
 impl CheckArgs {
+    /// Two programs, or two builds of a plugin, are measured in turns.
+    pub fn takes_turns(&self) -> bool {
+        self.against.is_some() || !self.against_plugin.is_empty()
+    }
+
     /// What is compared without a baseline.
     pub fn settings(&self) -> RunSettings {
         let how = &self.measuring;
@@ -196,6 +211,8 @@ pub enum ChildAction {
         #[arg(long, default_value_t = 0)]
         first_round: u32,
     },
+    /// Build and ask a row for each line on standard input that names one, behind the record, which is a line, too
+    Laps,
     /// Time the variants of axes of accuracy: `AccuracyArgs` on standard input
     Accuracy,
     /// Build and ask each row once, for a counter of instructions
@@ -204,15 +221,6 @@ pub enum ChildAction {
     Build(TrialArgs),
     /// Answer rays with a plugin, as a run asks over a socket; ends when standard input ends
     Plugin(ServeArgs),
-}
-
-/// Percent as typed, `3` or `3%`, as a share.
-pub(super) fn percent(text: &str) -> Result<f64, String> {
-    let number = text.strip_suffix('%').unwrap_or(text).trim().parse::<f64>();
-    match number {
-        Ok(percent) if (0.0..=1000.0).contains(&percent) => Ok(percent / 100.0),
-        _ => Err("expected percent from 0 to 1000: 3, 0.5, 10%".into()),
-    }
 }
 
 #[cfg(test)]
@@ -224,14 +232,5 @@ mod tests {
         let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
         let thresholds = args.over(Thresholds::default());
         assert_eq!((thresholds.instructions, thresholds.time), (0.02, 0.05));
-    }
-
-    #[test]
-    fn percents() {
-        assert_eq!(percent("3"), Ok(0.03));
-        assert_eq!(percent("0.5%"), Ok(0.005));
-        for bad in ["", "%", "-1", "nan", "1001", "three"] {
-            assert!(percent(bad).is_err(), "{bad}");
-        }
     }
 }

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::args::parsers::percent;
+
 /// `rtbench compare`.
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
@@ -14,11 +16,11 @@ pub struct CompareArgs {
     /// Only what this regular expression finds in `SCENE/STRUCTURE SETTINGS/METRIC`
     #[arg(short, long, value_name = "REGEX")]
     pub filter: Option<String>,
-    /// Only what changed, in either direction, by more than this many percent
-    #[arg(short, long, value_name = "PCT", value_parser = percent)]
+    /// Only what changed, in either direction, by more than that: 5%
+    #[arg(short, long, value_name = "PERCENT", value_parser = percent)]
     pub threshold: Option<f64>,
-    /// Equivalence margin in percent: a ratio whose interval lies within it is no difference
-    #[arg(long, value_name = "PCT", value_parser = percent, default_value = "5")]
+    /// Equivalence margin: a ratio whose interval lies within it is no difference
+    #[arg(long, value_name = "PERCENT", value_parser = percent, default_value = "5%")]
     pub margin: f64,
     /// Compare a row that has another name now: OLD in the first results with NEW in the others; of a
     /// structure, all its rows
@@ -33,6 +35,9 @@ pub struct CompareArgs {
     /// Compare what cannot be compared all the same; why it cannot stands with the results
     #[arg(long)]
     pub force: bool,
+    /// The order of a scene's rows
+    #[arg(long, value_enum, default_value_t = CompareSort::Record)]
+    pub sort: CompareSort,
     /// How to print it
     #[arg(long, value_enum, default_value_t = CompareFormat::Text)]
     pub format: CompareFormat,
@@ -47,6 +52,15 @@ pub struct CompareArgs {
     pub export_json: Option<PathBuf>,
 }
 
+/// The order of a scene's rows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum CompareSort {
+    /// As in the results
+    Record,
+    /// The largest change first
+    Change,
+}
+
 /// How to print a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum CompareFormat {
@@ -58,12 +72,4 @@ pub enum CompareFormat {
     Csv,
     /// For programs
     Json,
-}
-
-/// Percent as typed: `5`, `2.5%`.
-fn percent(text: &str) -> Result<f64, String> {
-    let number = text.strip_suffix('%').unwrap_or(text).trim();
-    let is_valid = |x: &f64| x.is_finite() && *x >= 0.0;
-    let expected = || "expected percent from 0: 5, 2.5%".to_owned();
-    number.parse().ok().filter(is_valid).ok_or_else(expected)
 }

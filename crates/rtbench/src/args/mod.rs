@@ -3,7 +3,6 @@
 mod accuracy;
 mod animate;
 mod baseline;
-mod bisect;
 mod check;
 mod compare;
 mod compare_tracers;
@@ -34,9 +33,8 @@ mod view;
 pub use accuracy::AccuracyArgs;
 pub use animate::AnimateArgs;
 pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
-pub use bisect::BisectArgs;
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
-pub use compare::{CompareArgs, CompareFormat};
+pub use compare::{CompareArgs, CompareFormat, CompareSort};
 pub use compare_tracers::CompareTracersArgs;
 pub use doctor::DoctorArgs;
 pub use explain::ExplainArgs;
@@ -171,16 +169,11 @@ pub enum Command {
     History(HistoryArgs),
     /// Compare our figures with published ones
     Reproduce(ReproduceArgs),
-    /// Compare this program with a baseline or with an older binary: the gate of a CI job
+    /// Compare with a baseline, an older rtbench or an older plugin: the gate of a CI job
     #[command(
-        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check --against ./old --new ./new -- --frames 9"
+        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check teapot --against ./old\n  rtbench check teapot -s mine --plugin new/mine.so --against-plugin old/mine.so"
     )]
     Check(CheckArgs),
-    /// Find the commit that made rows slower, by building commits and measuring them in turns
-    #[command(
-        after_help = "Examples:\n  rtbench bisect v1 main -- teapot/kd-tree\n  rtbench bisect v1 main --build ./build.sh --binary build/bench -- --frames 9"
-    )]
-    Bisect(BisectArgs),
     /// Keep results to check against
     Baseline(BaselineArgs),
     /// What `check` and `sweep` start as processes of their own
@@ -229,10 +222,21 @@ impl Command {
                 | Self::Verify(_)
                 | Self::Reproduce(_)
                 | Self::Check(_)
-                | Self::Bisect(_)
                 | Self::Baseline(_)
                 | Self::Child(_)
         )
+    }
+}
+
+/// Whether the command line of a run, program first, names structures.
+pub fn names_structures(command_line: &[String]) -> bool {
+    match Cli::try_parse_from(command_line).map(|cli| cli.command) {
+        Ok(Command::Run(args)) => !args.structures.is_empty(),
+        Ok(Command::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. })) => {
+            !args.run.structures.is_empty()
+        }
+        // nothing is known of it
+        _ => true,
     }
 }
 

@@ -14,3 +14,28 @@ pub(crate) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value =
     let values = T::ALL.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(values).try_map(|text| T::typed(&text).ok_or("no such value"))
 }
+
+/// A share as typed: `5%`. There is one way to write it, so that no `5` is taken for 500%.
+pub(crate) fn percent(text: &str) -> Result<f64, String> {
+    let number = text.strip_suffix('%').and_then(|number| number.trim().parse::<f64>().ok());
+    match number {
+        Some(percent) if (0.0..=1000.0).contains(&percent) => Ok(percent / 100.0),
+        _ => Err("expected a percentage from 0% to 1000%: 5%, 0.5%".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_percentage_has_its_sign() {
+        assert_eq!(
+            [percent("3%"), percent("0.5%"), percent("0 %")],
+            [Ok(0.03), Ok(0.005), Ok(0.0)]
+        );
+        for bad in ["", "%", "3", "0.05", "-1%", "nan%", "1001%", "three"] {
+            assert!(percent(bad).is_err(), "{bad}");
+        }
+    }
+}

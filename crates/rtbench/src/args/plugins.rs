@@ -25,7 +25,12 @@ pub struct PluginArgs {
 impl PluginArgs {
     /// What names the same to another process of this program; nothing where there are none.
     pub fn arguments(&self) -> Vec<OsString> {
-        let files = self.plugin.iter().flat_map(|file| ["--plugin".into(), file.clone().into()]);
+        self.arguments_for(&self.plugin)
+    }
+
+    /// The same settings with other files.
+    pub fn arguments_for(&self, files: &[PathBuf]) -> Vec<OsString> {
+        let files = files.iter().flat_map(|file| ["--plugin".into(), file.clone().into()]);
         let mut arguments: Vec<OsString> = files.collect();
         if !arguments.is_empty() {
             let limit = format!("{}ms", self.plugin_limit.as_millis().max(1));

@@ -4,26 +4,30 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::args::{CheckArgs, Color};
+use crate::args::{CheckArgs, Color, ExportArgs, names_structures};
 use crate::baselines::{Baseline, Store};
 use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{measure_scenes, warn_of};
+use crate::commands::run_outputs;
+use crate::comparison::pairing::{MissingRow, Pairing};
+use crate::comparison::renamed::{self, Renamed};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::{Outputs, write_file};
-use crate::gate::against::{Contest, own_program};
-use crate::gate::command::Commands;
-use crate::gate::contest::{self, Pace, PairedTimes};
+use crate::gate::against::{AgainstError, Contest, Program, own_program};
+use crate::gate::contest::{self, PairedTimes};
+use crate::gate::pace::Pace;
 use crate::gate::report::{FIRST, GLOSSARY, Report};
-use crate::gate::thresholds::Thresholds;
+use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
     Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
     judge, wall_clock,
 };
 use crate::like::{self, LikeError, Narrowed};
 use measurement::callgrind::{self, CallgrindError, Counts};
+use measurement::plan::measured_row::select;
 use measurement::plan::{Plan, Rounds};
-use measurement::record::{RunRecord, Verdict, reference};
+use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, file, reference};
 use measurement::system::created::create;
 use measurement::system::files::WriteError;
 use measurement::system::interrupt::undisturbed;
@@ -31,40 +35,44 @@ use measurement::system::pressure::Watch;
 use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::outside::line;
+use statistics::mann_whitney::{least_p, samples_needed};
+use statistics::ratio_of_medians::FEWEST;
 
 /// Checks and returns the exit code.
 ///
 /// # Errors
 /// [`Error`] for what cannot be measured or compared.
-pub fn run(
-    context: &mut Context<'_>,
-    args: &CheckArgs,
-    configured: Thresholds,
-    color: Color,
-) -> Result<u8, Error> {
-    let thresholds = args.thresholds.over(configured).checked().map_err(GateError::from)?;
-    let baseline = open(context, args)?;
+pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<u8, Error> {
+    let mut default = Thresholds::default();
+    if args.takes_turns() {
+        default.time = OF_TURNS;
+    }
+    let thresholds = args.thresholds.over(default).checked().map_err(GateError::from)?;
+    let matches = matches(context, args)?;
+    let baseline = open(context, args, &matches)?;
     let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
     let _created = create(exports)?;
     let wants_counts = match &baseline {
-        _ if args.no_instructions => false,
-        Some(baseline) if args.instructions && args.against.is_none() => {
+        _ if args.no_instructions || args.results.is_some() => false,
+        Some(baseline) if args.instructions && !args.takes_turns() => {
             baseline.instructions.as_ref().ok_or(GateError::NoCounts)?;
             true
         }
-        Some(baseline) if args.against.is_none() => baseline.instructions.is_some(),
+        Some(baseline) if !args.takes_turns() => baseline.instructions.is_some(),
         _ => args.instructions,
     };
     if args.instructions {
         callgrind::version().map_err(GateError::from)?;
     }
     context.warn_of_instructions();
-    let check = Check { args, thresholds, wants_counts };
-    let report = match (&args.against, baseline) {
-        (Some(old), _) if !args.arguments.is_empty() => check.commands(context, old)?,
-        (Some(old), baseline) => check.against_binary(context, old, baseline.as_ref())?,
-        (None, Some(baseline)) => check.against_baseline(context, &baseline)?,
-        (None, None) => return Err(GateError::from(LikeError::Empty).into()),
+    let kept = ExportArgs { output: args.output.clone(), ..ExportArgs::default() };
+    run_outputs::refuse_occupied(context, &kept, None)?;
+    let check = Check { args, thresholds, wants_counts, matches, kept };
+    let report = match (args.takes_turns(), baseline, &args.results) {
+        (_, Some(baseline), Some(results)) => check.results(context, &baseline, results)?,
+        (true, baseline, _) => check.in_turns(context, baseline.as_ref())?,
+        (false, Some(baseline), None) => check.against_baseline(context, &baseline)?,
+        (false, None, _) => return Err(GateError::from(LikeError::Empty).into()),
     };
     let screen = context.terminal.screen(color);
     for table in report.tables(args.all) {
@@ -76,7 +84,7 @@ pub fn run(
             screen.write_fitted(context.out, &table, &FIRST)?;
         }
     }
-    for remark in &report.remarks {
+    for remark in report.missing_in_words().iter().chain(&report.remarks) {
         screen.write_line(context.out, remark)?;
     }
     screen.write_notes(context.out, GLOSSARY)?;
@@ -93,11 +101,27 @@ pub fn run(
     Ok(report.exit_code(args.strict))
 }
 
-/// The baseline that was named.
-fn open(context: &Context<'_>, args: &CheckArgs) -> Result<Option<Baseline>, Error> {
+/// Rows that have another name now.
+fn matches(context: &Context<'_>, args: &CheckArgs) -> Result<Vec<Renamed>, Error> {
+    let is_known = |text: &str| {
+        let names = [text.to_owned()];
+        select(context.registry, context.occluders, &names, &[]).is_ok()
+    };
+    let matched = args.matches.iter().map(|text| renamed::of_programs(text, &is_known));
+    Ok(matched.collect::<Result<_, _>>()?)
+}
+
+/// The baseline that was named, with its rows as this program calls them.
+fn open(
+    context: &Context<'_>,
+    args: &CheckArgs,
+    matches: &[Renamed],
+) -> Result<Option<Baseline>, Error> {
     let Some(name) = &args.baseline else { return Ok(None) };
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
-    Ok(Some(store.open(name).map_err(GateError::from)?))
+    let mut baseline = store.open(name).map_err(GateError::from)?;
+    matches.iter().for_each(|renamed| renamed.apply(&mut baseline.record));
+    Ok(Some(baseline))
 }
 
 /// What a check goes by.
@@ -105,6 +129,8 @@ struct Check<'a> {
     args: &'a CheckArgs,
     thresholds: Thresholds,
     wants_counts: bool,
+    matches: Vec<Renamed>,
+    kept: ExportArgs,
 }
 
 /// What was found, before it is a report.
@@ -113,6 +139,7 @@ struct Found<'a> {
     now: &'a RunRecord,
     against: String,
     findings: Vec<Finding>,
+    missing: Vec<MissingRow>,
     failures: usize,
     pairs: Vec<PairedTimes>,
 }
@@ -124,7 +151,12 @@ impl Check<'_> {
         baseline: &Baseline,
     ) -> Result<Report, Error> {
         let args = self.args;
-        let base = like::narrowed(&baseline.record, &self.narrowed()).map_err(GateError::from)?;
+        let whole = like::narrowed(&baseline.record, &self.narrowed()).map_err(GateError::from)?;
+        let base = like::known(&whole, context);
+        if base.scenes.is_empty() {
+            let none = RunRecord { scenes: Vec::new(), ..base };
+            return Err(GateError::NothingCompared(Pairing::of(&whole, &none).missing()).into());
+        }
         let of_base = u32::try_from(rounds(&base)).unwrap_or(u32::MAX).max(ROUNDS);
         let wanted = Narrowed {
             rounds: args.rounds.or(args.time_budget.is_none().then_some(of_base)),
@@ -134,10 +166,11 @@ impl Check<'_> {
         let mut plan = like::plan(&base, &wanted, context)?;
         plan.limits.render_pass = 0.0;
         plan.has_copy = true;
+        self.warn_of_rounds(context, &base, wanted.rounds);
         let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
-        let (now, failures) = measured(context, &plan)?;
+        let (now, failures) = self.measured(context, &plan)?;
         let cpu_pressure = [watch.share(), baseline.cpu_pressure].into_iter().flatten();
-        let times = Times::InRun { cpu_pressure: cpu_pressure.max_by(f64::total_cmp) };
+        let times = self.in_run(cpu_pressure.max_by(f64::total_cmp));
         refuse(&base, &now)?;
         let counts = match self.wants_counts {
             true => Some(self.counts(context, &base)?),
@@ -154,26 +187,52 @@ impl Check<'_> {
         let findings = confirmed(context, &first, |context, suspects| {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
             plan.has_copy = false;
-            let (again, _) = measured(context, &plan)?;
+            let (again, _) = measured(context, &plan, &mut Outputs::default())?;
             Ok((wall_clock::STAGE.judge)(&Evidence { now: &again, ..first }))
         })?;
-        let against = format!("baseline {}", args.baseline.as_deref().unwrap_or_default());
-        let pairs = Vec::new();
-        Ok(self
-            .report(context, Found { base: &base, now: &now, against, findings, failures, pairs }))
+        let mut missing = Pairing::of(&whole, &now).missing();
+        missing.extend(self.new_rows(context, &baseline.record));
+        let against = self.name_of_baseline();
+        let (base, now, pairs) = (&base, &now, Vec::new());
+        let found = Found { base, now, against, findings, missing, failures, pairs };
+        Ok(self.report(context, found))
     }
 
-    fn against_binary(
+    /// Two records that are there: nothing is measured.
+    fn results(
+        &self,
+        context: &Context<'_>,
+        baseline: &Baseline,
+        results: &Path,
+    ) -> Result<Report, Error> {
+        let narrowed =
+            |record: &RunRecord| like::narrowed(record, &self.narrowed()).map_err(GateError::from);
+        let (base, now) = (narrowed(&baseline.record)?, narrowed(&file::read(results)?)?);
+        refuse(&base, &now)?;
+        let (thresholds, instructions) = (&self.thresholds, Instructions::NotAsked);
+        let times = self.in_run(baseline.cpu_pressure);
+        let findings = judge(&Evidence { thresholds, base: &base, now: &now, instructions, times });
+        let missing = Pairing::of(&base, &now).missing();
+        let (against, pairs) = (self.name_of_baseline(), Vec::new());
+        let failures = now.planned.len().saturating_sub(now.scenes.len());
+        let failures = if now.complete { 0 } else { failures };
+        let (base, now) = (&base, &now);
+        let found = Found { base, now, against, findings, missing, failures, pairs };
+        Ok(self.report(context, found))
+    }
+
+    /// The older binary, or the older build of a plugin, in turns with the newer.
+    fn in_turns(
         &self,
         context: &mut Context<'_>,
-        old: &Path,
         baseline: Option<&Baseline>,
     ) -> Result<Report, Error> {
         let args = self.args;
         let mut plan = match baseline {
             Some(baseline) => {
                 let like = like::narrowed(&baseline.record, &self.narrowed());
-                like::plan(&like.map_err(GateError::from)?, &Narrowed::default(), context)?
+                let like = like::known(&like.map_err(GateError::from)?, context);
+                like::plan(&like, &Narrowed::default(), context)?
             }
             None => {
                 Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?
@@ -181,24 +240,51 @@ impl Check<'_> {
         };
         plan.limits.render_pass = 0.0;
         plan.rounds = Rounds::Fixed(1);
-        let (now, failures) = measured(context, &plan)?;
+        let (now, failures) = self.measured(context, &plan)?;
         if now.scenes.is_empty() {
             return Err(GateError::from(LikeError::NothingMeasured).into());
         }
         let program = context.environment.program.clone();
-        let new = own_program(program.as_ref()).map_err(GateError::from)?;
-        let copied = context.environment.copy_of(new)?;
-        let (copy, pace) = (copied.path(), self.pace(now.settings.seed));
-        let (like, allow_outside) = (now.clone(), context.scenes.allows_outside());
-        let mut contest = Contest { old, new, copy, like, pace, allow_outside };
-        context.say(format_args!("measuring once with {}", old.display()));
+        let own = own_program(program.as_ref()).map_err(GateError::from)?;
+        let copied = context.environment.copy_of(own)?;
+        let plugins = context.plugins.arguments().to_vec();
+        let old = Program {
+            path: args.against.clone().unwrap_or_else(|| own.to_owned()),
+            plugins: args.plugins.arguments_for(&args.against_plugin),
+        };
+        let new = Program { path: own.to_owned(), plugins: plugins.clone() };
+        let copy = Program { path: copied.path().to_owned(), plugins };
+        let against = match &args.against {
+            Some(old) => format!("binary {}", old.display()),
+            None => {
+                let files = args.against_plugin.iter().map(|file| file.display().to_string());
+                format!("plugin {}", files.collect::<Vec<_>>().join(", "))
+            }
+        };
+        context.say(format_args!("measuring once with {against}"));
+        let allow_outside = context.scenes.allows_outside();
+        let pace =
+            Pace { rounds: args.rounds, time_budget: args.time_budget, seed: now.settings.seed };
+        let mut contest = Contest {
+            programs: [old, new, copy],
+            like: now.clone(),
+            pace,
+            allow_outside,
+            matches: self.matches.clone(),
+        };
         let base = contest.record_of_old().map_err(GateError::from)?;
         refuse(&base, &now)?;
+        let missing = Pairing::of(&base, &now).missing();
+        if Pairing::of(&base, &now).rows().next().is_none() {
+            return Err(GateError::NothingCompared(missing).into());
+        }
+        contest.keep_common(&base);
         let counts = match self.wants_counts {
             true => {
-                let base =
-                    callgrind::count(Some(old), &now, allow_outside).map_err(GateError::from)?;
-                Some((base, counted(context, &now).map_err(GateError::from)?))
+                let common = &contest.like;
+                let base = callgrind::count(args.against.as_deref(), common, allow_outside)
+                    .map_err(GateError::from)?;
+                Some((base, counted(context, common).map_err(GateError::from)?))
             }
             false => None,
         };
@@ -206,65 +292,90 @@ impl Check<'_> {
             Some((base, now)) => Instructions::Counted { base: &base.rows, now: &now.rows },
             None => Instructions::NotAsked,
         };
-        let pairs = raced(context, &pace, |progress| {
-            contest.times(context.clock, progress).map_err(GateError::from)
-        })?;
-        let thresholds = &self.thresholds;
-        let times = Times::Paired(&pairs);
-        let first = Evidence { thresholds, base: &base, now: &now, instructions, times };
-        let findings = confirmed(context, &first, |context, suspects| {
-            contest.like.scenes.retain(|s| suspects.contains(&s.name));
-            let times = raced(context, &pace, |progress| {
-                contest.times(context.clock, progress).map_err(GateError::from)
-            })?;
-            Ok((wall_clock::STAGE.judge)(&Evidence { times: Times::Paired(&times), ..first }))
-        })?;
-        let against = format!("binary {}", old.display());
-        Ok(self
-            .report(context, Found { base: &base, now: &now, against, findings, failures, pairs }))
-    }
-
-    /// Two programs that print times; nothing is asked of them but these.
-    fn commands(&self, context: &mut Context<'_>, old: &Path) -> Result<Report, Error> {
-        let args = self.args;
-        let program = args.new.as_ref().or(context.environment.program.as_ref()).cloned();
-        let new = own_program(program.as_ref()).map_err(GateError::from)?;
-        let copied = context.environment.copy_of(new)?;
-        let seed = args.measuring.seed.unwrap_or(1);
-        let pace = self.pace(seed);
-        let commands = Commands { old, new, copy: copied.path(), arguments: &args.arguments, pace };
-        let raced = |context: &Context<'_>| {
+        contest.thin();
+        let (thresholds, looks) = (&self.thresholds, pace.looks());
+        let of = |pairs| Evidence {
+            thresholds,
+            base: &base,
+            now: &now,
+            instructions,
+            times: Times::Paired { pairs, looks },
+        };
+        let raced = |context: &Context<'_>, contest: &Contest| {
             raced(context, &pace, |progress| {
-                commands.times(context.clock, progress).map_err(GateError::from)
+                let open = |pairs: &[PairedTimes]| {
+                    wall_clock::undecided(&Evidence {
+                        times: Times::Paired { pairs, looks },
+                        ..of(&[])
+                    })
+                };
+                let times = contest.times(context.clock, progress, &open);
+                times.map_err(|error| AgainstError::from(error).into())
             })
         };
-        let pairs = raced(context)?;
-        let judged = |pairs: &[PairedTimes]| wall_clock::judge_times(pairs, &self.thresholds, seed);
-        let mut findings = judged(&pairs);
-        if findings.iter().any(wall_clock::is_suspect) {
-            context.say("measuring again");
-            wall_clock::confirm(&mut findings, &judged(&raced(context)?));
-        }
-        Ok(Report {
-            tool: context.world.tool(),
-            command_line: context.command_line.clone(),
-            against: format!("program {}", old.display()),
-            baseline_tool: None,
-            baseline_machine: context.world.machine(),
-            machine: context.world.machine(),
-            thresholds: self.thresholds,
-            outcome: Report::worst(&findings),
-            remarks: Vec::new(),
-            findings,
-            times: "seconds".to_owned(),
-            failures: 0,
-            floor: contest::floor(&pairs),
-            pairs,
-        })
+        let pairs = raced(context, &contest)?;
+        let findings = confirmed(context, &of(&pairs), |context, suspects| {
+            contest.like.scenes.retain(|s| suspects.contains(&s.name));
+            let again = raced(context, &contest)?;
+            let evidence = Evidence { times: Times::Paired { pairs: &again, looks }, ..of(&[]) };
+            Ok((wall_clock::STAGE.judge)(&evidence))
+        })?;
+        let (base, now) = (&base, &now);
+        Ok(self.report(context, Found { base, now, against, findings, missing, failures, pairs }))
     }
 
-    fn pace(&self, seed: u64) -> Pace {
-        Pace { rounds: self.args.rounds, time_budget: self.args.time_budget, seed }
+    /// Times as ratios within each run.
+    fn in_run(&self, cpu_pressure: Option<f64>) -> Times<'static> {
+        Times::InRun { cpu_pressure, across_processors: self.args.across_processors }
+    }
+
+    fn name_of_baseline(&self) -> String {
+        format!("baseline {}", self.args.baseline.as_deref().unwrap_or_default())
+    }
+
+    /// Measures a plan, and keeps it where that is asked for.
+    fn measured(
+        &self,
+        context: &mut Context<'_>,
+        plan: &Plan<'_>,
+    ) -> Result<(RunRecord, usize), Error> {
+        let mut outputs = run_outputs::of_run(&self.kept)?;
+        measured(context, plan, &mut outputs)
+    }
+
+    /// Says before anything is measured that nothing can be significant.
+    fn warn_of_rounds(&self, context: &mut Context<'_>, base: &RunRecord, asked: Option<u32>) {
+        let rows = base.scenes.iter().flat_map(|scene| &scene.rows);
+        let tests = 2 * rows.filter(|row| !row.is_reference && row.verdict.is_timed()).count();
+        let (Some(asked), of_base) = (asked, rounds(base)) else { return };
+        let significance = self.thresholds.significance;
+        let (rounds, fewest) = (asked as usize, asked.min(of_base as u32) as usize);
+        if fewest >= FEWEST && least_p(rounds, of_base) * (tests as f64) < significance {
+            return;
+        }
+        let needed = samples_needed(tests, significance);
+        context.warn(format_args!(
+            "{asked} rounds against {of_base} of the baseline can never be significant among {tests} times; \
+             {needed} against {needed} can, or fewer rows (-s)"
+        ));
+    }
+
+    /// Rows that a run without `-s` has now, where the baseline was one and lacks them.
+    fn new_rows(&self, context: &Context<'_>, base: &RunRecord) -> Vec<MissingRow> {
+        let is_narrowed = !self.args.structures.is_empty() || names_structures(&base.command_line);
+        let rows = select(context.registry, context.occluders, &[], &[]);
+        let Some((rows, _)) = rows.ok().filter(|_| !is_narrowed) else { return Vec::new() };
+        let labels: Vec<String> = rows.iter().map(|row| row.label()).collect();
+        let is_wanted =
+            |name: &String| self.args.scenes.is_empty() || self.args.scenes.contains(name);
+        let scenes = base.scenes.iter().filter(|scene| is_wanted(&scene.name));
+        let of_scene = |scene: &SceneRecord| {
+            let known: Vec<String> = scene.rows.iter().map(RowRecord::label).collect();
+            let new = labels.iter().filter(|label| !known.contains(label)).cloned();
+            let name = scene.name.clone();
+            new.map(|row| MissingRow { scene: name.clone(), row, is_new: true }).collect::<Vec<_>>()
+        };
+        scenes.flat_map(of_scene).collect()
     }
 
     fn narrowed(&self) -> Narrowed<'_> {
@@ -287,11 +398,17 @@ impl Check<'_> {
     }
 
     fn report(&self, context: &Context<'_>, found: Found<'_>) -> Report {
-        let Found { base, now, against, findings, failures, pairs } = found;
-        let times = match self.args.against {
-            Some(_) => "seconds".to_owned(),
-            None => format!("ratios to {} in the same rounds", reference::in_words(now)),
+        let Found { base, now, against, findings, mut missing, failures, pairs } = found;
+        let times = match self.args.takes_turns() {
+            true => "seconds".to_owned(),
+            false => format!("ratios to {} in the same rounds", reference::in_words(now)),
         };
+        let allowed: Vec<String> =
+            self.args.allow_missing.iter().map(|name| name.replace(':', " ")).collect();
+        missing.retain(|row| {
+            let structure = row.row.split(' ').next().unwrap_or_default();
+            !allowed.iter().any(|name| *name == row.row || name == structure)
+        });
         Report {
             tool: now.tool.clone(),
             command_line: context.command_line.clone(),
@@ -303,6 +420,7 @@ impl Check<'_> {
             outcome: Report::worst(&findings),
             remarks: comparable::remarks(base, now),
             findings,
+            missing,
             times,
             failures,
             floor: match pairs.is_empty() {
@@ -315,8 +433,12 @@ impl Check<'_> {
 }
 
 /// Measures a plan; what goes wrong in a scene is said.
-fn measured(context: &mut Context<'_>, plan: &Plan<'_>) -> Result<(RunRecord, usize), Error> {
-    let measured = measure_scenes(context, plan, &mut Outputs::default(), |context, _, scene| {
+fn measured(
+    context: &mut Context<'_>,
+    plan: &Plan<'_>,
+    outputs: &mut Outputs<'_>,
+) -> Result<(RunRecord, usize), Error> {
+    let measured = measure_scenes(context, plan, outputs, |context, _, scene| {
         warn_of(context, scene);
         Ok(())
     })?;

@@ -2,23 +2,29 @@
 //! do, the answer goes to standard output as JSON. And what `rtbench sweep --sizes` starts, which needs no
 //! record: see `trial_build`. And the process of a plugin's row: see [`plugins::serve`].
 
-use std::io::Read;
+use std::io::{Read, Write};
 
 use serde::de::DeserializeOwned;
 
 use crate::args::{ChildAction, ChildArgs};
-use crate::commands::measuring::measure_scenes;
+use crate::commands::measuring::{measure_one, measure_scenes};
+use crate::commands::row_deaths::RowJournal;
 use crate::commands::{accuracy, trial_build};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::outputs::Outputs;
+use crate::gate::lap::Lap;
 use crate::like::{self, Narrowed};
 use measurement::callgrind::counted::count_all;
-use measurement::plan::OneProcess;
 use measurement::plan::strides::FixedStrides;
-use measurement::record::RunRecord;
+use measurement::plan::{OneProcess, Plan};
+use measurement::record::{RunRecord, Sample};
+use measurement::rounds::laps::Laps;
+use measurement::rounds::scene_run::Equipment;
 use measurement::system::memory_layout;
+use measurement::system::pools::Pools;
+use measurement::system::progress::Progress;
 use presentation::format_error::FormatError;
 
 /// Where few answers are checked, one ray in that many of those that would be.
@@ -41,7 +47,10 @@ fn json(e: serde_json::Error) -> FormatError {
 /// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = asked::<RunRecord>;
-    let times = matches!(args.action, ChildAction::Measure { .. } | ChildAction::Accuracy);
+    let times = matches!(
+        args.action,
+        ChildAction::Measure { .. } | ChildAction::Laps | ChildAction::Accuracy
+    );
     // until the answer is made, all else lies elsewhere
     let _held = times.then(memory_layout::draw);
     let (answer, failures) = match &args.action {
@@ -52,7 +61,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             return Ok(SUCCESS);
         }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
-            let record = record()?;
+            let record = like::known(&record()?, context);
             let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };
             let mut plan = like::plan(&record, &wanted, context)?;
             // whole images are not compared
@@ -60,13 +69,13 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             plan.processes = 1;
             plan.process = OneProcess { number: *process, first_round: *first_round as usize };
             if *lightly {
-                plan.limits.oracle_tests = 0;
-                plan.strides = FixedStrides::of(&record, LIGHTLY);
+                check_lightly(&mut plan, &record);
             }
             let measured =
                 measure_scenes(context, &plan, &mut Outputs::default(), |_, _, _| Ok(()))?;
             (serde_json::to_string(&measured.record), measured.failures)
         }
+        ChildAction::Laps => return laps(context).map(|()| SUCCESS),
         ChildAction::Accuracy => (serde_json::to_string(&accuracy::times(context, &asked()?)?), 0),
         ChildAction::CountInstructions => {
             let plan = like::plan(&record()?, &Narrowed::default(), context)?;
@@ -76,4 +85,54 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     writeln!(context.out, "{}", answer.map_err(json)?)?;
     context.out.flush()?;
     Ok(if failures == 0 { SUCCESS } else { FAILURE })
+}
+
+/// Few answers are checked: an earlier child checked them all.
+fn check_lightly(plan: &mut Plan<'_>, record: &RunRecord) {
+    plan.limits.oracle_tests = 0;
+    plan.strides = FixedStrides::of(record, LIGHTLY);
+}
+
+/// Laps that standard input asks for, a row's label a line.
+struct AskedLaps;
+
+impl Laps for AskedLaps {
+    fn next(&self) -> Option<String> {
+        let mut line = String::new();
+        let read = std::io::stdin().read_line(&mut line);
+        matches!(read, Ok(n) if n > 0).then(|| line.trim_end().to_owned())
+    }
+
+    fn made(&self, sample: Option<&Sample>) {
+        let lap = sample.map(|s| Lap { build_s: s.build_s, trace_s: s.trace_s.clone() });
+        let mut out = std::io::stdout().lock();
+        // who asked may be gone; then there is no next line either
+        let _ = serde_json::to_writer(&mut out, &lap).map_err(std::io::Error::from);
+        let _ = out.write_all(b"\n").and_then(|()| out.flush());
+    }
+}
+
+/// Gets the rows of the record on the first line ready, and makes the laps that the others ask for.
+fn laps(context: &Context<'_>) -> Result<(), Error> {
+    let mut line = String::new();
+    std::io::stdin().read_line(&mut line)?;
+    let record: RunRecord = serde_json::from_str(&line).map_err(json)?;
+    let mut plan = like::plan(&record, &Narrowed::default(), context)?;
+    plan.limits.render_pass = 0.0;
+    plan.processes = 1;
+    check_lightly(&mut plan, &record);
+    let pools = Pools::new(plan.threads)?;
+    let equipment = Equipment {
+        pools: &pools,
+        clock: context.clock,
+        world: context.world,
+        progress: &Progress::new(false, 0, None),
+        trials: &[],
+        log: &RowJournal::new(None),
+        laps: Some(&AskedLaps),
+    };
+    for known in &plan.scenes {
+        measure_one(&plan, &**known, &equipment, None)?;
+    }
+    Ok(())
 }

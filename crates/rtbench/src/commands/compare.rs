@@ -2,7 +2,7 @@
 
 use regex_lite::Regex;
 
-use crate::args::{Color, CompareArgs, CompareFormat};
+use crate::args::{Color, CompareArgs, CompareFormat, CompareSort};
 use crate::comparison::{
     Choice, CompareError, Comparison, Named, compare, csv, default_metrics, renamed, tables,
 };
@@ -76,9 +76,10 @@ fn choice(args: &CompareArgs) -> Result<Choice, Error> {
         metrics,
         shows_equal: args.all_metrics || !args.metrics.is_empty(),
         filter: args.filter.as_ref().map(filter).transpose()?,
-        margin: args.margin / 100.0,
+        margin: args.margin,
         threshold: args.threshold,
         is_forced: args.force,
+        by_change: args.sort == CompareSort::Change,
     })
 }
 

@@ -141,6 +141,7 @@ pub fn measure_rest(
                     progress: &progress,
                     trials: &[],
                     log: &log,
+                    laps: None,
                 };
                 let own = plan.of_scene(i);
                 let own = own.as_ref().unwrap_or(plan);

@@ -3,7 +3,6 @@
 pub mod accuracy;
 pub mod animate;
 pub mod baseline;
-pub mod bisect;
 pub mod budget;
 pub mod by_files;
 pub mod check;

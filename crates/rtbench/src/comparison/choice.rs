@@ -1,8 +1,11 @@
 //! What is compared.
 
+use measurement::record::RunRecord;
 use measurement::record::metrics::Metric;
-use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use regex_lite::Regex;
+use statistics::estimate::Estimate;
+
+use crate::comparison::entry::{Outcome, exceeds};
 
 /// What to compare, and what to show of it.
 #[derive(Debug)]
@@ -15,10 +18,12 @@ pub struct Choice {
     pub filter: Option<Regex>,
     /// The share by which a ratio may differ from 1 and be called no difference.
     pub margin: f64,
-    /// Percent that are shown from.
+    /// The share of change that is shown from.
     pub threshold: Option<f64>,
     /// What cannot be compared is compared.
     pub is_forced: bool,
+    /// Rows in the order of the record, or the largest change first.
+    pub by_change: bool,
 }
 
 impl Choice {
@@ -26,6 +31,12 @@ impl Choice {
     pub fn finds(&self, scene: &str, label: &str, metric: &str) -> bool {
         let found = |filter: &Regex| filter.is_match(&format!("{scene}/{label}/{metric}"));
         self.filter.as_ref().is_none_or(found)
+    }
+
+    /// Whether what came of a comparison is shown.
+    pub fn shows(&self, ratio: Option<Estimate>, outcome: Outcome) -> bool {
+        (outcome != Outcome::Equal || self.shows_equal)
+            && self.threshold.is_none_or(|share| exceeds(ratio, outcome, share))
     }
 }
 
@@ -39,6 +50,3 @@ pub struct Named<'r> {
     /// The run.
     pub run: &'r RunRecord,
 }
-
-/// Two scenes, two rows.
-pub type Pair<'r> = ([&'r SceneRecord; 2], [&'r RowRecord; 2]);

@@ -5,6 +5,7 @@ use crate::comparison::Comparison;
 use presentation::csv::{number, written};
 use presentation::format_error::FormatError;
 use statistics::estimate::Estimate;
+use statistics::verdict::Change;
 
 /// The columns, in order.
 pub const COLUMNS: [&str; 14] = [
@@ -35,8 +36,9 @@ pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
             let files = [&*comparison.old.path, &*comparison.new.path];
             for scene in &comparison.scenes {
                 for e in &scene.entries {
-                    let [old, new, p] = [Some(e.old), Some(e.new), e.p].map(number);
-                    let [ratio, low, high] = ends(e.ratio);
+                    let Change { old, new, ratio, p, .. } = e.change;
+                    let [old, new, p] = [Some(old), Some(new), p].map(number);
+                    let [ratio, low, high] = ends(ratio);
                     let row = [&*scene.scene, &*e.structure, &*e.settings, e.metric, e.unit];
                     let figures = [&*old, &*new, &*ratio, &*low, &*high, &*p, e.outcome.name()];
                     writer.write_record(files.iter().chain(&row).chain(&figures))?;
@@ -49,8 +51,9 @@ pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
             }
             for mean in &comparison.means {
                 let [ratio, low, high] = ends(mean.ratio);
+                let p = number(mean.p);
                 let row = ["", &*mean.structure, &*mean.settings, mean.metric];
-                let figures = ["", "", "", &*ratio, &*low, &*high, "", mean.outcome.name()];
+                let figures = ["", "", "", &*ratio, &*low, &*high, &*p, mean.outcome.name()];
                 writer.write_record(files.iter().chain(&row).chain(&figures))?;
             }
         }

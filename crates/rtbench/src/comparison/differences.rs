@@ -8,9 +8,10 @@
 
 use std::collections::BTreeMap;
 
+use crate::comparison::pairing::Pairing;
 use measurement::record::metrics::Concerns;
 use measurement::record::reference;
-use measurement::record::{RunRecord, SceneRecord};
+use measurement::record::{Machine, RunRecord, SceneRecord};
 
 /// Something that two runs do not have in common.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -45,7 +46,7 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     found.features(&x.target_features, &y.target_features);
     found.unless_known_equal(Concerns::Everything, "profile", &x.profile, &y.profile);
     found.unless_known_equal(Concerns::Everything, "opt-level", &x.opt_level, &y.opt_level);
-    for (before, after) in scenes_of_both(old, new) {
+    for [before, after] in Pairing::of(old, new).scenes.into_iter().map(|pair| pair.scenes) {
         let name = &before.name;
         let what = format!("scene {name}: sha256");
         found.unless_equal(Concerns::Everything, &what, &before.sha256, &after.sha256);
@@ -58,17 +59,9 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
         found.unless_equal(Concerns::Everything, &what, &rays[0], &rays[1]);
     }
     let (m, n) = (&old.machine, &new.machine);
-    found.unless_known_equal(Concerns::Seconds, "processor", &m.cpu, &n.cpu);
-    found.unless_equal(Concerns::Seconds, "threads of the machine", &m.threads, &n.threads);
+    found.processor(m, n);
     found.unless_known_equal(Concerns::Seconds, "governor", &m.governor, &n.governor);
     found.unless_known_equal(Concerns::Seconds, "boost", &m.boost, &n.boost);
-    let avx512 = [m, n].map(|machine| machine.batches_by_avx512);
-    found.unless_known_equal(
-        Concerns::Seconds,
-        "wide nodes, batches by AVX-512",
-        &avx512[0],
-        &avx512[1],
-    );
     found.unless_equal(Concerns::Ratios, "reference", &a.reference, &b.reference);
     found.unless_equal(Concerns::Seconds, "timed by", &a.timed_by, &b.timed_by);
     found.unless_equal(Concerns::Nothing, "system", &m.os, &n.os);
@@ -76,15 +69,13 @@ pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     found.0
 }
 
-/// The scenes that both runs finished, in the order of the first.
-pub fn scenes_of_both<'r>(
-    old: &'r RunRecord,
-    new: &'r RunRecord,
-) -> impl Iterator<Item = (&'r SceneRecord, &'r SceneRecord)> {
-    old.scenes.iter().filter_map(|scene| {
-        let same = new.scenes.iter().find(|other| other.name == scene.name)?;
-        Some((scene, same))
-    })
+/// What differs between two machines' processors and decides about ratios of times: the model, how many
+/// threads, the instructions that are used. Memory and the kernel are no part of it.
+pub fn other_processor(old: &Machine, new: &Machine) -> Option<String> {
+    let mut found = Found(Vec::new());
+    found.processor(old, new);
+    let differing: Vec<String> = found.0.into_iter().map(|difference| difference.what).collect();
+    (!differing.is_empty()).then(|| differing.join("; "))
 }
 
 /// What the ratios of a scene are over in both runs, where that is not the same row.
@@ -126,6 +117,18 @@ impl Found {
         if let (Some(old), Some(new)) = (old, new) {
             self.unless_equal(concerns, what, old, new);
         }
+    }
+
+    fn processor(&mut self, old: &Machine, new: &Machine) {
+        self.unless_known_equal(Concerns::Seconds, "processor", &old.cpu, &new.cpu);
+        self.unless_equal(Concerns::Seconds, "threads of the machine", &old.threads, &new.threads);
+        let avx512 = [old, new].map(|machine| machine.batches_by_avx512);
+        self.unless_known_equal(
+            Concerns::Seconds,
+            "wide nodes, batches by AVX-512",
+            &avx512[0],
+            &avx512[1],
+        );
     }
 
     /// Target features, by those that only one run has.

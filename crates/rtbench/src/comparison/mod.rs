@@ -6,20 +6,24 @@ pub mod differences;
 pub mod entry;
 pub mod means;
 pub mod notes;
+pub mod pairing;
 pub mod renamed;
 pub mod tables;
 
 use serde::Serialize;
 
-pub use choice::{Choice, Named, Pair};
+pub use choice::{Choice, Named};
 
-use crate::comparison::differences::{Difference, differences, other_reference, scenes_of_both};
-use crate::comparison::entry::{Entry, Outcome};
+use crate::comparison::differences::{Difference, differences, other_reference};
+use crate::comparison::entry::{Entry, Outcome, SIGNIFICANCE, size_of};
 use crate::comparison::means::{Mean, means};
 use crate::comparison::notes::notes;
+use crate::comparison::pairing::{Pairing, RowPair, ScenePair};
 use measurement::record::metrics::Concerns;
 use measurement::record::metrics::{METRICS, Metric};
-use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, label};
+use measurement::record::{RowRecord, RunRecord, Verdict, label};
+use statistics::mann_whitney::{least_p, samples_needed};
+use statistics::verdict::{Rule, correct};
 
 /// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
@@ -31,6 +35,18 @@ pub enum CompareError {
         names: String,
         /// Every reason, with what was and what is.
         reasons: Vec<String>,
+    },
+    /// They have no row in common.
+    #[error(
+        "{names}: no row in common: {old}, then {new}; --match OLD=NEW compares a row that has another name now"
+    )]
+    NoCommonRow {
+        /// Both runs.
+        names: String,
+        /// Rows of the first.
+        old: String,
+        /// Rows of the second.
+        new: String,
     },
     /// They have no scene in common.
     #[error("{names}: no scene in common: {old}, then {new}")]
@@ -144,13 +160,26 @@ pub fn compare(
     choice: &Choice,
 ) -> Result<Comparison, CompareError> {
     let names = || format!("{}: {}, {}: {}", old.letter, old.path, new.letter, new.path);
-    if scenes_of_both(old.run, new.run).next().is_none() {
-        let scenes = |run: &RunRecord| {
-            let names: Vec<&str> = run.scenes.iter().map(|s| s.name.as_str()).collect();
-            if names.is_empty() { "none".to_owned() } else { names.join(", ") }
-        };
-        let (old, new) = (scenes(old.run), scenes(new.run));
+    let pairing = Pairing::of(old.run, new.run);
+    let listed = |of: &dyn Fn(&RunRecord) -> Vec<String>| {
+        [old, new].map(|named| match of(named.run) {
+            none if none.is_empty() => "none".to_owned(),
+            mut all => {
+                all.dedup();
+                all.join(", ")
+            }
+        })
+    };
+    if pairing.scenes.is_empty() {
+        let [old, new] = listed(&|run| run.scenes.iter().map(|s| s.name.clone()).collect());
         return Err(CompareError::NoCommonScene { names: names(), old, new });
+    }
+    if pairing.rows().next().is_none() {
+        let rows = |run: &RunRecord| -> Vec<String> {
+            run.scenes.iter().flat_map(|s| &s.rows).map(RowRecord::label).collect()
+        };
+        let [old, new] = listed(&rows);
+        return Err(CompareError::NoCommonRow { names: names(), old, new });
     }
     let differing = differences(old.run, new.run);
     let metrics = metrics(choice, &differing)
@@ -158,7 +187,7 @@ pub fn compare(
     let mut comparison = Comparison {
         old: side(old),
         new: side(new),
-        notes: notes(old, new, choice, &differing),
+        notes: notes(old, new, &pairing, choice, &differing),
         answers_changed: Vec::new(),
         scenes: Vec::new(),
         means: Vec::new(),
@@ -166,18 +195,25 @@ pub fn compare(
         below_threshold: 0,
     };
     let mut pairs = Vec::new();
-    for scenes in scenes_of_both(old.run, new.run) {
-        comparison.add_scene(scenes.into(), &metrics, choice, [old.letter, new.letter], &mut pairs);
+    for pair in &pairing.scenes {
+        comparison.add_scene(pair, &metrics, choice, [old.letter, new.letter], &mut pairs);
     }
-    comparison.means = means(&pairs, &metrics, choice);
     let is_empty = comparison.scenes.iter().all(SceneComparison::is_empty);
-    if let (true, 0, 0, Some(filter)) =
-        (is_empty, comparison.equal, comparison.below_threshold, &choice.filter)
-    {
+    let rule = rule([old.run, new.run], choice.margin);
+    comparison.decide(&rule, choice);
+    comparison.means = means(&pairs, &metrics, choice, &rule);
+    if let (true, Some(filter)) = (is_empty, &choice.filter) {
         let filter = filter.as_str().to_owned();
         return Err(CompareError::NothingMatches { filter, among: names() });
     }
     Ok(comparison)
+}
+
+/// What a change must be beyond: the larger A/A floor of both runs, where they have one.
+fn rule(runs: [&RunRecord; 2], margin: f64) -> Rule {
+    let floors = runs.into_iter().filter_map(|run| run.floor.as_ref());
+    let noise = floors.map(|floor| floor.floor).fold(0.0, f64::max);
+    Rule { margin, noise, significance: SIGNIFICANCE }
 }
 
 fn side(named: Named<'_>) -> Side {
@@ -215,95 +251,118 @@ fn metrics(choice: &Choice, differing: &[Difference]) -> Result<Vec<&'static Met
 }
 
 impl Comparison {
-    /// Compares the rows of a scene; those that can be compared are appended to `pairs`.
+    /// Compares the rows of a scene, all their metrics; those that can be compared are appended to
+    /// `pairs`.
     fn add_scene<'r>(
         &mut self,
-        scenes: [&'r SceneRecord; 2],
+        pair: &ScenePair<'r>,
         metrics: &[&'static Metric],
         choice: &Choice,
         letters: [&str; 2],
-        pairs: &mut Vec<Pair<'r>>,
+        pairs: &mut Vec<RowPair<'r>>,
     ) {
-        let [old, new] = scenes;
-        let name = &old.name;
+        let name = &pair.scenes[0].name;
         let mut out =
             SceneComparison { scene: name.clone(), entries: Vec::new(), left_out: Vec::new() };
-        let other = |rows: &'r [RowRecord], row: &RowRecord| {
-            rows.iter().find(|r| r.structure == row.structure && r.settings == row.settings)
-        };
-        let has_ratios = choice.is_forced || other_reference(scenes).is_none();
-        let gone = old.rows.iter().filter(|row| other(&new.rows, row).is_none());
         let finds_row =
             |row: &RowRecord| metrics.iter().any(|m| choice.finds(name, &row.label(), m.name));
-        for row in new.rows.iter().chain(gone).filter(|row| finds_row(row)) {
-            let (before, after) = match (other(&old.rows, row), other(&new.rows, row)) {
-                (Some(before), Some(after)) => (before, after),
-                (before, _) => {
-                    let letter = if before.is_some() { letters[0] } else { letters[1] };
-                    out.leave_out(row, format!("only in {letter}"));
-                    continue;
-                }
-            };
-            let bad: Vec<String> = [(before, letters[0]), (after, letters[1])]
-                .iter()
-                .filter(|(r, _)| !r.verdict.is_timed())
-                .map(|(r, letter)| format!("{} in {letter}", r.verdict.name()))
+        for pair in pair.rows.iter().filter(|pair| finds_row(pair.rows[1])) {
+            let bad: Vec<String> = (pair.rows.iter().zip(letters))
+                .filter(|(row, _)| !row.verdict.is_timed())
+                .map(|(row, letter)| format!("{} in {letter}", row.verdict.name()))
                 .collect();
-            if !bad.is_empty() {
-                out.leave_out(row, bad.join(", "));
-                continue;
+            if bad.is_empty() {
+                self.add_row(pair, metrics, choice, letters, &mut out, pairs);
+            } else {
+                out.leave_out(pair.rows[1], bad.join(", "));
             }
-            if answers_changed([before, after]) {
-                self.answers_changed.push(format!("{name}: {}", row.label()));
-            }
-            if before.verdict != after.verdict {
-                let [a, b] = [before, after].map(|row| row.verdict.name());
-                let why = format!("{a} in {}, {b} in {}, compared", letters[0], letters[1]);
-                out.leave_out(row, why);
-            }
-            let mut other_rays = Vec::new();
-            let mut is_paired = false;
-            let is_asked = |metric: &&&'static Metric| {
-                (has_ratios || !metric.is_to_reference())
-                    && choice.finds(name, &row.label(), metric.name)
-            };
-            for metric in metrics.iter().filter(is_asked) {
-                let rays = [before, after].map(|row| metric.rays(row));
-                if rays[0] != rays[1] {
-                    other_rays.push(metric.name);
-                    if !choice.is_forced {
-                        continue;
-                    }
-                }
-                // the reference is its own measure
-                if metric.is_to_reference() && before.is_reference && after.is_reference {
-                    continue;
-                }
-                is_paired = true;
-                if let Some(entry) = Entry::of(metric, scenes, [before, after], choice.margin) {
-                    self.show(entry, choice, &mut out.entries);
-                }
-            }
-            if !other_rays.is_empty() {
-                let names = other_rays.join(", ");
-                let what = if choice.is_forced { "compared by --force" } else { "not compared" };
-                out.leave_out(row, format!("{names} over other rays, {what}"));
-            }
-            if is_paired {
-                pairs.push((scenes, [before, after]));
+        }
+        for (rows, letter) in pair.only.iter().zip(letters).rev() {
+            for row in rows.iter().filter(|row| finds_row(row)) {
+                out.leave_out(row, format!("only in {letter}"));
             }
         }
         self.scenes.push(out);
     }
 
-    /// Shows an entry, or counts it.
-    fn show(&mut self, entry: Entry, choice: &Choice, shown: &mut Vec<Entry>) {
-        if entry.outcome == Outcome::Equal && !choice.shows_equal {
-            self.equal += 1;
-        } else if choice.threshold.is_some_and(|percent| !entry.changed_by_more(percent)) {
-            self.below_threshold += 1;
-        } else {
-            shown.push(entry);
+    /// Compares a row that both runs timed.
+    fn add_row<'r>(
+        &mut self,
+        pair: &RowPair<'r>,
+        metrics: &[&'static Metric],
+        choice: &Choice,
+        letters: [&str; 2],
+        out: &mut SceneComparison,
+        pairs: &mut Vec<RowPair<'r>>,
+    ) {
+        let RowPair { scenes, rows: [before, after] } = *pair;
+        let name = &scenes[0].name;
+        if answers_changed([before, after]) {
+            self.answers_changed.push(format!("{name}: {}", after.label()));
+        }
+        if before.verdict != after.verdict {
+            let [a, b] = [before, after].map(|row| row.verdict.name());
+            let why = format!("{a} in {}, {b} in {}, compared", letters[0], letters[1]);
+            out.leave_out(after, why);
+        }
+        let has_ratios = choice.is_forced || other_reference(scenes).is_none();
+        let mut other_rays = Vec::new();
+        let mut is_paired = false;
+        let is_asked = |metric: &&&'static Metric| {
+            (has_ratios || !metric.is_to_reference())
+                && choice.finds(name, &after.label(), metric.name)
+        };
+        for metric in metrics.iter().filter(is_asked) {
+            if metric.rays(before) != metric.rays(after) {
+                other_rays.push(metric.name);
+                if !choice.is_forced {
+                    continue;
+                }
+            }
+            // the reference is its own measure
+            if metric.is_to_reference() && before.is_reference && after.is_reference {
+                continue;
+            }
+            is_paired = true;
+            out.entries.extend(Entry::of(metric, pair));
+        }
+        if !other_rays.is_empty() {
+            let names = other_rays.join(", ");
+            let what = if choice.is_forced { "compared by --force" } else { "not compared" };
+            out.leave_out(after, format!("{names} over other rays, {what}"));
+        }
+        if is_paired {
+            pairs.push(*pair);
+        }
+    }
+
+    /// Corrects and decides what was measured; keeps what is shown, and counts the rest.
+    fn decide(&mut self, rule: &Rule, choice: &Choice) {
+        let entries = || self.scenes.iter().flat_map(|scene| &scene.entries);
+        let measured = entries().filter(|entry| entry.change.p.is_some());
+        let (tests, samples) = (measured.clone().count(), measured.map(|e| e.change.samples).min());
+        if let Some(n) = samples.filter(|n| least_p(*n, *n) * tests as f64 >= rule.significance) {
+            let needed = samples_needed(tests, rule.significance);
+            self.notes.push(format!(
+                "{n} rounds cannot be significant among {tests} tests; {needed} can (run --rounds {needed}), or fewer rows \
+                 (-f)"
+            ));
+        }
+        correct(self.scenes.iter_mut().flat_map(|s| &mut s.entries).map(|entry| &mut entry.change));
+        for scene in &mut self.scenes {
+            scene.entries.iter_mut().for_each(|entry| entry.decide(rule));
+            let (shown, hidden): (Vec<Entry>, Vec<Entry>) = std::mem::take(&mut scene.entries)
+                .into_iter()
+                .partition(|entry| choice.shows(entry.change.ratio, entry.outcome));
+            let is_equal = |entry: &&Entry| entry.outcome == Outcome::Equal && !choice.shows_equal;
+            let equal = hidden.iter().filter(is_equal).count();
+            self.equal += equal as u64;
+            self.below_threshold += (hidden.len() - equal) as u64;
+            scene.entries = shown;
+            if choice.by_change {
+                let size = |entry: &Entry| size_of(entry.change.ratio);
+                scene.entries.sort_by(|a, b| size(b).total_cmp(&size(a)));
+            }
         }
     }
 }

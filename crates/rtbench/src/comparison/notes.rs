@@ -1,13 +1,15 @@
 //! What is to be kept in mind with a comparison.
 
 use crate::comparison::choice::{Choice, Named};
-use crate::comparison::differences::{Difference, other_reference, scenes_of_both};
+use crate::comparison::differences::{Difference, other_reference};
+use crate::comparison::pairing::Pairing;
 use measurement::record::metrics::Concerns;
 
 /// What is to be said of two runs that are compared all the same.
 pub fn notes(
     old: Named<'_>,
     new: Named<'_>,
+    pairing: &Pairing<'_>,
     choice: &Choice,
     differing: &[Difference],
 ) -> Vec<String> {
@@ -24,10 +26,10 @@ pub fn notes(
         };
         said.push(format!("{what}{consequence}"));
     }
-    for (before, after) in scenes_of_both(old.run, new.run) {
-        let Some([a, b]) = other_reference([before, after]) else { continue };
+    for scenes in pairing.scenes.iter().map(|pair| pair.scenes) {
+        let Some([a, b]) = other_reference(scenes) else { continue };
         let what = if choice.is_forced { "compared by --force" } else { "not compared" };
-        let (in_a, in_b, scene) = (old.letter, new.letter, &before.name);
+        let (in_a, in_b, scene) = (old.letter, new.letter, &scenes[0].name);
         said.push(format!("scene {scene}: ratios to {a} in {in_a}, to {b} in {in_b}, {what}"));
     }
     for Named { letter, run, .. } in [old, new] {
@@ -40,12 +42,10 @@ pub fn notes(
         }
         said.extend(run.warnings.iter().map(|warning| format!("{letter}: {warning}")));
     }
-    for (one, other) in [(old, new), (new, old)] {
-        let has = |name: &str| other.run.scenes.iter().any(|s| s.name == name);
-        let only: Vec<&str> =
-            one.run.scenes.iter().map(|s| s.name.as_str()).filter(|name| !has(name)).collect();
-        if !only.is_empty() {
-            said.push(format!("only in {}: {}", one.letter, only.join(", ")));
+    for (named, scenes) in [old, new].into_iter().zip(&pairing.only) {
+        if !scenes.is_empty() {
+            let names: Vec<&str> = scenes.iter().map(|s| s.name.as_str()).collect();
+            said.push(format!("only in {}: {}", named.letter, names.join(", ")));
         }
     }
     said

@@ -73,6 +73,40 @@ pub fn matched(text: &str, old: &RunRecord, others: &[RunRecord]) -> Result<Rena
     Err(error(text, message))
 }
 
+/// The same of two programs, of which the newer knows the new name.
+///
+/// # Errors
+/// [`CompareError::Match`] where it names no row of the newer, or may be read in two ways.
+pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Renamed, CompareError> {
+    let name = |text: &str| {
+        let label = text.trim().replace(':', " ");
+        let (structure, settings) = label.split_once(' ').unwrap_or((&label, ""));
+        Name::Row { structure: structure.to_owned(), settings: settings.to_owned() }
+    };
+    let all_of = |row: Name| match row {
+        Name::Row { structure, .. } => Name::Structure(structure),
+        structure => structure,
+    };
+    let mut found: Vec<Renamed> = Vec::new();
+    for (place, _) in text.match_indices('=') {
+        let halves = text.get(..place).zip(text.get(place + 1..));
+        let Some((old, new)) = halves.filter(|(old, new)| !old.is_empty() && is_known(new)) else {
+            continue;
+        };
+        let has_settings = |text: &str| text.trim().contains([' ', ':']);
+        found.push(match has_settings(old) || has_settings(new) {
+            true => Renamed { old: name(old), new: name(new) },
+            // a structure without settings is all its rows
+            false => Renamed { old: all_of(name(old)), new: all_of(name(new)) },
+        });
+    }
+    match (found.len(), found.pop()) {
+        (1, Some(renamed)) => Ok(renamed),
+        (0, _) => Err(error(text, "this program has no row of the new name")),
+        _ => Err(error(text, "it may be read in two ways")),
+    }
+}
+
 fn error(text: &str, message: &str) -> CompareError {
     CompareError::Match { text: text.to_owned(), message: message.to_owned() }
 }
@@ -94,6 +128,11 @@ fn structure(text: &str, run: &RunRecord) -> Option<Name> {
 }
 
 impl Renamed {
+    /// From the new name to the old one.
+    pub fn reversed(&self) -> Self {
+        Self { old: self.new.clone(), new: self.old.clone() }
+    }
+
     /// Gives the rows of a run their new name.
     pub fn apply(&self, run: &mut RunRecord) {
         for row in run.scenes.iter_mut().flat_map(|scene| &mut scene.rows) {

@@ -21,12 +21,12 @@ const FIRST: [&str; 5] = ["metric", "ratio [95%]", "outcome", "new", "old"];
 pub const GLOSSARY: &[&str] = &[
     "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
      95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
-     rounds this unlike by chance (Mann and Whitney).",
-    "no difference: the interval contains 1 and lies within the equivalence margin (--margin, 5%). \
-     inconclusive: it contains 1 and reaches beyond the margin; more rounds would tell. unclear: the \
-     interval does not contain 1, but p is 0.05 or more.",
-    "Of 20 intervals over runs that do not differ, one does not contain 1 by chance, and two runs at \
-     different times drift apart: what matters is measured again, or by `rtbench check --against`.",
+     rounds this unlike by chance (Mann and Whitney), corrected for all that were tested (Holm 1979).",
+    "no difference: the whole interval lies within the equivalence margin (--margin, 5%). faster, slower: \
+     it does not contain 1 (nor reach below the A/A floor, where there is one), and p is below 0.05. \
+     inconclusive: all else; more rounds, or fewer rows (-f).",
+    "Two runs at different times drift apart, by what p knows nothing of: what matters is measured again, or by \
+     `rtbench check --against`.",
     "All scenes: geometric means of the ratios, over the scenes that both runs have the row in. \
      The reference's own ratio is 1 by definition and not shown.",
 ];
@@ -109,17 +109,18 @@ fn tables(comparison: &Comparison, indent: bool) -> Vec<Table> {
 fn scene_table(scene: &SceneComparison, sides: &str, indent: bool) -> Table {
     let mut previous = String::new();
     let rows = scene.entries.iter().map(|entry| {
+        let change = &entry.change;
         let label = entry.label();
         let is_again = indent && label == previous;
         previous.clone_from(&label);
         vec![
             if is_again { String::new() } else { label }.into(),
             metric(entry).into(),
-            value(entry, entry.old).into(),
-            value(entry, entry.new).into(),
-            ratio(entry.outcome, entry.ratio).into(),
-            entry.p.map_or_else(|| "-".to_owned(), probability).into(),
-            outcome(entry.outcome, entry.ratio),
+            value(entry, change.old).into(),
+            value(entry, change.new).into(),
+            ratio(entry.outcome, change.ratio).into(),
+            change.p.map_or_else(|| "-".to_owned(), probability).into(),
+            outcome(entry.outcome, change.ratio),
         ]
     });
     Table {
@@ -153,12 +154,13 @@ fn mean_table(comparison: &Comparison, sides: &str, indent: bool) -> Table {
             mean.metric.to_owned().into(),
             mean.scenes.to_string().into(),
             ratio(mean.outcome, mean.ratio).into(),
+            mean.p.map_or_else(|| "-".to_owned(), probability).into(),
             outcome(mean.outcome, mean.ratio),
         ]
     });
     Table {
         title: format!("All scenes: {sides}"),
-        header: vec!["structure", "metric", "scenes", "ratio [95%]", "outcome"],
+        header: vec!["structure", "metric", "scenes", "ratio [95%]", "p", "outcome"],
         rows: rows.collect(),
         notes: Vec::new(),
     }
@@ -177,8 +179,8 @@ fn value(entry: &Entry, value: f64) -> String {
     match entry.unit {
         "s" => numbers::milliseconds(value),
         // counts are whole, rays have parts of them
-        _ if entry.p.is_none() && value.fract() == 0.0 => format!("{value:.0}"),
-        _ if entry.p.is_none() => format!("{value:.3}"),
+        _ if !entry.is_measured() && value.fract() == 0.0 => format!("{value:.0}"),
+        _ if !entry.is_measured() => format!("{value:.3}"),
         _ => numbers::short(value),
     }
 }
@@ -204,7 +206,7 @@ fn outcome(outcome: Outcome, ratio: Option<Estimate>) -> Cell {
         Outcome::Slower | Outcome::More => Style::Bad,
         Outcome::Faster | Outcome::Less => Style::Best,
         Outcome::Equal | Outcome::NoDifference => Style::Dim,
-        Outcome::Inconclusive | Outcome::Unclear | Outcome::TooFewRounds => Style::Plain,
+        Outcome::Inconclusive | Outcome::TooFewRounds => Style::Plain,
     };
     Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
 }

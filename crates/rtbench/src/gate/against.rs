@@ -1,31 +1,28 @@
-//! Two binaries of rtbench, and a copy of the newer, as contenders: the same rows and rays for each.
+//! Two binaries of rtbench, or one with two builds of a plugin, and a copy of the newer, as contenders: the same
+//! rows and rays for each.
 
+use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::gate::contest::{Contender, Key, Pace, PairedTimes, Timed};
+use crate::comparison::pairing::Pairing;
+use crate::comparison::renamed::Renamed;
+use crate::gate::pace::Pace;
 use measurement::answers::check::stride_for;
-use measurement::record::{RowRecord, RunRecord};
+use measurement::record::RunRecord;
 use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
-use measurement::system::clock::Clock;
-use measurement::system::progress::Progress;
-use statistics::estimate::median;
 
-/// Visits of each row in a process, as many as take [`VISIT_SECONDS`] within these bounds. The median
-/// of their times counts, of each kind of rays by itself.
-const VISITS: (u32, u32) = (5, 25);
-/// Seconds of a process that are worth their time: starting it takes about as long.
-const VISIT_SECONDS: f64 = 0.5;
-/// Seconds that the rays of a kind may take in a process, about; more are thinned. On a busy machine
-/// a thread is interrupted every few milliseconds: most visits that are shorter are spared, and the
+/// Seconds that the rays of a kind may take in a lap, about; more are thinned. On a busy machine
+/// a thread is interrupted every few milliseconds: most laps that are shorter are spared, and the
 /// median is of those.
 const PASS_SECONDS: f64 = 0.001;
 
-/// Why two binaries could not be compared.
+/// Why two programs could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum AgainstError {
-    /// The other binary.
-    #[error("--against: {0}")]
+    /// The other program.
+    #[error("older: {0}")]
     Old(ChildError),
     /// This one.
     #[error(transparent)]
@@ -35,122 +32,90 @@ pub enum AgainstError {
     NoProgram,
 }
 
-/// The binaries and what they measure.
+impl From<(usize, ChildError)> for AgainstError {
+    /// Of a program by its place in [`Contest::programs`].
+    fn from((place, error): (usize, ChildError)) -> Self {
+        if place == 0 { Self::Old(error) } else { Self::New(error) }
+    }
+}
+
+/// A binary with the options that load its plugins.
+#[derive(Debug, Clone)]
+pub struct Program {
+    /// The file.
+    pub path: PathBuf,
+    /// `--plugin FILE` and its settings.
+    pub plugins: Vec<OsString>,
+}
+
+/// The programs and what they measure.
 #[derive(Debug)]
-pub struct Contest<'a> {
-    /// The older.
-    pub old: &'a Path,
-    /// The newer: this one.
-    pub new: &'a Path,
-    /// A copy of this one.
-    pub copy: &'a Path,
+pub struct Contest {
+    /// The older, the newer, which is this one, and a copy of this one.
+    pub programs: [Program; 3],
     /// The record that says what to measure, with one round at least.
     pub like: RunRecord,
-    /// How many turns.
+    /// How many processes.
     pub pace: Pace,
     /// Sources of scene files may lie outside their folders.
     pub allow_outside: bool,
+    /// Rows that the older calls otherwise.
+    pub matches: Vec<Renamed>,
 }
 
-impl Contest<'_> {
-    /// The old binary's record of the same rows and rays, all answers checked.
+impl Contest {
+    /// The old program's record of the same rows and rays, all answers checked, rows named as the newer
+    /// does. Rows that it does not know are left out.
     ///
     /// # Errors
     /// [`AgainstError`].
     pub fn record_of_old(&self) -> Result<RunRecord, AgainstError> {
-        self.measured(self.old, &self.like, 1, false).map_err(AgainstError::Old)
+        let [old, ..] = &self.programs;
+        let mut command = Command::new(&old.path);
+        command.args(arguments(self.allow_outside)).args(&old.plugins);
+        command.args(["measure", "--rounds", "1"]);
+        let asked = self.as_named_by(0, &self.like);
+        let mut record: RunRecord =
+            answer(&mut command, &without_samples(&asked)).map_err(AgainstError::Old)?;
+        self.matches.iter().for_each(|renamed| renamed.apply(&mut record));
+        Ok(record)
     }
 
-    /// Build and trace times of all rows that all have.
-    ///
-    /// # Errors
-    /// [`AgainstError`].
-    pub fn times(
-        &self,
-        clock: &dyn Clock,
-        progress: &Progress,
-    ) -> Result<Vec<PairedTimes>, AgainstError> {
-        let like = thinned(&self.like);
-        let visits = visits(&like);
-        self.pace.take_turns(clock, progress, |contender| {
-            let asked = |program| self.measured(program, &like, visits, true);
-            let record = match contender {
-                Contender::Old => asked(self.old).map_err(AgainstError::Old),
-                Contender::New => asked(self.new).map_err(AgainstError::New),
-                Contender::Copy => asked(self.copy).map_err(AgainstError::New),
-            };
-            record.map(|record| times_of(&record))
-        })
-    }
-
-    fn measured(
-        &self,
-        program: &Path,
-        like: &RunRecord,
-        rounds: u32,
-        lightly: bool,
-    ) -> Result<RunRecord, ChildError> {
-        let mut command = Command::new(program);
-        command.args(arguments(self.allow_outside)).args([
-            "measure",
-            "--rounds",
-            &rounds.to_string(),
-        ]);
-        if lightly {
-            command.arg("--lightly");
+    /// Keeps of what is measured the rows that the old program has, too, and of these such as have times
+    /// in both.
+    pub fn keep_common(&mut self, old: &RunRecord) {
+        let pairing = Pairing::of(old, &self.like);
+        let timed = pairing.rows().filter(|pair| pair.rows.iter().all(|r| r.verdict.is_timed()));
+        let common: BTreeSet<(String, String)> =
+            timed.map(|pair| (pair.scenes[1].name.clone(), pair.rows[1].label())).collect();
+        for scene in &mut self.like.scenes {
+            let name = scene.name.clone();
+            scene.rows.retain(|row| common.contains(&(name.clone(), row.label())));
         }
-        answer(&mut command, &without_samples(like))
+        self.like.scenes.retain(|scene| !scene.rows.is_empty());
     }
-}
 
-/// The record with the rays of slow rows thinned, by powers of two, so that a pass over a kind is
-/// short. Its samples are made shorter likewise, for [`visits`].
-fn thinned(like: &RunRecord) -> RunRecord {
-    let mut like = like.clone();
-    for row in like.scenes.iter_mut().flat_map(|s| &mut s.rows) {
-        let kinds = row.samples.iter().flat_map(|s| s.trace_s.values());
-        let longest = kinds.copied().max_by(f64::total_cmp).unwrap_or(0.0);
-        let times = stride_for(longest, PASS_SECONDS);
-        row.stride = row.stride.saturating_mul(times as u64);
-        let seconds = row.samples.iter_mut().flat_map(|s| s.trace_s.values_mut());
-        seconds.for_each(|s| *s /= times as f64);
+    /// Thins the rays of slow rows, so that a pass over a kind is short.
+    pub fn thin(&mut self) {
+        // samples are made shorter likewise: they say how many laps a process has time for
+        for row in self.like.scenes.iter_mut().flat_map(|s| &mut s.rows) {
+            let kinds = row.samples.iter().flat_map(|s| s.trace_s.values());
+            let longest = kinds.copied().max_by(f64::total_cmp).unwrap_or(0.0);
+            let times = stride_for(longest, PASS_SECONDS);
+            row.stride = row.stride.saturating_mul(times as u64);
+            let seconds = row.samples.iter_mut().flat_map(|s| s.trace_s.values_mut());
+            seconds.for_each(|s| *s /= times as f64);
+        }
     }
-    like
-}
 
-/// Visits of each row in a process.
-fn visits(like: &RunRecord) -> u32 {
-    let samples = || like.scenes.iter().flat_map(|s| &s.rows).flat_map(|r| &r.samples);
-    let seconds: f64 = samples().map(|s| s.build_s + s.total_trace_s()).sum();
-    let visits = (VISIT_SECONDS / seconds.max(1e-6)).ceil().min(f64::from(VISITS.1));
-    (visits as u32).max(VISITS.0)
-}
-
-/// The median build and trace times of all rows of a record.
-pub fn times_of(record: &RunRecord) -> Vec<Timed> {
-    let rows = record.scenes.iter().flat_map(|s| s.rows.iter().map(move |r| (s, r)));
-    let times = rows.flat_map(|(scene, row)| {
-        [("build", build(row)), ("trace", trace(row))].into_iter().filter_map(
-            move |(quantity, s)| {
-                let key = Key { scene: scene.name.clone(), row: row.label(), quantity };
-                Some(Timed { key, seconds: s? })
-            },
-        )
-    });
-    times.collect()
-}
-
-fn build(row: &RowRecord) -> Option<f64> {
-    median(&row.samples.iter().map(|s| s.build_s).collect::<Vec<_>>())
-}
-
-/// The median trace times of all kinds of rays together.
-fn trace(row: &RowRecord) -> Option<f64> {
-    let of = |kind| {
-        let seconds = row.samples.iter().filter_map(|s| s.trace_s.get(kind).copied());
-        median(&seconds.collect::<Vec<_>>())
-    };
-    row.samples.first()?.trace_s.keys().map(of).sum()
+    /// A record with rows as one of the programs calls them.
+    pub fn as_named_by(&self, place: usize, like: &RunRecord) -> RunRecord {
+        let mut like = like.clone();
+        if place == 0 {
+            self.matches.iter().for_each(|renamed| renamed.reversed().apply(&mut like));
+        }
+        like
+    }
 }
 
 /// The file of this program, as the environment has it.

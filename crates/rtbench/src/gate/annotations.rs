@@ -32,6 +32,11 @@ pub fn of(report: &Report) -> Vec<Annotation> {
             annotations.push(Annotation { level, title: "rtbench check".into(), text });
         }
     }
+    annotations.extend(report.missing_in_words().into_iter().take(MOST).map(|text| Annotation {
+        level: "warning",
+        title: "rtbench check: not compared".into(),
+        text,
+    }));
     annotations
 }
 

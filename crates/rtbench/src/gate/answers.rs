@@ -3,7 +3,8 @@
 //! Wrong hits are judged by the run itself, against its oracle. Beyond that the hashes of all
 //! answers must be those of the baseline: ids and every bit of t.
 
-use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Stage};
+use crate::comparison::pairing::RowPair;
+use crate::gate::evidence::{Evidence, Finding, Outcome, Stage};
 use measurement::record::Verdict;
 
 /// Registry line.
@@ -14,13 +15,13 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     evidence.rows().iter().map(of_row).collect()
 }
 
-fn of_row(row: &MatchedRow<'_>) -> Finding {
+fn of_row(row: &RowPair<'_>) -> Finding {
     let (outcome, note) = outcome(row);
     Finding::of(STAGE.name, row, "answers", outcome, note)
 }
 
-fn outcome(row: &MatchedRow<'_>) -> (Outcome, String) {
-    let (base, now) = (row.base, row.now);
+fn outcome(row: &RowPair<'_>) -> (Outcome, String) {
+    let [base, now] = row.rows;
     let ways = |was: &str, is: &str| format!("was {was}, is {is}");
     let verdicts = || ways(base.verdict.name(), now.verdict.name());
     match now.verdict {

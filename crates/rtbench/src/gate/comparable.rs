@@ -1,33 +1,24 @@
 //! May two records be compared at all?
 
-use crate::comparison::differences::{Difference, differences};
+use crate::comparison::differences::{Difference, differences, other_processor};
 use measurement::record::RunRecord;
 use measurement::record::metrics::Concerns;
-use measurement::record::reference;
 
 /// What keeps `now` from being held against `base`, each in words: all that keeps two runs from being
-/// compared, but for seconds, which no stage looks at. Of `base`, scenes that `now` lacks do not
-/// matter.
+/// compared, but for seconds, which no stage looks at, and references, which are looked at scene by
+/// scene.
 pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
-    let refuses = |d: &Difference| matches!(d.concerns, Concerns::Everything | Concerns::Ratios);
-    let different = differences(base, now).into_iter().filter(refuses).map(|d| d.what);
-    let is_new = |name: &str| base.scenes.iter().all(|scene| scene.name != name);
-    let new = now.scenes.iter().filter(|scene| is_new(&scene.name));
-    different.chain(new.map(|s| format!("scene {}: not in the baseline", s.name))).collect()
+    let refuses = |d: &Difference| d.concerns == Concerns::Everything;
+    differences(base, now).into_iter().filter(refuses).map(|d| d.what).collect()
 }
 
 /// What is worth a word, and no reason not to compare.
 pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
     let mut remarks = Vec::new();
-    if base.machine != now.machine {
-        let cpu =
-            |m: &measurement::record::Machine| m.cpu.clone().unwrap_or_else(|| "unknown".into());
+    if let Some(processors) = other_processor(&base.machine, &now.machine) {
         remarks.push(format!(
-            "Another machine than the baseline's ({}; was {}): counters and instruction counts are \
-             judged as on the same, times only as ratios to {} within each run.",
-            cpu(&now.machine),
-            cpu(&base.machine),
-            reference::in_words(now)
+            "Another processor than the baseline's ({processors}): counters and instruction counts are judged \
+             as on the same; times are not, unless --across-processors says so."
         ));
     }
     let (was, is) = (&base.settings.timed_by, &now.settings.timed_by);

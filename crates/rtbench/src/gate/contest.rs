@@ -1,192 +1,229 @@
 //! Programs measured in turns: an old one, a new one, and a copy of the new one's file.
 //!
-//! Each turn is a process of each, so that what drifts while the job runs falls on all of them, and where
-//! code and memory happen to lie is drawn anew in each process instead of once for all rounds. The
-//! orders of two turns are one another's reverse: of any two programs each is first equally often. What
-//! the copy differs by is the floor: no smaller difference is claimed.
+//! A process of each stands ready with the scene, its rays and its rows. For each row the three make a lap, one
+//! after the other: a build and a pass over the rays, by the processor's time, a few milliseconds apart, so
+//! that whatever disturbs them disturbs all three. Orders are random, each the reverse of the one before: of any
+//! two programs each is first equally often. After a second or so three fresh processes follow, in which code
+//! and memory lie elsewhere. What counts is what processes say: the ratios within laps, and of these the median
+//! of each process.
+//!
+//! After some processes the laps so far are looked at. Rows that are decided are asked no more, and when all are,
+//! the contest is over. Each look is a chance for a false alarm, so the significance is divided by their number
+//! (Bonferroni). What the copy differs by is the floor: no smaller difference is claimed.
 
-use std::collections::BTreeMap;
-use std::time::Duration;
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use measurement::record::FloorRecord;
+use crate::comparison::pairing::RowPair;
+use crate::gate::against::{Contest, Program};
+use crate::gate::lap::{Lap, Runner};
+use crate::gate::pace::is_look;
+use measurement::record::{FloorRecord, RunRecord};
 use measurement::rounds::schedule::round_order;
+use measurement::system::child_process::ChildError;
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;
 use statistics::estimate::median;
+use statistics::series::Series;
 
-/// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
-/// be significant among thousands of rows; that of the 5 of `run` cannot even be among ten.
-pub const ROUNDS: u32 = 15;
-
-/// Turns within a time budget, at the least: fewer could not be significant.
-const FEWEST: u32 = 9;
-
-/// Which of the three programs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Contender {
-    /// The older.
-    Old,
-    /// The newer.
-    New,
-    /// A copy of the newer.
-    Copy,
-}
-
-/// In the order of [`PairedTimes::times`].
-const CONTENDERS: [Contender; 3] = [Contender::Old, Contender::New, Contender::Copy];
-
-/// A time that a process gave.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Timed {
-    /// What was timed.
-    pub key: Key,
-    /// How long it took.
-    pub seconds: f64,
-}
+/// Laps of each row in a process, as many as take [`PROCESS_SECONDS`] within these bounds; the first finds
+/// neither memory nor caches, and is not counted.
+const LAPS: (u32, u32) = (5, 40);
+/// Seconds of a process's laps that are worth its start.
+const PROCESS_SECONDS: f64 = 0.4;
 
 /// What is timed.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Key {
-    /// Scene; empty where there is none.
+    /// Scene.
     pub scene: String,
-    /// Structure and settings, or the name of a line.
+    /// Structure and settings.
     pub row: String,
-    /// `build`, `trace`, or `time` of a line.
+    /// `build` or `trace`.
     pub quantity: &'static str,
 }
 
-/// A row with its scene, where it has one.
-pub fn place(scene: &str, row: &str) -> String {
-    match scene.is_empty() {
-        true => row.to_owned(),
-        false => format!("{scene}: {row}"),
+impl Key {
+    /// Of a row of two records.
+    pub fn of(row: &RowPair<'_>, quantity: &'static str) -> Self {
+        Self { scene: row.scenes[1].name.clone(), row: row.rows[1].label(), quantity }
     }
 }
 
-/// The times of all turns.
+/// The times of all laps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairedTimes {
     /// What was timed.
     #[serde(flatten)]
     pub key: Key,
-    /// Seconds of the old program, the new one, and the new one's copy, a turn each.
+    /// Seconds of the old program, the new one, and the new one's copy, a lap each.
     pub times: Vec<[f64; 3]>,
+    /// The process that each lap is of.
+    pub processes: Vec<u32>,
 }
 
-/// How many turns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pace {
-    /// Turns; none asks for the default.
-    pub rounds: Option<u32>,
-    /// Time for all of them, where no number is said.
-    pub time_budget: Option<Duration>,
-    /// Seed of the orders.
-    pub seed: u64,
+impl PairedTimes {
+    /// Laps, each with the process that it is of.
+    pub fn turns(&self) -> impl Iterator<Item = (u32, [f64; 3])> {
+        self.processes.iter().copied().zip(self.times.iter().copied())
+    }
 }
 
-impl Pace {
-    /// Turns that will be made, as far as is known.
-    pub fn expected(&self) -> u32 {
-        self.rounds.unwrap_or(ROUNDS)
-    }
+/// The order of the three programs in a lap.
+fn order(seed: u64, row: &str, lap: u32) -> Vec<usize> {
+    round_order(seed, &format!("laps/{row}"), lap as usize, 3)
+}
 
-    fn goes_on(&self, round: u32, elapsed: Duration) -> bool {
-        match self.time_budget {
-            Some(budget) => round < FEWEST || elapsed < budget,
-            None => round < self.expected(),
-        }
-    }
+/// Laps of each row in a process, by the time that a visit of each took.
+fn laps(like: &RunRecord) -> u32 {
+    let samples = like.scenes.iter().flat_map(|s| &s.rows).flat_map(|r| &r.samples);
+    let seconds: f64 = samples.map(|s| s.build_s + s.total_trace_s()).sum();
+    let laps = (PROCESS_SECONDS / seconds.max(1e-6)).ceil().min(f64::from(LAPS.1));
+    (laps as u32).max(LAPS.0)
+}
 
-    /// Asks all three programs in turns; what one of them does not time in a turn is left out of it.
+impl Contest {
+    /// Build and trace times of the rows that all programs have. `undecided` says, of the laps so far, what is
+    /// not decided.
     ///
     /// # Errors
-    /// Those of `ask`.
-    pub fn take_turns<E>(
+    /// [`ChildError`] of the first process that gives no answer, and whose it is.
+    pub fn times(
         &self,
         clock: &dyn Clock,
         progress: &Progress,
-        mut ask: impl FnMut(Contender) -> Result<Vec<Timed>, E>,
-    ) -> Result<Vec<PairedTimes>, E> {
+        undecided: &dyn Fn(&[PairedTimes]) -> BTreeSet<Key>,
+    ) -> Result<Vec<PairedTimes>, (usize, ChildError)> {
+        let laps = laps(&self.like);
         let mut all: Vec<PairedTimes> = Vec::new();
-        let start = clock.now();
-        let mut round = 0;
-        while self.goes_on(round, clock.now().saturating_sub(start)) {
-            progress.message(format!("turn {}", round + 1));
-            let mut seen: BTreeMap<Key, [Option<f64>; 3]> = BTreeMap::new();
-            for place in round_order(self.seed, "turns", round as usize, CONTENDERS.len()) {
-                let Some(contender) = CONTENDERS.get(place) else { continue };
-                for Timed { key, seconds } in ask(*contender)? {
-                    if let Some(own) = seen.entry(key).or_default().get_mut(place) {
-                        *own = Some(seconds);
-                    }
+        let mut like = self.like.clone();
+        let (start, mut process) = (clock.now(), 0);
+        while self.pace.goes_on(process, clock.now().saturating_sub(start)) {
+            if is_look(process) {
+                let open = undecided(&all);
+                let is_open =
+                    |scene: &str, row: &str| open.iter().any(|k| k.scene == scene && k.row == row);
+                for scene in &mut like.scenes {
+                    let name = scene.name.clone();
+                    scene.rows.retain(|row| is_open(&name, &row.label()));
+                }
+                like.scenes.retain(|scene| !scene.rows.is_empty());
+                if like.scenes.is_empty() {
+                    break;
                 }
             }
-            for (key, times) in seen {
-                let [Some(old), Some(new), Some(copy)] = times else { continue };
-                let times = [old, new, copy];
-                match all.iter_mut().find(|known| known.key == key) {
-                    Some(known) => known.times.push(times),
-                    None => all.push(PairedTimes { key, times: vec![times] }),
-                }
+            for scene in &like.scenes {
+                progress.message(format!("{}: process {}", scene.name, process + 1));
+                let own = RunRecord { scenes: vec![scene.clone()], ..like.clone() };
+                self.process(process, &own, laps, &mut all)?;
             }
-            round += 1;
+            process += 1;
             progress.step(clock.now());
         }
         Ok(all)
     }
+
+    /// A process of each program, and their laps over the rows of a scene.
+    fn process(
+        &self,
+        process: u32,
+        like: &RunRecord,
+        laps: u32,
+        all: &mut Vec<PairedTimes>,
+    ) -> Result<(), (usize, ChildError)> {
+        let Some(scene) = like.scenes.first() else { return Ok(()) };
+        let mut runners: Vec<Option<Runner>> = vec![None, None, None];
+        for place in order(self.pace.seed, "start", process) {
+            let program: &Program = &self.programs[place];
+            let asked = self.as_named_by(place, like);
+            let runner = Runner::start(program, &asked, self.allow_outside);
+            runners[place] = Some(runner.map_err(|error| (place, error))?);
+        }
+        let rows: Vec<String> = scene.rows.iter().map(|row| row.label()).collect();
+        let old = self.as_named_by(0, like);
+        let old_rows: Vec<String> =
+            old.scenes.iter().flat_map(|s| &s.rows).map(|row| row.label()).collect();
+        for lap in 0..=laps {
+            let first = process * (laps + 1) + lap;
+            for row in round_order(self.pace.seed, &scene.name, first as usize, rows.len()) {
+                let mut seen: [Option<Lap>; 3] = [None, None, None];
+                for place in order(self.pace.seed, &rows[row], first) {
+                    let name = if place == 0 { &old_rows[row] } else { &rows[row] };
+                    if let Some(runner) = &mut runners[place] {
+                        seen[place] = runner.lap(name).map_err(|error| (place, error))?;
+                    }
+                }
+                // the first lap finds neither memory nor caches
+                if let (true, [Some(old), Some(new), Some(copy)]) = (lap > 0, seen) {
+                    let key = |quantity| Key {
+                        scene: scene.name.clone(),
+                        row: rows[row].clone(),
+                        quantity,
+                    };
+                    let [a, b, c] = [&old, &new, &copy];
+                    add(all, key("build"), process, [a.build_s, b.build_s, c.build_s]);
+                    let traces = [a, b, c].map(|lap| lap.trace_s.values().sum());
+                    add(all, key("trace"), process, traces);
+                }
+            }
+        }
+        for (place, runner) in runners.into_iter().enumerate() {
+            runner.map_or(Ok(()), Runner::end).map_err(|error| (place, error))?;
+        }
+        Ok(())
+    }
 }
 
-/// How far the copy was from the new program: medians of their quotients within each turn.
+fn add(all: &mut Vec<PairedTimes>, key: Key, process: u32, seconds: [f64; 3]) {
+    let known = match all.iter().position(|known| known.key == key) {
+        Some(place) => place,
+        None => {
+            all.push(PairedTimes { key, times: Vec::new(), processes: Vec::new() });
+            all.len() - 1
+        }
+    };
+    all[known].times.push(seconds);
+    all[known].processes.push(process);
+}
+
+/// How far the copy was from the new program: its ratio within laps, over the processes.
 pub fn floor(pairs: &[PairedTimes]) -> Option<FloorRecord> {
     FloorRecord::of(pairs.iter().filter_map(|paired| {
         let Key { scene, row, quantity } = &paired.key;
-        let quotients: Vec<f64> = paired.times.iter().map(|[_, new, copy]| copy / new).collect();
-        Some((format!("{}, {quantity}", place(scene, row)), median(&quotients)?))
+        let quotients: Series =
+            paired.turns().map(|(process, [_, new, copy])| (process, copy / new)).collect();
+        let quotient = quotients.middle().or_else(|| median(quotients.values()))?;
+        Some((format!("{scene}: {row}, {quantity}"), quotient))
     }))
 }
 
 #[cfg(test)]
 mod tests {
-    use measurement::system::clock::SteppingClock;
-
     use super::*;
-
-    fn turns(rounds: u32) -> (Vec<Contender>, Vec<PairedTimes>) {
-        let mut asked = Vec::new();
-        let pace = Pace { rounds: Some(rounds), time_budget: None, seed: 3 };
-        let clock = SteppingClock::new(Duration::from_millis(1));
-        let times = pace.take_turns(&clock, &Progress::hidden(), |contender| {
-            asked.push(contender);
-            let key = Key { scene: String::new(), row: "a".into(), quantity: "time" };
-            let lost = Key { row: "only old".into(), ..key.clone() };
-            let seconds = [2.0, 1.0, 1.1][contender as usize];
-            let mut times = vec![Timed { key, seconds }];
-            times.extend((contender == Contender::Old).then_some(Timed { key: lost, seconds }));
-            Ok::<_, ()>(times)
-        });
-        (asked, times.unwrap())
-    }
 
     #[test]
     fn of_two_programs_each_is_first_equally_often() {
-        let (asked, times) = turns(8);
-        assert_eq!(asked.len(), 24);
+        let orders: Vec<Vec<usize>> = (0..8).map(|lap| order(3, "bvh", lap)).collect();
         for (a, b) in [(0, 1), (0, 2), (1, 2)] {
-            let first = asked.chunks(3).filter(|turn| {
-                let place = |c| turn.iter().position(|t| *t == CONTENDERS[c]);
+            let first = orders.iter().filter(|order| {
+                let place = |program| order.iter().position(|p| *p == program);
                 place(a) < place(b)
             });
             assert_eq!(first.count(), 4);
         }
-        assert_eq!(times.len(), 1, "what one program lacks is left out");
-        assert_eq!(times[0].times, vec![[2.0, 1.0, 1.1]; 8]);
     }
 
     #[test]
     fn the_planted_difference_of_the_copy_is_the_floor() {
-        let floor = floor(&turns(3).1).unwrap();
-        assert!((floor.floor - 0.1).abs() < 1e-9 && floor.row == "a, time", "{floor:?}");
+        let key = Key { scene: "tetra".into(), row: "a".into(), quantity: "trace" };
+        let mut all = Vec::new();
+        for process in 0..3 {
+            add(&mut all, key.clone(), process, [2.0, 1.0, 1.1]);
+        }
+        assert_eq!(all[0].processes, [0, 1, 2]);
+        let floor = floor(&all).unwrap();
+        let is_named = floor.row == "tetra: a, trace";
+        assert!((floor.floor - 0.1).abs() < 1e-9 && is_named, "{floor:?}");
     }
 }

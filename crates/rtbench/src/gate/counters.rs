@@ -4,9 +4,10 @@
 //! memory is a regression; less is an improvement, to be kept by saving a new baseline. More empty cells,
 //! steps into them or saved tests alone are neither: what they cost is in the counters that they are shares of.
 
-use crate::gate::evidence::{Evidence, Finding, MatchedRow, Outcome, Stage};
+use crate::comparison::entry::exact_ratio;
+use crate::comparison::pairing::RowPair;
+use crate::gate::evidence::{Evidence, Finding, Outcome, Stage};
 use measurement::record::metrics::{METRICS, Metric};
-use statistics::estimate::Estimate;
 
 /// Registry line.
 pub const STAGE: Stage =
@@ -19,8 +20,9 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 /// What became of a metric; none where neither side has it.
-fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
-    let (was, is) = (metric.exact(row.base), metric.exact(row.now));
+fn of(metric: &Metric, row: &RowPair<'_>) -> Option<Finding> {
+    let [base, current] = row.rows;
+    let (was, is) = (metric.exact(base), metric.exact(current));
     let finding = |outcome, note: &str| Finding {
         baseline: was,
         now: is,
@@ -33,7 +35,7 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
         _ => return Some(finding(Outcome::NotJudged, "one side has none")),
     };
     let counted = |row: &measurement::record::RowRecord| row.work.as_ref().map(|w| w.rays);
-    if counted(row.base) != counted(row.now) {
+    if counted(base) != counted(current) {
         return Some(finding(Outcome::NotJudged, "other rays were counted"));
     }
     if !metric.is_cost && before != now {
@@ -50,7 +52,5 @@ fn of(metric: &Metric, row: &MatchedRow<'_>) -> Option<Finding> {
         std::cmp::Ordering::Equal => Outcome::Unchanged,
         std::cmp::Ordering::Greater => Outcome::Improved,
     };
-    let ratio = now / before;
-    let change = ratio.is_finite().then_some(Estimate { median: ratio, low: ratio, high: ratio });
-    Some(Finding { change, ..finding(outcome, "") })
+    Some(Finding { change: exact_ratio(before, now), ..finding(outcome, "") })
 }

@@ -1,8 +1,8 @@
 //! Why nothing could be held against a baseline.
 
 use crate::baselines::BaselineError;
+use crate::comparison::pairing::{MissingRow, in_words};
 use crate::gate::against::AgainstError;
-use crate::gate::command::CommandError;
 use crate::gate::thresholds::ThresholdError;
 use crate::like::LikeError;
 use measurement::callgrind::CallgrindError;
@@ -23,15 +23,15 @@ pub enum GateError {
     /// The other binary.
     #[error(transparent)]
     Against(#[from] AgainstError),
-    /// A program that is no rtbench.
-    #[error(transparent)]
-    Command(#[from] CommandError),
     /// The thresholds.
     #[error(transparent)]
     Threshold(#[from] ThresholdError),
     /// Another machine's target, other settings, other scenes.
     #[error("this cannot be compared with the baseline: {}", .0.join("; "))]
     NotComparable(Vec<String>),
+    /// No row is in both.
+    #[error("nothing was compared: no row is in both; {}", in_words(.0).join("; "))]
+    NothingCompared(Vec<MissingRow>),
     /// Instruction counts were asked for, and the baseline has none.
     #[error(
         "the baseline has no instruction counts; save one that has them: `rtbench baseline save \

@@ -2,23 +2,24 @@
 
 use serde::Serialize;
 
-use crate::gate::contest::{PairedTimes, place};
+use crate::comparison::pairing::{Pairing, RowPair};
+use crate::gate::contest::PairedTimes;
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
-use measurement::record::{FloorRecord, RowRecord, RunRecord, SceneRecord};
+use measurement::record::{FloorRecord, RunRecord};
 use statistics::estimate::Estimate;
 
 /// What became of something, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// Better by more than the threshold.
+    /// Certainly better.
     Improved,
-    /// Equal, or within the threshold.
+    /// Equal, or certainly within the threshold.
     Unchanged,
     /// There is nothing to judge it by.
     NotJudged,
-    /// It is indistinguishable from a regression.
+    /// Neither a regression nor an improvement, nor certainly unchanged.
     Inconclusive,
     /// Worse by more than the threshold.
     Regression,
@@ -70,32 +71,15 @@ impl Finding {
     /// A finding without figures.
     pub fn of(
         stage: &'static str,
-        row: &MatchedRow<'_>,
-        quantity: &'static str,
-        outcome: Outcome,
-        note: impl Into<String>,
-    ) -> Self {
-        Self::named(stage, &row.scene.1.name, row.now.label(), quantity, outcome, note)
-    }
-
-    /// The row with its scene, where it has one.
-    pub fn place(&self) -> String {
-        place(&self.scene, &self.row)
-    }
-
-    /// A finding of what has that name, without figures.
-    pub fn named(
-        stage: &'static str,
-        scene: &str,
-        row: String,
+        row: &RowPair<'_>,
         quantity: &'static str,
         outcome: Outcome,
         note: impl Into<String>,
     ) -> Self {
         Self {
             stage,
-            scene: scene.to_owned(),
-            row,
+            scene: row.scenes[1].name.clone(),
+            row: row.rows[1].label(),
             quantity,
             baseline: None,
             now: None,
@@ -104,6 +88,11 @@ impl Finding {
             outcome,
             note: note.into(),
         }
+    }
+
+    /// The row with its scene.
+    pub fn place(&self) -> String {
+        format!("{}: {}", self.scene, self.row)
     }
 }
 
@@ -131,9 +120,16 @@ pub enum Times<'a> {
         /// The share of the time in which some thread waited for a processor, of the busier of both
         /// runs; none where that is not known.
         cpu_pressure: Option<f64>,
+        /// Ratios are judged though the baseline's processor is another.
+        across_processors: bool,
     },
-    /// Two binaries measured in turns: ratios within each turn.
-    Paired(&'a [PairedTimes]),
+    /// Two programs measured in turns: ratios within each turn.
+    Paired {
+        /// The times of all turns.
+        pairs: &'a [PairedTimes],
+        /// How often they are looked at before the last process has ended, or then.
+        looks: u32,
+    },
 }
 
 /// Everything that stages look at.
@@ -151,25 +147,6 @@ pub struct Evidence<'a> {
     pub times: Times<'a>,
 }
 
-/// A row of both records.
-#[derive(Debug, Clone, Copy)]
-pub struct MatchedRow<'a> {
-    /// The scene: in the baseline, now.
-    pub scene: (&'a SceneRecord, &'a SceneRecord),
-    /// The row in the baseline.
-    pub base: &'a RowRecord,
-    /// The row now.
-    pub now: &'a RowRecord,
-}
-
-impl MatchedRow<'_> {
-    /// Whether it is that row.
-    pub fn is(&self, scene: &str, structure: &str, settings: &str) -> bool {
-        let Self { scene: (_, own), now, .. } = self;
-        own.name == scene && now.structure == structure && now.settings == settings
-    }
-}
-
 impl<'a> Evidence<'a> {
     /// The larger of both records' floors.
     pub fn floor(&self) -> Option<FloorRecord> {
@@ -177,20 +154,9 @@ impl<'a> Evidence<'a> {
         both.max_by(|a, b| a.floor.total_cmp(&b.floor)).cloned()
     }
 
-    /// The rows that both records have, in the order of the newer one.
-    pub fn rows(&self) -> Vec<MatchedRow<'a>> {
-        let (base, now) = (self.base, self.now);
-        let scenes = now.scenes.iter().filter_map(|scene| {
-            let of_base = base.scenes.iter().find(|s| s.name == scene.name)?;
-            Some((of_base, scene))
-        });
-        let matched = |scene: (&'a SceneRecord, &'a SceneRecord)| {
-            scene.1.rows.iter().filter_map(move |now| {
-                let base = scene.0.rows.iter().find(|r| r.is_same(now))?;
-                Some(MatchedRow { scene, base, now })
-            })
-        };
-        scenes.flat_map(matched).collect()
+    /// The rows that both records have.
+    pub fn rows(&self) -> Vec<RowPair<'a>> {
+        Pairing::of(self.base, self.now).scenes.into_iter().flat_map(|scene| scene.rows).collect()
     }
 }
 

@@ -25,7 +25,8 @@ pub fn markdown(report: &Report, all: bool) -> String {
             push_table(&mut text, &table);
         }
     }
-    let remarks = report.remarks.iter().map(|remark| escaped(remark));
+    let missing = report.missing_in_words();
+    let remarks = missing.iter().chain(&report.remarks).map(|remark| escaped(remark));
     for line in remarks.chain(GLOSSARY.iter().map(|&line| line.to_owned())) {
         let _ = writeln!(text, "{line}\n");
     }

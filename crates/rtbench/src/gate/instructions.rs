@@ -1,11 +1,13 @@
 //! Stage: instruction counts of the build and of the traversal, by callgrind.
 //!
-//! They repeat to within a few of a million, whatever else the machine does, so a threshold of 1%
+//! They repeat to within a few of a million, whatever else the machine does, so a threshold of half a percent
 //! needs no test. What they do not see are cache misses and mispredicted branches.
 
-use crate::gate::evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Stage};
+use crate::comparison::entry::exact_ratio;
+use crate::comparison::pairing::RowPair;
+use crate::gate::evidence::{Evidence, Finding, Instructions, Outcome, Stage};
 use measurement::callgrind::CountedRow;
-use statistics::estimate::Estimate;
+use measurement::record::label;
 
 /// Registry line.
 pub const STAGE: Stage = Stage {
@@ -30,13 +32,16 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 fn of_row(
-    row: &MatchedRow<'_>,
+    row: &RowPair<'_>,
     base: &[CountedRow],
     now: &[CountedRow],
     threshold: f64,
 ) -> Vec<Finding> {
     let of = |counted: &[CountedRow]| {
-        counted.iter().find(|c| row.is(&c.scene, &c.structure, &c.settings)).cloned()
+        let [scene, own] = [&row.scenes[1].name, &row.rows[1].label()];
+        let is_own =
+            |c: &&CountedRow| c.scene == *scene && label(&c.structure, &c.settings) == *own;
+        counted.iter().find(is_own).cloned()
     };
     let note = match (of(base), of(now)) {
         (Some(before), Some(now)) if before.rays != now.rays => "other rays were counted",
@@ -55,7 +60,7 @@ fn of_row(
 }
 
 fn compared(
-    row: &MatchedRow<'_>,
+    row: &RowPair<'_>,
     what: &'static str,
     before: f64,
     now: f64,
@@ -70,7 +75,7 @@ fn compared(
     Finding {
         baseline: Some(before),
         now: Some(now),
-        change: Some(Estimate { median: ratio, low: ratio, high: ratio }),
+        change: exact_ratio(before.max(1.0), now),
         ..Finding::of(STAGE.name, row, what, outcome, "")
     }
 }

@@ -7,7 +7,6 @@ pub mod against;
 pub mod annotations;
 pub mod answers;
 mod columns;
-pub mod command;
 pub mod comparable;
 pub mod contest;
 pub mod counters;
@@ -15,13 +14,15 @@ mod error;
 mod evidence;
 pub mod export;
 pub mod instructions;
+pub mod lap;
+pub mod pace;
 pub mod report;
 pub mod thresholds;
 pub mod wall_clock;
 
-pub use contest::ROUNDS;
 pub use error::GateError;
-pub use evidence::{Evidence, Finding, Instructions, MatchedRow, Outcome, Stage, Times};
+pub use evidence::{Evidence, Finding, Instructions, Outcome, Stage, Times};
+pub use pace::ROUNDS;
 
 /// All stages, in the order in which they are printed: the surest first.
 pub static STAGES: &[Stage] =

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::exit_code::{FAILURE, INCONCLUSIVE, REGRESSION, SUCCESS, WRONG_HITS};
+use crate::comparison::pairing::{MissingRow, in_words};
+use crate::exit_code::{FAILURE, INCONCLUSIVE, NOTHING_COMPARED, REGRESSION, SUCCESS, WRONG_HITS};
 use crate::gate::columns::{change_in_words, columns};
 use crate::gate::contest::PairedTimes;
 use crate::gate::evidence::{Finding, Outcome, Stage};
@@ -33,6 +34,8 @@ pub struct Report {
     pub outcome: Outcome,
     /// Everything that was judged.
     pub findings: Vec<Finding>,
+    /// Rows that one side lacks and that are not allowed to be missing.
+    pub missing: Vec<MissingRow>,
     /// What there is to say beside.
     pub remarks: Vec<String>,
     /// What the figures of times are, in words.
@@ -56,26 +59,34 @@ pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
      probability of such times without a difference, corrected for all that were tested (Holm \
      1979).",
-    "regression: worse by more than the threshold, and certain. inconclusive: the intervals allow \
-     one. unchanged: no worse than the threshold.",
+    "regression: certainly worse by more than the threshold. unchanged: certainly within it. inconclusive: \
+     neither, nor certainly better.",
 ];
 
 impl Report {
-    /// The exit code: 4 for wrong hits, 1 where scenes failed, 3 for regressions, and if `strict`
-    /// 5 where something is inconclusive.
+    /// The exit code: 4 for wrong hits, 1 where scenes failed, 3 for regressions, 6 where nothing could be
+    /// judged, and if `strict` 5 where something is inconclusive or missing.
     pub fn exit_code(&self, strict: bool) -> u8 {
         match self.outcome {
             Outcome::WrongHits => WRONG_HITS,
             _ if self.failures > 0 => FAILURE,
             Outcome::Regression => REGRESSION,
+            Outcome::NotJudged => NOTHING_COMPARED,
             Outcome::Inconclusive if strict => INCONCLUSIVE,
+            _ if strict && !self.missing.is_empty() => INCONCLUSIVE,
             _ => SUCCESS,
         }
     }
 
-    /// The worst of findings; without any, nothing was judged.
+    /// The worst of findings that were judged; without any, nothing was.
     pub fn worst(findings: &[Finding]) -> Outcome {
-        findings.iter().map(|f| f.outcome).max().unwrap_or(Outcome::NotJudged)
+        let judged = findings.iter().map(|f| f.outcome).filter(|o| *o != Outcome::NotJudged);
+        judged.max().unwrap_or(Outcome::NotJudged)
+    }
+
+    /// The rows that one side lacks.
+    pub fn missing_in_words(&self) -> Vec<String> {
+        in_words(&self.missing)
     }
 
     /// One line: what came of it.
@@ -93,11 +104,17 @@ impl Report {
         .filter(|outcome| count(*outcome) > 0)
         .map(|outcome| format!("{} {}", count(outcome), outcome.name()))
         .collect();
-        let failed = match self.failures {
+        let mut more = match self.failures {
             0 => String::new(),
             n => format!("; {n} scenes failed"),
         };
-        format!("check against {}: {}{failed}", self.against, counts.join(", "))
+        let count = |is_new| self.missing.iter().filter(|row| row.is_new == is_new).count();
+        for (n, what) in [(count(false), "missing now"), (count(true), "new")] {
+            if n > 0 {
+                more += &format!("; {n} rows {what}");
+            }
+        }
+        format!("check against {}: {}{more}", self.against, counts.join(", "))
     }
 
     /// What became faster or less by more than the threshold, most first.

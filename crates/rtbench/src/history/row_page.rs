@@ -27,7 +27,7 @@ pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
     siblings(&mut html, names, own);
     for (key, lines) in rows {
         section(&mut html, &anchor(&key.settings), &label(structure, &key.settings));
-        changes(&mut html, history, key, lines);
+        changes(&mut html, history, lines);
         figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
         let (table, links) = points(history, lines);
         tables::write(&mut html, &table, Look { links: &links, ..Look::default() });
@@ -53,7 +53,7 @@ fn siblings(html: &mut Html, names: &Names, own: &PageKey) {
 }
 
 /// What changed, with the command that finds the commit where several lie between two runs.
-fn changes(html: &mut Html, history: &History, key: &Key, lines: &[Line]) {
+fn changes(html: &mut Html, history: &History, lines: &[Line]) {
     let all: Vec<(&Line, &Change)> =
         lines.iter().flat_map(|line| line.changes.iter().map(move |c| (line, c))).collect();
     if all.is_empty() {
@@ -67,8 +67,7 @@ fn changes(html: &mut Html, history: &History, key: &Key, lines: &[Line]) {
         html.element("strong", &[("class", class_of(&change.times))], verdict(&change.times));
         html.text(&format!(" {}. ", in_words(history, line, change)));
         let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
-        let row = format!("{}/{}", key.scene, label(&key.structure, &key.settings));
-        let command = format!("rtbench bisect {} {} -- '{row}'", id(before.visit), id(after.visit));
+        let command = format!("git bisect start {} {}", id(after.visit), id(before.visit));
         html.element("code", &[], &command);
         html.close();
     }

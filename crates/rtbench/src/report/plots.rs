@@ -8,11 +8,14 @@ use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column};
 use presentation::svg_plot::{Axis, Mark, Plot, Point, Ring, Scale, Series};
 use statistics::estimate::Estimate;
 use studies::run::costs::Profile;
+use studies::run::lines::wrong_rays;
 
 /// What a bar chart needs of a row, of a scene or of all.
 struct Ratios {
     name: String,
     verdict: Verdict,
+    /// What is wrong with it by a known defect: `1 wrong ray of 203,423`.
+    defect: Option<String>,
     answers: Answered,
     /// It may be called the fastest.
     may_lead: bool,
@@ -26,7 +29,9 @@ pub fn scene_bars(run: &RunRecord, scene: &SceneRecord) -> BarChart {
     let of = |row: &RowRecord| {
         let RowRecord { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
         let (name, may_lead) = (row.label_with_query(), scene.may_lead(row));
-        Ratios { name, verdict, answers, may_lead, trace, build }
+        let is_defect = verdict == Verdict::WrongAsShipped;
+        let defect = is_defect.then(|| wrong_rays(row.mismatches, row.checked_rays));
+        Ratios { name, verdict, defect, answers, may_lead, trace, build }
     };
     let rows = scene.rows.iter().map(of).collect();
     bars(format!("{}: times over those of {reference}", scene.name), rows)
@@ -40,7 +45,13 @@ pub fn summary_bars(run: &RunRecord) -> BarChart {
     let of = |row: &SummaryRow| {
         let SummaryRow { verdict, answers, ratio: trace, build_ratio: build, .. } = *row;
         let (name, may_lead) = (row.label_with_query(), row.may_lead(&run.scenes));
-        Ratios { name, verdict, answers, may_lead, trace, build }
+        let own = |row: &&RowRecord| row.label_with_query() == name;
+        let rows = || run.scenes.iter().flat_map(|scene| &scene.rows).filter(own);
+        let is_defect = verdict == Verdict::WrongAsShipped;
+        let defect = is_defect.then(|| {
+            wrong_rays(rows().map(|r| r.mismatches).sum(), rows().map(|r| r.checked_rays).sum())
+        });
+        Ratios { name: name.clone(), verdict, defect, answers, may_lead, trace, build }
     };
     bars(title, run.summary.iter().map(of).collect())
 }
@@ -60,8 +71,8 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
     BarChart {
         title,
         subtitle:
-            "medians with 95% intervals; shorter to the left is faster; ringed: the fastest, \
-                   dashed: its interval overlaps"
+            "medians with 95% intervals; shorter to the left is faster; ringed: the fastest with right \
+                   answers, dashed: its interval overlaps"
                 .to_owned(),
         columns: vec![column("trace time, ratio"), column("build time, ratio")],
         rows: rows
@@ -94,8 +105,12 @@ fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
                 }
                 _ => Ring::None,
             };
-            // what is wrong by design says so
-            let mark = if row.verdict == Verdict::Ok { "" } else { " wrong" };
+            // what is wrong by design says so, and how much
+            let mark = match &row.defect {
+                Some(defect) => format!(" ({defect})"),
+                None if row.verdict == Verdict::Ok => String::new(),
+                None => " wrong".to_owned(),
+            };
             Bar::Of(e, format!("{}{mark}", short(e.median)), ring)
         }
     }

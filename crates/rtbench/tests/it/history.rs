@@ -106,7 +106,7 @@ fn a_planted_step_is_found_at_its_commit_and_every_link_leads_somewhere() {
     // one page per scene, a structure and a quantity; of two scenes: all rays, build, primary rays
     assert_eq!(pages.len(), 1 + 2 + 2 * 3, "{:?}", pages.keys());
     let page = text(&pages[Path::new("tetra/grid-primary.html")]);
-    let command = format!("rtbench bisect {before} {said} -- 'tetra/grid'");
+    let command = format!("git bisect start {said} {before}");
     assert!(page.contains("slower") && page.contains(&command), "{page}");
     assert!(
         page.contains("1.08 [1.0") && page.contains("No change was found."),

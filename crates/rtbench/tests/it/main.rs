@@ -4,7 +4,6 @@ mod accuracy;
 mod adoption;
 mod animate;
 #[cfg(unix)]
-mod bisect;
 mod check;
 mod command_line;
 mod common;
@@ -12,6 +11,8 @@ mod compare_tracers;
 mod effects;
 mod explain;
 mod far_scenes;
+#[cfg(unix)]
+mod git_bisect;
 mod hard_cases;
 mod history;
 mod house;

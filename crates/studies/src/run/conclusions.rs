@@ -9,7 +9,8 @@ use std::collections::BTreeSet;
 use measurement::record::label::with_query;
 use measurement::record::query::Query;
 use measurement::record::{
-    Answered, Conclusion, LeastTime, Next, Question, RowRecord, RunRecord, SceneRecord,
+    Answered, Conclusion, Defective, LeastTime, Next, Question, RowRecord, RunRecord, SceneRecord,
+    Verdict,
 };
 
 use crate::run::break_even::{count_interval, envelope};
@@ -17,6 +18,7 @@ use crate::run::costs::{Cost, Profile, all_rays_s, profiles, reference};
 use crate::run::kind_tables::kinds_of;
 use crate::run::leads::{Lead, Timed, lead};
 use crate::run::time_to_image::TimesToImage;
+use statistics::series::geometric_mean_of;
 
 /// Concludes from the rows of a scene.
 pub fn conclude_scene(scene: &mut SceneRecord, seed: u64) {
@@ -54,12 +56,15 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
     };
     let mut all: Vec<Vec<Timed>> =
         scenes.iter().filter(is_asked).map(|scene| timed(&question, scene)).collect();
+    let defective: Vec<Vec<Suspect<'_>>> =
+        scenes.iter().filter(is_asked).map(|scene| suspects(&question, scene)).collect();
     let is_batch = |t: &&Timed| t.query == Query::Batch;
     let batches: BTreeSet<String> =
         all.iter().flatten().filter(is_batch).map(|t| t.label.clone()).collect();
-    let conclusion = |query, lead: Lead| Conclusion {
+    let conclusion = |query, lead: Lead, all: &[Vec<Timed>]| Conclusion {
         question: question.clone(),
         query,
+        defective: as_fast(&lead.first, query, all, &defective, seed),
         row: lead.first,
         figure: lead.took,
         not_different: lead.ties,
@@ -71,16 +76,67 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
         lead(&all.iter().map(one_ray).collect::<Vec<Vec<Timed>>>(), seed)
     };
     if batches.is_empty() {
-        return lead(&all, seed).map(|lead| conclusion(Query::OneRay, lead)).into_iter().collect();
+        let first = lead(&all, seed);
+        return first.map(|lead| conclusion(Query::OneRay, lead, &all)).into_iter().collect();
     }
+    let one_ray = all.clone();
     let first = ray_by_ray().filter(|_| question != Question::Memory);
     for row in all.iter_mut().flatten().filter(|t| batches.contains(&t.label)) {
         row.label = with_query(std::mem::take(&mut row.label), true);
     }
     let is_faster = |lead: &Lead| first.as_ref().is_none_or(|first| first.first != lead.first);
     let second = lead(&all, seed).filter(is_faster);
-    let first = first.map(|lead| conclusion(Query::OneRay, lead));
-    first.into_iter().chain(second.map(|lead| conclusion(Query::Batch, lead))).collect()
+    let first = first.map(|lead| conclusion(Query::OneRay, lead, &one_ray));
+    first.into_iter().chain(second.map(|lead| conclusion(Query::Batch, lead, &all))).collect()
+}
+
+/// A row that is not the best of anything since answers of it are wrong by a known defect.
+struct Suspect<'r> {
+    timed: Timed,
+    row: &'r RowRecord,
+}
+
+fn suspects<'r>(question: &Question, scene: &'r SceneRecord) -> Vec<Suspect<'r>> {
+    let is_suspect = |row: &&RowRecord| row.verdict == Verdict::WrongAsShipped;
+    let rows = scene.rows.iter().filter(is_suspect);
+    let images = TimesToImage::of(scene);
+    let timed = |row: &RowRecord| match question {
+        Question::FirstImage => Some(images.of_row(&row.label())?.timed.clone()),
+        Question::Trace(kind) => of_kind(scene, row, kind),
+        Question::Memory => None,
+    };
+    rows.filter_map(|row| Some(Suspect { timed: timed(row)?, row })).collect()
+}
+
+/// The rows with a known defect that every scene has and that are not significantly slower than the first.
+fn as_fast(
+    first: &str,
+    query: Query,
+    all: &[Vec<Timed>],
+    suspects: &[Vec<Suspect<'_>>],
+    seed: u64,
+) -> Vec<Defective> {
+    let firsts: Option<Vec<&Timed>> =
+        all.iter().map(|scene| scene.iter().find(|timed| timed.label == first)).collect();
+    let (Some(firsts), Some(of_first)) = (firsts, suspects.first()) else { return Vec::new() };
+    let is_asked_so = |s: &&Suspect<'_>| query == Query::Batch || s.timed.query == Query::OneRay;
+    let found = of_first.iter().filter(is_asked_so).filter_map(|suspect| {
+        let label = &suspect.timed.label;
+        let own = suspects.iter().map(|scene| scene.iter().find(|s| s.timed.label == *label));
+        let own = own.collect::<Option<Vec<_>>>()?;
+        let quotients: Vec<_> =
+            own.iter().zip(&firsts).map(|(own, first)| own.timed.quotients(first)).collect();
+        let times = geometric_mean_of(&quotients.iter().collect::<Vec<_>>(), seed)?;
+        (times.low <= 1.0).then(|| Defective {
+            row: label.clone(),
+            times,
+            wrong: own.iter().map(|s| s.row.mismatches).sum(),
+            rays: own.iter().map(|s| s.row.checked_rays).sum(),
+        })
+    });
+    let mut found: Vec<Defective> = found.collect();
+    found.sort_by(|a, b| a.times.median.total_cmp(&b.times.median));
+    found
 }
 
 /// What the rows of a scene took that may lead.
@@ -142,7 +198,6 @@ pub fn least_time(profiles: &[Profile], seed: u64) -> Vec<LeastTime> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use measurement::record::Verdict;
     use measurement::record::made_up::run;
 
     const ROUNDS: [f64; 6] = [1.0, 1.1, 0.9, 1.2, 1.05, 0.95];
@@ -182,6 +237,9 @@ mod tests {
         let [one_ray, batch] = trace[..] else { panic!("{trace:?}") };
         assert_eq!((one_ray.row.as_str(), one_ray.query), ("grid", Query::OneRay));
         assert_eq!(one_ray.not_different, ["other"]);
+        // and is named: a fortieth of the time
+        let [wrong] = &one_ray.defective[..] else { panic!("{one_ray:?}") };
+        assert!(wrong.row == "wrong" && wrong.times.holds(0.025) && wrong.rays > 0, "{wrong:?}");
         let next = one_ray.next.as_ref().unwrap();
         assert_eq!(next.row, "slow");
         assert!(next.times.holds(1.5) && next.times.low > 1.0, "{next:?}");

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use measurement::record::query::Query;
-use measurement::record::{Conclusion, LeastTime, Next, Question, RunRecord, SceneRecord};
+use measurement::record::{
+    Conclusion, Defective, LeastTime, Next, Question, RunRecord, SceneRecord,
+};
 use presentation::numbers::short;
 use statistics::estimate::Estimate;
 
@@ -32,7 +34,8 @@ pub struct Lines {
 pub const NOTE: &str = "first image: build, one million primary rays and their shadow rays. next: \
                         the nearest row that takes significantly more, and how many times as much. \
                         A row with a known defect, or whose answers were not all compared and \
-                        right, is never named.";
+                        right, never leads: one that is as fast or faster is named with its wrong \
+                        rays.";
 
 /// Those of all scenes together, of one scene its own; none of a run that finished none.
 pub fn of_run(run: &RunRecord) -> Option<Lines> {
@@ -68,7 +71,7 @@ fn lines(conclusions: &[Conclusion], least_time: &[LeastTime]) -> Vec<Line> {
 }
 
 fn line(conclusion: &Conclusion) -> Line {
-    let Conclusion { question, query, row, figure, not_different, next } = conclusion;
+    let Conclusion { question, query, row, figure, not_different, next, defective } = conclusion;
     let head = match question {
         Question::FirstImage => "first image".to_owned(),
         Question::Memory => "least memory".to_owned(),
@@ -101,7 +104,25 @@ fn line(conclusion: &Conclusion) -> Line {
         None if not_different.is_empty() => text += "; no other row to compare with",
         None => {}
     }
+    for Defective { row, times, wrong, rays } in defective {
+        let what = if times.high < 1.0 { "faster" } else { "as fast" };
+        let rays = wrong_rays(*wrong, *rays);
+        let _ = write!(text, "; {what}, with {rays}: {row} {} x", short(times.median));
+    }
     Line { head: if is_batch { format!("{head}, batch") } else { head }, text }
+}
+
+/// `1 wrong ray of 203,423`
+pub fn wrong_rays(wrong: u64, rays: u64) -> String {
+    let word = if wrong == 1 { "ray" } else { "rays" };
+    format!("{} wrong {word} of {}", thousands(wrong), thousands(rays))
+}
+
+fn thousands(n: u64) -> String {
+    match n / 1000 {
+        0 => n.to_string(),
+        more => format!("{},{:03}", thousands(more), n % 1000),
+    }
 }
 
 /// From how many rays on a build that takes longer is worth it.
@@ -191,7 +212,21 @@ mod tests {
             figure: Estimate { median: 0.04, low: 0.039, high: 0.05 },
             not_different: Vec::new(),
             next: None,
+            defective: Vec::new(),
         }
+    }
+
+    #[test]
+    fn a_rival_with_a_known_defect_is_named_with_it() {
+        let of = |low, high| {
+            let times = Estimate { median: f64::midpoint(low, high), low, high };
+            let rival = Defective { row: "honest".into(), times, wrong: 1, rays: 203_423 };
+            let image = conclusion(Question::FirstImage);
+            line(&Conclusion { defective: vec![rival], ..image }).text
+        };
+        assert!(of(0.99, 1.01).ends_with("; as fast, with 1 wrong ray of 203,423: honest 1.00 x"));
+        assert!(of(0.85, 0.95).ends_with("; faster, with 1 wrong ray of 203,423: honest 0.90 x"));
+        assert_eq!(wrong_rays(1_000_007, 12), "1,000,007 wrong rays of 12");
     }
 
     #[test]

@@ -55,10 +55,15 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
     let of_scenes = || record.ratios.iter().filter(|ratio| ratio.scene.is_some());
     let apart = of_scenes().filter(|ratio| ratio.is_apart).count();
     notes.push(format!(
-        "Of {} ratios of scenes, {apart} have intervals without a common point on two machines: there the \
-         machine decides, and a figure is worth no more than its range.",
+        "Of {} ratios of scenes, {apart} differ between two machines by more than chance explains (tested, and \
+         corrected for all): there a figure is worth no more than its range.",
         of_scenes().count()
     ));
+    for [one, other] in record.perhaps_one() {
+        notes.push(format!(
+            "{one} and {other} may be one machine: the records tell of no difference. Then what differs is the day."
+        ));
+    }
     notes
 }
 

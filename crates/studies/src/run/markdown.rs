@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::run::few::Few;
 use crate::run::lines::{self, Line, Lines};
 use crate::run::tables::GLOSSARY;
 use crate::run::{foreign, kind_tables, tables};
@@ -34,7 +35,15 @@ pub fn to_string(run: &RunRecord) -> String {
         all.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
         all.extend(by_kind.then(|| kind_tables::picture_table(run)));
     }
-    with_answers("rtbench results", run, &all, GLOSSARY, &answers(run))
+    let Some(few) = Few::of(run) else {
+        return with_answers("rtbench results", run, &all, GLOSSARY, &answers(run));
+    };
+    let all: Vec<Table> = all.into_iter().map(|table| few.table(table)).collect();
+    let glossary = GLOSSARY.iter().map(|text| few.text(text));
+    let glossary: Vec<String> = std::iter::once(few.heading()).chain(glossary).collect();
+    let glossary: Vec<&str> = glossary.iter().map(String::as_str).collect();
+    let answers = few.text(&answers(run));
+    with_answers("rtbench results", run, &all, &glossary, &answers)
 }
 
 /// What the run says, one list per scene, that of all scenes first.

@@ -5,6 +5,7 @@ pub mod columns;
 pub mod conclusions;
 pub mod costs;
 pub mod csv;
+pub mod few;
 pub mod foreign;
 pub mod kind_tables;
 pub mod leads;

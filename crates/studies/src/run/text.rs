@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 
+use crate::run::few::{self, Few};
 use crate::run::lines::{self, Line, Lines};
 use crate::run::view::View;
 use crate::run::{foreign, kind_tables, tables};
@@ -21,17 +22,21 @@ pub fn write_scene(
     scene: &SceneRecord,
     view: &View,
 ) -> io::Result<()> {
-    write(out, &scene_table(run, scene, view), view)?;
+    if let Some(few) = Few::of(run).filter(|_| is_first(run, scene)) {
+        write_notes_within(out, &[&few.heading()], view.colors, view.width())?;
+        writeln!(out)?;
+    }
+    write(out, run, scene_table(run, scene, view), view)?;
     if run.settings.by_kind {
         let table =
             kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
-        write(out, &table, view)?;
+        write(out, run, table, view)?;
     }
     if run.planned.len() > 1 && !scene.rows.is_empty() {
-        write_lines(out, &lines::of_scene(scene), view)?;
+        write_lines(out, run, lines::of_scene(scene), view)?;
         writeln!(out)?;
     }
-    foreign::table(scene).map_or(Ok(()), |table| write(out, &table, view))
+    foreign::table(scene).map_or(Ok(()), |table| write(out, run, table, view))
 }
 
 /// The table of a scene with what is shown of it; what is the same below all of them stands at the end.
@@ -59,18 +64,18 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
         let rows = view.summary(&run.summary);
         let mut table = view.shown(&tables::summary_table_of(run, &rows, view.indents())).0;
         table.notes.retain(|note| note != query::NOTE);
-        write(out, &table, view)?;
+        write(out, run, table, view)?;
     }
     if run.settings.by_kind {
         if run.scenes.len() > 1 {
-            write(out, &kind_tables::summary_table(run, view.indents()), view)?;
+            write(out, run, kind_tables::summary_table(run, view.indents()), view)?;
         }
-        write(out, &kind_tables::picture_table(run), view)?;
+        write(out, run, kind_tables::picture_table(run), view)?;
     }
     let mut notes: Vec<String> = Vec::new();
     let batch = run.scenes.iter().flat_map(|s| &s.rows).any(|row| row.query == Query::Batch);
     notes.extend(batch.then(|| query::NOTE.to_owned()));
-    notes.extend(tables::glossary_of(&heads).map(str::to_owned));
+    notes.extend(tables::glossary_of(&heads).map(|text| few::text(run, text)));
     if !left_out.is_empty() {
         notes.push(format!("Columns left out: {}; --wide shows all.", left_out.join(", ")));
     }
@@ -78,18 +83,32 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
     write_notes_within(out, &notes, view.colors, view.width())?;
     if let Some(lines) = lines::of_run(run) {
         writeln!(out)?;
-        write_lines(out, &lines, view)?;
-        write_notes_within(out, &[lines::NOTE], view.colors, view.width())?;
+        write_lines(out, run, lines, view)?;
+        let note = few::text(run, lines::NOTE);
+        write_notes_within(out, &[&note], view.colors, view.width())?;
     }
     Ok(())
 }
 
-fn write(out: &mut dyn Write, table: &Table, view: &View) -> io::Result<()> {
-    write_table_within(out, table, view.colors, view.width())
+/// Whether nothing of the run was printed before the scene.
+fn is_first(run: &RunRecord, scene: &SceneRecord) -> bool {
+    run.scenes.first().is_some_and(|first| first.name == scene.name)
+}
+
+fn write(out: &mut dyn Write, run: &RunRecord, table: Table, view: &View) -> io::Result<()> {
+    let table = match Few::of(run) {
+        Some(few) => few.table(table),
+        None => table,
+    };
+    write_table_within(out, &table, view.colors, view.width())
 }
 
 /// A question a line, the answers below one another.
-fn write_lines(out: &mut dyn Write, lines: &Lines, view: &View) -> io::Result<()> {
+fn write_lines(out: &mut dyn Write, run: &RunRecord, lines: Lines, view: &View) -> io::Result<()> {
+    let lines = match Few::of(run) {
+        Some(few) => few.lines(lines),
+        None => lines,
+    };
     let heads = lines.lines.iter().map(|line| line.head.chars().count());
     let indent = heads.max().unwrap_or(0) + 4;
     writeln!(out, "{}", painted(&lines.title, Style::Best, view.colors))?;

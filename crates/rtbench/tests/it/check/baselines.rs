@@ -39,11 +39,15 @@ fn what_makes_no_sense_is_said_before_anything_is_measured() {
         ("baseline save new --resume x", 2, "--from DIR"),
         ("check --baseline mian", 2, "did you mean 'main'?"),
         ("check", 2, "--baseline"),
+        ("check teapot --against-plugin old.so", 2, "--plugin"),
+        ("check teapot --against old --against-plugin old.so --plugin new.so", 2, "--against"),
+        ("check teapot --against old -- --frames", 2, "unknown scene"),
         ("check --baseline main teapot", 2, "it has: tetra:2"),
         ("check --baseline main -s unifrom-grid", 2, "did you mean 'uniform-grid'?"),
         ("check --baseline main --quick", 2, "--quick"),
         ("check --baseline main --significance 2", 2, "between 0 and 1"),
         ("check --baseline main -t much", 2, "percent"),
+        ("check --baseline main -t 5", 2, "5%"),
         ("check --baseline main --instructions", 1, "has no instruction counts"),
     ] {
         let ended = run_in(&PLANTED, in_folder(&path), arguments);

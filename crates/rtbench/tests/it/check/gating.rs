@@ -2,12 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
+use accel_core::structure::StructureInfo;
+use accel_core::structures::find;
 use measurement::record::RunRecord;
 use measurement::system::clock::SystemClock;
 use rtbench::context::Environment;
 
 use super::{in_folder, run_in, run_timed, saved, with_program};
-use crate::common::{DECLARED, Ended, Folder, PLANTED};
+use crate::common::{DECLARED, Ended, Folder, PLANTED, planted};
+
+/// A structure that no other program has.
+static NEWER: StructureInfo = planted("newer", "brute force under another name");
 
 fn check(folder: &Folder, options: &str) -> Ended {
     run_in(&PLANTED, in_folder(&folder.path()), &format!("check --baseline main {options}"))
@@ -93,6 +98,89 @@ fn what_cannot_be_compared_is_refused_with_all_reasons() {
 }
 
 #[test]
+fn rows_of_one_side_are_named_and_nothing_in_common_is_an_error() {
+    let folder = Folder::new();
+    saved(&folder.path(), "main");
+    let rename = |to: &str| {
+        let to = to.to_owned();
+        plant(&folder, move |r| {
+            for row in r.scenes[0].rows.iter_mut().filter(|r| r.structure != "obvhs-cwbvh") {
+                row.structure.clone_from(&to);
+            }
+        });
+    };
+    // planted: a row that this program lacks
+    rename("gone-grid");
+    let lenient = check(&folder, "");
+    assert_eq!(lenient.code, 0, "{}{}", lenient.out, lenient.err);
+    assert!(lenient.out.contains("missing now: gone-grid (tetra:2)"), "{}", lenient.out);
+    assert!(lenient.out.contains("; 1 rows missing now"), "{}", lenient.out);
+    assert_eq!(check(&folder, "--strict").code, 5);
+    assert_eq!(check(&folder, "--strict --allow-missing gone-grid").code, 0);
+    // what was meant
+    let matched = check(&folder, "--strict --match gone-grid=uniform-grid");
+    assert!(matched.code == 0 && !matched.out.contains("missing"), "{}", matched.out);
+    let unknown = check(&folder, "--match gone-grid=unifrom-grid");
+    assert!(unknown.code == 2 && unknown.err.contains("--match"), "{}", unknown.err);
+    // nothing in common
+    plant(&folder, |r| r.scenes[0].rows.retain(|row| row.structure == "gone-grid"));
+    let nothing = check(&folder, "");
+    assert_eq!((nothing.code, nothing.out.as_str()), (6, ""), "{}", nothing.err);
+    assert!(nothing.err.contains("nothing was compared"), "{}", nothing.err);
+    assert!(nothing.err.contains("gone-grid"), "{}", nothing.err);
+}
+
+#[test]
+fn rounds_that_can_never_be_significant_are_said_before_measuring() {
+    let folder = Folder::new();
+    saved(&folder.path(), "main");
+    let few = check(&folder, "--rounds 2");
+    assert!(few.err.contains("2 rounds against 15 of the baseline can never"), "{}", few.err);
+    assert!(!check(&folder, "").err.contains("never"));
+}
+
+#[test]
+fn two_stored_results_are_checked_and_what_was_measured_is_kept() {
+    let (folder, kept) = (Folder::new(), Folder::new());
+    saved(&folder.path(), "main");
+    let out = format!("{}/out", kept.path());
+    let measured = check(&folder, &format!("-o {out}"));
+    assert_eq!(measured.code, 0, "{}{}", measured.out, measured.err);
+    let stored = check(&folder, &format!("--results {out} --strict"));
+    assert_eq!(stored.code, 0, "{}{}", stored.out, stored.err);
+    let last = |ended: &Ended| ended.out.lines().last().unwrap().to_owned();
+    assert_eq!(last(&stored), last(&measured));
+    // planted in what is stored
+    let path = Path::new(&out).join("results.json");
+    let mut record: RunRecord =
+        serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    record.scenes[0].rows[0].work.as_mut().unwrap().traversal_steps += 1;
+    std::fs::write(&path, serde_json::to_string(&record).unwrap()).unwrap();
+    assert_eq!(check(&folder, &format!("--results {out}")).code, 3);
+    assert_eq!(check(&folder, &format!("--results {out} --rounds 3")).code, 2);
+}
+
+#[test]
+fn an_older_program_that_lacks_a_row_passes_with_the_row_named() {
+    let folder = Folder::new();
+    let program = env!("CARGO_BIN_EXE_rtbench");
+    let arguments = format!(
+        "check tetra:2 --against {program} --rounds 2 --quick --size 16 -t 900% -s newer,obvhs-cwbvh"
+    );
+    let mut newer = *find("brute-force").unwrap();
+    newer.info = &NEWER;
+    let registry = [&PLANTED[..], &[newer]].concat();
+    let clock = SystemClock::default();
+    let environment = with_program(&folder.path());
+    let ended = run_timed(&registry, environment.clone(), &clock, &arguments);
+    assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
+    let said = "new, nothing to compare with: newer (tetra:2)";
+    assert!(ended.out.contains(said), "{}", ended.out);
+    let strict = run_timed(&registry, environment, &clock, &format!("{arguments} --strict"));
+    assert_eq!(strict.code, 5, "{}{}", strict.out, strict.err);
+}
+
+#[test]
 fn github_gets_annotations_and_a_summary() {
     let folder = Folder::new();
     saved(&folder.path(), "main");
@@ -130,13 +218,12 @@ fn two_binaries_are_measured_in_turns() {
     let folder = Folder::new();
     let program = env!("CARGO_BIN_EXE_rtbench");
     let arguments = format!(
-        "check tetra:2 --against {program} --rounds 2 --quick --size 16 --shortest 1ms --all \
+        "check tetra:2 --against {program} --rounds 2 --quick --size 16 --all -t 900% \
          -s uniform-grid,obvhs-cwbvh --export-json {}/x.json",
         folder.path()
     );
     let clock = SystemClock::default();
     let ended = run_timed(&PLANTED, with_program(&folder.path()), &clock, &arguments);
-    // two pairs are never significant
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     assert!(ended.out.contains("check against binary "), "{}", ended.out);
     let json: serde_json::Value = serde_json::from_str(&folder.text("x.json")).unwrap();
@@ -144,8 +231,11 @@ fn two_binaries_are_measured_in_turns() {
     // build and trace of two rows
     assert_eq!(pairs.len(), 4);
     for pair in pairs {
-        assert_eq!(pair["times"].as_array().unwrap().len(), 2);
-        assert!(pair["times"].as_array().unwrap().iter().all(|t| t.as_array().unwrap().len() == 3));
+        let (times, processes) = (&pair["times"], pair["processes"].as_array().unwrap());
+        let times = times.as_array().unwrap();
+        assert!(times.len() == processes.len() && times.len() >= 10, "{pair}");
+        assert!(times.iter().all(|t| t.as_array().unwrap().len() == 3));
+        assert_eq!((processes[0].as_u64(), processes.last().unwrap().as_u64()), (Some(0), Some(1)));
     }
     assert_eq!(json["floor"]["figures"], 4);
     assert!(ended.out.contains("A/A floor"), "{}", ended.out);
@@ -178,59 +268,4 @@ fn a_binary_that_cannot_answer_is_an_error_that_says_so() {
     let arguments = "check tetra:1 --against /nowhere/rtbench --quick --size 8 -s obvhs-cwbvh";
     let missing = run_in(&PLANTED, with_program(&folder.path()), arguments);
     assert!(missing.code == 1 && missing.err.contains("/nowhere/rtbench"), "{}", missing.err);
-}
-
-/// A shell script in the folder.
-#[cfg(unix)]
-fn script(folder: &Folder, name: &str, text: &str) -> String {
-    use std::os::unix::fs::PermissionsExt;
-    let path = PathBuf::from(folder.path()).join(name);
-    std::fs::write(&path, format!("#!/bin/sh\n{text}\n")).unwrap();
-    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
-    path.display().to_string()
-}
-
-#[cfg(unix)]
-#[test]
-fn programs_that_print_times_are_compared() {
-    let folder = Folder::new();
-    let old = script(&folder, "old", "echo \"$1: 10 ms\"; echo other: 5ms; echo done");
-    // planted: half as long again
-    let slow = script(&folder, "slow", "echo \"$1: 15 ms\"; echo other: 5ms");
-    let json = format!("{}/x.json", folder.path());
-    let check = |new: &str| {
-        let arguments = format!(
-            "check --against {old} --new {new} --rounds 9 --overwrite --export-json {json} -- sort"
-        );
-        run_in(&PLANTED, with_program(&folder.path()), &arguments)
-    };
-    let same = check(&old);
-    assert_eq!(same.code, 0, "{}{}", same.out, same.err);
-    assert!(same.out.contains("2 unchanged"), "{}", same.out);
-    let found = check(&slow);
-    assert_eq!(found.code, 3, "{}{}", found.out, found.err);
-    assert!(found.out.contains("sort") && found.out.contains("regression: again"), "{}", found.out);
-    let report: serde_json::Value = serde_json::from_str(&folder.text("x.json")).unwrap();
-    assert_eq!(report["outcome"], "regression");
-    assert_eq!(report["pairs"][1]["times"][0], serde_json::json!([0.01, 0.015, 0.015]));
-    assert!(report["baseline_tool"].is_null());
-}
-
-#[cfg(unix)]
-#[test]
-fn programs_that_print_no_times_are_errors_that_say_so() {
-    let folder = Folder::new();
-    let old = script(&folder, "old", "echo 10 ms");
-    for (text, said) in [
-        ("echo hello", "neither a record of rtbench nor a line that ends in a time"),
-        ("echo 5 ms; echo it broke >&2; exit 7", "ended with exit status: 7: it broke"),
-    ] {
-        let new = script(&folder, "new", text);
-        let arguments = format!("check --against {old} --new {new} --rounds 2 -- x");
-        let ended = run_in(&PLANTED, with_program(&folder.path()), &arguments);
-        assert_eq!((ended.code, ended.out.as_str()), (1, ""), "{}", ended.err);
-        assert!(ended.err.contains(said), "{}", ended.err);
-    }
-    let usage = run_in(&PLANTED, with_program(&folder.path()), "check --baseline main -- x");
-    assert_eq!(usage.code, 2, "{}", usage.err);
 }

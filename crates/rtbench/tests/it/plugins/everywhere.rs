@@ -61,7 +61,8 @@ fn baselines_have_rows_of_plugins() {
     let (code, said) = asked(&[&save[..], &["--plugin", plugin]].concat());
     assert_eq!(code, 0, "{said}");
     // nothing is a regression that is longer by less than ten times
-    let check = ["check", "-b", "base", "--rounds", "2", "-t", "900", "--all", "--busiest", "100"];
+    let check =
+        ["check", "-b", "base", "--rounds", "2", "-t", "900%", "--all", "--busiest", "100%"];
     let (code, said) = asked(&[&check[..], &["--plugin", plugin]].concat());
     assert!(code == 0 && said.contains("minimal-cpp"), "{code} {said}");
     let (code, said) = asked(&check);

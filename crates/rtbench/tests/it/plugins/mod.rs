@@ -4,6 +4,7 @@
 mod by_files;
 mod everywhere;
 mod foreign;
+mod in_turns;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
