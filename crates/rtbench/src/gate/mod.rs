@@ -8,6 +8,8 @@ pub mod annotations;
 pub mod answers;
 mod columns;
 pub mod comparable;
+// programs by their places, rows by theirs
+#[allow(clippy::indexing_slicing)]
 pub mod contest;
 pub mod counters;
 mod error;

@@ -124,6 +124,8 @@ fn in_run(
     time: &str,
 ) -> Result<Change, Untested> {
     let RowPair { scenes, rows } = *row;
+    let [before, now] = rows;
+    let both = |metric: &str| [values(metric, scenes[0], before), values(metric, scenes[1], now)];
     let is_across = matches!(evidence.times, Times::InRun { across_processors: true, .. });
     let processors = other_processor(&evidence.base.machine, &evidence.now.machine);
     if let Some(processors) = processors.filter(|_| !is_across) {
@@ -135,11 +137,9 @@ fn in_run(
     if rows.iter().any(|row| row.is_reference) {
         return Err(Untested::Reference);
     }
-    long_enough(
-        [0, 1].map(|i| median(values(time, scenes[i], rows[i]).values())),
-        evidence.thresholds.shortest,
-    )?;
-    let [before, now] = [0, 1].map(|i| values(ratio, scenes[i], rows[i]));
+    let seconds = both(time).map(|series| median(series.values()));
+    long_enough(seconds, evidence.thresholds.shortest)?;
+    let [before, now] = both(ratio);
     let change = Change::of_series(&before, &now).filter(|change| change.ratio.is_some());
     change.ok_or_else(|| {
         Untested::Because(format!("{} rounds against {} are too few", now.len(), before.len()))

@@ -122,7 +122,7 @@ mod tests {
         assert!(few.heading().contains("least and the largest of 3"), "{}", few.heading());
         let table = Table {
             header: vec!["structure", RATIO],
-            rows: vec![vec!["a".into(), "0.51 [0.50, 0.52]".into()]],
+            rows: vec![["a", "0.51 [0.50, 0.52]"].map(|text| text.to_owned().into()).into()],
             notes: vec!["; not significantly different: b".into()],
             ..Table::default()
         };
