@@ -63,6 +63,8 @@ pub trait Scalar:
     /// Components below this part of the longest one are too small for triangle tests: their
     /// products with lengths in a served scene may be subnormal numbers, of few digits.
     const LEAST_SLOPE: Self;
+    /// Sums of products of coordinates below this may be subnormal numbers, of few digits.
+    const LEAST_DETERMINANT: Self;
 
     /// Rounds to nearest.
     fn from_f64(x: f64) -> Self;
@@ -155,7 +157,7 @@ pub trait Vector<S: Scalar>:
 macro_rules! scalar {
     (
         $s:ty, $v:ty, $four:ty, $eight:ty, $name:literal, $mantissa_bits:literal, $exponents:expr,
-        $longest:literal, $least_slope:literal
+        $longest:literal, $least_slope:literal, $least_determinant:literal
     ) => {
         impl Scalar for $s {
             type Vec3 = $v;
@@ -169,6 +171,7 @@ macro_rules! scalar {
             const SCENE_EXPONENTS: [i32; 2] = $exponents;
             const DIRECTION_LENGTHS: [Self; 2] = [1.0 / $longest, $longest];
             const LEAST_SLOPE: Self = $least_slope;
+            const LEAST_DETERMINANT: Self = $least_determinant;
 
             #[inline(always)]
             fn from_f64(x: f64) -> Self {
@@ -271,8 +274,8 @@ macro_rules! scalar {
     };
 }
 
-scalar!(f32, glam::Vec3, wide::f32x4, wide::f32x8, "f32", 23, [-30, 32], 1e18, 1e-20);
-scalar!(f64, glam::DVec3, wide::f64x4, wide::f64x8, "f64", 52, [-240, 240], 1e140, 1e-220);
+scalar!(f32, glam::Vec3, wide::f32x4, wide::f32x8, "f32", 23, [-30, 32], 1e18, 1e-20, 1e-30);
+scalar!(f64, glam::DVec3, wide::f64x4, wide::f64x8, "f64", 52, [-240, 240], 1e140, 1e-220, 1e-290);
 
 /// Four lanes of a scalar.
 pub type FourOf<S> = <S as Scalar>::Four;

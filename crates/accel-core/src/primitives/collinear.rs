@@ -31,7 +31,7 @@ pub(super) fn without_sliver<S: Scalar>(corners: [[S; 3]; 3]) -> [[S; 3]; 3] {
     }
 }
 
-/// Whether all points lie on one line; decided exactly unless products of coordinates underflow.
+/// Whether all points lie on one line; decided exactly.
 pub(super) fn are_collinear(points: &[DVec3]) -> bool {
     let Some((&a, rest)) = points.split_first() else { return true };
     let Some(&b) = rest.iter().find(|&&p| p != a) else { return true };
@@ -45,8 +45,10 @@ fn is_on_line(a: DVec3, b: DVec3, c: DVec3) -> bool {
     if u.cross(v).length_squared() > 1e-24 * u.length_squared() * v.length_squared() {
         return false;
     }
+    // by powers of two along each axis: products of small coordinates do not underflow
+    let unit = a.abs().max(b.abs()).max(c.abs()).to_array().map(f64::to_unit_size);
     [(0, 1), (1, 2), (2, 0)].into_iter().all(|(x, y)| {
-        let flat = |p: DVec3| Coord { x: p[x], y: p[y] };
+        let flat = |p: DVec3| Coord { x: p[x] * unit[x], y: p[y] * unit[y] };
         orient2d(flat(a), flat(b), flat(c)) == 0.0
     })
 }
@@ -68,6 +70,11 @@ mod tests {
         }
         assert!(are_collinear(&[]) && are_collinear(&[along; 4]));
         assert!(!are_collinear(&[DVec3::ZERO, DVec3::X, DVec3::Y]));
+        for size in [1e-150, 1e-170, 1e-300, 1e200] {
+            let corner = |x: f64, y: f64| dvec3(x * size, y * size, 0.5);
+            assert!(!are_collinear(&[corner(0.0, 0.0), corner(1.0, 0.0), corner(0.3, 1e-3)]));
+            assert!(are_collinear(&[corner(0.0, 0.0), corner(1.0, 2.0), corner(0.5, 1.0)]));
+        }
     }
 
     #[test]

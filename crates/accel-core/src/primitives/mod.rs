@@ -7,6 +7,7 @@
 
 pub(crate) mod block_tests;
 pub(crate) mod blocks;
+mod chord;
 mod collinear;
 mod cone;
 mod confirmed_copies;

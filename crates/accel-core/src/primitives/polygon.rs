@@ -1,16 +1,23 @@
 //! Planar polygons with any number of vertices, concave ones too, two-sided.
 //!
-//! The crossing test runs in the sheared space of the watertight triangle test (see
-//! `triangle.rs`): whether a ray passes left or right of an edge depends on that edge's two
-//! vertices alone, so polygons that share an edge leave no gap. Inside is even-odd (M. Shimrat,
-//! "Algorithm 112: Position of point relative to polygon", CACM 5(8), 1962).
+//! The crossing test runs in the sheared space of the watertight triangle test (see `triangle.rs`).
+//! On which side of an edge a ray passes is the exact sign of a determinant of two sheared vertices,
+//! which depend on the vertex and the ray alone. So the neighbours of an edge decide it alike,
+//! whatever their winding, and a triangle beside a polygon does so too: no ray passes between them.
+//! Inside is even-odd (M. Shimrat, "Algorithm 112: Position of point relative to polygon", CACM
+//! 5(8), 1962): an edge that is passed twice, as of a bridge to a hole, counts for nothing.
+//!
+//! Where a polygon is seen nearly edge-on, or is not planar, the parameter of its plane may be that
+//! of a point far off. It is bounded then by the outline: see `chord.rs`.
 
 use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::primitives::chord::Chord;
 use crate::primitives::collinear::are_collinear;
+use crate::primitives::precise::Sheared;
 use crate::primitives::shear::Shear;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::watertight::edge_function;
@@ -19,6 +26,10 @@ use crate::primitives::watertight::edge_function;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct TooFewVertices(pub usize);
 
+/// By how many epsilons of a ray's distance on an axis the numerator of a plane's parameter is off,
+/// unless every rounding is at its worst at once.
+const PLANE_ULPS: f64 = 1.5;
+
 /// A polygon's plane and where its vertices are.
 #[derive(Debug, Clone, Copy)]
 pub struct Polygon<S: Scalar> {
@@ -26,6 +37,9 @@ pub struct Polygon<S: Scalar> {
     pub normal: Vec3<S>,
     /// A point of the plane.
     anchor: Vec3<S>,
+    /// How steeply a ray must meet the plane for its parameter to be precise: see
+    /// [`Polygon::is_grazed`].
+    least_slope: S,
     first: u32,
     count: u32,
     bounds: Aabb<S>,
@@ -50,13 +64,19 @@ impl<S: Scalar> Polygon<S> {
         let rounded: Vec<_> =
             vertices.iter().map(|&v| Vec3::<S>::from_dvec3(v).to_dvec3()).collect();
         let normal = if are_collinear(&rounded) { DVec3::ZERO } else { newell_normal(vertices) };
-        Ok(Self {
+        let polygon = Self {
             normal: Vec3::<S>::from_dvec3(normal),
             anchor: Vec3::<S>::from_dvec3(vertices[0]),
+            least_slope: S::ZERO,
             first,
             count: vertices.len() as u32,
             bounds,
-        })
+        };
+        let epsilon = S::EPSILON.to_f64();
+        let ulp = epsilon * bounds.magnitude().to_f64();
+        let off_plane = polygon.off_plane(store).max(0.0) / ulp.max(f64::MIN_POSITIVE);
+        let least_slope = S::from_f64((PLANE_ULPS + off_plane) / (200.0 * epsilon));
+        Ok(Self { least_slope, ..polygon })
     }
 
     /// The hit with the plane if it lies in `[ray.t_min, t_max]` and inside the outline.
@@ -68,20 +88,64 @@ impl<S: Scalar> Polygon<S> {
         shear: &Shear<S>,
         t_max: S,
     ) -> Option<S> {
-        let denominator = self.normal.dot(ray.direction);
-        let t = self.normal.dot(self.anchor - ray.origin) / denominator;
-        // also refuses NaN (0/0: the ray lies in the plane) and infinities
-        if !(t >= ray.t_min && t <= t_max && t.is_finite()) {
+        let along = self.normal.dot(ray.direction);
+        let t = self.normal.dot(self.anchor - ray.origin) / along;
+        let is_within = t >= ray.t_min && t <= t_max;
+        let is_grazed = self.is_grazed(along, shear);
+        if !(is_within || is_grazed) {
             return None;
         }
-        let any;
-        let shear = if shear.is_too_small() {
-            any = Shear::of_any(ray, shear.fine);
-            &any
-        } else {
-            shear
-        };
-        encloses_axis(self.outline(store), shear).then_some(t)
+        let is_small = shear.is_too_small();
+        if !(is_small || encloses_axis(self.outline(store), shear)) {
+            return None;
+        }
+        if !(is_small || is_grazed) {
+            return Some(t);
+        }
+        let t = self.bounded_hit(store, ray, shear, (!is_grazed).then_some(t))?;
+        (t >= ray.t_min && t <= t_max).then_some(t)
+    }
+
+    /// Whether the parameter of the plane may be that of a point outside of the padded bounds.
+    ///
+    /// It is off by the rounding of the numerator, [`PLANE_ULPS`] of the distance of the
+    /// origin on an axis from the farthest vertex, over the cosine of ray and normal; and what
+    /// vertices lie off the plane is enlarged likewise. That is compared with 40 ulps of the scene's
+    /// largest coordinate. NaN, in the plane or without a normal, is grazing.
+    #[inline(always)]
+    fn is_grazed(&self, along: S, shear: &Shear<S>) -> bool {
+        let slope = (along * shear.depth_scale()).abs() * shear.fine;
+        // 20 epsilons are in `near`, and 4 magnitudes in `fine`
+        let is_steep = slope >= self.least_slope * shear.near;
+        !is_steep
+    }
+
+    /// Where the ray meets a polygon that is grazed or seen by a ray with components too small for
+    /// the scalar; `plane` is the parameter of its plane, if that is precise.
+    #[cold]
+    #[inline(never)]
+    fn bounded_hit(
+        &self,
+        store: &[[S; 3]],
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        plane: Option<S>,
+    ) -> Option<S> {
+        if self.normal == Vec3::<S>::splat(S::ZERO) {
+            return None;
+        }
+        let sheared = Sheared::by(ray, shear);
+        let chord = Chord::of(self.outline(store).iter().map(|v| sheared.vertex(v)))?;
+        if plane.is_some() {
+            return plane;
+        }
+        let normal = self.normal.to_dvec3();
+        let distance = normal.dot(self.anchor.to_dvec3() - ray.origin.to_dvec3());
+        let plane = distance / normal.dot(ray.direction.to_dvec3());
+        let scale = shear.depth_scale().to_f64();
+        // the rounding of sheared vertices: 4 of the 20 epsilons in `near`
+        let rounding = if shear.is_too_small() { 0.0 } else { shear.near.to_f64() / 5.0 };
+        Some(S::from_f64(chord.depth_near(plane / scale, rounding) * scale))
     }
 
     /// Smallest and largest dot product of `direction` with a point of the outline, or with one of
@@ -125,32 +189,62 @@ impl<S: Scalar> Polygon<S> {
 /// Even-odd crossing test of the sheared outline around the ray.
 #[inline(always)]
 fn encloses_axis<S: Scalar>(outline: &[[S; 3]], shear: &Shear<S>) -> bool {
-    let Some(last) = outline.last() else { return false };
-    let mut inside = false;
-    let mut p = shear.apply(last);
-    for v in outline {
+    let Some((first, others)) = outline.split_first() else { return false };
+    let first = shear.apply(first);
+    let (mut inside, mut p) = (false, first);
+    for v in others {
         let q = shear.apply(v);
-        if (p[1] > S::ZERO) != (q[1] > S::ZERO) {
-            // the edge crosses the x axis; is the crossing at x > 0?
-            let side = edge_function(p[0], q[1], q[0], p[1]);
-            if (side > S::ZERO) == (q[1] > p[1]) {
-                inside = !inside;
-            }
-        }
+        inside ^= passes_right(&p, &q);
         p = q;
     }
-    inside
+    inside ^ passes_right(&p, &first)
+}
+
+/// Whether an edge crosses the x axis at x > 0: exactly there, whatever its direction, since its
+/// neighbours must not both refuse it.
+#[inline(always)]
+fn passes_right<S: Scalar>(p: &[S; 3], q: &[S; 3]) -> bool {
+    if (p[1] > S::ZERO) == (q[1] > S::ZERO) {
+        return false;
+    }
+    let side = edge_function(p[0], q[1], q[0], p[1]);
+    side != S::ZERO && (side > S::ZERO) == (q[1] > p[1])
 }
 
 /// The unit normal by Newell's method (sum of cross products); zero when there is no area.
+///
+/// Parts of an outline that crosses itself may cancel in that sum: where little of it is left, the
+/// normal is that of a large triangle of vertices.
 pub fn newell_normal(vertices: &[glam::DVec3]) -> glam::DVec3 {
     let mut normal = glam::DVec3::ZERO;
+    let mut area = 0.0;
     let Some(&origin) = vertices.first() else { return normal };
+    // by a power of two: products of what is small do not underflow
+    let size = vertices.iter().map(|v| (*v - origin).abs().max_element()).fold(0.0, f64::max);
+    let unit = size.to_unit_size();
+    let far = |v: DVec3| (v - origin) * unit;
     for (i, &p) in vertices.iter().enumerate() {
         let q = vertices[(i + 1) % vertices.len()];
-        normal += (p - origin).cross(q - origin);
+        let part = far(p).cross(far(q));
+        normal += part;
+        area += part.length();
+    }
+    if normal.length() <= CANCELLED * area {
+        normal = largest_triangle(vertices.iter().map(|&v| far(v)), normal);
     }
     normal.normalize_or_zero()
+}
+
+/// What of a sum of cross products is left where it says nothing, over the sum of their lengths.
+const CANCELLED: f64 = 1e-6;
+
+/// The cross product of the longest of these vectors and the one farthest from its line; it points to
+/// the side of `likely` if that is known.
+fn largest_triangle(far: impl Iterator<Item = DVec3> + Clone, likely: DVec3) -> DVec3 {
+    let by_length = |a: &DVec3, b: &DVec3| a.length_squared().total_cmp(&b.length_squared());
+    let longest = far.clone().max_by(by_length).unwrap_or(DVec3::ZERO);
+    let normal = far.map(|v| longest.cross(v)).max_by(by_length).unwrap_or(DVec3::ZERO);
+    if normal.dot(likely) < 0.0 { -normal } else { normal }
 }
 
 #[cfg(test)]

@@ -183,7 +183,7 @@ mod tests {
 
     #[test]
     fn a_bent_polygon_reaches_as_far_as_its_plane() {
-        // hits lie on the plane, which these corners leave by a hundredth on both sides
+        // hits lie between the corners or on the plane, which those leave by a hundredth
         let corner = |x: f64, y: f64, z: f64| dvec3(x, y, x + y + z);
         let bent = [
             corner(0.0, 0.0, 0.01),

@@ -218,7 +218,9 @@ impl<S: Scalar> TriangleBlock<S> {
         let square = largest * largest;
         let [of_u, of_v, of_w] = products.map(|[p, q]| p.absolute() + q.absolute());
         let terms = of_u.greater(of_v).greater(of_w);
-        let suffice = (terms * largest).below(splat(shear.fine) * det.absolute());
+        let size = det.absolute();
+        let suffice = (terms * largest).below(splat(shear.fine) * size)
+            & splat(S::LEAST_DETERMINANT).at_most(size);
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * splat(shear.depth_scale()) / det;
         // NaN fails all comparisons

@@ -27,6 +27,7 @@ mod octree_and_kd_tree;
 mod out_of_scale;
 mod packets;
 mod planes_of_cells;
+mod polygons;
 mod recursive_grid;
 /// Scenes and rays that unit tests have, too. They name what they need as seen from the crate.
 #[path = "../../src/structures/test_scenes.rs"]
