@@ -1,12 +1,16 @@
 //! Truncated cones and cylinders without caps, one-sided as NFF has them.
 //!
-//! The surface is F(p) = |p_perp|^2 - r(z)^2 = 0 with r(z) = r0 + k z along the unit axis. Along a
-//! ray F is a quadratic A t^2 + 2 B t + C. A hit from outside is where F falls, F' = 2 (A t + B)
-//! < 0, and of the two roots that is always `(-B - sqrt(B^2 - A C)) / A`, whatever the sign of A:
-//! so one root answers a one-sided cone. The ray is first moved to the point nearest to the
-//! cone's middle, which keeps the digits of far origins.
-//! (The quadratic is standard; see e.g. A. Glassner (ed.), An Introduction to Ray Tracing, 1989,
-//! chapter 2. The choice of root is ours.)
+//! The surface is F(p) = (cos |p_perp|)^2 - (cos r0 + sin z)^2 = 0 along the unit axis, by the cosine
+//! and sine of the angle between axis and surface: so a flat cone has no steep slope. Along a ray F
+//! is a quadratic A t^2 + 2 B t + C. A hit from outside is where F falls, F' = 2 (A t + B) < 0, and of
+//! the two roots that is always `(-B - sqrt(B^2 - A C)) / A`, whatever the sign of A: so one root
+//! answers a one-sided cone. (The quadratic is standard; see e.g. A. Glassner (ed.), An Introduction
+//! to Ray Tracing, 1989, chapter 2. The choice of root is ours.)
+//!
+//! The ray is first moved to its point nearest to the axis, which keeps the digits of far origins
+//! and of thin cylinders; a ray along the axis no further than to an end. B^2 - A C is computed as
+//! `cos^2 (|p_perp A' - d_perp B'|^2 - cos^2 |d_perp x p_perp|^2)`, A' and B' being how the second
+//! square changes and begins: differences of what is small near the surface.
 
 use glam::DVec3;
 
@@ -27,11 +31,14 @@ pub struct Cone<S: Scalar> {
     length: S,
     base_radius: S,
     apex_radius: S,
-    /// Change of radius per unit along the axis.
-    slope: S,
+    /// Of the angle between the axis and the surface.
+    cosine: S,
+    sine: S,
     /// A hit so far beyond an end still counts: rounding must leave no crack where two parts of a
     /// pillar meet.
     rim: S,
+    /// Rays whose square of the distance from the axis is larger are a miss.
+    reach: S,
     /// The inside is visible instead of the outside.
     inside_out: bool,
 }
@@ -43,18 +50,23 @@ impl<S: Scalar> Cone<S> {
         let axis = apex - base;
         let length = axis.length();
         let unit = if length > 0.0 { axis / length } else { glam::DVec3::Z };
-        let slope =
-            if length > 0.0 { (apex_radius.abs() - base_radius.abs()) / length } else { 0.0 };
-        let size = base.abs().max_element().max(apex.abs().max_element())
-            + base_radius.abs().max(apex_radius.abs());
+        let change = apex_radius.abs() - base_radius.abs();
+        let side = length.hypot(change);
+        let (cosine, sine) = if length > 0.0 { (length / side, change / side) } else { (1.0, 0.0) };
+        let radius = base_radius.abs().max(apex_radius.abs());
+        let size = base.abs().max_element().max(apex.abs().max_element()) + radius;
+        let rim = S::EPSILON.to_f64() * RIM_ULPS * size;
         Self {
-            rim: S::from_f64(S::EPSILON.to_f64() * RIM_ULPS * size),
+            rim: S::from_f64(rim),
+            // twice the square: room for what rounding adds to the radius
+            reach: S::from_f64(2.0 * (radius + rim) * (radius + rim)),
             base: Vec3::<S>::from_dvec3(base),
             axis: Vec3::<S>::from_dvec3(unit),
             length: S::from_f64(length),
             base_radius: S::from_f64(base_radius.abs()),
             apex_radius: S::from_f64(apex_radius.abs()),
-            slope: S::from_f64(slope),
+            cosine: S::from_f64(cosine),
+            sine: S::from_f64(sine),
             inside_out: base_radius + apex_radius < 0.0,
         }
     }
@@ -67,23 +79,48 @@ impl<S: Scalar> Cone<S> {
         }
         let d = ray.direction;
         let w = self.axis;
-        let half = S::from_f64(0.5);
-        let middle = self.base + w * (self.length * half);
-        let shift = (middle - ray.origin).dot(d) / d.dot(d);
-        let m = ray.at(shift) - self.base;
+        let m = ray.origin - self.base;
         let (dz, mz) = (d.dot(w), m.dot(w));
         let d_perp = d - w * dz;
         let m_perp = m - w * mz;
-        let dr = self.slope * dz;
-        let r = self.base_radius + self.slope * mz;
-        let a = d_perp.dot(d_perp) - dr * dr;
-        let b = m_perp.dot(d_perp) - dr * r;
-        let c = m_perp.dot(m_perp) - r * r;
-        let discriminant = b * b - a * c;
+        let dd = d_perp.dot(d_perp);
+        let md = m_perp.dot(d_perp);
+        let nearest = -md / dd;
+        let mm = m_perp.dot(m_perp);
+        let rounding = (mm + mz * mz) * (S::from_f64(16.0) * S::EPSILON);
+        // NaN, along the axis, fails the comparison
+        if mm + md * nearest - rounding > self.reach {
+            return None;
+        }
+        let shift = if dz * dz > dd {
+            let z = (mz + dz * nearest).greater(S::ZERO).lesser(self.length);
+            (z - mz) / dz
+        } else {
+            nearest
+        };
+        let t = self.intersect_near(ray.at(shift) - self.base, d_perp, dd, dz)? + shift;
+        (t >= ray.t_min && t <= t_max).then_some(t)
+    }
+
+    /// The parameter of the hit of a ray that begins at `m` from the base, near the cone; `d_perp` is
+    /// its direction across the axis, `dd` the square of that, `dz` its direction along the axis.
+    #[inline(always)]
+    fn intersect_near(&self, m: Vec3<S>, d_perp: Vec3<S>, dd: S, dz: S) -> Option<S> {
+        let mz = m.dot(self.axis);
+        let m_perp = m - self.axis * mz;
+        let (mm, md) = (m_perp.dot(m_perp), m_perp.dot(d_perp));
+        let square = self.cosine * self.cosine;
+        let dr = self.sine * dz;
+        let r = self.cosine * self.base_radius + self.sine * mz;
+        let between = m_perp * dr - d_perp * r;
+        let discriminant = between.dot(between) - square * (dd * mm - md * md);
         if discriminant < S::ZERO {
             return None;
         }
-        let root = discriminant.sqrt();
+        let a = square * dd - dr * dr;
+        let b = square * md - dr * r;
+        let c = square * mm - r * r;
+        let root = self.cosine * discriminant.sqrt();
         // the falling root (outside) or the rising one (inside), each in the form that does not
         // cancel
         let t = if self.inside_out {
@@ -94,9 +131,33 @@ impl<S: Scalar> Cone<S> {
             -(b + root) / a
         };
         let z = mz + dz * t;
-        let inside = z >= -self.rim && z <= self.length + self.rim && r + dr * t >= S::ZERO;
-        let t = t + shift;
-        (inside && t >= ray.t_min && t <= t_max).then_some(t)
+        // NaN fails the comparisons
+        if !(z >= -self.rim && z <= self.length + self.rim) {
+            return None;
+        }
+        // where a ray runs along the surface a root is noise: the place must be on the cone, too
+        let place = m_perp + d_perp * t;
+        let from_axis = place.dot(place);
+        let radius = r + dr * t;
+        let most = (radius + self.rim).greater(S::ZERO);
+        if square * from_axis > most * most {
+            return None;
+        }
+        if self.sine.abs() <= self.cosine {
+            return (radius >= S::ZERO).then_some(t);
+        }
+        // the radius of a flat cone by its root: its change along the axis says nothing
+        let root = if self.inside_out { -discriminant.sqrt() } else { discriminant.sqrt() };
+        let radius = (self.cosine * (r * dd - dr * md) - dr * root) / a;
+        (radius >= S::ZERO && self.is_between_radii(from_axis)).then_some(t)
+    }
+
+    /// Whether a square of a distance from the axis lies between those of the two ends.
+    #[inline(always)]
+    fn is_between_radii(&self, square: S) -> bool {
+        let least = self.base_radius.lesser(self.apex_radius) - self.rim;
+        let most = self.base_radius.greater(self.apex_radius) + self.rim;
+        square <= most * most && (least <= S::ZERO || square >= least * least)
     }
 
     /// Smallest and largest dot product of `direction` with a point of the two discs at the ends.
@@ -201,6 +262,146 @@ mod tests {
             let (a, b) = (c64.intersect(&r, 9.0).unwrap(), c32.intersect(&r32, 9.0).unwrap());
             assert!((a - f64::from(b)).abs() < 1e-6, "{far}: {a} {b}");
         }
+    }
+
+    /// The distance of a point from the axis less the radius there, and how far beyond an end it is.
+    fn off(base: DVec3, apex: DVec3, radii: [f64; 2], p: DVec3) -> (f64, f64) {
+        let axis = apex - base;
+        let z = (p - base).dot(axis) / axis.length_squared();
+        let from_axis = (p - base - axis * z).length();
+        let normal = axis.length() / axis.length().hypot(radii[1] - radii[0]);
+        let off = (from_axis - radii[0] - (radii[1] - radii[0]) * z) * normal;
+        (off, (z - 1.0).max(-z) * axis.length())
+    }
+
+    /// The test as it was: the ray begins at its point nearest to the middle.
+    fn from_the_middle<S: Scalar>(c: &Cone<S>, ray: &Ray<S>) -> Option<S> {
+        let (d, w) = (ray.direction, c.axis);
+        let middle = c.base + w * (c.length * S::from_f64(0.5));
+        let shift = (middle - ray.origin).dot(d) / d.dot(d);
+        let m = ray.at(shift) - c.base;
+        let (dz, mz) = (d.dot(w), m.dot(w));
+        let (d_perp, m_perp) = (d - w * dz, m - w * mz);
+        let slope = c.sine / c.cosine;
+        let (dr, r) = (slope * dz, c.base_radius + slope * mz);
+        let a = d_perp.dot(d_perp) - dr * dr;
+        let b = m_perp.dot(d_perp) - dr * r;
+        let e = m_perp.dot(m_perp) - r * r;
+        let discriminant = b * b - a * e;
+        if discriminant < S::ZERO {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        let t = if b < S::ZERO { e / (root - b) } else { -(b + root) / a };
+        let z = mz + dz * t;
+        let is_on = z >= -c.rim && z <= c.length + c.rim && r + dr * t >= S::ZERO;
+        is_on.then_some(t + shift)
+    }
+
+    /// Of rays at a cone: those missed that pass well within it, and those hit where it is not, by the
+    /// test and as it was.
+    fn wrong<S: Scalar>(radii: [f64; 2], length: f64) -> [usize; 2] {
+        let mut random = crate::structures::test_scenes::Random(17);
+        let mut counts = [0; 2];
+        for _ in 0..3000 {
+            let mut point = || random.point([2.0; 3]) - DVec3::ONE;
+            let base = Vec3::<S>::from_dvec3(point() * 3.0).to_dvec3();
+            let apex = base + (point() + DVec3::splat(1e-3)).normalize() * length;
+            let cone = Cone::<S>::new(base, radii[0], apex, radii[1]);
+            let [base, apex] = cone.discs().map(|(center, _)| center);
+            let axis = (apex - base).normalize();
+            let at = random.unit() * 0.98 + 0.01;
+            let radius = radii[0] + (radii[1] - radii[0]) * at;
+            let (x, y) = axis.any_orthonormal_pair();
+            let (sin, cos) = (random.unit() * std::f64::consts::TAU).sin_cos();
+            let out = (x * cos + y * sin) * radius;
+            let flat = (radii[1] - radii[0]) / length;
+            let normal = (out.normalize() - axis * flat).normalize();
+            // to a point of the surface, not too flatly, from outside
+            let target = base.lerp(apex, at) + out;
+            let side = (random.point([2.0; 3]) - DVec3::ONE) * 0.45;
+            let way = (normal + side).normalize() * (1.0 + length * random.unit());
+            let origin = Vec3::<S>::from_dvec3(target + way);
+            let ray = Ray::<S>::new(origin, Vec3::<S>::from_dvec3(target) - origin);
+            let size = target.abs().max_element() + way.length() + length + radii[0].max(radii[1]);
+            let tolerance = 24.0 * S::EPSILON.to_f64() * size;
+            let is_wrong = |t: Option<S>| {
+                let Some(t) = t else { return true };
+                let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * t.to_f64();
+                let (off, beyond) = off(base, apex, radii, p);
+                off.abs() > tolerance || beyond > tolerance || (p - target).length() > 0.1 * size
+            };
+            counts[0] += usize::from(is_wrong(cone.intersect(&ray, S::INFINITY)));
+            counts[1] += usize::from(is_wrong(from_the_middle(&cone, &ray)));
+        }
+        counts
+    }
+
+    #[test]
+    fn slender_and_flat_cones_are_hit_where_they_are() {
+        let shapes = [
+            ([0.5, 0.5], 50.0),
+            ([0.01, 0.01], 10.0),
+            ([0.01, 0.01], 100.0),
+            ([0.02, 0.005], 100.0),
+            ([0.01, 0.01], 1000.0),
+            ([1.0, 0.2], 0.01),
+            ([1.0, 0.2], 1e-5),
+            ([0.3, 1.0], 1e-5),
+            ([1.0, 0.5], 1e-9),
+            ([1.0, 1.0], 1e-3),
+        ];
+        let mut before = 0;
+        for (radii, length) in shapes {
+            let [single, double] = [wrong::<f32>(radii, length), wrong::<f64>(radii, length)];
+            assert_eq!([single[0], double[0]], [0; 2], "{radii:?} {length}");
+            before += single[1] + double[1];
+        }
+        assert!(before > 500, "planted: {before}");
+    }
+
+    /// How far hits of any rays lie outside of their cone's bounds, in epsilons of the largest
+    /// coordinate; among them rays along the surface, across it, along the axis and nearly so.
+    fn most_outside<S: Scalar>(test: impl Fn(&Cone<S>, &Ray<S>) -> Option<S>) -> f64 {
+        let mut random = crate::structures::test_scenes::Random(23);
+        let (mut hits, mut most) = (0, 0.0f64);
+        for i in 0..30_000 {
+            let mut signed = || random.point([2.0; 3]) - DVec3::ONE;
+            let length = [1e-9, 1e-5, 1e-3, 0.1, 1.0, 10.0, 100.0][i % 7];
+            let axis = (signed() + DVec3::splat(1e-3)).normalize();
+            let base = signed() * [0.0, 1.0, 10.0][i % 3];
+            let [r0, r1] = [signed().x.abs(), signed().x.abs()].map(|r| r * [0.01, 1.0][i % 2]);
+            let sign = if i % 5 == 0 { -1.0 } else { 1.0 };
+            let cone = Cone::<S>::new(base, r0 * sign, base + axis * length, r1 * sign);
+            let bounds = cone.bounds();
+            let (lo, hi, size) =
+                (bounds.min.to_dvec3(), bounds.max.to_dvec3(), bounds.magnitude().to_f64());
+            let off = signed() * [0.0, 1e-7, 1e-4, 1e-2][i / 7 % 4];
+            let (x, y) = axis.any_orthonormal_pair();
+            let [turn, at] = [random.unit() * std::f64::consts::TAU, random.unit()];
+            let (out, around) = (x * turn.cos() + y * turn.sin(), y * turn.cos() - x * turn.sin());
+            let along = (axis * length + out * (r1 - r0)).normalize();
+            let target = base + axis * (length * at) + out * (r0 + (r1 - r0) * at);
+            let way = [along, along + around * 0.3, axis, around, out][i % 5] + off;
+            let origin = target - way * (1.0 + length).min(size);
+            let ray = Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(way));
+            if let Some(t) = test(&cone, &ray) {
+                let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * t.to_f64();
+                most = most.max((lo - p).max(p - hi).max_element() / size / S::EPSILON.to_f64());
+                hits += 1;
+            }
+        }
+        assert!(hits > 5000, "{hits}");
+        most
+    }
+
+    #[test]
+    fn hits_lie_within_bounds() {
+        let ours = most_outside::<f32>(|cone, ray| cone.intersect(ray, f32::INFINITY));
+        let wide = most_outside::<f64>(|cone, ray| cone.intersect(ray, f64::INFINITY));
+        assert!(ours < 20.0 && wide < 20.0, "{ours} {wide}");
+        let planted = most_outside::<f32>(from_the_middle);
+        assert!(planted > 1000.0, "{planted}");
     }
 
     #[test]
