@@ -4,8 +4,8 @@
 //! A ray that starts a thousand scene sizes away has lost the digits that tell cells apart, and
 //! every structure would lose them in a way of its own. So its origin is first moved along the ray
 //! to just before the scene, once, for all structures and the brute-force oracle alike; a ray that
-//! passes the scene at a distance, or leaves it, is a miss at once. (Our own remedy; the loss is
-//! case R6 of the hard cases.)
+//! passes the scene at a distance, or whose interval does, is a miss at once. (Our own remedy; the loss is
+//! case R6 of the hard cases.) Its interval becomes the parameters that are told as ones within it.
 //!
 //! A direction so long or so short that its reciprocal, or a parameter, loses digits to subnormal
 //! numbers or overflows is multiplied by a power of two first, and the parameters are divided by
@@ -44,6 +44,45 @@ impl<S: Scalar> Parameters<S> {
     pub fn restored(&self, t: S) -> S {
         (t + self.smaller_by) * self.factor
     }
+
+    /// The least and the largest parameter that are restored to one within the interval. Far away
+    /// many are restored to the same: what is hit at a parameter that was told is hit again in an
+    /// interval that begins or ends there.
+    fn interval(&self, t_min: S, t_max: S) -> [S; 2] {
+        let first = if t_min == -S::INFINITY { t_min } else { self.least(t_min, |t| t >= t_min) };
+        let last = if t_max == S::INFINITY {
+            t_max
+        } else {
+            self.least(t_max.next_up(), |t| t > t_max).next_down()
+        };
+        [first, last]
+    }
+
+    /// The least parameter whose restored one meets a condition, which holds from `from` on.
+    fn least(&self, from: S, holds: impl Fn(S) -> bool) -> S {
+        let guess = from * (S::ONE / self.factor) - self.smaller_by;
+        let is_met = |t: S| holds(self.restored(t));
+        if is_met(guess) && !is_met(guess.next_down()) {
+            return guess;
+        }
+        let of = |key: i128| S::from_f64(from_key(key as i64));
+        let [mut low, mut high] = [-f64::INFINITY, f64::INFINITY].map(|x| i128::from(to_key(x)));
+        while high - low > 1 {
+            let middle = low.midpoint(high);
+            *(if is_met(of(middle)) { &mut high } else { &mut low }) = middle;
+        }
+        of(high)
+    }
+}
+
+/// Whole numbers in the order of floating-point ones.
+fn to_key(x: f64) -> i64 {
+    let bits = x.to_bits() as i64;
+    bits ^ (((bits >> 63) as u64) >> 1) as i64
+}
+
+fn from_key(key: i64) -> f64 {
+    f64::from_bits((key ^ (((key >> 63) as u64) >> 1) as i64) as u64)
 }
 
 /// Origins within this many magnitudes of the scene on every axis are near.
@@ -100,64 +139,46 @@ fn has_common_length<S: Scalar>(ray: &Ray<S>) -> bool {
 #[cold]
 #[inline(never)]
 fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
-    if !(ray.origin.is_finite() && ray.t_min <= ray.t_max) {
-        PlacedRay::Nowhere
-    } else if !has_common_length(ray) {
-        resized(ray, reach)
-    } else {
-        moved(ray, reach)
-    }
-}
-
-fn resized<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     if !ray.is_traceable() {
         return PlacedRay::Nowhere;
     }
-    let factor = ray.unit_factor();
-    let inverse = S::ONE / factor;
-    let common = Ray {
-        direction: ray.direction * factor,
-        t_min: ray.t_min * inverse,
-        t_max: ray.t_max * inverse,
-        ..*ray
+    let factor = if has_common_length(ray) { S::ONE } else { ray.unit_factor() };
+    let common = Ray { direction: ray.direction * factor, ..*ray };
+    let Some((origin, smaller_by)) = moved(&common, reach, factor) else {
+        return PlacedRay::Nowhere;
     };
-    match place(&common, reach) {
-        PlacedRay::Near => PlacedRay::Moved(common, Parameters { factor, ..Parameters::SAME }),
-        PlacedRay::Moved(near, parameters) => {
-            PlacedRay::Moved(near, Parameters { factor, ..parameters })
-        }
-        PlacedRay::Nowhere => PlacedRay::Nowhere,
+    let parameters = Parameters { smaller_by, factor };
+    let [t_min, t_max] = parameters.interval(ray.t_min, ray.t_max);
+    if t_min <= t_max {
+        PlacedRay::Moved(Ray { origin, t_min, t_max, ..common }, parameters)
+    } else {
+        PlacedRay::Nowhere
     }
 }
 
-fn moved<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
+/// Where the ray begins near the scene, and by how much its parameters are smaller there; none where
+/// it passes the scene, or its interval, which is that of its direction over `factor`, does.
+fn moved<S: Scalar>(ray: &Ray<S>, reach: S, factor: S) -> Option<(crate::Vec3<S>, S)> {
+    let [x, y, z] = ray.origin.to_array();
+    if x.abs() <= reach && y.abs() <= reach && z.abs() <= reach {
+        return Some((ray.origin, S::ZERO));
+    }
     // in f64: far origins overflow the squares of f32
     let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
     let length = d.length();
     let unit = d / length;
-    if !unit.is_finite() || unit.length_squared() < 0.5 {
-        return PlacedRay::Near;
-    }
     let along = -o.dot(unit);
     let passing = (o + unit * along).length();
     // the scene lies in a ball of sqrt(3) magnitudes; 2 leaves room for rounding
     let radius = reach.to_f64() * (2.0 / NEAR);
     let slack = along.abs() * S::EPSILON.to_f64() * 4.0;
-    if along <= 0.0 || passing > radius + slack {
-        return PlacedRay::Nowhere;
+    let [first, last] = [ray.t_min, ray.t_max].map(|t| t.to_f64() / factor.to_f64() * length);
+    let room = radius + slack;
+    if passing > room || last < along - room || first > along + room {
+        return None;
     }
     let by = S::from_f64((along - 1.5 * radius) / length);
-    let near = Ray {
-        origin: crate::Vec3::<S>::from_dvec3(o + d * by.to_f64()),
-        direction: ray.direction,
-        t_min: ray.t_min - by,
-        t_max: ray.t_max - by,
-        time: ray.time,
-    };
-    if near.t_min > near.t_max {
-        return PlacedRay::Nowhere;
-    }
-    PlacedRay::Moved(near, Parameters { smaller_by: by, ..Parameters::SAME })
+    Some((crate::Vec3::<S>::from_dvec3(o + d * by.to_f64()), by))
 }
 
 #[cfg(test)]
@@ -204,8 +225,9 @@ mod tests {
                 let mut query = ray([from, 0.0, 0.0], [length, -length, 0.0]);
                 query.t_max = 8.0 / length;
                 if from < -100.0 {
-                    // it must pass near the scene
+                    // it must pass near the scene, and reach it
                     query.origin.y = -from;
+                    query.t_max = f32::INFINITY;
                 }
                 let PlacedRay::Moved(near, parameters) = place(&query, reach) else {
                     panic!("{query:?}")
@@ -223,6 +245,70 @@ mod tests {
         assert!(matches!(place(&zero, reach), PlacedRay::Nowhere));
         let endless = ray([0.0; 3], [f32::INFINITY, 1.0, 0.0]);
         assert!(matches!(place(&endless, reach), PlacedRay::Nowhere));
+    }
+
+    /// What is hit at a parameter lies in every interval that has it, and only there.
+    fn intervals_are_closed<S: Scalar>() {
+        let mut random = Random(21);
+        let reach = reach(S::ONE);
+        let (mut asked, mut shifted) = (0, 0);
+        for i in 0..2000 {
+            let mut point = |size: f64| random.point([2.0 * size; 3]) - glam::DVec3::splat(size);
+            let target = point(0.9);
+            let far = point(1.0) * [1e2, 1e4, 1e6, 1e9][i % 4];
+            let sizes = [1.0, 1.0, 0.3, 1e-25, 1e25, 1e-41].map(|x: f64| x.max(1e-300));
+            let size = sizes[i / 4 % 6];
+            let sign = if i % 3 == 0 { -1.0 } else { 1.0 };
+            let d = Vec3::<S>::from_dvec3((target - far) * (sign * size / far.length()));
+            let mut ray = Ray::new(Vec3::<S>::from_dvec3(far), d);
+            if !ray.is_traceable() {
+                continue;
+            }
+            ray.t_min = -S::INFINITY;
+            let PlacedRay::Moved(near, parameters) = place(&ray, reach) else { continue };
+            let length = near.direction.length().to_f64();
+            let t = S::from_f64((1.5 + 3.0 * random.unit()) / length);
+            let told = parameters.restored(t);
+            if !told.is_finite() {
+                continue;
+            }
+            let holds = |t_min: S, t_max: S| match place(&Ray { t_min, t_max, ..ray }, reach) {
+                PlacedRay::Moved(near, of_part) => {
+                    assert_eq!(of_part.restored(t).to_f64(), told.to_f64());
+                    near.t_min <= t && t <= near.t_max
+                }
+                _ => false,
+            };
+            let [none, all] = [-S::INFINITY, S::INFINITY];
+            assert!(holds(told, told) && holds(none, told) && holds(told, all), "{ray:?} {t}");
+            let [above, below] = [told.next_up(), told.next_down()];
+            assert!(!holds(above, all) && !holds(none, below), "{ray:?} {t}");
+            assert!(holds(below, above), "{ray:?} {t}");
+            // planted fault: the interval moved as the origin is
+            let by = parameters.smaller_by;
+            shifted += usize::from(told * (S::ONE / parameters.factor) - by < t);
+            asked += 1;
+        }
+        assert!(asked > 1000 && shifted > 100, "{} {asked} {shifted}", S::NAME);
+    }
+
+    #[test]
+    fn intervals_hold_the_parameters_that_were_told() {
+        intervals_are_closed::<f32>();
+        intervals_are_closed::<f64>();
+    }
+
+    #[test]
+    fn the_scene_behind_a_far_origin_is_found() {
+        let reach = reach(1.0f32);
+        let mut query = ray([1e6, 0.5, 0.0], [2.0, 0.0, 0.0]);
+        assert!(matches!(place(&query, reach), PlacedRay::Nowhere));
+        query.t_min = -1e6;
+        let PlacedRay::Moved(near, by) = place(&query, reach) else { panic!("not moved") };
+        assert!((near.origin.x + 3.0).abs() < 0.1, "{near:?}");
+        assert!((by.restored(1.5) + 5e5).abs() < 2.0 && near.t_max == f32::INFINITY);
+        query.t_max = -6e5;
+        assert!(matches!(place(&query, reach), PlacedRay::Nowhere));
     }
 
     fn lanes_agree<S: Scalar>() {

@@ -8,6 +8,7 @@ mod contributing;
 mod differential;
 mod duplicates;
 mod edge_on;
+mod far_intervals;
 mod frames;
 mod grids;
 mod instances;
