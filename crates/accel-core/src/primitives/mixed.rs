@@ -139,6 +139,9 @@ impl<S: Scalar> MixedSetBuilder<S> {
     /// # Errors
     /// [`PrimitiveError`].
     pub fn sphere(&mut self, center: glam::DVec3, radius: f64) -> Result<(), PrimitiveError> {
+        if radius < 0.0 {
+            return Err(PrimitiveError::NegativeRadius { id: self.set.order.len() as u32 });
+        }
         let center = Vec3::<S>::from_dvec3(center);
         let sphere = Sphere { center, radius: S::from_f64(radius) };
         self.set.spheres.push(sphere);
@@ -160,9 +163,12 @@ impl<S: Scalar> MixedSetBuilder<S> {
     /// must be the same for all primitives. The last call for a primitive counts.
     ///
     /// # Errors
-    /// [`PrimitiveError`] when its way is not finite.
+    /// [`PrimitiveError`] when its way is not finite, or the exposure is negative or not finite.
     pub fn last_moves(&mut self, velocity: DVec3, exposure: f64) -> Result<(), PrimitiveError> {
         let Some(id) = (self.set.order.len() as u32).checked_sub(1) else { return Ok(()) };
+        if !(exposure >= 0.0 && exposure.is_finite()) {
+            return Err(PrimitiveError::Exposure { id });
+        }
         self.set.motion.set(id, velocity, exposure);
         if self.set.bounds(id).is_finite() { Ok(()) } else { Err(PrimitiveError::NotFinite { id }) }
     }

@@ -37,6 +37,18 @@ pub enum PrimitiveError {
         /// Its id.
         id: u32,
     },
+    /// A sphere of a negative radius.
+    #[error("sphere {id} has a negative radius")]
+    NegativeRadius {
+        /// Its id.
+        id: u32,
+    },
+    /// A motion over a time that is negative or not finite.
+    #[error("primitive {id} moves until a time that is negative or not finite")]
+    Exposure {
+        /// Its id.
+        id: u32,
+    },
     /// A polygon with fewer than three vertices.
     #[error("polygon {id} has {vertices} vertices; at least 3 are needed")]
     TooFewVertices {

@@ -1,6 +1,7 @@
 //! Tests of the crate from outside, in one program: each structure is compiled and linked once.
 
 mod agreement;
+mod builders;
 mod caps;
 mod cells;
 mod common;
