@@ -274,9 +274,14 @@ impl Welder {
     }
 }
 
+/// True for coordinates that can be worked with.
+pub(crate) fn is_usable(value: f64) -> bool {
+    value.abs() <= MAX_COORDINATE
+}
+
 /// A coordinate that can be worked with, or NaN.
 pub(crate) fn usable(value: f64) -> f64 {
-    if value.abs() <= MAX_COORDINATE { value } else { f64::NAN }
+    if is_usable(value) { value } else { f64::NAN }
 }
 
 /// A coordinate that can be worked with.
@@ -285,7 +290,7 @@ pub(crate) fn coordinate(
     what: &str,
     place: impl Fn() -> FilePlace,
 ) -> Result<f64, LoadError> {
-    if value.abs() <= MAX_COORDINATE {
+    if is_usable(value) {
         return Ok(value);
     }
     let (what, found) = (what.to_owned(), value.to_string());

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, Welder, usable};
+use crate::mesh::{FaceCounts, Mesh, Welder, is_usable};
 use crate::scene::{Scene, Warning};
 
 pub(super) struct Reader<'a> {
@@ -25,11 +25,11 @@ impl Reader<'_> {
     ) -> Result<(), LoadError> {
         let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3;
         limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
-        let corners = corners.map(|corner| DVec3::from_array(corner.map(usable)));
-        if corners.iter().any(|corner| corner.is_nan()) {
+        if !corners.as_flattened().iter().all(|&value| is_usable(value)) {
             self.counts.unusable(place);
             return Ok(());
         }
+        let corners = corners.map(DVec3::from_array);
         let corners = corners.map(|corner| self.welder.vertex(corner, &mut self.scene));
         self.mesh.add(&corners, &mut self.scene, &mut self.counts, place)
     }

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use scene_loading::scene_file::{SceneFile, Source};
 use scene_loading::source::formats::{ReadOptions, parse_scene};
 use scene_loading::{LoadError, Scene, Shape};
 
@@ -222,6 +223,38 @@ fn nff_polygons_that_are_bent_are_split_and_patches_may_lack_normals() {
     let said = "a.nff: 3 normals that are none: faces that have them are flat (first: line 4)";
     let scene = check("a.nff", text.as_bytes(), 1, &[said]);
     assert!(matches!(scene.primitives[0].shape, Shape::Triangle { .. }));
+}
+
+#[test]
+fn polygons_of_scene_files_are_split_and_all_pieces_move() {
+    let shape = |corners: &str, moves: u32| {
+        format!(
+            r#"{{"polygon": {{"vertices": {corners}, "material": "m", "velocity": [{moves}, 0, 0]}}}}"#
+        )
+    };
+    let shapes = [
+        shape("[[0,0,0],[1,0,0],[1,1,0],[0,1,0]]", 0),
+        shape("[[0,0,0],[1,0,0],[1,1,1],[0,1,0]]", 1),
+        shape("[[0,0,0],[1,1,0],[1,0,0],[0,1,0]]", 2),
+    ];
+    let text = format!(
+        r#"{{"name": "a", "title": "t", "why": "w", "materials": {{"m": {{}}}},
+            "source": {{"shapes": [{}]}}}}"#,
+        shapes.join(",")
+    );
+    let path = Path::new("a.json");
+    let file = SceneFile::parse(path, &text).unwrap();
+    let Source::Shapes(shapes) = &file.source else { panic!() };
+    let scene = file.inline(path, shapes).unwrap();
+    let moves: Vec<f64> = (0..5).map(|id| scene.velocity(id).x).collect();
+    assert_eq!((triangles(&scene), moves), (6, vec![0.0, 1.0, 1.0, 2.0, 2.0]));
+    assert_eq!(
+        warnings(&scene),
+        [
+            "a.json: 1 faces that are not flat split",
+            "a.json: 1 faces that cross themselves split at the crossing",
+        ]
+    );
 }
 
 fn ply(vertex: &str, list: &str, data: &str) -> Vec<u8> {
