@@ -34,8 +34,8 @@
 //!
 //! How the parts meet:
 //! * [`primitives::PrimSet`] owns geometry and answers "where does this ray hit primitive `id`?".
-//! * [`structure::Structure`] owns ids only. It is built from bounds and *traversed* by a ray, pushing
-//!   candidate ids into a [`query::sink::Sink`].
+//! * [`structure::Structure`] owns ids only. It is built from bounds and *traversed* by a ray,
+//!   pushing candidate ids into a [`query::sink::Sink`].
 //! * A [`query::sink::Sink`] is the query: closest hit or occlusion, with or without
 //!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. Lists of
 //!   triangles may be kept as [`primitives::TriangleBlock`]s, which a sink tests at once and counts
@@ -43,9 +43,11 @@
 //!   prepared together ([`structure::Batches`]).
 //! * [`query::tracer::Tracer`] is the object-safe face of a built structure: one dynamic call for a
 //!   whole batch of rays, everything inside it static.
-//! * [`query::region::FrustumQueries`] answers the other question, which primitives a beam or cone may meet.
-//! * [`structures::REGISTRY`] lists the structures: one line each. [`entry!`] makes a line of a structure
-//!   of yours, for `rtbench::main_with`; [`prelude`] has what that one needs, and does not change.
+//! * [`query::region::FrustumQueries`] answers the other question, which primitives a beam or cone
+//!   may meet.
+//! * [`structures::REGISTRY`] lists the structures: one line each. [`entry!`] makes a line of a
+//!   structure of yours, for `rtbench::main_with`; [`prelude`] has what that one needs, and does
+//!   not change.
 
 pub mod geometry;
 pub mod grid;

@@ -1,8 +1,9 @@
-//! How much memory a structure may take: asked before it is taken, so that what does not fit is an error
-//! and no end of the program.
+//! How much memory a structure may take: asked before it is taken, so that what does not fit is an
+//! error and no end of the program.
 //!
-//! A structure asks where its sizes come from settings and scenes: [`Settings::fits`](crate::params::config::Settings::fits)
-//! for a list of known length; a structure that grows in cells and references has room for both together.
+//! A structure asks where its sizes come from settings and scenes:
+//! [`Settings::fits`](crate::params::config::Settings::fits) for a list of known length; a
+//! structure that grows in cells and references has room for both together.
 
 use std::hint::black_box;
 
@@ -27,7 +28,7 @@ impl MemoryLimit {
         (self != Self::NONE).then_some(self.0)
     }
 
-    /// What is left beside so many bytes.
+    /// The limit that remains after reserving this many bytes.
     #[must_use]
     pub fn beside(self, bytes: u64) -> Self {
         if self == Self::NONE { self } else { Self(self.0.saturating_sub(bytes)) }

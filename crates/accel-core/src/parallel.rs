@@ -52,7 +52,7 @@ pub(crate) fn ranges(n: usize, parts: usize) -> Vec<Range<usize>> {
     (0..n.max(1)).step_by(length).map(|first| first..(first + length).min(n)).collect()
 }
 
-/// What `f` makes of each of `0..n`, in their order.
+/// Maps `0..n` by `f` in parallel, keeping the order.
 pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -> Vec<T> {
     if parts(n) == 1 {
         return (0..n).map(f).collect();
@@ -62,7 +62,7 @@ pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -
     })
 }
 
-/// What `f` makes of each item, in their order, where that takes long for each.
+/// Maps expensive items by `f` in parallel, keeping the order.
 pub(crate) fn map<I: Sync, T: Send>(items: &[I], f: &(dyn Fn(&I) -> T + Sync)) -> Vec<T> {
     match rayon::current_num_threads() {
         0 | 1 => items.iter().map(f).collect(),
@@ -96,7 +96,8 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
     }
 }
 
-/// What `moved` makes of the values of each piece, with what it needs to know of that, one piece after the other.
+/// What `moved` makes of the values of each piece, with what it needs to know of that, one piece
+/// after the other.
 pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
     pieces: &[(&[T], M)],
     moved: &(dyn Fn(T, M) -> T + Sync),
@@ -121,7 +122,8 @@ pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
     all
 }
 
-/// A vector of which `write` writes each part, which begins at the place given, wholly. Compiled once for all that write.
+/// A vector of which `write` writes each part, which begins at the place given, wholly. Compiled
+/// once for all that write.
 fn collect_in_parts<T: Copy + Send>(
     n: usize,
     write: &(dyn Fn(usize, &mut [MaybeUninit<T>]) + Sync),

@@ -1,9 +1,9 @@
 //! What a structure in a crate of its own needs.
 //!
-//! It stays: what is here changes only with a new minor version of this crate (a new major one from 1.0
-//! on), and then `CHANGELOG.md` says how. Methods of traits with an implementation, fields of
-//! [`StructureInfo`] and of [`StructureStats`], and errors may be added. `peers/rust-template` is built and
-//! measured in CI against it. Whatever is not here may change at any time.
+//! It stays: what is here changes only with a new minor version of this crate (a new major one from
+//! 1.0 on), and then `CHANGELOG.md` says how. Methods of traits with an implementation, fields of
+//! [`StructureInfo`] and of [`StructureStats`], and errors may be added. `peers/rust-template` is
+//! built and measured in CI against it. Whatever is not here may change at any time.
 
 #![warn(missing_docs)]
 

@@ -4,7 +4,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::structure::StructureInfo;
 
-/// What a registry lists: structures, occluders, structures that frusta are asked of.
+/// Items of a registry: structures, occluders, structures for frustum queries.
 pub trait RegistryItem: 'static {
     /// How one is built in a scalar.
     type Builder<S: Scalar>: Copy + Send + Sync;
@@ -14,7 +14,7 @@ pub trait RegistryItem: 'static {
 
 /// One line of a registry.
 pub struct Entry<L: RegistryItem> {
-    /// What it says of itself.
+    /// Its description of itself.
     pub info: &'static StructureInfo,
     build_f32: L::Builder<f32>,
     build_f64: L::Builder<f64>,
@@ -77,8 +77,8 @@ pub enum RegistryError {
     Param(#[from] ParamError),
 }
 
-/// Whether a registry can be used: names of structures are such and are there once, none of them among
-/// `taken`; all defaults and variants are valid.
+/// Whether a registry can be used: names of structures are such and are there once, none of them
+/// among `taken`; all defaults and variants are valid.
 ///
 /// # Errors
 /// [`RegistryError`] for the first mistake.
@@ -145,8 +145,8 @@ pub trait PerScalar {
     type In<S: Buildable>: Copy;
 }
 
-/// A function over a scalar, compiled for both where this stands and not again in each crate that calls it, with
-/// whatever that one is optimised for.
+/// A function over a scalar, compiled for both where this stands and not again in each crate that
+/// calls it, with whatever that one is optimised for.
 pub struct Both<F: PerScalar> {
     /// In f32.
     pub f32: F::In<f32>,

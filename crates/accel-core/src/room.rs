@@ -4,8 +4,8 @@ use crate::memory::Limits;
 use crate::memory::{Counted, OutOfMemory};
 use crate::structure::BuildError;
 
-/// How many cells and references a structure may have: of each what its setting says, of both together what
-/// memory has room for.
+/// How many cells and references a structure may have: of each what its setting says, of both
+/// together what memory has room for.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CapacityLimits {
     limits: Limits,

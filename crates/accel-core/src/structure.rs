@@ -15,18 +15,20 @@ use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::update::Change;
 
-/// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small one in a
-/// crate of its own.
+/// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small
+/// one in a crate of its own.
 pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
-    /// Whether a traversal may push an id more than once. Without duplicates a mailbox is of no use,
-    /// and none is compiled.
+    /// Whether a traversal may push an id more than once. Without duplicates a mailbox is of no
+    /// use, and none is compiled.
     const DUPLICATES: bool = true;
 
-    /// Whether [`Structure::lists`] has lists, and [`PARAM`](crate::query::kernel::PARAM) is among its parameters.
+    /// Whether [`Structure::lists`] has lists, and [`PARAM`](crate::query::kernel::PARAM) is among
+    /// its parameters.
     const HAS_LISTS: bool = false;
 
-    /// Whether its loop over single rays is compiled for AVX-512 too, where the set is of triangles: see
-    /// [`batch`](crate::query::batch). For what takes eight boxes or triangles at once, and where it pays.
+    /// Whether its loop over single rays is compiled for AVX-512 too, where the set is of
+    /// triangles: see [`batch`](crate::query::batch). For what takes eight boxes or triangles at
+    /// once, and where it pays.
     const HAS_AVX512: bool = false;
 
     /// Its settings, which are read before anything is built: `()` where it has none.
@@ -41,9 +43,10 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError>;
 
-    /// Takes the structure to the next frame: to what [`Structure::build`] would make of these primitives, or what
-    /// answers for them as well. They are those that it was made for, under the same ids, as many, but for what
-    /// `moved` names (ascending). What it cannot do it builds anew, which is all it does where this is not written.
+    /// Takes the structure to the next frame: to what [`Structure::build`] would make of these
+    /// primitives, or what answers for them as well. They are those that it was made for, under the
+    /// same ids, as many, but for what `moved` names (ascending). What it cannot do it builds anew,
+    /// which is all it does where this is not written.
     ///
     /// # Errors
     /// As [`Structure::build`]; the structure is of no use then.
@@ -62,8 +65,8 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// ([`Ray::is_traceable`]).
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
 
-    /// Calls `each` with the lists that [`Structure::traverse`] hands to its sink, whole ones, each once; of
-    /// one array. Lists that it leaves out are tested primitive by primitive.
+    /// Calls `each` with the lists that [`Structure::traverse`] hands to its sink, whole ones, each
+    /// once; of one array. Lists that it leaves out are tested primitive by primitive.
     fn lists<'a>(&'a self, _each: &mut dyn FnMut(&'a [u32])) {}
 
     /// How a batch of rays is answered, where the lists are [blocks](crate::query::kernel) or as
@@ -73,8 +76,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
         Batches::RayByRay
     }
 
-    /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed ray by ray.
-    /// Where these are together, rays are brought near ([`crate::geometry::far_ray`]) within `reach`.
+    /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed
+    /// ray by ray. Where these are together, rays are brought near ([`crate::geometry::far_ray`])
+    /// within `reach`.
     #[inline(always)]
     fn answer_batch<P: PrimSet<S>>(
         &self,
@@ -86,8 +90,8 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     ) {
     }
 
-    /// [`Structure::answer_batch`], counting, with [`Batches::Packets`]; elsewhere each ray has the steps of
-    /// [`Structure::traverse`], which are counted.
+    /// [`Structure::answer_batch`], counting, with [`Batches::Packets`]; elsewhere each ray has the
+    /// steps of [`Structure::traverse`], which are counted.
     #[inline(always)]
     fn count_batch<P: PrimSet<S>>(
         &self,
@@ -99,7 +103,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
         WorkCounters::default()
     }
 
-    /// What was built; a pass over the structure, not part of the build.
+    /// Statistics of the built structure; a pass over it, not part of the build time.
     fn stats(&self) -> StructureStats;
 
     /// Calls `each` with every cell: as many of each kind, and as many references, as
@@ -117,9 +121,11 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
 pub enum Batches {
     /// Each is traversed ([`Structure::traverse`]) to its end before the next one begins.
     RayByRay,
-    /// Several go side by side, or are prepared at once, with the answers of [`Structure::traverse`].
+    /// Several go side by side, or are prepared at once, with the answers of
+    /// [`Structure::traverse`].
     Together,
-    /// The same, and those that run alike share steps, which count once: see [`Structure::count_batch`].
+    /// The same, and those that run alike share steps, which count once: see
+    /// [`Structure::count_batch`].
     Packets,
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].
@@ -134,7 +140,7 @@ impl Batches {
     }
 }
 
-/// What is asked about the rays of a batch, and where the answers go: one for each ray.
+/// Query kind of a batch, with one answer slot per ray.
 #[derive(Debug)]
 pub enum BatchAnswers<'a, S: Scalar> {
     /// Closest hits.
@@ -143,7 +149,7 @@ pub enum BatchAnswers<'a, S: Scalar> {
     Occlusion(&'a mut [bool]),
 }
 
-/// What a structure consists of, in the symbols of Havran and Sixta (1999).
+/// Statistics of a structure, in the symbols of Havran and Sixta (1999).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct StructureStats {
     /// N_IN: hierarchical cells (inner nodes).
@@ -194,7 +200,7 @@ pub enum BuildError {
         exponent: i32,
         /// `f32` or `f64`.
         precision: &'static str,
-        /// What would be served.
+        /// Supported range.
         served: [i32; 2],
     },
     /// A limit on its size would be exceeded.
@@ -202,7 +208,7 @@ pub enum BuildError {
     TooLarge {
         /// Structure.
         structure: &'static str,
-        /// What is too large.
+        /// Name of the quantity that is too large.
         what: &'static str,
         /// How much was needed.
         needed: u128,
@@ -248,7 +254,7 @@ pub struct StructureInfo {
     pub summary: &'static str,
     /// Where it comes from.
     pub paper: &'static str,
-    /// What we do differently.
+    /// Deviations from the paper.
     pub deviations: &'static str,
     /// Its parameters.
     pub params: &'static [ParamSpec],
@@ -314,8 +320,8 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
     Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
 }
 
-/// The error where something is more than [`Limits::most`] of it: out of memory, where its own limit would
-/// allow it.
+/// The error where something is more than [`Limits::most`] of it: out of memory, where its own
+/// limit would allow it.
 pub(crate) fn too_many(limits: Limits, counted: &Counted, limit: u64, needed: u64) -> BuildError {
     let bytes = u128::from(needed) * u128::from(counted.bytes);
     match limits.fits(bytes) {

@@ -1,12 +1,12 @@
 //! Structures from one frame of an animation to the next.
 //!
-//! A frame is a set of primitives at rest. Where two frames have the same primitives, under the same ids at other
-//! places, a structure may be taken from one to the other
-//! ([`Structure::update`](crate::structure::Structure::update)) in less time than building it
-//! anew takes: a BVH by new boxes for its nodes, a grid by new lists for the cells that something left or entered,
-//! a structure of two levels by building the upper one alone. I. Wald, W. R. Mark, J. Guenther, S. Boulos, T. Ize,
-//! W. Hunt, S. G. Parker, P. Shirley, "State of the Art in Ray Tracing Animated Scenes", Computer Graphics Forum
-//! 28(6), 2009, has what is known of these.
+//! A frame is a set of primitives at rest. Where two frames have the same primitives, under the
+//! same ids at other places, a structure may be taken from one to the other
+//! ([`Structure::update`](crate::structure::Structure::update)) in less time than building it anew
+//! takes: a BVH by new boxes for its nodes, a grid by new lists for the cells that something left
+//! or entered, a structure of two levels by building the upper one alone. I. Wald, W. R. Mark, J.
+//! Guenther, S. Boulos, T. Ize, W. Hunt, S. G. Parker, P. Shirley, "State of the Art in Ray Tracing
+//! Animated Scenes", Computer Graphics Forum 28(6), 2009, has what is known of these.
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
@@ -28,7 +28,8 @@ pub const INSTANCES: ParamSpec = ParamSpec::choice("update", REBUILD, &[REBUILD,
 
 const REBUILD: &str = "rebuild";
 
-/// Where boxes alone are to be made anew: by what factor the expected cost may grow until the tree is.
+/// Where boxes alone are to be made anew: by what factor the expected cost may grow until the tree
+/// is.
 pub(crate) fn refitted_until(params: &Params) -> Option<f64> {
     (params.get(REFIT.name) == Some("refit")).then(|| params.real(REBUILD_AT.name))
 }
@@ -43,7 +44,8 @@ pub(crate) fn is_incremental(params: &Params) -> bool {
     params.get(INCREMENTAL.name) == Some("incremental")
 }
 
-/// Whether lists are to be changed where so many of the primitives moved: of most, a build is no more work.
+/// Whether lists are to be changed where so many of the primitives moved: of most, a build is no
+/// more work.
 pub(crate) fn is_worth_changing(moved: usize, primitives: usize) -> bool {
     moved <= primitives / 2
 }
@@ -52,7 +54,7 @@ pub(crate) fn is_worth_changing(moved: usize, primitives: usize) -> bool {
 pub const REBUILD_AT: ParamSpec = ParamSpec::real("rebuild-at", "1.5", 1.0, 1e9).about("of update=refit: a tree is built anew where its expected cost exceeds so many times that of the \
               tree built last");
 
-/// What [`Structure::update`](crate::structure::Structure::update) did.
+/// Result of [`Structure::update`](crate::structure::Structure::update).
 #[derive(Debug)]
 pub enum Change {
     /// It was built anew.
@@ -66,7 +68,8 @@ pub enum Change {
 /// [`Structure::lists`](crate::structure::Structure::lists).
 #[derive(Debug)]
 pub struct ChangedLists {
-    /// Where each list began in the one array of all of them, one after the other, and where the last one ended.
+    /// Where each list began in the one array of all of them, one after the other, and where the
+    /// last one ended.
     pub(crate) before: Vec<u32>,
     /// Numbers of those that have lost or gained a primitive, or hold one that moved; ascending.
     pub(crate) changed: Vec<u32>,
@@ -99,8 +102,8 @@ impl MovedIds {
     }
 }
 
-/// The primitives of `after` that are not those of `before` under the same ids: others by kind, by a vertex or by
-/// a radius. None where the sets are of different lengths.
+/// The primitives of `after` that are not those of `before` under the same ids: others by kind, by
+/// a vertex or by a radius. None where the sets are of different lengths.
 pub fn moved<S: Scalar, P: PrimSet<S>>(before: &P, after: &P) -> Option<Vec<u32>> {
     if before.len() != after.len() {
         return None;

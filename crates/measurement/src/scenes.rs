@@ -34,7 +34,7 @@ pub trait KnownScene: Debug + Send + Sync {
     /// Gives it a view and lights instead of its own.
     fn set_view(&mut self, _view: &ViewOptions) {}
 
-    /// What it was given instead of its own view and lights.
+    /// Overrides of its view and lights.
     fn view(&self) -> ViewOptions {
         ViewOptions::default()
     }
@@ -78,8 +78,8 @@ pub trait SceneSource {
     /// [`LoadError`] when the catalogue is damaged.
     fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError>;
 
-    /// The options of a run of that set, by their long names, or those of a quick one; none where it
-    /// has none of its own.
+    /// The options of a run of that set, by their long names, or those of a quick one; none where
+    /// it has none of its own.
     ///
     /// # Errors
     /// [`LoadError`] when the catalogue is damaged.

@@ -1,4 +1,4 @@
-//! What a plugin says of itself, copied out of its memory and validated.
+//! Description of a plugin, copied out of its memory and validated.
 
 use std::ffi::{CStr, c_char};
 
@@ -10,7 +10,7 @@ use crate::abi;
 /// Most settings of a plugin.
 const MOST_SETTINGS: u32 = 256;
 
-/// What a plugin says of itself.
+/// Description of a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
     /// The name of its row.
@@ -26,7 +26,7 @@ pub struct Description {
     pub has_own_test: bool,
     /// It can count its work.
     pub has_counters: bool,
-    /// What users can change.
+    /// Settings that users can change.
     pub settings: Vec<SettingDescription>,
 }
 
@@ -55,8 +55,8 @@ impl Description {
     /// Reads and validates a description.
     ///
     /// # Safety
-    /// `plugin` is what a plugin of our version describes: its strings end, its arrays are as long as it
-    /// says.
+    /// `plugin` is what a plugin of our version describes: its strings end, its arrays are as long
+    /// as it says.
     pub(crate) unsafe fn read(plugin: &abi::Plugin) -> Result<Self, String> {
         if plugin.answers & abi::TRIANGLES_F32 == 0 {
             return Err("it does not answer closest hits with triangles in f32 \

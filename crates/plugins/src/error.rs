@@ -33,7 +33,7 @@ pub enum PluginError {
         "{}: plugins have processes of their own on Unix only: add --in-process", file.display()
     )]
     NoProcesses { file: PathBuf },
-    /// What its process says of it, the file's name first.
+    /// Error reported by its process, starting with the file's name.
     #[error("{0}")]
     Child(String),
     /// There is another row of that name.

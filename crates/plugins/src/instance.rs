@@ -17,7 +17,7 @@ use crate::stopwatch::{CallTime, Stopwatch};
 /// Rays that one thread traces at a time when there are several.
 const CHUNK: usize = 4096;
 
-/// What is asked of rays.
+/// Kind of query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Query {
     Closest,
@@ -25,7 +25,7 @@ pub enum Query {
     Occlusion,
 }
 
-/// What was built, as the plugin says.
+/// Statistics reported by the plugin.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stats {
     /// Bytes of the structure.
@@ -50,15 +50,15 @@ pub struct Instance<H> {
     _scene: Box<abi::Scene>,
 }
 
-// SAFETY: the functions of a plugin may be called by any thread (rtbench.h); what its scene points to
-// does not change
+// SAFETY: the functions of a plugin may be called by any thread (rtbench.h); what its scene points
+// to does not change
 unsafe impl<H: Send> Send for Instance<H> {}
 // SAFETY: likewise
 unsafe impl<H: Sync> Sync for Instance<H> {}
 
 impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
-    /// Builds with a value for each setting, in their order; also the seconds that took. Threads are those
-    /// of the current rayon pool.
+    /// Builds with a value for each setting, in their order; also the seconds that took. Threads
+    /// are those of the current rayon pool.
     ///
     /// # Errors
     /// The reason for which the plugin refuses.
@@ -173,7 +173,8 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         }
     }
 
-    /// For plugins without a query of their own: asks for closest hits, on behind what is transmissive.
+    /// For plugins without a query of their own: asks for closest hits, on behind what is
+    /// transmissive.
     fn blocked_by_hits(&self, rays: &[abi::Ray], blocked: &mut [u8]) {
         let none = abi::Hit { t: f32::NAN, id: abi::MISS };
         for (rays, blocked) in rays.chunks(CHUNK).zip(blocked.chunks_mut(CHUNK)) {
@@ -230,7 +231,7 @@ impl<H> Drop for Instance<H> {
     }
 }
 
-/// What `rtbench_prepared` holds.
+/// Data behind `rtbench_prepared`.
 struct PreparedPlugin {
     ray: Ray<f32>,
     shear: Shear<f32>,

@@ -8,7 +8,7 @@ use crate::error::PluginError;
 
 /// A loaded plugin. Whatever it does wrong, it does to this process.
 pub struct Library {
-    /// What it says of itself.
+    /// Its description of itself.
     pub description: Description,
     pub(crate) plugin: &'static abi::Plugin,
 }

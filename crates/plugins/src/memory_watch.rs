@@ -1,7 +1,8 @@
 //! How much memory a plugin's process takes while it builds.
 //!
-//! Linux tells the private memory of a process (`RssAnon` in `/proc/PID/status`, proc(5)): what it shares with its
-//! parent, the scene and the rays, is not in it. Elsewhere nothing is told, and nothing limited.
+//! Linux tells the private memory of a process (`RssAnon` in `/proc/PID/status`, proc(5)): what it
+//! shares with its parent, the scene and the rays, is not in it. Elsewhere nothing is told, and
+//! nothing limited.
 
 use std::net::Shutdown;
 use std::os::unix::net::UnixStream;
@@ -34,7 +35,8 @@ pub(crate) struct MemoryWatch {
 }
 
 impl MemoryWatch {
-    /// Watches until [`MemoryWatch::excess`]: `most` bytes more than now may be taken. None where nothing is told.
+    /// Watches until [`MemoryWatch::excess`]: `most` bytes more than now may be taken. None where
+    /// nothing is told.
     pub(crate) fn begin(process: u32, most: u64, stream: UnixStream) -> Option<Self> {
         let before = private_bytes(process)?;
         let (ends, ended): (_, Receiver<()>) = channel();

@@ -1,5 +1,6 @@
-//! Rays as a plugin is asked them. Far ones are brought near, and those that are no rays are left out, as
-//! they are before our structures see them (`accel_core::geometry::far_ray`); for a plugin that is in no time.
+//! Rays as a plugin is asked them. Far ones are brought near, and those that are no rays are left
+//! out, as they are before our structures see them (`accel_core::geometry::far_ray`); for a plugin
+//! that is in no time.
 
 use accel_core::geometry::far_ray::{self, Parameters, PlacedRay};
 use accel_core::{Hit, Ray};

@@ -1,7 +1,8 @@
 //! A plugin in a process of its own, as its parent sees it.
 //!
-//! The process is started once for each row and kept between rounds, so that its allocator is as warm as
-//! ours. A reply that does not come in time, or none at all, ends it: what is asked later is refused.
+//! The process is started once for each row and kept between rounds, so that its allocator is as
+//! warm as ours. A reply that does not come in time, or none at all, ends it: what is asked later
+//! is refused.
 
 use std::io::{self, BufReader, Read};
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -98,7 +99,7 @@ impl Remote {
         self.failure.as_deref()
     }
 
-    /// What the plugin is.
+    /// Asks for the description of the plugin.
     pub(crate) fn describe(&mut self) -> Result<Description, String> {
         match self.ask(&Request::Describe, "describing itself")? {
             Reply::Description(description) => Ok(*description),
@@ -140,7 +141,8 @@ impl Remote {
         }
     }
 
-    /// Closest hits of rays; `hits` holds what counts where none is written. Returns what the call took.
+    /// Closest hits of rays; `hits` holds what counts where none is written. Returns what the call
+    /// took.
     pub(crate) fn closest(
         &mut self,
         rays: &[accel_core::Ray<f32>],

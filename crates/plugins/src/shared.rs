@@ -1,4 +1,5 @@
-//! Memory that two processes share: a file that both map, in memory where the system has such a place.
+//! Memory that two processes share: a file that both map, in memory where the system has such a
+//! place.
 
 use std::fs::File;
 use std::io;

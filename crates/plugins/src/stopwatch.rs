@@ -1,9 +1,10 @@
 //! The time of a call of a plugin.
 //!
-//! A run of one thread times our structures by that thread's processor time, so that waiting for a processor
-//! does not count. A plugin may have threads of its own whatever it was asked for; its time is the
-//! processor time of the whole process, in which nothing else has work. What threads other than the one that
-//! called had of it is told apart: threads that only wait for work, and spin, make a library look slow.
+//! A run of one thread times our structures by that thread's processor time, so that waiting for a
+//! processor does not count. A plugin may have threads of its own whatever it was asked for; its
+//! time is the processor time of the whole process, in which nothing else has work. What threads
+//! other than the one that called had of it is told apart: threads that only wait for work, and
+//! spin, make a library look slow.
 
 use std::ops::AddAssign;
 use std::time::Duration;

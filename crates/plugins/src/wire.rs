@@ -1,5 +1,5 @@
-//! What parent and child say to one another: a line of JSON each, request and reply in turns. Triangles,
-//! rays and answers are in shared memory.
+//! What parent and child say to one another: a line of JSON each, request and reply in turns.
+//! Triangles, rays and answers are in shared memory.
 
 use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub(crate) enum Part {
 /// What the parent asks.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Request {
-    /// What the plugin is.
+    /// Asks for the description of the plugin.
     Describe,
     /// To map a file, in place of the one before.
     Map {
@@ -58,7 +58,7 @@ pub(crate) enum Request {
 pub(crate) enum Reply {
     /// It is done, and what the call of the plugin took.
     Done(CallTime),
-    /// What the plugin is.
+    /// Asks for the description of the plugin.
     Description(Box<Description>),
     Stats(Stats),
     /// It is not done.

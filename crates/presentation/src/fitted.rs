@@ -1,4 +1,5 @@
-//! Tables and lines that fit a terminal: columns of least weight are left out, names go on in the next line.
+//! Tables and lines that fit a terminal: columns of least weight are left out, names go on in the
+//! next line.
 
 use crate::table::{Cell, Table};
 
@@ -7,8 +8,9 @@ pub const GAP: usize = 2;
 /// The narrowest that names and closing words are made.
 const NARROWEST: [usize; 2] = [24, 12];
 
-/// The table with those of its columns that fit into lines of so many characters, and the heads of the others.
-/// The first column stays in any case; the others are taken in the order of `first`, then in their own.
+/// The table with those of its columns that fit into lines of so many characters, and the heads of
+/// the others. The first column stays in any case; the others are taken in the order of `first`,
+/// then in their own.
 pub fn fitted(table: &Table, width: usize, first: &[&str]) -> (Table, Vec<&'static str>) {
     let natural = natural(table);
     let [names, last] = limits(table, &natural, width);
@@ -45,7 +47,8 @@ pub fn with_columns(table: &Table, columns: &[usize]) -> Table {
     }
 }
 
-/// How wide the columns of a table are that is printed within a width, the first and the last of them cut.
+/// How wide the columns of a table are that is printed within a width, the first and the last of
+/// them cut.
 pub fn widths(table: &Table, width: usize) -> Vec<usize> {
     let mut widths = natural(table);
     let all: usize = widths.iter().sum::<usize>() + GAP * widths.len().saturating_sub(1);
@@ -88,8 +91,8 @@ fn natural(table: &Table) -> Vec<usize> {
     (0..table.header.len()).map(of).collect()
 }
 
-/// Text in lines of so many characters, broken at spaces where there are any; those after the first begin
-/// with so many spaces.
+/// Text in lines of so many characters, broken at spaces where there are any; those after the first
+/// begin with so many spaces.
 pub fn wrapped(text: &str, width: usize, indent: usize) -> Vec<String> {
     let width = width.max(indent + 1);
     let mut lines = Vec::new();

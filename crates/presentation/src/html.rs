@@ -1,5 +1,5 @@
-//! Markup that is always well-formed: elements close in the order in which they were opened, and all
-//! text is escaped. What comes out is HTML that an XML parser reads, too.
+//! Markup that is always well-formed: elements close in the order in which they were opened, and
+//! all text is escaped. What comes out is HTML that an XML parser reads, too.
 
 use crate::svg_plot::xml::escaped;
 

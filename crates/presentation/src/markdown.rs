@@ -28,7 +28,8 @@ pub fn push_table_with(text: &mut String, table: &Table, holds_figures: impl Fn(
     }
 }
 
-/// Text of a paragraph, a cell or a list, and nothing but text: no markup, no link, no end of a cell.
+/// Text of a paragraph, a cell or a list, and nothing but text: no markup, no link, no end of a
+/// cell.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len() + 8);
     let mut previous = ' ';

@@ -1,12 +1,13 @@
-//! Text from outside, where it is printed: names of files and scenes, words of records and journals,
-//! messages of the system. Whatever it holds, it stays text. It gives no orders to a terminal (escape
-//! sequences, line ends, marks that turn the direction of writing), to a CI job (lines that begin with
-//! `::`, and `##[` anywhere), to a spreadsheet (`=`), or to whatever shows Markdown (`<`, `|`).
+//! Text from outside, where it is printed: names of files and scenes, words of records and
+//! journals, messages of the system. Whatever it holds, it stays text. It gives no orders to a
+//! terminal (escape sequences, line ends, marks that turn the direction of writing), to a CI job
+//! (lines that begin with `::`, and `##[` anywhere), to a spreadsheet (`=`), or to whatever shows
+//! Markdown (`<`, `|`).
 //!
-//! Cells, titles and notes of tables, Markdown and CSV, warnings and errors go through [`line()`] or
-//! [`message`]; everything on standard output and standard error goes through a [`Guard`] as well, so
-//! that nothing depends on a call that was forgotten. What is hidden is shown as JSON writes it, so that
-//! JSON on standard output stays JSON.
+//! Cells, titles and notes of tables, Markdown and CSV, warnings and errors go through [`line()`]
+//! or [`message`]; everything on standard output and standard error goes through a [`Guard`] as
+//! well, so that nothing depends on a call that was forgotten. What is hidden is shown as JSON
+//! writes it, so that JSON on standard output stays JSON.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -16,8 +17,9 @@ use std::io::{self, Write};
 /// looks like an order to a terminal is text from outside.
 pub const COLORS: [&str; 4] = ["\x1b[0m", "\x1b[31m", "\x1b[1m", "\x1b[2m"];
 
-/// Whether a character would be obeyed, not shown: control characters of both sets, line and paragraph
-/// separators, and what turns or hides text. No newer form of these lies beyond four hex digits.
+/// Whether a character would be obeyed, not shown: control characters of both sets, line and
+/// paragraph separators, and what turns or hides text. No newer form of these lies beyond four hex
+/// digits.
 pub fn is_hidden(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -167,8 +169,8 @@ impl<W: Write> Write for Guard<W> {
 mod tests {
     use super::*;
 
-    /// Orders to terminals: colours, a title, one byte that stands for `ESC [`, a cleared line, text
-    /// from right to left.
+    /// Orders to terminals: colours, a title, one byte that stands for `ESC [`, a cleared line,
+    /// text from right to left.
     const ORDERS: &str =
         "a\u{1b}[31mb\u{1b}]0;t\u{7}c\u{9b}2Jd\r\ne\u{202e}f\u{2066}g\u{7f}\u{2028}";
 

@@ -34,8 +34,8 @@ impl Screen {
         wrapped(&line(text), self.width, 2).iter().try_for_each(|part| writeln!(out, "{part}"))
     }
 
-    /// Prints a table with those of its columns that fit, the heads of `first` before others, and names the
-    /// columns that do not.
+    /// Prints a table with those of its columns that fit, the heads of `first` before others, and
+    /// names the columns that do not.
     ///
     /// # Errors
     /// Those of the writer.

@@ -1,10 +1,12 @@
-//! What motion costs that is not there: rays per second over a scene whose every primitive moves, by next to
-//! nothing, against the same scene at rest, the same rays at one time, the median of the ratios of interleaved rounds:
-//! `cargo run --release -p renderer --example motion_price -- SCENE STRUCTURE [STRUCTURE ...]`.
+//! What motion costs that is not there: rays per second over a scene whose every primitive moves,
+//! by next to nothing, against the same scene at rest, the same rays at one time, the median of the
+//! ratios of interleaved rounds: `cargo run --release -p renderer --example motion_price -- SCENE
+//! STRUCTURE [STRUCTURE ...]`.
 //!
-//! The way is so short that bounds are those of the scene at rest, and rays have the time at which it begins, so that
-//! their hits are: what is left is the price of the timed pass over sets that move. *shared*: all have one velocity;
-//! *bodies*: each of eight stretches of primitives has one; *own*: each primitive has another one than its neighbours.
+//! The way is so short that bounds are those of the scene at rest, and rays have the time at which
+//! it begins, so that their hits are: what is left is the price of the timed pass over sets that
+//! move. *shared*: all have one velocity; *bodies*: each of eight stretches of primitives has one;
+//! *own*: each primitive has another one than its neighbours.
 
 use std::time::Instant;
 
@@ -31,7 +33,8 @@ fn seconds(tracer: &dyn Tracer<f32>, rays: &[Ray<f32>], kind: RayKind) -> (f64, 
     (took, found + blocked.iter().filter(|b| **b).count())
 }
 
-/// The scene with velocities that are nearly nothing: of seven or eight, by the number of a primitive.
+/// The scene with velocities that are nearly nothing: of seven or eight, by the number of a
+/// primitive.
 fn moving(scene: &Scene, of: impl Fn(usize) -> usize) -> Scene {
     let mut scene = scene.clone();
     let way = scene.bounds().size().length() * 1e-6;

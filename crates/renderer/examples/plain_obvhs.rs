@@ -2,10 +2,11 @@
 //! interleaved rounds of seeded random order. What is timed of it is a loop that knows of us the
 //! triangles and the rays, and nothing else.
 //!
-//! `plain_obvhs SCENE [--size N] [--rounds N] [--seed N] [ROW...]`, a row as `obvhs-cwbvh:adapter=direct`;
-//! prints rays per second of `plain-cwbvh`, `plain-bvh2` and the rows, by kind of ray, and the rows'
-//! over those of the plain program with the same tree: the median over the rounds, the quartiles,
-//! and that of the fastest passes, which other load disturbs least.
+//! `plain_obvhs SCENE [--size N] [--rounds N] [--seed N] [ROW...]`, a row as
+//! `obvhs-cwbvh:adapter=direct`; prints rays per second of `plain-cwbvh`, `plain-bvh2` and the
+//! rows, by kind of ray, and the rows' over those of the plain program with the same tree: the
+//! median over the rounds, the quartiles, and that of the fastest passes, which other load disturbs
+//! least.
 
 use std::error::Error;
 use std::time::{Duration, Instant};

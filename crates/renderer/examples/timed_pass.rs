@@ -1,7 +1,7 @@
-//! One pass of the timed path over a small scene, for instruction counts:
-//! `valgrind --tool=callgrind --toggle-collect='timed_pass::timed_pass*' timed_pass [STRUCTURE [SCENE]]`,
-//! where STRUCTURE may have settings (kd-tree:kernel=block) and SCENE is a generated one (balls:3). The
-//! rays are made with the structure's defaults, so that they are the same for all settings.
+//! One pass of the timed path over a small scene, for instruction counts: `valgrind
+//! --tool=callgrind --toggle-collect='timed_pass::timed_pass*' timed_pass [STRUCTURE [SCENE]]`,
+//! where STRUCTURE may have settings (kd-tree:kernel=block) and SCENE is a generated one (balls:3).
+//! The rays are made with the structure's defaults, so that they are the same for all settings.
 
 use accel_core::Hit;
 use accel_core::query::tracer::Tracer;

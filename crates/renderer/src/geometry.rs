@@ -58,8 +58,8 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 
-    /// The primitives that are others than in the frame `before`, ascending; none where the frames have not the same
-    /// ones.
+    /// The primitives that are others than in the frame `before`, ascending; none where the frames
+    /// have not the same ones.
     pub fn moved_since(&self, before: &Self) -> Option<Vec<u32>> {
         match (before, self) {
             (Self::Triangles(before), Self::Triangles(now)) => update::moved(before, now),
@@ -68,7 +68,8 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 
-    /// Forgets those of its parts that are not where the transform since the frame `before` takes them.
+    /// Forgets those of its parts that are not where the transform since the frame `before` takes
+    /// them.
     pub fn keep_rigid(&mut self, before: &Self) {
         match (before, self) {
             (Self::Triangles(before), Self::Triangles(now)) => now.keep_rigid(before),

@@ -30,6 +30,6 @@ pub use tracers::generate_rays;
 pub use tracers::whitted::{RenderedImage, render, render_plan, render_watched};
 pub use tracers::work;
 
-/// The level at which this crate is optimised. It is that of `accel_core`, too, in every profile: of what is timed, as
-/// opposed to the program around it.
+/// The level at which this crate is optimised. It is that of `accel_core`, too, in every profile:
+/// of what is timed, as opposed to the program around it.
 pub const OPT_LEVEL: Option<&str> = option_env!("RENDERER_OPT_LEVEL");

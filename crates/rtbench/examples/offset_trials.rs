@@ -22,8 +22,8 @@ const ROUND: usize = 500;
 /// 10^-5 diagonals in f32.
 const FAR: f64 = 84.0;
 
-/// What came of a rule: rays that hit where nothing is, mostly what they left; rays that miss what is
-/// in their way; and, in scenes no farther from the origin than they are large, far starts.
+/// What came of a rule: rays that hit where nothing is, mostly what they left; rays that miss what
+/// is in their way; and, in scenes no farther from the origin than they are large, far starts.
 #[derive(Debug, Clone, Default)]
 struct Found {
     rays: u64,

@@ -23,7 +23,7 @@ const FOLDER: &str = ".rtbench/baselines";
 const EXTENSION: &str = "json";
 const LONGEST: usize = 64;
 
-/// What is wrong with a baseline or its name.
+/// Errors of baselines and their names.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
     #[error(
@@ -67,7 +67,7 @@ pub enum BaselineError {
 }
 
 impl BaselineError {
-    /// What was typed makes no sense.
+    /// Whether the error is one of usage (exit code 2).
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::Name(_) | Self::Unknown { .. } | Self::Exists(_) | Self::Resume)
     }

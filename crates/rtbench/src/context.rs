@@ -1,4 +1,4 @@
-//! What a command works with; everything of the outside world that tests replace.
+//! Context of a command: the parts of the outside world that tests replace.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -25,9 +25,9 @@ pub struct Context<'a> {
     pub occluders: &'a [occluders::Entry],
     /// The scenes there are.
     pub scenes: &'a dyn SceneSource,
-    /// What times are read from.
+    /// Clock that times are read from.
     pub clock: &'a dyn Clock,
-    /// What results say of the world.
+    /// Source of machine and compiler facts in results.
     pub world: &'a dyn World,
     /// Standard output: results and nothing else.
     pub out: &'a mut dyn Write,
@@ -40,9 +40,9 @@ pub struct Context<'a> {
     pub verbosity: Verbosity,
     /// Files and results that are there may be replaced.
     pub overwrite: bool,
-    /// What the environment of the process says.
+    /// Environment variables of the process.
     pub environment: Environment,
-    /// What a CI job is told when the command has ended.
+    /// Annotations for a CI job, printed when the command has ended.
     pub annotations: Vec<Annotation>,
     /// Which of the structures are of plugins.
     pub plugins: Plugins,
@@ -75,7 +75,7 @@ impl Environment {
         ProgramCopy::of(program, &temporary)
     }
 
-    /// What the process finds.
+    /// Detects it from the process.
     pub fn detect() -> Self {
         let path = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
         Self {
@@ -89,7 +89,7 @@ impl Environment {
     }
 }
 
-/// What is known of the terminal.
+/// Properties of the terminal.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Terminal {
     /// Standard output is one.
@@ -110,7 +110,7 @@ const DEFAULT_WIDTH: usize = 120;
 const LEAST_WIDTH: usize = 40;
 
 impl Terminal {
-    /// What the process finds.
+    /// Detects it from the process.
     pub fn detect() -> Self {
         use std::io::IsTerminal;
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty())
@@ -147,7 +147,7 @@ impl Terminal {
 pub enum Verbosity {
     Quiet,
     Normal,
-    /// What is being done, too.
+    /// Also prints progress in detail.
     Verbose,
 }
 

@@ -29,8 +29,8 @@ pub enum ForeignRowError {
     Taken { path: PathBuf, scene: String, name: String },
 }
 
-/// The results in a folder with a foreign row more, of the scene that is called `name` here and has this
-/// content. One of its name is replaced where `overwrite` is set.
+/// The results in a folder with a foreign row more, of the scene that is called `name` here and has
+/// this content. One of its name is replaced where `overwrite` is set.
 ///
 /// # Errors
 /// [`ForeignRowError`].

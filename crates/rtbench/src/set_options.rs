@@ -57,11 +57,12 @@ struct SetOption {
     arguments: Vec<OsString>,
 }
 
-/// The arguments that the set of a run adds to its command line: the one set that it is a run of, or
-/// that of `--as`.
+/// The arguments that the set of a run adds to its command line: the one set that it is a run of,
+/// or that of `--as`.
 ///
 /// # Errors
-/// [`PlanError::UnknownName`] for a set of `--as` that has no options, [`SetOptionsError::Invalid`].
+/// [`PlanError::UnknownName`] for a set of `--as` that has no options,
+/// [`SetOptionsError::Invalid`].
 pub fn added_by_set(
     arguments: &[OsString],
     scenes: &dyn SceneSource,

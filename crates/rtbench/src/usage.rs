@@ -1,4 +1,5 @@
-//! What is said of a command line that cannot be read, and what is asked of it alone: help and version.
+//! What is said of a command line that cannot be read, and what is asked of it alone: help and
+//! version.
 
 use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue};

@@ -1,5 +1,5 @@
-//! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF, PLY, STL, PBRT and JSON scene files, and
-//! the Standard Procedural Databases generated in code.
+//! Scenes for `rtbench`: one type in f64, loaders for NFF, OBJ, glTF, PLY, STL, PBRT and JSON scene
+//! files, and the Standard Procedural Databases generated in code.
 
 // What a file says can make nothing panic. Generators and the tessellator index lists of their
 // own making.

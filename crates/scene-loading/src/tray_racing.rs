@@ -1,5 +1,5 @@
-//! The `.ron` scene files of tray_racing (github.com/DGriffin91/tray_racing, `assets/scenes`): a model
-//! in a file of its own, a camera, and the direction of sunlight.
+//! The `.ron` scene files of tray_racing (github.com/DGriffin91/tray_racing, `assets/scenes`): a
+//! model in a file of its own, a camera, and the direction of sunlight.
 //!
 //! ```ron
 //! (
@@ -9,10 +9,11 @@
 //! )
 //! ```
 //!
-//! The field of view is the vertical one, of a square image both; up is y; the exposure is left out.
-//! The sun is a point light [`SUN_DISTANCE`] times the scene's radius away: its rays differ in direction
-//! by 0.6 degrees at most. The model is looked for in the folder of the scene file and, where scenes may read
-//! outside of it (`--allow-outside`), as tray_racing does: two folders above that one.
+//! The field of view is the vertical one, of a square image both; up is y; the exposure is left
+//! out. The sun is a point light [`SUN_DISTANCE`] times the scene's radius away: its rays differ in
+//! direction by 0.6 degrees at most. The model is looked for in the folder of the scene file and,
+//! where scenes may read outside of it (`--allow-outside`), as tray_racing does: two folders above
+//! that one.
 
 use std::path::{Path, PathBuf};
 
@@ -52,8 +53,8 @@ struct CameraEntry {
 /// where `outside` says so.
 ///
 /// # Errors
-/// [`LoadError::Parser`] with the line, [`LoadError::OutOfRange`], [`LoadError::OutsideSource`] for a
-/// model that is not in the folder, and those of the model's reader.
+/// [`LoadError::Parser`] with the line, [`LoadError::OutOfRange`], [`LoadError::OutsideSource`] for
+/// a model that is not in the folder, and those of the model's reader.
 pub fn parse_tray_racing(
     path: &Path,
     bytes: Vec<u8>,

@@ -1,6 +1,7 @@
-//! The `.bin` files of tinybvh's test scenes (github.com/jbikker/tinybvh, `testdata/*.bin`): the number
-//! of triangles as a little-endian u32, then three corners for each of them, 16 bytes a corner: x, y, z
-//! as f32, and a word of colour, which is left out. Corners in the same place become one vertex.
+//! The `.bin` files of tinybvh's test scenes (github.com/jbikker/tinybvh, `testdata/*.bin`): the
+//! number of triangles as a little-endian u32, then three corners for each of them, 16 bytes a
+//! corner: x, y, z as f32, and a word of colour, which is left out. Corners in the same place
+//! become one vertex.
 
 use std::path::Path;
 

@@ -1,20 +1,22 @@
 //! Where the values of a series change: E-divisive.
 //!
-//! Papers: D. S. Matteson, N. A. James, "A Nonparametric Approach for Multiple Change Point Analysis of
-//! Multivariate Data", Journal of the American Statistical Association 109(505), 2014: the divergence of two
-//! samples by the distances of their members (with exponent 1), hierarchical bisection, and a permutation test
-//! that says when to end. D. Daly, W. Brown, H. Ingo, J. O'Leary, D. Bradford, "The Use of Change Point
-//! Detection to Identify Software Performance Regressions in a Continuous Integration System", ICPE 2020:
-//! the same for the results of benchmarks, commit by commit.
+//! Papers: D. S. Matteson, N. A. James, "A Nonparametric Approach for Multiple Change Point
+//! Analysis of Multivariate Data", Journal of the American Statistical Association 109(505), 2014:
+//! the divergence of two samples by the distances of their members (with exponent 1), hierarchical
+//! bisection, and a permutation test that says when to end. D. Daly, W. Brown, H. Ingo, J. O'Leary,
+//! D. Bradford, "The Use of Change Point Detection to Identify Software Performance Regressions in
+//! a Continuous Integration System", ICPE 2020: the same for the results of benchmarks, commit by
+//! commit.
 //!
-//! Deviations: the sample behind a candidate reaches to the end of its segment, where Matteson and James look
-//! for its best end, too; Daly et al. do as we. A permutation test ends as soon as its verdict is certain
-//! (J. Besag, P. Clifford, "Sequential Monte Carlo p-values", Biometrika 78(2), 1991): most series have no
-//! change, and need few permutations to say so. Ratios go in as their logarithms.
+//! Deviations: the sample behind a candidate reaches to the end of its segment, where Matteson and
+//! James look for its best end, too; Daly et al. do as we. A permutation test ends as soon as its
+//! verdict is certain (J. Besag, P. Clifford, "Sequential Monte Carlo p-values", Biometrika 78(2),
+//! 1991): most series have no change, and need few permutations to say so. Ratios go in as their
+//! logarithms.
 
 use crate::random::Random;
 
-/// What is taken for a change.
+/// Thresholds of change detection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sensitivity {
     /// The probability that values without any change are said to have one, in each test.

@@ -20,8 +20,8 @@ pub fn quantile(probability: f64) -> f64 {
 }
 
 /// The 97.5% quantile of Student's distribution: exact for 1 and 2 degrees, where it has a closed
-/// form, found by bisection below 4, else with a relative error below 1% (the expansion in powers of the inverse, Abramowitz
-/// and Stegun, 26.7.5).
+/// form, found by bisection below 4, else with a relative error below 1% (the expansion in powers
+/// of the inverse, Abramowitz and Stegun, 26.7.5).
 pub fn student_95(degrees: f64) -> f64 {
     if degrees == 1.0 {
         return (0.475 * std::f64::consts::PI).tan();
@@ -45,9 +45,10 @@ pub fn student_95(degrees: f64) -> f64 {
     x + first / degrees + second / degrees.powi(2) + third / degrees.powi(3)
 }
 
-/// The two-sided probability of a value of Student's distribution of at least `t >= 0` on either side,
-/// absolute error below 1e-5 from 2 degrees on: the density is a power of a cosine in the angle whose tangent is t over the root of
-/// the degrees, summed by Simpson's rule. For infinite degrees that of the normal distribution.
+/// The two-sided probability of a value of Student's distribution of at least `t >= 0` on either
+/// side, absolute error below 1e-5 from 2 degrees on: the density is a power of a cosine in the
+/// angle whose tangent is t over the root of the degrees, summed by Simpson's rule. For infinite
+/// degrees that of the normal distribution.
 pub fn student_tails(t: f64, degrees: f64) -> f64 {
     const STEPS: usize = 300;
     if degrees > 1e4 {

@@ -1,8 +1,9 @@
 //! Products of powers of medians whose samples share rounds: the factors of a ratio.
 //!
-//! Quotients of medians multiply to the quotient of the first and the last, which medians of quotients
-//! do not. Rounds are resampled for all quantities at once: what disturbs a round is in all of them. Of quotients of two rows,
-//! each over a reference of the same round, the interval held the truth in 98% of trials with 31 rounds.
+//! Quotients of medians multiply to the quotient of the first and the last, which medians of
+//! quotients do not. Rounds are resampled for all quantities at once: what disturbs a round is in
+//! all of them. Of quotients of two rows, each over a reference of the same round, the interval
+//! held the truth in 98% of trials with 31 rounds.
 
 use std::collections::BTreeMap;
 
@@ -10,9 +11,10 @@ use crate::estimate::{Estimate, RESAMPLES, interval, median_of};
 use crate::random::Random;
 use crate::series::Series;
 
-/// The product of the medians of series that share rounds, each raised to its power, with its 95% interval: of one
-/// process by resampling rounds, of several as [`Series::estimate`] of the product that each process has. None without
-/// samples, where one is not positive, or where not all have the same processes and as many rounds in each.
+/// The product of the medians of series that share rounds, each raised to its power, with its 95%
+/// interval: of one process by resampling rounds, of several as [`Series::estimate`] of the product
+/// that each process has. None without samples, where one is not positive, or where not all have
+/// the same processes and as many rounds in each.
 pub fn product_of_series(quantities: &[(Series, f64)], seed: u64) -> Option<Estimate> {
     let rounds: Vec<(BTreeMap<u32, Vec<f64>>, f64)> =
         quantities.iter().map(|(series, p)| (series.by_numbered_process(), *p)).collect();
@@ -137,8 +139,8 @@ mod tests {
 
     #[test]
     fn the_interval_holds_the_truth_at_least_as_often_as_it_says() {
-        // rows of 31 rounds over a reference of the same round, whose own noise is in all of them: 1.2
-        // is the truth
+        // rows of 31 rounds over a reference of the same round, whose own noise is in all of them:
+        // 1.2 is the truth
         let mut random = Random::new(12, "coverage of products");
         let mut held = 0;
         for trial in 0..500 {

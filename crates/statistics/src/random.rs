@@ -1,5 +1,5 @@
-//! The one source of randomness: SplitMix64 (Steele, Lea, Flood 2014), so that a seed means the same
-//! on every machine.
+//! The one source of randomness: SplitMix64 (Steele, Lea, Flood 2014), so that a seed means the
+//! same on every machine.
 
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};

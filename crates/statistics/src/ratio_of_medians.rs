@@ -1,10 +1,10 @@
 //! The ratio of the medians of two runs, which share no rounds.
 //!
-//! Paper: D. G. Bonett, R. M. Price, "Confidence Intervals for Ratios of Means and Medians", Journal
-//! of Educational and Behavioral Statistics 45(6), 2020: the variance of the logarithm of a median
-//! from the order statistics around it, and the normal interval of the difference of both.
-//! Deviations: none. The percentile bootstrap of the same ratio held the truth in 97% of trials with
-//! 31 samples per side, which is too often; this one in 95%.
+//! Paper: D. G. Bonett, R. M. Price, "Confidence Intervals for Ratios of Means and Medians",
+//! Journal of Educational and Behavioral Statistics 45(6), 2020: the variance of the logarithm of a
+//! median from the order statistics around it, and the normal interval of the difference of both.
+//! Deviations: none. The percentile bootstrap of the same ratio held the truth in 97% of trials
+//! with 31 samples per side, which is too often; this one in 95%.
 
 use crate::estimate::{Estimate, median};
 use crate::normal::{NORMAL_95, quantile};

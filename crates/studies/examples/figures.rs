@@ -1,6 +1,6 @@
 //! How many of the figures of 1999 come out, table by table: `cargo run --release -p studies
-//! --example figures [STRUCTURE,... [SCENE,...]]`; all of them take 20 minutes. The search for their
-//! rules is logged in `results/figures/`.
+//! --example figures [STRUCTURE,... [SCENE,...]]`; all of them take 20 minutes. The search for
+//! their rules is logged in `results/figures/`.
 
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Tests of boxes for comparison: what a test without a margin loses, what margins cost.
 //!
-//! Paper: T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013: the slab test in floating point loses
-//! boxes whose faces and edges a ray just meets; an exit that is two ulps later does not.
+//! Paper: T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013: the slab test in floating point
+//! loses boxes whose faces and edges a ray just meets; an exit that is two ulps later does not.
 //!
 //! Deviations: a box here is the tight one of the primitives, as in the paper. Elsewhere boxes are
 //! padded by far more (`bounds_rule.rs`), since points of primitives are rounded as well.
@@ -22,8 +22,8 @@ pub enum BoxTest {
 }
 
 impl BoxTest {
-    /// The first parameter in `[t_min, t_max]` at which the ray is within the box. Compiled into the
-    /// traversal with the feature `compiled-tests`, else a call, the same for all of them.
+    /// The first parameter in `[t_min, t_max]` at which the ray is within the box. Compiled into
+    /// the traversal with the feature `compiled-tests`, else a call, the same for all of them.
     #[cfg_attr(feature = "compiled-tests", inline(always))]
     #[cfg_attr(not(feature = "compiled-tests"), inline(never))]
     pub fn entry<S: Scalar>(self, b: &Aabb<S>, ray: &Ray<S>, t_min: S, t_max: S) -> Option<S> {

@@ -19,7 +19,7 @@ pub trait Lanes:
     + Mul<Output = Self>
     + Div<Output = Self>
 {
-    /// What a lane holds.
+    /// Type of one lane.
     type Scalar;
     /// The lanes as an array.
     type Array;

@@ -45,7 +45,8 @@ pub(crate) mod tests {
     use super::*;
     use crate::structures::test_scenes::Random;
 
-    /// Rays at the unit cube: of any direction, along an axis, in planes of sixteenths, and past it; some end at 1.
+    /// Rays at the unit cube: of any direction, along an axis, in planes of sixteenths, and past
+    /// it; some end at 1.
     pub(crate) fn rays_at_unit_cube<S: Scalar, const N: usize>(
         random: &mut Random,
         round: usize,

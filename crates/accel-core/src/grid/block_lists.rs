@@ -1,5 +1,6 @@
-//! Lists of a dense grid in which every primitive goes to a block of cells: a counting sort, in parts (`sort_in_parts.rs`).
-//! The block of a primitive is found once, when counting, and kept in 8 bytes for filling.
+//! Lists of a dense grid in which every primitive goes to a block of cells: a counting sort, in
+//! parts (`sort_in_parts.rs`). The block of a primitive is found once, when counting, and kept in 8
+//! bytes for filling.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -135,7 +136,7 @@ impl Block {
     }
 }
 
-/// What the passes of a build share.
+/// State shared by the passes of a build.
 struct Sort<'a, R, P> {
     rows: &'a R,
     placement: &'a P,

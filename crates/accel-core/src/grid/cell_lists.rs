@@ -11,7 +11,8 @@ use crate::grid::sort_in_parts::{
     Counts, counted, filled, filled_whole, turn_into_ends, useful_parts,
 };
 
-/// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other lists.
+/// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other
+/// lists.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct CellLists<I = Vec<u32>> {
     /// `ids[starts[c]..starts[c + 1]]` belongs to cell `c`.
@@ -37,7 +38,8 @@ pub trait Placement: Sync {
     fn cells_of(&self, id: u32, emit: impl FnMut(usize));
 }
 
-/// How many of these ids go to each cell, and to all; counting ends once these are more than `most`.
+/// How many of these ids go to each cell, and to all; counting ends once these are more than
+/// `most`.
 #[inline(always)]
 fn count(
     cells: usize,
@@ -141,8 +143,8 @@ impl CellLists {
             .map_err(TooManyReferences)
     }
 
-    /// The lists of [`CellLists::build`] in the memory of those before, by one thread, where there are no more
-    /// references than may be.
+    /// The lists of [`CellLists::build`] in the memory of those before, by one thread, where there
+    /// are no more references than may be.
     pub(crate) fn rebuild(
         &mut self,
         cells: usize,
@@ -269,8 +271,9 @@ impl From<CellLists> for CellLists<Arc<[u32]>> {
 }
 
 impl CellLists<Arc<[u32]>> {
-    /// Moves ids that are these lists' alone to the end of an array that is to be shared; the lists have none
-    /// until it [is](Self::share). Nothing is changed where the array has no room for them.
+    /// Moves ids that are these lists' alone to the end of an array that is to be shared; the lists
+    /// have none until it [is](Self::share). Nothing is changed where the array has no room for
+    /// them.
     pub(crate) fn move_to(&mut self, all: &mut Vec<u32>) {
         let base = u32::try_from(all.len()).ok();
         if let Some(base) = base.filter(|b| b.checked_add(self.ids.len() as u32).is_some()) {

@@ -1,8 +1,9 @@
 //! What every traversal of a ray through a regular grid offers, and the setting that chooses one.
 //!
-//! Two traversals are for use: `voxel_traversal.rs` (t_next stepping) and `driving_axis_traversal.rs` (Fujimoto's
-//! synchronised DDAs). Two more are for comparison, in the uniform grid alone:
-//! `accumulating_traversal.rs` and `double_traversal.rs`. Storages and structures are written once, over [`CellTraversal`].
+//! Two traversals are for use: `voxel_traversal.rs` (t_next stepping) and
+//! `driving_axis_traversal.rs` (Fujimoto's synchronised DDAs). Two more are for comparison, in the
+//! uniform grid alone: `accumulating_traversal.rs` and `double_traversal.rs`. Storages and
+//! structures are written once, over [`CellTraversal`].
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};
@@ -41,8 +42,8 @@ pub trait CellTraversal<S: Scalar>: CellPosition {
     fn advance(&mut self) -> bool;
 }
 
-/// Which traversal a grid uses. The first two visit every pierced cell; they differ in time only, and in
-/// which cells they touch where a ray meets an edge or corner of cells exactly.
+/// Which traversal a grid uses. The first two visit every pierced cell; they differ in time only,
+/// and in which cells they touch where a ray meets an edge or corner of cells exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Traversal {
     /// Amanatides and Woo 1987.
@@ -71,7 +72,8 @@ impl Traversal {
         ..Self::PARAM
     };
 
-    /// What the settings ask for; steps to the nearest plane for a structure that does not list the parameter.
+    /// What the settings ask for; steps to the nearest plane for a structure that does not list the
+    /// parameter.
     pub fn of(params: &Params) -> Self {
         match params.get(Self::PARAM.name) {
             Some("driving-axis") => Self::DrivingAxis,

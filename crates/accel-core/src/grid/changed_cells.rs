@@ -1,7 +1,8 @@
 //! Lists in one array, changed in the cells alone that primitives left or entered.
 //!
-//! The lists of the other cells are moved as they are, stretch by stretch, so that what an update costs beside a
-//! pass over memory grows with what has moved. The lists are those that a build would make.
+//! The lists of the other cells are moved as they are, stretch by stretch, so that what an update
+//! costs beside a pass over memory grows with what has moved. The lists are those that a build
+//! would make.
 
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder};
@@ -18,7 +19,8 @@ pub(crate) struct NewCells {
 }
 
 impl NewCells {
-    /// Of the `moved` primitives; `cell` says where the list of a cell is. `None` where they are too many.
+    /// Of the `moved` primitives; `cell` says where the list of a cell is. `None` where they are
+    /// too many.
     pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
         moved: &[u32],
@@ -45,8 +47,8 @@ impl NewCells {
 }
 
 impl CellLists {
-    /// Takes the `moved` primitives (ascending ids) out of all lists and puts them where they are `gained`. `None`,
-    /// and nothing done, where the references become too many.
+    /// Takes the `moved` primitives (ascending ids) out of all lists and puts them where they are
+    /// `gained`. `None`, and nothing done, where the references become too many.
     pub(crate) fn change(&mut self, moved: &[u32], gained: &NewCells) -> Option<ChangedLists> {
         let has_moved = MovedIds::new(moved);
         let (starts, ids) = (self.starts(), self.ids());

@@ -1,14 +1,14 @@
 //! Distances of the voxels of a grid to the nearest occupied one, exact, in three metrics.
 //!
-//! All three are separable: the distance along x first, then the best over y of what x gave and
-//! the way along y, then z (T. Saito, J. Toriwaki, "New Algorithms for Euclidean Distance
+//! All three are separable: the distance along x first, then the best over y of what x gave and the
+//! way along y, then z (T. Saito, J. Toriwaki, "New Algorithms for Euclidean Distance
 //! Transformation of an n-Dimensional Digitized Picture", Pattern Recognition 27, 1994). Along an
-//! axis each voxel is a candidate for those before it; of two, the nearer is the better one from some
-//! voxel on, and stays it, in every metric. So a queue of candidates, each with the voxel from which it
-//! is better than the one before it, gives all of a line in linear time (A. Meijster, J. Roerdink,
-//! W. Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time", Mathematical
-//! Morphology and its Applications to Image and Signal Processing, 2000). Deviation: each side is
-//! looked at by itself, as octants need it.
+//! axis each voxel is a candidate for those before it; of two, the nearer is the better one from
+//! some voxel on, and stays it, in every metric. So a queue of candidates, each with the voxel from
+//! which it is better than the one before it, gives all of a line in linear time (A. Meijster, J.
+//! Roerdink, W. Hesselink, "A General Algorithm for Computing Distance Transforms in Linear Time",
+//! Mathematical Morphology and its Applications to Image and Signal Processing, 2000). Deviation:
+//! each side is looked at by itself, as octants need it.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU16, Ordering::Relaxed};
@@ -51,7 +51,8 @@ impl Metric {
         if self == Self::Chessboard { a.max(b) } else { a.saturating_add(b) }
     }
 
-    /// The last place, downwards, from which on the nearer of two values, each with its place, is no worse.
+    /// The last place, downwards, from which on the nearer of two values, each with its place, is
+    /// no worse.
     #[inline(always)]
     fn better_from(self, near: (i64, i64), far: (i64, i64)) -> i64 {
         let (between, more) = (far.0 - near.0, near.1 - far.1);
@@ -114,7 +115,8 @@ impl Line<'_> {
         &self.field[i * self.stride]
     }
 
-    /// Makes each voxel's value the least measure of a way to one ahead: upwards, downwards, or on both sides.
+    /// Makes each voxel's value the least measure of a way to one ahead: upwards, downwards, or on
+    /// both sides.
     #[inline(always)]
     fn measure(
         &self,
@@ -155,8 +157,8 @@ struct Candidate {
     from: i64,
 }
 
-/// Tells `say` for every place of a line the least measure of a value there or behind it together with
-/// the way to it, at most that of [`CAP`].
+/// Tells `say` for every place of a line the least measure of a value there or behind it together
+/// with the way to it, at most that of [`CAP`].
 #[inline(always)]
 fn least_ahead(
     length: usize,

@@ -13,8 +13,8 @@
 //! steps of a layer are made one after the other, the larger error (the earlier plane) first, and
 //! before the driving step. Error terms are kept as parameters, (end of the layer) - (next passive
 //! plane), whose sign is that of Fujimoto's error in cells, and are recomputed from plane indices
-//! instead of accumulated, as in `voxel_traversal.rs`; so both traversals make the same comparisons.
-//! Ties: the driving axis goes first, then the lower passive axis.
+//! instead of accumulated, as in `voxel_traversal.rs`; so both traversals make the same
+//! comparisons. Ties: the driving axis goes first, then the lower passive axis.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;

@@ -1,7 +1,7 @@
 //! Grids whose cells hold primitives and further grids: what HUG and the adaptive grid are made of.
 //!
-//! All cells of all grids stand in one array, their ids in two more. The traversal is a recursion over
-//! nested grids, as deep as the builder nests them (each builder has a limit).
+//! All cells of all grids stand in one array, their ids in two more. The traversal is a recursion
+//! over nested grids, as deep as the builder nests them (each builder has a limit).
 
 pub(crate) mod build;
 
@@ -69,9 +69,9 @@ impl<S: Scalar> NestedGrids<S> {
         census
     }
 
-    /// Calls `each` with the cells of a grid, and with those of the grids within that are not in `seen`: as
-    /// cells within a cell or, where none is in two cells (`are_unique`), with the grids in place of the
-    /// cells that hold them.
+    /// Calls `each` with the cells of a grid, and with those of the grids within that are not in
+    /// `seen`: as cells within a cell or, where none is in two cells (`are_unique`), with the grids
+    /// in place of the cells that hold them.
     pub(crate) fn show(
         &self,
         grid: u32,
@@ -103,7 +103,7 @@ impl<S: Scalar> NestedGrids<S> {
         }
     }
 
-    /// What a grid divides.
+    /// Bounds of a grid.
     pub(crate) fn bounds(&self, grid: u32) -> Aabb<S> {
         self.grids.get(grid as usize).map_or(Aabb::empty(), |grid| grid.frame.bounds())
     }
@@ -167,7 +167,7 @@ impl<S: Scalar> NestedGrids<S> {
     }
 }
 
-/// What [`NestedGrids::census`] counts.
+/// Counts of [`NestedGrids::census`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Census {
     /// Cells without inner grids.
@@ -179,8 +179,8 @@ pub(crate) struct Census {
     pub references: u64,
 }
 
-/// Remembers which grids a ray has traversed. It may forget (a second traversal is only a waste), but
-/// never claims a traversal that was not made.
+/// Remembers which grids a ray has traversed. It may forget (a second traversal is only a waste),
+/// but never claims a traversal that was not made.
 pub(crate) trait VisitedGrids {
     /// True unless the grid is known to have been traversed; remembers it.
     fn is_first(&mut self, grid: u32) -> bool;

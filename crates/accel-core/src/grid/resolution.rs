@@ -105,7 +105,7 @@ impl fmt::Display for ResolutionRule {
     }
 }
 
-/// What a rule looks at.
+/// Input of a resolution rule.
 #[derive(Debug, Clone, Copy)]
 pub struct ResolutionInput<S: Scalar> {
     /// Box to be divided.
@@ -213,7 +213,7 @@ fn cubic(size: [f64; 3], wanted: f64, max_cells: u64) -> [u32; 3] {
     }
 }
 
-/// What a test costs, in steps, for the estimate of *auto*.
+/// Cost of a primitive test in traversal steps, for the estimate of *auto*.
 pub const TEST_COST: f64 = 4.0;
 
 /// Steps and tests that a random line is expected to take through `n` voxels, tests weighted.

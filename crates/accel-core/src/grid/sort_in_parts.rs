@@ -1,12 +1,13 @@
-//! A counting sort on all threads of the current rayon pool: each part of the input is counted and filled in by itself.
+//! A counting sort on all threads of the current rayon pool: each part of the input is counted and
+//! filled in by itself.
 //!
 //! Paper: T. Ize, I. Wald, C. Robertson, S. Parker, "An Evaluation of Parallel Grid Construction
 //! for Ray Tracing Dynamic Scenes", IEEE Symposium on Interactive Ray Tracing, 2006 (their
 //! sort-last build: each thread has a grid for its part of the primitives, merged in the end).
 //!
 //! Deviations: a thread has only counters, not lists; they are turned into the places in the one
-//! array at which it then fills its primitives in, so nothing is merged or moved. Parts stand in their
-//! order within each list, so lists are the same for any number of threads.
+//! array at which it then fills its primitives in, so nothing is merged or moved. Parts stand in
+//! their order within each list, so lists are the same for any number of threads.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicU32;
@@ -27,7 +28,7 @@ pub(super) fn useful_parts(primitives: usize, cells: usize) -> Vec<Range<usize>>
 /// How many numbers of a part belong to each list (and a zero), and how many these are together.
 pub(super) type Counts = (Vec<u32>, u64);
 
-/// What `count` says of each part.
+/// Applies `count` to each part.
 pub(super) fn counted(
     parts: &[Range<usize>],
     count: &(dyn Fn(Range<usize>) -> Counts + Sync),
@@ -67,8 +68,8 @@ pub(super) fn turn_into_ends(counts: &mut [u32]) {
 /// Writes the numbers of a part.
 type Fill<'a> = dyn Fn(Range<usize>, &mut [u32], &[AtomicU32]) + Sync + 'a;
 
-/// Starts of lists, one more than there are lists, and their numbers. `fill` writes the numbers of a part, each cursor
-/// going down from the end of the part's numbers in that list to their start.
+/// Starts of lists, one more than there are lists, and their numbers. `fill` writes the numbers of
+/// a part, each cursor going down from the end of the part's numbers in that list to their start.
 ///
 /// # Errors
 /// How many numbers there are, if these are more than `most`.

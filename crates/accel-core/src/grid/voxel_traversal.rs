@@ -1,30 +1,33 @@
 //! The traversal of a ray through a regular grid of voxels by t_next stepping.
 //!
 //! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
-//! 1987. Deviation: the parameter of the next plane is not accumulated (t += dt drifts by up to tens
+//! 1987. Deviation: the parameter of the next plane is not accumulated (t += dt drifts by up to
+//!       tens
 //! of cells on long traversals) but recomputed from the plane's index, so that its error
 //! does not grow with the number of steps.
 //!
-//! What is guaranteed, in the scalar of the traversal and to the ray's end: the part of the ray between
-//! the exits of two successive cells lies within the second of them, grown by an error that is
-//! independent of the number of steps. Three roundings of positions (plane, from_origin, their sum)
-//! and two of factors (1 / direction, the product with it) keep a plane within 22 epsilon of the
-//! scene's largest coordinate of where it is met, for rays that start within 8 magnitudes
+//! What is guaranteed, in the scalar of the traversal and to the ray's end: the part of the ray
+//! between the exits of two successive cells lies within the second of them, grown by an error that
+//! is independent of the number of steps. Three roundings of positions (plane, from_origin, their
+//! sum) and two of factors (1 / direction, the product with it) keep a plane within 22 epsilon of
+//! the scene's largest coordinate of where it is met, for rays that start within 8 magnitudes
 //! (`far_ray.rs`). Boxes are inserted padded by 64 of the same (`bounds_rule.rs`). So a cell may be
 //! passed by whose corner or edge the ray cuts by less, never a primitive: what the ray meets in
 //! that cell is listed in the cells before or after it as well, and those are not left before the
-//! parameter of the hit. `rtbench verify --cases T1,T3,T4` compares both traversals with exact integers.
+//! parameter of the hit. `rtbench verify --cases T1,T3,T4` compares both traversals with exact
+//! integers.
 //!
-//! **Grids within cells.** The traversal of an inner grid has planes, and roundings, of its own. A ray
-//! nearly within a side of the outer cell leaves an inner grid of exactly that box, by one rounding,
-//! at any parameter, and what the rest of the cell holds is passed by while the outer traversal, by
-//! another rounding, is still there. So an inner grid is that of the cell grown by the padding of
-//! boxes. Between the cell's entry and exit the ray is within 22 epsilon of the cell, so within the
-//! inner grid's box by 42 on every axis; the inner traversal, off by another 22, does not leave that box
-//! before the outer one leaves the cell. Two rules follow for whoever traverses both: a hit before an
-//! inner exit ends the inner traversal alone, for beyond the outer exit only the outer lists are
-//! complete; and an inner traversal starts where the cell is entered, but never before the outer traversal
-//! did, for planes beside the ray may be met at any parameter, even an infinite one.
+//! **Grids within cells.** The traversal of an inner grid has planes, and roundings, of its own. A
+//! ray nearly within a side of the outer cell leaves an inner grid of exactly that box, by one
+//! rounding, at any parameter, and what the rest of the cell holds is passed by while the outer
+//! traversal, by another rounding, is still there. So an inner grid is that of the cell grown by
+//! the padding of boxes. Between the cell's entry and exit the ray is within 22 epsilon of the
+//! cell, so within the inner grid's box by 42 on every axis; the inner traversal, off by another
+//! 22, does not leave that box before the outer one leaves the cell. Two rules follow for whoever
+//! traverses both: a hit before an inner exit ends the inner traversal alone, for beyond the outer
+//! exit only the outer lists are complete; and an inner traversal starts where the cell is entered,
+//! but never before the outer traversal did, for planes beside the ray may be met at any parameter,
+//! even an infinite one.
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -363,7 +366,8 @@ impl<S: Scalar> CellTraversal<S> for VoxelTraversal<S> {
 mod tests {
     use super::*;
 
-    /// The cells of a traversal; its coordinates and exits are compared with the indices on the way.
+    /// The cells of a traversal; its coordinates and exits are compared with the indices on the
+    /// way.
     fn collect(frame: &GridFrame<f64>, traversal: Option<impl CellTraversal<f64>>) -> Vec<usize> {
         let mut out = Vec::new();
         let Some(mut w) = traversal else { return out };
@@ -379,8 +383,8 @@ mod tests {
         }
     }
 
-    /// The cells of the t_next traversal, which those of the driving-axis traversal must equal but for the
-    /// order at ties, where both may touch another cell on an edge or corner.
+    /// The cells of the t_next traversal, which those of the driving-axis traversal must equal but
+    /// for the order at ties, where both may touch another cell on an edge or corner.
     fn cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
         collect(frame, frame.traversal(ray))
     }

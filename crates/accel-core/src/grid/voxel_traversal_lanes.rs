@@ -1,5 +1,5 @@
-//! The ways of many rays through a regular grid side by side: [`VoxelTraversal`] with a ray in each lane, to the
-//! same bits.
+//! The ways of many rays through a regular grid side by side: [`VoxelTraversal`] with a ray in each
+//! lane, to the same bits.
 
 use wide::i32x8;
 
@@ -9,8 +9,8 @@ use crate::geometry::scalar::{EightOf, Scalar};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::query::side_by_side::{EIGHTS, RAYS};
 
-/// Eight rays on their way, by axis and lane; kept as numbers, of which single lanes are replaced. Fields as in
-/// [`VoxelTraversal`].
+/// Eight rays on their way, by axis and lane; kept as numbers, of which single lanes are replaced.
+/// Fields as in [`VoxelTraversal`].
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 struct EightTraversals<S> {
@@ -69,7 +69,8 @@ impl<S: Scalar> TraversalLanes<S> {
         self.0[group].index.map(|index| index as usize)
     }
 
-    /// Goes on to the next cells; a bit for each ray that does not, as it leaves the grid or comes to its end.
+    /// Goes on to the next cells; a bit for each ray that does not, as it leaves the grid or comes
+    /// to its end.
     #[inline(always)]
     pub(super) fn leave(&mut self, t_max: &[S; RAYS], frame: &GridFrame<S>) -> u32 {
         let cell = frame.cell_size();
@@ -83,7 +84,8 @@ impl<S: Scalar> TraversalLanes<S> {
 }
 
 impl<S: Scalar> EightTraversals<S> {
-    /// The end of a visit, and [`VoxelTraversal::advance`](super::cell_traversal::CellTraversal::advance).
+    /// The end of a visit, and
+    /// [`VoxelTraversal::advance`](super::cell_traversal::CellTraversal::advance).
     #[inline(always)]
     fn leave(&mut self, t_max: EightOf<S>, cell: &[S; 3]) -> u32 {
         let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);

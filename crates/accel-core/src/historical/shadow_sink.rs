@@ -71,10 +71,10 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
     }
 }
 
-/// The shadow ray of Havran and Sixta's (1999) recursive grid: every primitive stops it, glass
-/// too. A hit within the current cell ends the query at once. A farther one is kept and ends the
-/// traversal in its cell, after all of that cell's list: found again, it is no new hit. Only used for
-/// counting.
+/// The shadow ray of Havran and Sixta's (1999) recursive grid: every primitive stops it, glass too.
+/// A hit within the current cell ends the query at once. A farther one is kept and ends the
+/// traversal in its cell, after all of that cell's list: found again, it is no new hit. Only used
+/// for counting.
 pub struct HistoricalCellShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
     prims: &'a P,
     ray: &'a Ray<S>,
@@ -89,7 +89,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalCellShadow<'a, S, P, C
         Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }
     }
 
-    /// What stopped the ray, and what it took.
+    /// The blocker of the ray, and the counters.
     pub fn finish(self) -> (Hit<S>, C) {
         (self.best, self.counters)
     }

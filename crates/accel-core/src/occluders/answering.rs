@@ -1,4 +1,4 @@
-//! What an occluder answers.
+//! Answers of occluders.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
@@ -19,7 +19,7 @@ pub trait Occluder<S: Scalar>: Send + Sync {
         lights: &[u32],
         blocked: &mut [bool],
     ) -> WorkCounters;
-    /// What was built, over all lights.
+    /// Statistics over all lights.
     fn stats(&self) -> StructureStats;
     /// How a batch is answered while nothing is counted.
     fn batches(&self) -> Batches {

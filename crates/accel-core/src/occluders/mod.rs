@@ -23,7 +23,7 @@ use crate::structure::BuildError;
 /// Every occluder of the workspace: one line each.
 pub static REGISTRY: &[Entry] = &[occluder!(light_buffer::build, light_buffer::INFO)];
 
-/// What answers shadow rays only.
+/// The registry of occluders, which answer shadow rays only.
 pub struct Occluding;
 
 impl RegistryItem for Occluding {

@@ -8,13 +8,13 @@ use crate::geometry::scalar::{Scalar, Vector};
 /// A direction of length 1 along which the points of no lattice that people make lie side by side.
 const SWEPT: DVec3 = DVec3::new(0.546_916_3, 0.681_730_2, 0.485_900_2);
 
-/// The places of lights, sorted along one direction: two places are no nearer to each other than they are
-/// along it, so that few have to be looked at.
+/// The places of lights, sorted along one direction: two places are no nearer to each other than
+/// they are along it, so that few have to be looked at.
 #[derive(Debug, Clone)]
 pub struct NearestLight {
     /// Place along the direction, place, number; of lights in one place the first.
     lights: Vec<(f64, DVec3, u32)>,
-    /// What rounding adds to a place along the direction at most.
+    /// Upper bound of the rounding error of a position along the direction.
     rounding: f64,
 }
 
@@ -34,8 +34,8 @@ impl NearestLight {
         rays.iter().map(|ray| self.of(ray)).collect()
     }
 
-    /// The light nearest to where the ray ends, the first of several; 0 without lights, or for a ray without an
-    /// end.
+    /// The light nearest to where the ray ends, the first of several; 0 without lights, or for a
+    /// ray without an end.
     fn of<S: Scalar>(&self, ray: &Ray<S>) -> u32 {
         let end = ray.at(ray.t_max).to_dvec3();
         let along = end.dot(SWEPT);

@@ -36,7 +36,7 @@ macro_rules! value {
 }
 value!(f64: real, f32: real, u64: integer, u32: integer, usize: integer, ResolutionRule: resolution);
 
-/// What a build is given: the settings of the structure, and what it may take.
+/// Input of a build: the settings of the structure, and its limits.
 #[derive(Debug, Clone)]
 pub struct Settings<C> {
     limits: Limits,

@@ -11,7 +11,7 @@ use std::fmt;
 use crate::grid::resolution::ResolutionRule;
 use crate::memory::{Limits, MemoryLimit};
 
-/// What values a parameter takes.
+/// Valid values of a parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ParamKind {
     /// A whole number in a closed range.
@@ -52,7 +52,7 @@ impl fmt::Display for ParamKind {
 pub struct ParamSpec {
     /// Name as typed: `density`.
     pub name: &'static str,
-    /// What it does, one line.
+    /// Description in one line.
     pub summary: &'static str,
     /// Value when nothing is said.
     pub default: &'static str,
@@ -109,7 +109,7 @@ pub enum ParamError {
         name: &'static str,
         /// Value as given.
         value: String,
-        /// What is valid.
+        /// Description of the valid values.
         expected: String,
     },
 }
@@ -118,8 +118,8 @@ fn valid_names(valid: &[&str]) -> String {
     if valid.is_empty() { "it has none".into() } else { format!("it has {}", valid.join(", ")) }
 }
 
-/// Validated settings as they are typed: every parameter of a structure has a value. A build is given
-/// [`config::Settings`], which are read off these before.
+/// Validated settings as they are typed: every parameter of a structure has a value. A build is
+/// given [`config::Settings`], which are read off these before.
 ///
 /// ```
 /// use accel_core::structures::uniform_grid::INFO;
@@ -151,7 +151,8 @@ impl Params {
         Self::defaults(structure, specs, &[]).set_all(settings)
     }
 
-    /// The defaults of a structure's own parameters, and of those that it has in common with others.
+    /// The defaults of a structure's own parameters, and of those that it has in common with
+    /// others.
     pub fn defaults(
         structure: &'static str,
         own: &'static [ParamSpec],
@@ -162,7 +163,8 @@ impl Params {
         Self { limits, specs: [own, common], values }
     }
 
-    /// The same with a parameter at this value: a number, a word, or what the command line would say.
+    /// The same with a parameter at this value: a number, a word, or what the command line would
+    /// say.
     ///
     /// # Errors
     /// [`ParamError`] for an unknown name or a value out of range.
@@ -277,7 +279,7 @@ impl Params {
 }
 
 impl fmt::Display for Params {
-    /// What differs from the defaults, as `density=4 resolution=woo`; empty when nothing does.
+    /// Prints settings that differ from the defaults, as `density=4 resolution=woo`; may be empty.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (name, value)) in self.changed().enumerate() {
             write!(f, "{}{name}={value}", if i == 0 { "" } else { " " })?;

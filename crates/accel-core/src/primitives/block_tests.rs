@@ -1,9 +1,9 @@
-//! Eight triangles of a block against one ray, by other tests than the watertight one: each the same
-//! operations as its scalar test, in the same order, so that lanes round as scalars do.
+//! Eight triangles of a block against one ray, by other tests than the watertight one: each the
+//! same operations as its scalar test, in the same order, so that lanes round as scalars do.
 //!
-//! Papers: as `triangle.rs` and `variants/triangle_tests.rs`. Each answers which lanes are hit within
-//! `[ray.t_min, t_max]`, the lowest bit the first lane, and their parameters. Lanes without a triangle
-//! hold NaN, which fails all comparisons.
+//! Papers: as `triangle.rs` and `variants/triangle_tests.rs`. Each answers which lanes are hit
+//! within `[ray.t_min, t_max]`, the lowest bit the first lane, and their parameters. Lanes without
+//! a triangle hold NaN, which fails all comparisons.
 
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray::Ray;
@@ -11,7 +11,7 @@ use crate::geometry::scalar::{EightOf, Scalar, Vector};
 use crate::primitives::shear::Shear;
 use crate::primitives::triangle_block::{TriangleBlock, sheared};
 
-/// What a test says of a block.
+/// Result of a block test.
 type Found<S> = (u32, [S; 8]);
 /// A vector in each lane.
 type Vectors<S> = [EightOf<S>; 3];

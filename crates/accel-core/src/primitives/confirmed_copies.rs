@@ -9,14 +9,15 @@ use crate::primitives::PrimSet;
 use crate::primitives::instances::{Copied, Instance, Instances, Object, stretch};
 use crate::primitives::support::Ball;
 
-/// The largest factor by which a copy is larger or smaller than another one of its object, on any axis:
-/// beyond it, the rounding of one is no small part of the other.
+/// The largest factor by which a copy is larger or smaller than another one of its object, on any
+/// axis: beyond it, the rounding of one is no small part of the other.
 const LARGEST_FACTOR: f64 = 1024.0;
 
 impl Instances {
-    /// Those of the claims that hold for this set: disjoint ranges of its ids, each primitive of a copy where
-    /// the transform between placements takes that of the first copy, up to the rounding of coordinates. What
-    /// does not hold is an instance of nothing, and left out; so is what is alone then.
+    /// Those of the claims that hold for this set: disjoint ranges of its ids, each primitive of a
+    /// copy where the transform between placements takes that of the first copy, up to the rounding
+    /// of coordinates. What does not hold is an instance of nothing, and left out; so is what is
+    /// alone then.
     pub fn confirmed<S: Scalar, P: PrimSet<S>>(prims: &P, claims: &[Instance]) -> Self {
         let mut claims: Vec<&Instance> = claims.iter().filter(|claim| claim.count > 0).collect();
         claims.sort_by_key(|claim| claim.first);
@@ -50,8 +51,8 @@ impl Instances {
         Self { objects: objects.filter(|object| object.copies.len() > 1).collect(), parts }
     }
 
-    /// The parts of `now`, which these are of, that are where the transform between their placements takes those of
-    /// `before`, up to the rounding of coordinates.
+    /// The parts of `now`, which these are of, that are where the transform between their
+    /// placements takes those of `before`, up to the rounding of coordinates.
     pub(super) fn rigid_parts<S: Scalar, P: PrimSet<S>>(
         &self,
         now: &P,
@@ -160,7 +161,8 @@ mod tests {
             found.all()[0].copies[1].to_first.unwrap().transform_point3(places[1].translation);
         assert!(back.length() < 1e-12, "{back}");
 
-        // planted: another place, ranges that overlap or end beyond the set, transforms without an inverse
+        // planted: another place, ranges that overlap or end beyond the set, transforms without an
+        // inverse
         let mut wrong = claims.clone();
         wrong[1].placement.translation.x += 1e-5;
         assert_eq!(Instances::confirmed(&set, &wrong).copies(), 2);

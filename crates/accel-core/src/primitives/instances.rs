@@ -1,7 +1,8 @@
 //! Copies of an object within a set: the same primitives several times, each time moved as a whole.
 //!
-//! The set holds all copies, so that every structure and every oracle sees the same primitives; what is said
-//! here is which of them are copies of which. Structures of two levels divide an object once.
+//! The set holds all copies, so that every structure and every oracle sees the same primitives;
+//! what is said here is which of them are copies of which. Structures of two levels divide an
+//! object once.
 
 use glam::{DAffine3, DMat3};
 
@@ -39,7 +40,8 @@ pub(crate) struct Object {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Instances {
     pub(super) objects: Vec<Object>,
-    /// All that is said to move as a whole, whether it stands several times or not; ascending, disjoint.
+    /// All that is said to move as a whole, whether it stands several times or not; ascending,
+    /// disjoint.
     pub(super) parts: Vec<Instance>,
 }
 
@@ -82,8 +84,8 @@ impl Instances {
     }
 }
 
-/// The largest sum of absolute entries of a row: how much longer a vector becomes, at most, in the largest of
-/// its components.
+/// The largest sum of absolute entries of a row: how much longer a vector becomes, at most, in the
+/// largest of its components.
 pub(crate) fn stretch(matrix: &DMat3) -> f64 {
     let rows = matrix.transpose().to_cols_array_2d();
     rows.iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)

@@ -12,8 +12,8 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 pub(crate) struct Motion<S: Scalar> {
     /// Which velocity, by id; those beyond the end are at rest.
     which: Vec<u32>,
-    /// World units per unit of time; the first is zero. What belongs together has one, so that blocks of it are
-    /// known by their numbers.
+    /// World units per unit of time; the first is zero. What belongs together has one, so that
+    /// blocks of it are known by their numbers.
     velocities: Vec<[S; 3]>,
     /// The number that most primitives have.
     usual: u32,
@@ -65,8 +65,8 @@ impl<S: Scalar> Motion<S> {
         self.usual = most.map_or(0, |(number, _): (u32, u32)| number);
     }
 
-    /// From now on bounds are those of segment `k` of `n` equal ones of the exposure, a little more of it on
-    /// both sides, and larger by `margin`.
+    /// From now on bounds are those of segment `k` of `n` equal ones of the exposure, a little more
+    /// of it on both sides, and larger by `margin`.
     pub fn narrow_to(&mut self, k: usize, n: usize, margin: S) {
         let exposure = self.exposure.to_f64();
         let rounding = 4.0 * S::EPSILON.to_f64();

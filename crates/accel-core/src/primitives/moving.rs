@@ -1,13 +1,14 @@
 //! Primitives that move while the shutter is open: linear motion, as a time on the ray.
 //!
-//! Paper: R. Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984: each ray
-//! has a time, and primitives are where they are then. Structures see the bounds of the whole
-//! way, or of a segment of it, as in A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988:
-//! see [`crate::structures::time_segments`].
+//! Paper: R. Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984: each ray has
+//! a time, and primitives are where they are then. Structures see the bounds of the whole way, or
+//! of a segment of it, as in A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2),
+//! 1988: see [`crate::structures::time_segments`].
 //!
 //! The motion is a translation at constant velocity, which serves every kind of primitive: the ray
-//! is moved the other way and meets the primitive at rest, in the shear that it has wherever it begins. It is a view of a [`MixedSet`] and not
-//! part of its tests, so that sets at rest pay nothing for it.
+//! is moved the other way and meets the primitive at rest, in the shear that it has wherever it
+//! begins. It is a view of a [`MixedSet`] and not part of its tests, so that sets at rest pay
+//! nothing for it.
 
 use glam::DVec3;
 
@@ -118,7 +119,8 @@ mod tests {
     use crate::primitives::{MixedSetBuilder, blocks};
     use crate::structures::test_scenes::Random;
 
-    /// Tests of the moved ray, set up anew, and blocks of eight, against what is derived from the ray.
+    /// Tests of the moved ray, set up anew, and blocks of eight, against what is derived from the
+    /// ray.
     fn is_as_set_up_anew<S: Scalar>() {
         let mut random = Random(8);
         let mut set = MixedSetBuilder::<S>::default();

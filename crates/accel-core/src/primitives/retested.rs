@@ -2,8 +2,9 @@
 //! default tests are.
 //!
 //! It is a view without a cost of its own: with the default tests it computes what a [`MixedSet`]
-//! does. Polygons and cones keep their tests, so that the shear of a ray is computed for the polygons
-//! whatever the test of triangles is. Primitives that move are seen where they are at time 0.
+//! does. Polygons and cones keep their tests, so that the shear of a ray is computed for the
+//! polygons whatever the test of triangles is. Primitives that move are seen where they are at time
+//! 0.
 
 use std::marker::PhantomData;
 

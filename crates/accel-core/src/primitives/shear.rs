@@ -78,8 +78,8 @@ impl<S: Scalar> Shear<S> {
         }
     }
 
-    /// The shear of the same ray from an origin moved back along a way of this velocity, to the bit that of
-    /// [`Shear::of`] with the same `magnitude`: all else depends on the direction alone.
+    /// The shear of the same ray from an origin moved back along a way of this velocity, to the bit
+    /// that of [`Shear::of`] with the same `magnitude`: all else depends on the direction alone.
     #[inline(always)]
     pub(crate) fn moved_back(&self, velocity: &[S; 3], time: S, magnitude: S) -> Self {
         // SAFETY: `axes` is only ever set by `of`
@@ -88,7 +88,7 @@ impl<S: Scalar> Shear<S> {
         Self { origin, near: near(magnitude, origin[2]), ..*self }
     }
 
-    /// What the third coordinate of a sheared vertex is scaled by.
+    /// Scale of the third coordinate of a sheared vertex.
     #[inline(always)]
     pub(crate) fn depth_scale(&self) -> S {
         self.shear[2]
@@ -97,7 +97,8 @@ impl<S: Scalar> Shear<S> {
     /// A vertex in the sheared space; `z` is still to be scaled by the third shear factor.
     #[inline(always)]
     pub(crate) fn apply(&self, v: &[S; 3]) -> [S; 3] {
-        // SAFETY: `axes` is only ever set by `of`, though other tests read it, to a permutation of 0, 1, 2.
+        // SAFETY: `axes` is only ever set by `of`, though other tests read it, to a permutation of
+        // 0, 1, 2.
         let [x, y, z] = unsafe { along(v, self.axes) };
         let [x, y, z] = [x - self.origin[0], y - self.origin[1], z - self.origin[2]];
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
@@ -110,7 +111,7 @@ pub(super) fn fine<S: Scalar>(magnitude: S) -> S {
     S::from_i32(4) * magnitude
 }
 
-/// What [`Shear::near`] is a multiple of.
+/// Factor of [`Shear::near`].
 #[inline(always)]
 pub(super) fn near_factor<S: Scalar>() -> S {
     S::from_i32(20) * S::EPSILON

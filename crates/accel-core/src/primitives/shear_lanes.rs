@@ -18,13 +18,14 @@ pub struct ShearLanes<S> {
     fine: S,
 }
 
-/// The axes of the sheared space; in the number's lowest bit whether the longest axis is x, then whether it is y,
-/// then whether the ray runs against it.
+/// The axes of the sheared space; in the number's lowest bit whether the longest axis is x, then
+/// whether it is y, then whether the ray runs against it.
 const AXES: [[usize; 3]; 8] =
     [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 0, 2]];
 
 impl<S: Scalar> ShearLanes<S> {
-    /// Of these rays, which `lanes` holds too, for corners of which no coordinate is larger than `magnitude`.
+    /// Of these rays, which `lanes` holds too, for corners of which no coordinate is larger than
+    /// `magnitude`.
     #[inline(always)]
     pub fn of(rays: &[Ray<S>; LANES], lanes: &RayLanes<S>, magnitude: S) -> Self {
         let splat = EightOf::<S>::splat;

@@ -46,7 +46,8 @@ impl<S: Scalar> Sphere<S> {
         self.intersect_from(ray.origin, ray, ray.direction.dot(ray.direction), t_max)
     }
 
-    /// The same of the ray as it would be from another origin; `a` is the square of its direction's length.
+    /// The same of the ray as it would be from another origin; `a` is the square of its direction's
+    /// length.
     #[inline(always)]
     pub(super) fn intersect_from(
         &self,

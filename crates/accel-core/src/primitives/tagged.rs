@@ -1,4 +1,4 @@
-//! What kind of primitive an id stands for, and where it is among its kind, in one word.
+//! Kind of a primitive and index within its kind, packed in one word.
 
 use crate::primitives::PrimitiveKind;
 

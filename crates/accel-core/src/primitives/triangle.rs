@@ -40,7 +40,8 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     fn setup_beside(ray: &Ray<S>, magnitude: S, _shear: &Shear<S>) -> Self::Setup {
         Self::setup(ray, magnitude)
     }
-    /// Prepares eight rays, which `lanes` holds too: what [`TriangleTest::setup`] says of each, by lane.
+    /// Prepares eight rays, which `lanes` holds too: what [`TriangleTest::setup`] says of each, by
+    /// lane.
     #[inline(always)]
     fn setups(
         rays: &[Ray<S>; LANES],
@@ -51,14 +52,16 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     }
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(v: &[[S; 3]; 3], ray: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S>;
-    /// Lanes of a block whose triangles are hit so, with their parameters; `None` or no lanes where none is.
+    /// Lanes of a block whose triangles are hit so, with their parameters; `None` or no lanes where
+    /// none is.
     fn hits_in_block(
         block: &TriangleBlock<S>,
         ray: &Ray<S>,
         setup: &Self::Setup,
         t_max: S,
     ) -> Option<(u32, [S; 8])>;
-    /// Replaces `best` by a closer hit of a triangle of the block, or by an equal one of a lower id.
+    /// Replaces `best` by a closer hit of a triangle of the block, or by an equal one of a lower
+    /// id.
     #[inline(always)]
     fn closest_in_block(
         block: &TriangleBlock<S>,
@@ -220,15 +223,16 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
         Ok(Self { triangles, transmissive, magnitude, instances, test: PhantomData })
     }
 
-    /// The same set, which knows its copies: those of the claims that hold ([`Instances::confirmed`]).
+    /// The same set, which knows its copies: those of the claims that hold
+    /// ([`Instances::confirmed`]).
     #[must_use]
     pub fn with_instances(mut self, claims: &[Instance]) -> Self {
         self.instances = Instances::confirmed(&self, claims);
         self
     }
 
-    /// Forgets those of its parts that are not rigid: that are not where the transform between their placements
-    /// takes them from `before`, a set of the same primitives.
+    /// Forgets those of its parts that are not rigid: that are not where the transform between
+    /// their placements takes them from `before`, a set of the same primitives.
     pub fn keep_rigid(&mut self, before: &Self) {
         self.instances.parts = self.instances.rigid_parts(self, before);
     }

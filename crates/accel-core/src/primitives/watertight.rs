@@ -64,7 +64,8 @@ pub(crate) fn intersect_in<S: Scalar>(
     let (terms, largest) = (terms(&[a, b, c]), largest(&[a, b, c]));
     // NaN fails all comparisons
     let is_begun = t >= t_min;
-    // also where the determinant is zero, or NaN; whatever was hit before, lest answers depend on order
+    // also where the determinant is zero, or NaN; whatever was hit before, lest answers depend on
+    // order
     if !weights_suffice(terms, largest, det, shear.fine)
         || is_begun && depth.abs() < shear.near * (largest * largest)
     {

@@ -1,9 +1,10 @@
-//! Batches of rays: closest hits, or whether rays are blocked. How the rays go through a structure is the
-//! business of `prepared.rs` and `side_by_side.rs`.
+//! Batches of rays: closest hits, or whether rays are blocked. How the rays go through a structure
+//! is the business of `prepared.rs` and `side_by_side.rs`.
 //!
-//! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32 registers hold
-//! what is known of a ray; which of both runs is decided where it runs. The operations are the same, none is
-//! contracted, and so are the answers. Of structures that have batches, so is the loop over single rays.
+//! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32
+//! registers hold what is known of a ray; which of both runs is decided where it runs. The
+//! operations are the same, none is contracted, and so are the answers. Of structures that have
+//! batches, so is the loop over single rays.
 
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ use crate::query::sink::{AnyHit, ClosestHit, Sink};
 use crate::query::tracer::nearby::brought_near;
 use crate::structure::{BatchAnswers, Structure};
 
-/// What single rays are traced in.
+/// The traversal of single rays.
 pub(crate) trait Traverse<S: Scalar> {
     /// [`Structure::traverse`].
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
@@ -72,8 +73,8 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
     }
 }
 
-/// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and moved in is
-/// waited for.
+/// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and
+/// moved in is waited for.
 pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
     /// The query of a ray.
     type Sink<'q>: Sink<S>
@@ -85,7 +86,8 @@ pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
     fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
     where
         'r: 'q;
-    /// Keeps the answer of the ray at that place, which was brought near; no sink where nothing can be hit.
+    /// Keeps the answer of the ray at that place, which was brought near; no sink where nothing can
+    /// be hit.
     fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
     where
         'r: 'q;

@@ -1,4 +1,5 @@
-//! A structure whose lists are [blocks](crate::query::kernel): how they are made, and how a ray is traced.
+//! A structure whose lists are [blocks](crate::query::kernel): how they are made, and how a ray is
+//! traced.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;

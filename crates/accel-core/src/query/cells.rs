@@ -1,10 +1,10 @@
-//! What a structure divides space into, cell by cell: for pictures and for tests. Apart from traversals,
-//! which know nothing of it.
+//! What a structure divides space into, cell by cell: for pictures and for tests. Apart from
+//! traversals, which know nothing of it.
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 
-/// What a cell is.
+/// The kind of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CellKind {
     /// A node of a hierarchy, a grid, or a voxel that holds grids: counted by
@@ -19,14 +19,14 @@ pub enum CellKind {
 /// A voxel, a node or a leaf.
 #[derive(Debug, Clone, Copy)]
 pub struct Cell<'a> {
-    /// Its box, world units; infinite where the structure has none. Of a sphere or of slabs, a box around
-    /// them; of a cell whose box has grown over its neighbours, the cell.
+    /// Its box, world units; infinite where the structure has none. Of a sphere or of slabs, a box
+    /// around them; of a cell whose box has grown over its neighbours, the cell.
     pub bounds: Aabb<f64>,
     /// 0 for the outermost.
     pub depth: u32,
     pub kind: CellKind,
-    /// The primitives that it lists, as they are tested. Inner cells list none but where voxels hold
-    /// primitives and grids alike.
+    /// The primitives that it lists, as they are tested. Inner cells list none but where voxels
+    /// hold primitives and grids alike.
     pub ids: &'a [u32],
 }
 
@@ -42,8 +42,8 @@ impl<'a> Cell<'a> {
     }
 }
 
-/// Takes a structure's cells: a cell comes before those within it, and these, each with one more of depth,
-/// before the next cell that is no deeper.
+/// Takes a structure's cells: a cell comes before those within it, and these, each with one more of
+/// depth, before the next cell that is no deeper.
 pub type CellVisitor<'v> = dyn FnMut(Cell<'_>) + 'v;
 
 /// Why a structure shows no cells.

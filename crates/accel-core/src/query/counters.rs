@@ -14,7 +14,7 @@
 
 use std::ops::AddAssign;
 
-/// What a traversal reports. Default methods do nothing.
+/// Receives the events of a traversal. Default methods do nothing.
 pub trait Counters: Default + Copy + Send + AddAssign {
     /// False for [`NoCounters`]: lets an adapter skip work that is only done for counting.
     const ENABLED: bool;

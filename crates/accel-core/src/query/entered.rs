@@ -1,8 +1,8 @@
-//! Which cells the steps of a way are steps into.
+//! Maps trace steps to cells.
 //!
-//! A step is known by the primitives that it tests. Where several cells on the ray list just those, or
-//! none, the ray's parameter decides: the counted traversal is asked again and again with a nearer end of
-//! the ray's interval, until it is known from which end on it makes that many steps.
+//! A step is known by the primitives that it tests. Where several cells on the ray list just those,
+//! or none, the ray's parameter decides: the counted traversal is asked again and again with a
+//! nearer end of the ray's interval, until it is known from which end on it makes that many steps.
 
 use std::collections::{HashMap, HashSet};
 
@@ -71,8 +71,8 @@ fn span(bounds: &Aabb<f64>, ray: &Ray<f64>) -> Option<[f64; 2]> {
 }
 
 /// For each step of a way, the cells among those [`crossed`] that it is a step into: one, but for
-/// structures that test primitives of several leaves at once; none for steps of a hierarchy, where what
-/// was tested does not tell.
+/// structures that test primitives of several leaves at once; none for steps of a hierarchy, where
+/// what was tested does not tell.
 pub fn cells_entered<S: Scalar>(
     tracer: &dyn Tracer<S>,
     ray: &Ray<S>,

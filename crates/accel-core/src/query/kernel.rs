@@ -1,9 +1,9 @@
 //! How the triangles of a list are tested: one by one, or eight at a time out of blocks.
 //!
 //! A structure keeps lists of ids and hands them to a sink. With `kernel=block` blocks of triangles
-//! stand beside the ids, and a sink between the traversal and the query finds the blocks of a list by
-//! where the list lies in memory. Traversals are the same for both kernels, and so are counters; answers
-//! are equal to the last bit.
+//! stand beside the ids, and a sink between the traversal and the query finds the blocks of a list
+//! by where the list lies in memory. Traversals are the same for both kernels, and so are counters;
+//! answers are equal to the last bit.
 //!
 //! A structure that has lists says [`HAS_LISTS`](crate::structure::Structure::HAS_LISTS) and
 //! lists [`PARAM`] among its parameters.
@@ -17,8 +17,8 @@ use crate::primitives::{PrimSet, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 use crate::update::ChangedLists;
 
-/// The setting, for the parameter list of a structure whose lists are short, or so many that blocks of
-/// them take too much memory: 320 bytes for a list in f32, however short.
+/// The setting, for the parameter list of a structure whose lists are short, or so many that blocks
+/// of them take too much memory: 320 bytes for a list in f32, however short.
 pub const PARAM: ParamSpec = ParamSpec::choice("kernel", "scalar", &["scalar", "block"])
     .about("triangles of a list: tested one by one, or as blocks of eight (not with a mailbox)");
 
@@ -60,9 +60,9 @@ impl<S: Scalar> ListBlocks<S> {
         Some(Self { base, first, blocks: blocks::of_lists(prims, 0, lists) })
     }
 
-    /// The blocks of these lists, of which `changed` are others than those that these blocks are of: those are made
-    /// anew, where they were if they are no more than before, else behind all others. What is left over stays until
-    /// it is a third of all; all are made anew then.
+    /// The blocks of these lists, of which `changed` are others than those that these blocks are
+    /// of: those are made anew, where they were if they are no more than before, else behind all
+    /// others. What is left over stays until it is a third of all; all are made anew then.
     #[inline(never)]
     pub(crate) fn changed<P: PrimSet<S>>(
         mut self,
@@ -161,8 +161,8 @@ impl<'b, 'q, S, K> BlockSink<'b, 'q, S, K> {
     }
 }
 
-/// Tests blocks apart from the traversal. Compiled into one function with it, questions of occlusion had the uniform
-/// grid keep its state in memory, at half the speed.
+/// Tests blocks apart from the traversal. Compiled into one function with it, questions of
+/// occlusion had the uniform grid keep its state in memory, at half the speed.
 #[inline(never)]
 fn out_of_line<S: Scalar, K: Sink<S>>(
     query: &mut K,

@@ -62,8 +62,8 @@ impl Layout {
 }
 
 impl<S: Scalar> Lists<S> {
-    /// Makes the blocks of the same lists over primitives of which some have moved; false where these would not be
-    /// such lists.
+    /// Makes the blocks of the same lists over primitives of which some have moved; false where
+    /// these would not be such lists.
     pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P, moved: &MovedIds) -> bool {
         match self {
             Self::Ids(_) => !blocks::serve(prims),

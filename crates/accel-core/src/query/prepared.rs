@@ -1,11 +1,13 @@
-//! The rays of a batch prepared eight at a time, in lanes; each then goes to its end before the next one begins, or
-//! all eight go together where they run alike and the structure has a way for that.
+//! The rays of a batch prepared eight at a time, in lanes; each then goes to its end before the
+//! next one begins, or all eight go together where they run alike and the structure has a way for
+//! that.
 //!
-//! What a structure and a triangle test derive from a ray is a quarter of the instructions of a closest hit in a
-//! wide BVH, and a third of an occlusion's, and it is waited for: nothing can be fetched before. In lanes it is
-//! the work of one ray for eight, and done when a ray begins. Steps, answers and counters of rays that go alone are those
-//! of [`resumable::traverse`]. To have several prepared rays in flight besides was a loss (two 0.85 to 1.0, four
-//! 0.77 to 0.88 of one after the other).
+//! What a structure and a triangle test derive from a ray is a quarter of the instructions of a
+//! closest hit in a wide BVH, and a third of an occlusion's, and it is waited for: nothing can be
+//! fetched before. In lanes it is the work of one ray for eight, and done when a ray begins. Steps,
+//! answers and counters of rays that go alone are those of [`resumable::traverse`]. To have several
+//! prepared rays in flight besides was a loss (two 0.85 to 1.0, four 0.77 to 0.88 of one after the
+//! other).
 
 use std::ops::Range;
 
@@ -20,12 +22,12 @@ use crate::query::sink::Sink;
 /// A structure that derives what it needs of eight rays at once.
 pub(crate) trait LaneStructure<S: Scalar>: Resumable<S> {
     type Eight;
-    /// What they have in common.
+    /// The shared part of the eight states.
     type Packet;
 
     /// Prepares rays that are near ([`far_ray::are_near`]).
     fn prepare(&self, rays: &RayLanes<S>) -> Self::Eight;
-    /// What eight rays that run alike have in common; none where they go apart.
+    /// The packet of eight coherent rays; `None` if their traversals diverge.
     fn packet(&self, eight: &Self::Eight) -> Option<Self::Packet>;
     /// Answers the queries of eight rays, one a ray in their order, together.
     fn trace_packet<K: Sink<S>>(&self, eight: &Self::Eight, packet: &Self::Packet, sinks: &mut [K]);

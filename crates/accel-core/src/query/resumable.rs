@@ -1,8 +1,8 @@
 //! Traversals that go step by step, from inner places to leaves and on.
 //!
-//! A structure whose traversal can be interrupted is [`Resumable`]: one ray is driven to its end by [`traverse`],
-//! and one that was prepared with others (`prepared.rs`) by [`run`]. The steps are the same, and so are answers
-//! and counters.
+//! A structure whose traversal can be interrupted is [`Resumable`]: one ray is driven to its end by
+//! [`traverse`], and one that was prepared with others (`prepared.rs`) by [`run`]. The steps are
+//! the same, and so are answers and counters.
 
 use std::ops::ControlFlow;
 

@@ -1,9 +1,9 @@
-//! Rays of a batch side by side: each in a lane of vectors, all taking a step at once; a lane whose ray is over
-//! gets the next ray of the batch.
+//! Rays of a batch side by side: each in a lane of vectors, all taking a step at once; a lane whose
+//! ray is over gets the next ray of the batch.
 //!
-//! One ray is a chain in which each step waits for the one before. In lanes a step is a few instructions for each
-//! ray, and while one waits for memory the others need not. Answers are those of one ray after the other, to the
-//! same bits, as are the steps.
+//! One ray is a chain in which each step waits for the one before. In lanes a step is a few
+//! instructions for each ray, and while one waits for memory the others need not. Answers are those
+//! of one ray after the other, to the same bits, as are the steps.
 
 use std::ops::{ControlFlow, Range};
 
@@ -17,7 +17,8 @@ use crate::primitives::PrimSet;
 use crate::query::batch::{Batch, BatchDriver, RayByRay, Traverse, drive};
 use crate::query::sink::Sink;
 
-/// Groups of eight lanes. Four, against two, are worth 4% for diffuse and shadow rays, where memory is waited for.
+/// Groups of eight lanes. Four, against two, are worth 4% for diffuse and shadow rays, where memory
+/// is waited for.
 pub(crate) const EIGHTS: usize = 4;
 
 /// Rays side by side.
@@ -28,7 +29,7 @@ const ALL: u32 = u32::MAX >> (u32::BITS as usize - RAYS);
 
 /// A structure in which a step is the same few instructions whatever the ray.
 pub(crate) trait SideBySide<S: Scalar> {
-    /// What it derives of eight rays.
+    /// State that the structure derives from eight rays.
     type Eight;
     /// Where [`RAYS`] rays are.
     type State;
@@ -49,8 +50,8 @@ pub(crate) trait SideBySide<S: Scalar> {
     fn prefetch(&self, list: u32);
     /// Tests the primitives of a list; `Break` when the query is over.
     fn test<K: Sink<S>>(&self, list: u32, sink: &mut K) -> ControlFlow<()>;
-    /// Goes on; a bit for each lane in which nothing is left to visit. All lanes are somewhere in the structure after
-    /// it.
+    /// Goes on; a bit for each lane in which nothing is left to visit. All lanes are somewhere in
+    /// the structure after it.
     fn leave(&self, state: &mut Self::State, t_max: &[S; RAYS]) -> u32;
 }
 

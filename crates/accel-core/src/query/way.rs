@@ -1,8 +1,8 @@
 //! One ray's way through a structure: what the counted traversal does, in its order.
 //!
 //! It is written down by a sink around the counted query, through the one
-//! [`ErasedSink`](crate::query::sink::ErasedSink) that counting passes traverse with: the traversal is that
-//! which is counted. A sink is not told where the ray is;
+//! [`ErasedSink`](crate::query::sink::ErasedSink) that counting passes traverse with: the traversal
+//! is that which is counted. A sink is not told where the ray is;
 //! [`entered`](crate::query::entered) finds that.
 
 mod recorder;
@@ -14,7 +14,7 @@ use crate::geometry::scalar::Scalar;
 use crate::query::cells::CellKind;
 use crate::query::counters::WorkCounters;
 
-/// What came of the test of a primitive.
+/// Result of the test of a primitive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// No hit, or none nearer than the one before.

@@ -107,7 +107,7 @@ struct PendingGrid<S: Scalar> {
     frame: Option<GridFrame<S>>,
 }
 
-/// What all grids of a build share.
+/// Builds all grids of the hierarchy; shared by them.
 struct GridBuilder<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
     padding: S,

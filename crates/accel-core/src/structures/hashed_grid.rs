@@ -26,7 +26,7 @@ use crate::structure::{StructureInfo, no_defect};
 use crate::update::{ChangedLists, INCREMENTAL};
 
 config! {
-    /// What the hash table is like.
+    /// Parameters of the hash table.
     pub struct TableConfig {
         /// occupied part of the hash table; more is smaller and slower
         load_factor: f64 = ParamSpec::real("load-factor", "0.5", 0.05, 1.0),

@@ -99,7 +99,7 @@ pub struct Hug<S: Scalar> {
     from_origin: bool,
 }
 
-/// What is known of a grid before it is filled.
+/// Resolution and bounds of a grid before it is filled.
 struct PlannedGrid<S: Scalar> {
     bounds: Aabb<S>,
     class: usize,
@@ -163,7 +163,7 @@ impl<S: Scalar> Structure<S> for Hug<S> {
     }
 }
 
-/// What a build looks at.
+/// Input of a build.
 pub(super) struct Boxes<S: Scalar> {
     pub of: Vec<Aabb<S>>,
     pub scene: Aabb<S>,

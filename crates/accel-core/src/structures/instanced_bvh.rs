@@ -1,6 +1,7 @@
 //! A BVH over BVHs: an eight-wide tree over the boxes of copies, and one over each object.
 //!
-//! See [`crate::structures::instanced`] for the levels and [`crate::structures::wide_bvh`] for the trees.
+//! See [`crate::structures::instanced`] for the levels and [`crate::structures::wide_bvh`] for the
+//! trees.
 
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;

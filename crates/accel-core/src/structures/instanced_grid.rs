@@ -1,6 +1,7 @@
 //! Grids over grids: a uniform grid over the boxes of copies, and one over each object.
 //!
-//! See [`crate::structures::instanced`] for the levels and [`crate::structures::uniform_grid`] for the grids.
+//! See [`crate::structures::instanced`] for the levels and [`crate::structures::uniform_grid`] for
+//! the grids.
 
 use crate::geometry::scalar::Scalar;
 use crate::params::specs;

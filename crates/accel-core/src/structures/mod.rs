@@ -64,9 +64,9 @@ pub static REGISTRY: &[Entry] = &[
     compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
 ];
 
-/// What unit tests ask for by name, or through the light buffer. Each line compiles a structure for all sets and
-/// queries: all of them once more, for unit tests alone, would double the cost of this crate. So tests that ask for
-/// others by name are in `tests/`.
+/// What unit tests ask for by name, or through the light buffer. Each line compiles a structure for
+/// all sets and queries: all of them once more, for unit tests alone, would double the cost of this
+/// crate. So tests that ask for others by name are in `tests/`.
 #[cfg(not(any(not(test), feature = "compiled-tests")))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
@@ -88,9 +88,9 @@ impl RegistryItem for Traceable {
 /// One line of [`REGISTRY`].
 pub type Entry = registry::Entry<Traceable>;
 
-/// A structure whose settings have been read. What is left is the build, which alone is timed: over the set, ready to
-/// trace, or taken there from the frame before, as its setting `update` says, or built anew. The settings are those
-/// that it was built with then; it is of no use after an error.
+/// A structure whose settings have been read. What is left is the build, which alone is timed: over
+/// the set, ready to trace, or taken there from the frame before, as its setting `update` says, or
+/// built anew. The settings are those that it was built with then; it is of no use after an error.
 pub type Prepared<S> = Box<
     dyn for<'a> Fn(
             PrimsRef<'a, S>,
@@ -138,8 +138,8 @@ pub fn find(name: &str) -> Option<&'static Entry> {
     registry::find(REGISTRY, name)
 }
 
-/// Reads the settings of `T`, which is then built over whichever set it is, or taken there from the frame
-/// before, and boxed as a tracer.
+/// Reads the settings of `T`, which is then built over whichever set it is, or taken there from the
+/// frame before, and boxed as a tracer.
 pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> Prepared<S> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
@@ -194,8 +194,8 @@ fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     Ok(Box::new(BoundInMotion::<S, _, T, COMPILED>::new(set.in_motion(), segments, mailbox)))
 }
 
-/// [`prepare`] for a structure of which more is compiled into its traversals, in f32 alone: the queries of
-/// sets that move, and chosen tests where the feature `compiled-tests` is on.
+/// [`prepare`] for a structure of which more is compiled into its traversals, in f32 alone: the
+/// queries of sets that move, and chosen tests where the feature `compiled-tests` is on.
 pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
@@ -214,9 +214,9 @@ pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
     })
 }
 
-/// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree, my_tree::INFO)`.
-/// The type's only parameter is its scalar; it is a [`Structure`](crate::structure::Structure) in f32 and
-/// in f64.
+/// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree,
+/// my_tree::INFO)`. The type's only parameter is its scalar; it is a
+/// [`Structure`](crate::structure::Structure) in f32 and in f64.
 #[macro_export]
 macro_rules! entry {
     ($structure:path, $info:path) => {

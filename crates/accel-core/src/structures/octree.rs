@@ -9,16 +9,16 @@
 //! a surface-area cost is least, `octree/subdivide.rs`).
 //!
 //! Deviations: nodes stand in arrays, not behind pointers or in a hash table of names; places on
-//! the ray are ray parameters compared with those of the planes, never rounded points, so that
-//! no traversal needs an epsilon; a cell that three cuts would not make cheaper stays whole
+//! the ray are ray parameters compared with those of the planes, never rounded points, so that no
+//! traversal needs an epsilon; a cell that three cuts would not make cheaper stays whole
 //! (`useless-splits`), as does one whose cuts would have multiplied references by more than
 //! `max-growth`: boxes that share an edge, or slivers across the axes, are not separated by any
 //! number of cuts; a thin axis of the root grows to the longest; neighbours are found through a
 //! stack of ancestors, not father links; a ray from so far away that rounding outgrows the padding
 //! of boxes is traversed top-down whatever the setting. `boxes=historical` (with `max-leaf=1
-//! useless-splits=20` and an `order` that alternates) is what Havran and Sixta (1999) measured: no padding, no limit
-//! for growth, traversals from the ray's origin (top-down ones from 0.01 on), and steps of 1e-6 beyond a
-//! cell's exit.
+//! useless-splits=20` and an `order` that alternates) is what Havran and Sixta (1999) measured: no
+//! padding, no limit for growth, traversals from the ray's origin (top-down ones from 0.01 on), and
+//! steps of 1e-6 beyond a cell's exit.
 
 mod cells;
 mod config;
@@ -65,8 +65,8 @@ const HISTORICAL_CONE_MARGIN: f64 = 0.001;
 /// How far beyond a cell's exit the next cell was looked for in 1999.
 const HISTORICAL_NUDGE: f64 = 1e-6;
 
-/// Where on every ray, those from the eye too, the top-down traversal began in 1999; the others began at
-/// the origin.
+/// Where on every ray, those from the eye too, the top-down traversal began in 1999; the others
+/// began at the origin.
 const HISTORICAL_START: f64 = 0.01;
 
 pub struct Octree<S: Scalar> {

@@ -1,7 +1,7 @@
 //! Segments of time: structures over what moves, each over the way within its part of the exposure.
 //!
-//! Paper: A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988.
-//! Deviations: he divides space and time in turns, as need be; we divide time alone, first, into equal parts. A
+//! Paper: A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988. Deviations: he
+//! divides space and time in turns, as need be; we divide time alone, first, into equal parts. A
 //! ray has one time and so goes to one structure; nothing else changes, and neither do answers.
 
 use crate::geometry::ray::Ray;

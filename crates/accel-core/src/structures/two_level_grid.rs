@@ -1,9 +1,9 @@
 //! The two-level grid: a coarse grid whose cells are divided by grids of their own resolution.
 //!
 //! Paper: J. Kalojanov, M. Billeter, P. Slusallek, "Two-Level Grids for Ray Tracing on GPUs",
-//! Computer Graphics Forum 30(2) (Eurographics), 2011: two levels are enough for most uneven scenes,
-//! and both can be built in parallel by sorting, so that the grid stays among the structures that
-//! are built fastest.
+//! Computer Graphics Forum 30(2) (Eurographics), 2011: two levels are enough for most uneven
+//! scenes, and both can be built in parallel by sorting, so that the grid stays among the
+//! structures that are built fastest.
 //!
 //! Deviations: references are sorted into upper cells by the counting sort of `block_lists.rs`,
 //! and within each upper cell by another, instead of all pairs of a level by radix; resolutions
@@ -104,7 +104,8 @@ fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
 }
 
 impl<S: Scalar> TwoLevelGrid<S> {
-    /// Changes the cells that something moved in; false where the upper grid is another one, and nothing was done.
+    /// Changes the cells that something moved in; false where the upper grid is another one, and
+    /// nothing was done.
     fn change<P: PrimSet<S>>(
         &mut self,
         prims: &P,
@@ -231,8 +232,8 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
 }
 
 impl LeafCells {
-    /// Visits the leaf cells of an upper cell until the traversal leaves it or nothing closer can follow
-    /// there; `Break` ends the query.
+    /// Visits the leaf cells of an upper cell until the traversal leaves it or nothing closer can
+    /// follow there; `Break` ends the query.
     #[inline(always)]
     fn traverse<S: Scalar, K: Sink<S>>(
         &self,

@@ -5,10 +5,11 @@
 //! Eurographics 1987 (the traversals, see `driving_axis_traversal.rs` and `voxel_traversal.rs`).
 //!
 //! Deviations: lists stand in one array (count, prefix sum, fill); boxes are padded by a few ulps
-//! so that rounding loses nothing; the traversal recomputes plane parameters instead of accumulating;
-//! a resolution that a rule gave is halved while it lists primitives more than 64 times on average.
-//! `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their counters show it:
-//! its traversals also begin at the ray's origin, although hits only count beyond the epsilon.
+//! so that rounding loses nothing; the traversal recomputes plane parameters instead of
+//! accumulating; a resolution that a rule gave is halved while it lists primitives more than 64
+//! times on average. `boxes=historical order=reverse` is Havran and Sixta's (1999) grid as their
+//! counters show it: its traversals also begin at the ray's origin, although hits only count beyond
+//! the epsilon.
 
 use std::ops::Range;
 

@@ -1,5 +1,6 @@
-//! How a tree of cells is built: depth first, each cell cut where a [`Division`] says; on several threads the
-//! children of the first cells at once. The cells are the same, in the same places, for any number of threads.
+//! How a tree of cells is built: depth first, each cell cut where a [`Division`] says; on several
+//! threads the children of the first cells at once. The cells are the same, in the same places, for
+//! any number of threads.
 
 use rayon::prelude::*;
 
@@ -15,7 +16,7 @@ pub(crate) trait Division<S: Scalar>: Sync {
     type Cells: CellStore<Cut = Self::Cut>;
     /// How a cell is cut.
     type Cut: Copy + Send + Sync;
-    /// What the cuts on the way to a cell brought.
+    /// Statistics of the cuts on the path to a cell.
     type Descent: Copy + Sync;
     /// Memory that is used again for each cell.
     type Scratch;
@@ -24,7 +25,8 @@ pub(crate) trait Division<S: Scalar>: Sync {
 
     fn scratch(&self) -> Self::Scratch;
 
-    /// Where to cut a cell that lists `ids`, and the way to what is below it; `None` makes it a leaf.
+    /// Where to cut a cell that lists `ids`, and the way to what is below it; `None` makes it a
+    /// leaf.
     fn cut(
         &self,
         scratch: &mut Self::Scratch,
@@ -70,7 +72,7 @@ pub(crate) trait CellStore: Send {
         Self: Sized;
 }
 
-/// What is done next to a store that has one cell at first.
+/// Next step of a build that starts with one cell.
 pub(crate) enum Step<C: CellStore> {
     /// This cell is cut.
     Divide(usize, C::Cut),
@@ -125,8 +127,8 @@ impl<C: CellStore> Step<C> {
     }
 }
 
-/// Where the lists of the leaves of all stores begin, and where the last ends, and their ids; of each store `lists` has the
-/// same.
+/// Where the lists of the leaves of all stores begin, and where the last ends, and their ids; of
+/// each store `lists` has the same.
 pub(crate) fn joined_lists<C: CellStore>(
     steps: &[Step<C>],
     lists: impl Fn(&C) -> [&[u32]; 2],
@@ -141,7 +143,8 @@ pub(crate) fn joined_lists<C: CellStore>(
 }
 
 impl<C: CellStore> ForkedCells<C> {
-    /// What makes these cells, the first of them `cell`, of those of `steps`; `counts` cells and references.
+    /// What makes these cells, the first of them `cell`, of those of `steps`; `counts` cells and
+    /// references.
     fn steps(self, cell: usize, children: usize, steps: &mut Vec<Step<C>>, counts: &mut [u64; 2]) {
         match self {
             Self::Cut(cut, below) => {

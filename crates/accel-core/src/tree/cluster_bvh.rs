@@ -90,7 +90,8 @@ impl<S: Scalar> ClusterBvh<S> {
         self.nodes.iter().enumerate().filter(|&at| has_orphan(at)).count() as u64
     }
 
-    /// Calls `each` with the box, the depth and the item, if any, of every node: a node before those below.
+    /// Calls `each` with the box, the depth and the item, if any, of every node: a node before
+    /// those below.
     pub(crate) fn visit(&self, each: &mut impl FnMut(Aabb<S>, u32, Option<Item>)) {
         let mut waiting = vec![(0, 0)];
         while let Some((number, depth)) = waiting.pop() {

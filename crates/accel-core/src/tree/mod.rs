@@ -1,4 +1,4 @@
-//! What hierarchies are made of.
+//! Building blocks of hierarchies.
 
 pub(crate) mod build;
 pub(crate) mod cluster_bvh;

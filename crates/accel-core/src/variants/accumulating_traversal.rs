@@ -1,7 +1,8 @@
 //! The voxel traversal as it was published: the parameter of the next plane is accumulated.
 //!
 //! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
-//! 1987. Deviations: none but the start, which is that of `voxel_traversal.rs`. Each step adds a rounded
+//! 1987. Deviations: none but the start, which is that of `voxel_traversal.rs`. Each step adds a
+//!       rounded
 //! length to a rounded sum, so that the error of a plane grows with the number of steps and cells
 //! are passed by: this traversal is here to show what that costs, and what it would save.
 

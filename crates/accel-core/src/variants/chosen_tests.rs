@@ -1,12 +1,13 @@
 //! A set whose tests are chosen at run time: what other tests of triangles and spheres lose, all
 //! through equal machinery.
 //!
-//! It is a view of a set. A traversal hands lists over by a call, and a test is a call of one function
-//! that branches to the test chosen, the same way for all rays; the tests that are the default are compiled into every traversal and pass by
-//! here not at all. So the times of chosen tests say nothing beside the default's, and little beside
-//! one another's: the call hides what differs. Their prices are measured with the feature
-//! `compiled-tests`, which compiles each into the traversals of some structures as the default
-//! is (`variants/compiled_tests.rs`, [`is_compiled`]).
+//! It is a view of a set. A traversal hands lists over by a call, and a test is a call of one
+//! function that branches to the test chosen, the same way for all rays; the tests that are the
+//! default are compiled into every traversal and pass by here not at all. So the times of chosen
+//! tests say nothing beside the default's, and little beside one another's: the call hides what
+//! differs. Their prices are measured with the feature `compiled-tests`, which compiles each into
+//! the traversals of some structures as the default is (`variants/compiled_tests.rs`,
+//! [`is_compiled`]).
 //!
 //! The settings are parameters of every structure ([`TRIANGLE_TEST`], [`SPHERE_TEST`]).
 
@@ -96,7 +97,7 @@ pub struct Choice {
 }
 
 impl Choice {
-    /// What the settings of a structure ask for; `None` for the tests that are compiled in.
+    /// Tests named in the settings of a structure; `None` for the compiled-in tests.
     pub fn of(params: &Params) -> Option<Self> {
         let [triangle, sphere] =
             ["triangle-test", "sphere-test"].map(|name| params.get(name).unwrap_or(DEFAULT));
@@ -149,7 +150,7 @@ pub struct ChosenTests<'a, S: Scalar> {
     choice: Choice,
 }
 
-/// What the chosen test needs to know of a ray; what it does not need is not computed.
+/// Ray data of the chosen test; data of other tests is not computed.
 #[derive(Debug, Clone, Copy)]
 pub struct ChosenSetup<S: Scalar> {
     shear: Option<Shear<S>>,

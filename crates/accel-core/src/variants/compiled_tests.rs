@@ -1,15 +1,16 @@
 //! Chosen tests compiled into traversals, as the default tests are: the feature `compiled-tests`.
 //!
-//! A test that is called costs its call, and the compiler keeps nothing in registers across it: what
-//! two called tests differ by is not what they differ by when compiled in, and a default that is chosen
-//! by name becomes slower than itself. Here each traversal is compiled once more for each test, over a
-//! set of that test's type ([`TriangleSet`] of another test, [`Retested`](crate::primitives::Retested)
-//! mixed sets), for the scalar kernel and for blocks of eight. The defaults chosen by name are the
-//! types that are built when nothing is chosen.
+//! A test that is called costs its call, and the compiler keeps nothing in registers across it:
+//! what two called tests differ by is not what they differ by when compiled in, and a default that
+//! is chosen by name becomes slower than itself. Here each traversal is compiled once more for each
+//! test, over a set of that test's type ([`TriangleSet`] of another test,
+//! [`Retested`](crate::primitives::Retested) mixed sets), for the scalar kernel and for blocks of
+//! eight. The defaults chosen by name are the types that are built when nothing is chosen.
 //!
-//! The structure is built over the set itself, so that it is the same for every test. Not compiled, but
-//! called as without the feature: sets that move, f64, tests of triangles and spheres that are both no
-//! defaults (f64 of both is compiled), and `adapter=direct`, which would answer by the library's test.
+//! The structure is built over the set itself, so that it is the same for every test. Not compiled,
+//! but called as without the feature: sets that move, f64, tests of triangles and spheres that are
+//! both no defaults (f64 of both is compiled), and `adapter=direct`, which would answer by the
+//! library's test.
 
 use crate::params::config::Settings;
 use crate::primitives::{
@@ -31,8 +32,8 @@ type How<'h, T> = (&'h Settings<<T as Structure<f32>>::Config>, &'h TestChoice);
 /// A structure that answers, or why it was not built.
 type BuiltTracer<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
 
-/// Builds `T`, the tests that the settings choose compiled in; `None` where none is chosen or they are
-/// called.
+/// Builds `T`, the tests that the settings choose compiled in; `None` where none is chosen or they
+/// are called.
 pub(crate) fn build<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
     how: How<'_, T>,

@@ -1,8 +1,8 @@
 //! The voxel traversal in f64, whatever the scalar of primitives and rays is.
 //!
 //! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
-//! 1987, as `voxel_traversal.rs` has it. Deviation: the planes are those of the grid in `S`, in f64; only
-//! the parameter at which a cell is left is rounded back.
+//! 1987, as `voxel_traversal.rs` has it. Deviation: the planes are those of the grid in `S`, in
+//! f64; only the parameter at which a cell is left is rounded back.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
@@ -14,7 +14,8 @@ use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 pub struct DoubleTraversal(VoxelTraversal<f64>);
 
 impl DoubleTraversal {
-    /// Starts a traversal at parameter `t_start`; `frame` is [`GridFrame::in_double`] of the grid's.
+    /// Starts a traversal at parameter `t_start`; `frame` is [`GridFrame::in_double`] of the
+    /// grid's.
     #[inline(always)]
     pub fn from<S: Scalar>(frame: &GridFrame<f64>, ray: &Ray<S>, t_start: S) -> Option<Self> {
         let wide = Ray {

@@ -1,4 +1,4 @@
-//! What is wrong or dear on purpose: for the accuracy study only.
+//! Deliberately inexact or slow variants (accuracy study only).
 
 pub mod accumulating_traversal;
 pub mod chosen_tests;

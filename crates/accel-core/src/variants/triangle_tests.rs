@@ -1,4 +1,5 @@
-//! Other tests of triangles, to be compared with the watertight one: what they lose, what they cost.
+//! Other tests of triangles, to be compared with the watertight one: what they lose, what they
+//! cost.
 //!
 //! Papers: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", JGT 2(1),
 //! 1997 (with a tolerance, as it is often used); K. Shoemake, "Pluecker Coordinate Tutorial", Ray

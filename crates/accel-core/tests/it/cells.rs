@@ -1,5 +1,5 @@
-//! Every structure shows its cells: as many as its counts say, all space that primitives fill, and the
-//! way of a ray through them that the counted pass counts.
+//! Every structure shows its cells: as many as its counts say, all space that primitives fill, and
+//! the way of a ray through them that the counted pass counts.
 
 use crate::common::{Random, Set, all_scenes, rays_for};
 use accel_core::primitives::{Ball, PrimSet, TriangleSet, Watertight};
@@ -310,8 +310,8 @@ fn ways_with_a_step_or_a_test_less_are_found_out() {
 
 #[test]
 fn empty_voxels_are_told_by_where_the_ray_is() {
-    // two small triangles in opposite corners, all empty between: which voxels a ray enters is known
-    // without any traversal
+    // two small triangles in opposite corners, all empty between: which voxels a ray enters is
+    // known without any traversal
     let at = |x: f32| [[x, x, x], [x + 0.1, x, x], [x, x + 0.1, x]];
     let triangles = TriangleSet::<f32, Watertight>::new(vec![at(0.0), at(9.9)], |_| false);
     let set = Set::Triangles(triangles.unwrap());

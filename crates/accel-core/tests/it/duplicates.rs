@@ -1,5 +1,5 @@
-//! Primitives that no cell and no plane can separate: all in one place, or all about one centre. What a
-//! structure makes of them stays near-linear in their number.
+//! Primitives that no cell and no plane can separate: all in one place, or all about one centre.
+//! What a structure makes of them stays near-linear in their number.
 
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder};

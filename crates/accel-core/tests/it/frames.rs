@@ -32,7 +32,8 @@ enum Free {
     Moves,
 }
 
-/// Where a part stands in a frame: all at rest in frame 3, one alone moves in frame 4, far away in frame 6.
+/// Where a part stands in a frame: all at rest in frame 3, one alone moves in frame 4, far away in
+/// frame 6.
 fn placement(part: usize, frame: u32) -> DAffine3 {
     let step = |frame: u32| {
         let x = f64::from(frame) * 0.3 + part as f64;

@@ -1,6 +1,6 @@
-//! Rays that start on a face, or a few ulps beside it: `wide-bvh` leaves out boxes that end behind a
-//! ray's origin, and does not pad them for what rounding may do to a hit elsewhere. Its answers must
-//! be those of brute force all the same.
+//! Rays that start on a face, or a few ulps beside it: `wide-bvh` leaves out boxes that end behind
+//! a ray's origin, and does not pad them for what rounding may do to a hit elsewhere. Its answers
+//! must be those of brute force all the same.
 
 use accel_core::primitives::{PrimsRef, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
@@ -29,7 +29,8 @@ fn square_face(random: &mut Random) -> [DVec3; 3] {
     [a - along * part, a + along * (1.0 - part), a + across]
 }
 
-/// Triangles of sizes 1e-4 to 1, some of them flat on an axis, some up to 10^4 times as long as wide.
+/// Triangles of sizes 1e-4 to 1, some of them flat on an axis, some up to 10^4 times as long as
+/// wide.
 fn faces(random: &mut Random, count: usize) -> Vec<[DVec3; 3]> {
     let mut face = || {
         if random.unit() < 0.3 {

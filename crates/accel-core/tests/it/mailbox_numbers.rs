@@ -1,5 +1,6 @@
-//! Mailboxes whose numbers run out (HARD_CASES Gr8): rays are numbered with 8 bits, so that a thousand
-//! of them start again several times. A primitive may be tested again, but never skipped wrongly.
+//! Mailboxes whose numbers run out (HARD_CASES Gr8): rays are numbered with 8 bits, so that a
+//! thousand of them start again several times. A primitive may be tested again, but never skipped
+//! wrongly.
 
 use accel_core::params::Params;
 use accel_core::params::config::Settings;
@@ -13,8 +14,8 @@ use accel_core::{Hit, Ray, Vec3, Vector};
 
 use crate::common::{Random, build};
 
-/// Triangles; most stand in several cells. Most are met by one ray in some hundreds: a stamp left from
-/// before is not renewed in time.
+/// Triangles; most stand in several cells. Most are met by one ray in some hundreds: a stamp left
+/// from before is not renewed in time.
 const TRIANGLES: usize = 2000;
 /// Large ones among them.
 const LARGE: usize = 10;
@@ -28,7 +29,8 @@ fn scene<S: Buildable>(random: &mut Random) -> TriangleSet<S, Watertight> {
     TriangleSet::new(triangles.collect(), |_| false).unwrap()
 }
 
-/// Rays through the scene; every other is an earlier one when its number comes again: what that left is met.
+/// Rays through the scene; every other is an earlier one when its number comes again: what that
+/// left is met.
 fn rays<S: Buildable>(random: &mut Random) -> Vec<Ray<S>> {
     let mut rays: Vec<Ray<S>> = Vec::new();
     for i in 0..1500_usize {

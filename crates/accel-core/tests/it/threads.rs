@@ -58,7 +58,8 @@ fn any_number_of_threads_builds_the_same() {
     }
 }
 
-/// What is refused, with which words, and what is left out for a limit depend on what was made before.
+/// What is refused, with which words, and what is left out for a limit depend on what was made
+/// before.
 #[test]
 fn limits_hold_back_the_same_for_any_number_of_threads() {
     let set = many_triangles(13_000);

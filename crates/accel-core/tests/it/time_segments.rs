@@ -1,5 +1,5 @@
-//! Segments of time change no answer, whatever the time of a ray; and before and after the exposure what moves
-//! stands still.
+//! Segments of time change no answer, whatever the time of a ray; and before and after the exposure
+//! what moves stands still.
 
 use accel_core::params::config::Settings;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, PrimsRef};
@@ -16,8 +16,8 @@ use crate::common::{Random, rays_for};
 /// Settings that are tested, as many segments each.
 const SEGMENTS: [usize; 4] = [1, 2, 3, 8];
 
-/// Primitives of all kinds within the unit cube at the end of the exposure, most of which come from as far away
-/// as `from`; or triangles alone, which structures keep in blocks.
+/// Primitives of all kinds within the unit cube at the end of the exposure, most of which come from
+/// as far away as `from`; or triangles alone, which structures keep in blocks.
 fn scene<S: Scalar>(kinds: u32, from: DVec3, exposure: f64, seed: u64) -> MixedSet<S> {
     let mut r = Random::new(seed);
     let mut set = MixedSetBuilder::<S>::default();
@@ -42,8 +42,8 @@ fn scene<S: Scalar>(kinds: u32, from: DVec3, exposure: f64, seed: u64) -> MixedS
     set.finish()
 }
 
-/// Rays at the unit cube when the shutter opens, when it closes, where segments meet, next to that, between, and
-/// outside of the exposure.
+/// Rays at the unit cube when the shutter opens, when it closes, where segments meet, next to that,
+/// between, and outside of the exposure.
 fn rays<S: Buildable>(exposure: f64, seed: u64) -> Vec<Ray<S>> {
     let mut r = Random::new(seed);
     let all = rays_for::<S>((DVec3::ZERO, DVec3::ONE), &mut r);

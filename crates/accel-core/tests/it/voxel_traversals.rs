@@ -180,8 +180,8 @@ fn lattice_ray(random: &mut Random, n: u32) -> Question {
     Question { n, side: 1.0, low: 0.0, origin: origin / 1024.0, direction }
 }
 
-/// Two rays that are known to have broken traversals, through cells of side 16; then the same moved by
-/// whole numbers and mirrored.
+/// Two rays that are known to have broken traversals, through cells of side 16; then the same moved
+/// by whole numbers and mirrored.
 fn published_rays(random: &mut Random, rays: usize) -> Vec<Question> {
     let published = [
         (dvec3(-668.0, -340.0, 77.0), dvec3(404.0, -64.0, -784.0)),

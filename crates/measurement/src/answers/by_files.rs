@@ -20,7 +20,8 @@ use crate::system::progress::Progress;
 
 pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
 
-/// What an answer may be: the closest hit, or of a shadow ray anything but a miss where it is blocked.
+/// What an answer may be: the closest hit, or of a shadow ray anything but a miss where it is
+/// blocked.
 pub type HitsByKind = Vec<(RayKind, Vec<Hit<f32>>)>;
 
 /// The rays of a plan's kinds, as a run issues them.
@@ -39,8 +40,8 @@ pub fn rays(
     })
 }
 
-/// Judges the answers to these rays as those of a plugin with its own triangle test; one [`Judged`] for
-/// each kind that has rays.
+/// Judges the answers to these rays as those of a plugin with its own triangle test; one [`Judged`]
+/// for each kind that has rays.
 ///
 /// # Errors
 /// As [`rays`].
@@ -89,7 +90,7 @@ fn answers_of(kind: RayKind, hits: &[Hit<f32>], rays: &[Ray<f32>]) -> Answers<f3
     Answers::Hits(hits.iter().zip(rays).map(own).collect())
 }
 
-/// What `then` makes of the rays and their answers.
+/// Applies `then` to the rays and their answers.
 fn with_reference<T>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,

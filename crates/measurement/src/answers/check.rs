@@ -20,10 +20,10 @@ const PILOT_RAYS: (usize, usize) = (16, 1024);
 /// Seconds after which a pilot has seen enough of a kind.
 const PILOT_SECONDS: f64 = 0.000_3;
 
-/// What is known of a row before it is timed.
+/// Results of checking a row's answers before it is timed.
 #[derive(Debug)]
 pub struct Checked {
-    /// What is said of its answers.
+    /// Verdict on its answers.
     pub verdict: Verdict,
     pub stats: StatsRecord,
     /// How it answers the rays of a batch.
@@ -120,8 +120,8 @@ pub fn check<S: Buildable>(
     })
 }
 
-/// What is shown of wrong answers: the first; of a plugin, whose author is to find them, the first of each
-/// kind of ray.
+/// What is shown of wrong answers: the first; of a plugin, whose author is to find them, the first
+/// of each kind of ray.
 fn example(mut examples: Vec<String>, is_foreign: bool) -> Option<String> {
     if !is_foreign {
         examples.truncate(1);

@@ -1,4 +1,5 @@
-//! Whether an answer differs only where rounding decides: asked of the structure that the oracle confirmed.
+//! Whether an answer differs only where rounding decides: asked of the structure that the oracle
+//! confirmed.
 
 use std::sync::OnceLock;
 
@@ -21,8 +22,8 @@ pub trait EdgeJudge<S: Buildable>: Sync {
     fn opinion(&self, ray: &Ray<S>, answers: &Answers<S>, i: usize) -> Option<Opinion>;
 }
 
-/// Judges answers that differ, by the structure that the oracle confirmed, in f64. Built when it is asked
-/// for the first time.
+/// Judges answers that differ, by the structure that the oracle confirmed, in f64. Built when it is
+/// asked for the first time.
 pub struct Edges<'a> {
     exact: &'a Geometry<f64>,
     row: Option<Row<'a>>,

@@ -1,4 +1,4 @@
-//! What is wrong with an answer, in a word that its author can search for.
+//! Names the fault of an answer by a searchable term.
 
 use accel_core::{Hit, Ray, Scalar};
 

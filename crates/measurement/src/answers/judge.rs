@@ -1,12 +1,12 @@
 //! Which answers of a batch are wrong, and which differ only where rounding decides.
 //!
-//! What a structure answers with our primitive tests must be right to the last bit. One that comes with
-//! a triangle test of its own (a plugin) may answer otherwise where a ray passes an edge, where two
-//! surfaces meet, or where the interval of the ray ends. Each of its answers that differs is therefore
-//! put before an [`EdgeJudge`](crate::answers::edges::EdgeJudge): it is *at an edge* if moving the ray by
-//! [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps of f32 changes the right answer, too, and if what it
-//! claims to hit is there. Anything else is wrong; and so are answers at edges where they are more than
-//! rounding explains ([`MOST_AT_EDGES`]).
+//! What a structure answers with our primitive tests must be right to the last bit. One that comes
+//! with a triangle test of its own (a plugin) may answer otherwise where a ray passes an edge,
+//! where two surfaces meet, or where the interval of the ray ends. Each of its answers that differs
+//! is therefore put before an [`EdgeJudge`](crate::answers::edges::EdgeJudge): it is *at an edge*
+//! if moving the ray by [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps of f32 changes the
+//! right answer, too, and if what it claims to hit is there. Anything else is wrong; and so are
+//! answers at edges where they are more than rounding explains ([`MOST_AT_EDGES`]).
 
 use accel_core::registry::Buildable;
 
@@ -17,9 +17,9 @@ use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::rays::exactness::Exactness;
 use crate::rounds::scope::Scope;
 
-/// Largest part of answers whose hit is lost, invented or elsewhere at an edge that rounding explains. A ray
-/// from a surface is moved through it, so that a structure that ignores `t_min` in shadow rays is at edges
-/// everywhere.
+/// Largest part of answers whose hit is lost, invented or elsewhere at an edge that rounding
+/// explains. A ray from a surface is moved through it, so that a structure that ignores `t_min` in
+/// shadow rays is at edges everywhere.
 pub const MOST_AT_EDGES: f64 = 0.02;
 /// So many may always be there.
 const FEW: usize = 16;
@@ -39,8 +39,8 @@ pub struct Judged {
     pub example: Option<String>,
 }
 
-/// Compares the answers to a batch of `set`: with those of the reference, or with the oracle where it
-/// confirmed no reference.
+/// Compares the answers to a batch of `set`: with those of the reference, or with the oracle where
+/// it confirmed no reference.
 pub fn judge<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     set: &BatchSet<'_, S>,
@@ -102,7 +102,7 @@ pub fn judge<S: Buildable>(
     judged
 }
 
-/// What the f64 structure thinks of an answer; none where there is none.
+/// Judgement of an answer by the f64 structure; `None` without one.
 fn opinion<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     batch: &Batch<'_, S>,

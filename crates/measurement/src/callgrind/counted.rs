@@ -1,4 +1,4 @@
-//! What is counted: each row of a record, built once and asked a fixed sample of rays, on one
+//! The counted work: each row of a record, built once and asked a fixed sample of rays, on one
 //! thread.
 
 use accel_core::registry::Buildable;
@@ -29,7 +29,7 @@ const FEW_RAYS: usize = 16;
 pub struct CountedCalls {
     pub scene: String,
     pub structure: String,
-    /// What differs from its defaults.
+    /// Settings that differ from the defaults.
     pub settings: String,
     /// Rays that were asked.
     pub rays: u64,
@@ -81,7 +81,8 @@ fn count_scene<S: Buildable>(
             let thinned = asked.batches.iter().map(|b| b.thinned(stride(b.rays.len())));
             let set = BatchSet { stride: 1, batches: thinned.collect() };
             let phases = caught(|| {
-                // within the pool: what is called from outside would run beside the counted function
+                // within the pool: what is called from outside would run beside the counted
+                // function
                 pool.install(|| phases(row, geometry, lights, &set))
             });
             let [is_built, is_asked] = phases.unwrap_or([true, false]);
@@ -103,8 +104,8 @@ fn count_scene<S: Buildable>(
     })
 }
 
-/// Makes the rays of the plan in a scene, of an image of at most [`SIZE`] pixels across, and works with
-/// them: with the primitives, the lights asked, and the rays in the order of the image.
+/// Makes the rays of the plan in a scene, of an image of at most [`SIZE`] pixels across, and works
+/// with them: with the primitives, the lights asked, and the rays in the order of the image.
 fn with_rays<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,

@@ -18,8 +18,8 @@ use serde::{Deserialize, Serialize};
 use crate::record::RunRecord;
 use crate::system::child_process::{ChildError, answer, arguments, without_samples};
 
-/// The function whose calls are counted, in whichever crate older and newer binaries have it: of two
-/// options with the same pattern, callgrind 3.19 follows only one.
+/// The function whose calls are counted, in whichever crate older and newer binaries have it: of
+/// two options with the same pattern, callgrind 3.19 follows only one.
 const PHASE: &str = "*::callgrind::counted::counted_phase";
 
 /// Why nothing was counted.
@@ -87,7 +87,7 @@ pub struct Counts {
 pub struct CountedRow {
     pub scene: String,
     pub structure: String,
-    /// What differs from its defaults.
+    /// Settings that differ from the defaults.
     pub settings: String,
     /// Rays that were asked.
     pub rays: u64,
@@ -112,8 +112,8 @@ pub fn version() -> Result<String, CallgrindError> {
     }
 }
 
-/// Counts what `program` takes for the rows of a record; sources of scene files may lie outside their
-/// folders where that is allowed.
+/// Counts what `program` takes for the rows of a record; sources of scene files may lie outside
+/// their folders where that is allowed.
 ///
 /// # Errors
 /// [`CallgrindError`].
@@ -149,9 +149,9 @@ pub fn count(
 /// Callgrind, counting the phase function alone, a file a call; its program is to be added.
 fn callgrind(folder: &Scratch) -> Command {
     let mut command = Command::new("valgrind");
-    // what allocating costs must not depend on what was freed before; threads keep their own arenas,
-    // or it would depend on what other threads allocate, and no caches of chunks: into these goes what
-    // a thread frees of another's, so that the length of the record would count
+    // what allocating costs must not depend on what was freed before; threads keep their own
+    // arenas, or it would depend on what other threads allocate, and no caches of chunks: into
+    // these goes what a thread frees of another's, so that the length of the record would count
     command.env("MALLOC_MMAP_THRESHOLD_", "131072");
     command.env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0");
     command
@@ -162,7 +162,8 @@ fn callgrind(folder: &Scratch) -> Command {
     command
 }
 
-/// The instructions of all files in the folder that a return from the phase function wrote, in order.
+/// The instructions of all files in the folder that a return from the phase function wrote, in
+/// order.
 fn totals(folder: &Path) -> Result<Vec<u64>, CallgrindError> {
     let io = |path: &Path| {
         let path = path.to_owned();

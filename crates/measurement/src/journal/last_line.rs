@@ -1,5 +1,6 @@
-//! The last line of a journal whose run a signal ends. Where the journal's folder was removed since, the
-//! journal is written anew first: a file that was removed can be read as long as it is open.
+//! The last line of a journal whose run a signal ends. Where the journal's folder was removed
+//! since, the journal is written anew first: a file that was removed can be read as long as it is
+//! open.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -79,7 +80,7 @@ mod tests {
         let within = tempfile::tempdir().unwrap();
         let (out, temporary) = (within.path().join("a/out"), within.path().join("temporary"));
         fs::create_dir(&temporary).unwrap();
-        /// What happened to the folder.
+        /// Callback for a folder's fate.
         type FolderFate = fn(&Path);
         let fates: [(FolderFate, bool); 4] = [
             (|_| {}, true),

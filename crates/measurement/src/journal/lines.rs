@@ -2,10 +2,10 @@
 //!
 //! A journal is text of one JSON value a line. Lines are only ever appended, each with one write
 //! and a synchronisation, so whatever ends the program, a journal is whole lines and at most one
-//! torn line behind them, which is cut off. Lines that only say how far a scene is are not synchronised:
-//! they outlive the program, not the machine. The unit that can be finished is a scene: its rows are
-//! measured in interleaved rounds, so that all of them end together. Each line has a checksum
-//! ([`seal`](crate::journal::seal)), and what it says must fit the manifest.
+//! torn line behind them, which is cut off. Lines that only say how far a scene is are not
+//! synchronised: they outlive the program, not the machine. The unit that can be finished is a
+//! scene: its rows are measured in interleaved rounds, so that all of them end together. Each line
+//! has a checksum ([`seal`](crate::journal::seal)), and what it says must fit the manifest.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, S
 use crate::settings::RunSettings;
 use presentation::format_error::FormatError;
 
-/// What a run is: two runs whose manifests agree may be parts of one.
+/// Identity of a run: runs whose manifests agree may be parts of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
     /// [`SCHEMA_VERSION`].
@@ -25,11 +25,11 @@ pub struct Manifest {
     pub tool: Tool,
     /// Hash of the program's file, where it can be read.
     pub program_sha256: Option<String>,
-    /// What it was compiled with.
+    /// Compiler and flags of the program.
     pub compiler: Compiler,
-    /// What it runs on.
+    /// The machine it runs on.
     pub machine: Machine,
-    /// What was asked for.
+    /// The requested size.
     pub settings: Settings,
     pub rounds: String,
     /// The scenes, in order.
@@ -58,8 +58,8 @@ pub enum Line {
     Begun(Box<Manifest>),
     /// A scene is begun: its place among the scenes of the manifest.
     Scene(usize),
-    /// The row with that label is begun in the scene: it is built and checked, timed for the first time, or
-    /// renders its image.
+    /// The row with that label is begun in the scene: it is built and checked, timed for the first
+    /// time, or renders its image.
     Row(String),
     /// The rows begun so far ended well.
     Passed,
@@ -103,7 +103,7 @@ pub enum LineError {
     Damaged {
         /// Counted from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Description of the fault.
         message: String,
     },
     /// Another version of the program wrote it.
@@ -119,16 +119,16 @@ pub struct FinishedScene {
     pub record: SceneRecord,
 }
 
-/// How often the program ended without a word: by a scene's place in the manifest and the label of the row that
-/// was begun, if one was.
+/// How often the program ended without a word: by a scene's place in the manifest and the label of
+/// the row that was begun, if one was.
 pub type Deaths = BTreeMap<(usize, Option<String>), usize>;
 
-/// What a journal holds.
+/// Contents of a journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecoveredRun {
-    /// What the run is.
+    /// Identity of the run.
     pub manifest: Manifest,
-    /// What its further lines are sealed with.
+    /// Seal of its further lines.
     pub seal: Seal,
     /// The finished scenes, by their places among the scenes of the manifest.
     pub finished: BTreeMap<usize, FinishedScene>,
@@ -136,8 +136,8 @@ pub struct RecoveredRun {
     pub is_complete: bool,
     /// The scene in which the program ended without a word: killed, or out of memory.
     pub died_in: Option<usize>,
-    /// How often it did so while a row was begun, by scene and label; without a label, before the scene's
-    /// first row.
+    /// How often it did so while a row was begun, by scene and label; without a label, before the
+    /// scene's first row.
     pub deaths: Deaths,
     /// Bytes of whole lines; what comes behind is torn.
     pub whole: usize,
@@ -245,7 +245,7 @@ fn schema_of(line: &[u8]) -> Option<u32> {
     line.get("begun")?.get("schema_version")?.as_u64()?.try_into().ok()
 }
 
-/// What may differ between the parts of one run.
+/// Fields that may differ between the parts of one run.
 const MAY_DIFFER: [&str; 4] = ["asked", "exports", "command_line", "started_unix_s"];
 
 impl Manifest {

@@ -44,7 +44,7 @@ pub enum JournalError {
         path: PathBuf,
         /// Its line, counted from 1.
         line: usize,
-        /// What was expected there.
+        /// Description of the expected contents.
         message: String,
     },
     /// The run that is to be resumed is not the one that this program would run.
@@ -185,8 +185,8 @@ impl Journal {
         Ok(())
     }
 
-    /// What writes the last line of a run that is interrupted. `temporary` is a folder for a journal whose own
-    /// cannot be made again.
+    /// What writes the last line of a run that is interrupted. `temporary` is a folder for a
+    /// journal whose own cannot be made again.
     ///
     /// # Errors
     /// [`JournalError::Io`].
@@ -198,7 +198,8 @@ impl Journal {
         Ok(LastLine { file, seal: self.seal.clone(), path, temporary })
     }
 
-    /// Writes the journal anew where its file was removed; its folder must be there. Whether it was.
+    /// Writes the journal anew where its file was removed; its folder must be there. Whether it
+    /// was.
     ///
     /// # Errors
     /// [`JournalError`].
@@ -223,8 +224,8 @@ impl Journal {
 }
 
 impl Drop for Journal {
-    /// The lock belongs to all descriptors of the file: that of [`LastLine`], and that of a process which is
-    /// just being started, are closed later.
+    /// The lock belongs to all descriptors of the file: that of [`LastLine`], and that of a process
+    /// which is just being started, are closed later.
     fn drop(&mut self) {
         let _ = self.file.unlock();
     }

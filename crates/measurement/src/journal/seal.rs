@@ -1,8 +1,9 @@
 //! The checksum of a journal's line. It covers the line and the manifest of its run, so that a line
 //! that was edited, or that another journal's run wrote, is found.
 //!
-//! A sealed line is one JSON value, `{"check":"<16 hex digits>","line":<the line>}`: the beginning of
-//! the SHA-256 of the first line's checksum (of nothing, for the first line) and the line's own text.
+//! A sealed line is one JSON value, `{"check":"<16 hex digits>","line":<the line>}`: the beginning
+//! of the SHA-256 of the first line's checksum (of nothing, for the first line) and the line's own
+//! text.
 
 use scene_loading::source_hash::sha256_of_bytes;
 
@@ -19,7 +20,7 @@ pub struct Seal {
     run: String,
 }
 
-/// What is wrong with a sealed line.
+/// Faults of a sealed line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SealError {
     /// It has no checksum.

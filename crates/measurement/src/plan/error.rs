@@ -1,11 +1,11 @@
-//! What makes no sense on the command line, or in a file that says the same.
+//! Invalid requests on the command line, or in a file with the same contents.
 
 use accel_core::params::ParamError;
 
 use crate::scenes::LoadError;
 use crate::settings::shard::Shard;
 
-/// What makes no sense on the command line.
+/// Invalid requests on the command line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {

@@ -53,7 +53,7 @@ pub enum Rounds {
     },
 }
 
-/// What a pass over the rays may cost.
+/// Limits of a pass over the rays.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Seconds of a timed pass of a structure that is always sampled.
@@ -132,7 +132,7 @@ pub struct Plan<'r> {
     /// How rays are produced.
     pub settings: RaySettings,
     pub precision: Precision,
-    /// What a pass may cost.
+    /// Limits of a pass.
     pub limits: Limits,
     /// A first look only.
     pub quick: bool,
@@ -144,18 +144,18 @@ pub struct Plan<'r> {
     pub processes: u32,
     /// Which of them this is.
     pub process: OneProcess,
-    /// Where there is but one: a process of a copy of this program times each scene, too, for the floor
-    /// below which nothing is claimed.
+    /// Where there is but one: a process of a copy of this program times each scene, too, for the
+    /// floor below which nothing is claimed.
     pub has_copy: bool,
-    /// What a build may take, where each is tried in a process of its own first.
+    /// Limits of a build; `None` if builds are not tried in a process of their own first.
     pub build_limits: Option<BuildLimits>,
     /// The most memory of a structure; its rows know it.
     pub memory: MemoryLimit,
 }
 
 impl<'r> Plan<'r> {
-    /// Gives its scenes the view and the lights of a record, unless the command line said something else: then
-    /// the settings differ, and whoever compares them says so.
+    /// Gives its scenes the view and the lights of a record, unless the command line said something
+    /// else: then the settings differ, and whoever compares them says so.
     pub fn set_view(&mut self, view: &ViewOptions) {
         for scene in self.scenes.iter_mut().filter(|scene| scene.view().is_empty()) {
             scene.set_view(view);

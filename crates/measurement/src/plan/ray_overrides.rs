@@ -6,7 +6,7 @@ use renderer::ray_offset::OffsetRule;
 use crate::plan::error::PlanError;
 use crate::settings::suggest;
 
-/// What `--set` names in place of a structure.
+/// Name that `--set` takes instead of a structure.
 pub const NAME: &str = "rays";
 
 /// Values of `rays.offset`: how rays are kept off the surfaces they leave. Of those with a number,

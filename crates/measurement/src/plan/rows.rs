@@ -37,7 +37,7 @@ impl<'r, L: RegistryItem> Row<'r, L> {
         self.entry.info.name
     }
 
-    /// What differs from the defaults; empty for the defaults.
+    /// Settings that differ from the defaults; empty for the defaults.
     pub fn settings(&self) -> String {
         self.params.to_string()
     }

@@ -1,8 +1,9 @@
 //! The order in which a row is asked its rays: as the image has them, line by line, or shuffled.
 //!
-//! Neighbours in an image take much the same way, so that what one ray brought into the caches serves
-//! the next. Shuffled, the same rays have nothing of it: the worst case of what a renderer asks after
-//! many bounces. The shuffle is seeded, so that every row and every run has the same one.
+//! Neighbours in an image take much the same way, so that what one ray brought into the caches
+//! serves the next. Shuffled, the same rays have nothing of it: the worst case of what a renderer
+//! asks after many bounces. The shuffle is seeded, so that every row and every run has the same
+//! one.
 //!
 //! In records the rays of a kind go by its name; those in shuffled order by `NAME-shuffled`.
 
@@ -10,7 +11,7 @@ use std::collections::BTreeMap;
 
 use crate::settings::choice::Choice;
 
-/// What follows the kind in the names of shuffled rays.
+/// Suffix of the names of shuffled rays.
 const SUFFIX: &str = "-shuffled";
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -55,7 +56,7 @@ impl Orders {
     }
 }
 
-/// What records call the rays of a kind in an order.
+/// Name in records of the rays of a kind in an order.
 pub fn batch_name(kind: &str, order: RayOrder) -> String {
     match order {
         RayOrder::Scanline => kind.to_owned(),

@@ -37,7 +37,7 @@ pub enum RecordError {
         line: usize,
         /// Counted from 1.
         column: usize,
-        /// What is wrong with it.
+        /// Description of the fault.
         message: String,
         /// The command that writes such files.
         written_by: &'static str,
@@ -109,7 +109,7 @@ pub fn length(path: &Path) -> Result<u64, RecordError> {
     }
 }
 
-/// What something that is no file is.
+/// Names the kind of a directory entry that is not a file.
 fn kind_of(kind: FileType) -> Option<&'static str> {
     #[cfg(unix)]
     {
@@ -134,7 +134,8 @@ fn kind_of(kind: FileType) -> Option<&'static str> {
 /// What a file of JSON says.
 ///
 /// # Errors
-/// [`RecordError::Syntax`], naming the file, the place in it and the command that writes such files.
+/// [`RecordError::Syntax`], naming the file, the place in it and the command that writes such
+/// files.
 pub fn parsed<T: DeserializeOwned>(
     path: &Path,
     text: &[u8],

@@ -4,7 +4,7 @@ use statistics::estimate::Estimate;
 
 use crate::record::{ForeignRecord, RowRecord, Verdict};
 
-/// What a program says of itself.
+/// Results that an external program reports.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
     pub name: String,
@@ -14,11 +14,11 @@ pub struct Told {
     pub trace_s: f64,
     /// Seconds of the build.
     pub build_s: Option<f64>,
-    /// What was said of its answers.
+    /// Verdicts on its answers.
     pub answers: Vec<JudgedKind>,
 }
 
-/// What was said of the answers to the rays of a kind.
+/// Verdict on the answers to one kind of ray.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JudgedKind {
     pub kind: String,
@@ -32,8 +32,8 @@ pub struct JudgedKind {
 }
 
 impl Told {
-    /// The row of a program whose answers were judged: times as it says, unless some are wrong. There are no
-    /// samples, no ratio and no interval: it was not in the rounds of the run.
+    /// The row of a program whose answers were judged: times as it says, unless some are wrong.
+    /// There are no samples, no ratio and no interval: it was not in the rounds of the run.
     pub fn row(self) -> RowRecord {
         let sum = |of: fn(&JudgedKind) -> u64| self.answers.iter().map(of).sum::<u64>();
         let mismatches = sum(|judged| judged.wrong);

@@ -1,4 +1,4 @@
-//! What rows are called.
+//! Names of rows.
 
 /// Structure and settings as printed.
 pub fn label(structure: &str, settings: &str) -> String {

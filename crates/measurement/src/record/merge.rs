@@ -16,7 +16,7 @@ use crate::record::summary::summarize;
 use crate::record::{Machine, PartRecord, RowRecord, RunRecord, SceneRecord};
 use crate::settings::shard::ShardRecord;
 
-/// What is wrong with the parts.
+/// Reasons why parts cannot be merged.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MergeProblem {
     /// It is the record of a whole run.
@@ -61,7 +61,7 @@ pub enum MergeProblem {
         path: PathBuf,
         /// The one it differs from.
         first: PathBuf,
-        /// What differs: `settings.seed: was 1, is 2`.
+        /// The difference: `settings.seed: was 1, is 2`.
         difference: String,
     },
     /// The results would be written over a part.
@@ -99,7 +99,7 @@ pub struct Part {
     pub record: RunRecord,
 }
 
-/// What parts of one run have in common.
+/// Settings shared by the parts of one run.
 #[derive(Serialize)]
 struct SharedSettings<'a> {
     tool: &'a crate::record::Tool,
@@ -113,7 +113,7 @@ struct SharedSettings<'a> {
     rounds: &'a str,
 }
 
-/// What parts that share a scene say of it alike.
+/// Description of a scene shared by several parts.
 #[derive(Serialize)]
 struct CommonScene<'a> {
     sha256: &'a str,
@@ -123,7 +123,7 @@ struct CommonScene<'a> {
     reference: Option<CountedResults<'a>>,
 }
 
-/// What no clock decides of a row.
+/// Results of a row that do not depend on a clock.
 #[derive(Serialize)]
 struct CountedResults<'a> {
     verdict: crate::record::Verdict,

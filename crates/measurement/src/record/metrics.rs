@@ -16,7 +16,7 @@ pub struct Metric {
     pub name: &'static str,
     /// Unit of its values; empty for counts and ratios.
     pub unit: &'static str,
-    /// What it is, for help and glossaries.
+    /// Description for help and glossaries.
     pub summary: &'static str,
     /// More of it is worse. False of what is no cost in itself, only a share of another metric.
     pub is_cost: bool,
@@ -39,7 +39,7 @@ pub enum Reading {
     RatioOf(&'static str),
 }
 
-/// What a difference concerns.
+/// Scope of a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Concerns {
     /// No figure can be compared.

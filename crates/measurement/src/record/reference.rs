@@ -1,8 +1,8 @@
 //! Which row the ratios of a scene are over.
 //!
-//! It is the reference of the run, or in a scene where that gave nothing to compare with another row
-//! in its place. Ratios over different rows answer different questions: nothing joins them in one
-//! mean, and nothing compares one with the other.
+//! It is the reference of the run, or in a scene where that gave nothing to compare with another
+//! row in its place. Ratios over different rows answer different questions: nothing joins them in
+//! one mean, and nothing compares one with the other.
 
 use crate::record::{RunRecord, SceneRecord};
 

@@ -23,7 +23,7 @@ pub enum MeasureError {
     #[error("scene {scene}: no structure could be built to compare answers with: {reasons}")]
     NoAnswers {
         scene: String,
-        /// What each candidate said.
+        /// Reasons given by the candidates.
         reasons: String,
     },
     /// Threads could not be started.

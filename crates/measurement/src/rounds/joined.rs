@@ -2,9 +2,9 @@
 
 use crate::record::{RowRecord, SceneRecord, Verdict};
 
-/// Takes over the samples of `other`, a record of the same scene and of some of its rows, and what was wrong
-/// with its answers: a structure may be wrong, or fail, in one process only. The figures of the rows
-/// are made anew. Rows that the other process lacks keep what they have.
+/// Takes over the samples of `other`, a record of the same scene and of some of its rows, and what
+/// was wrong with its answers: a structure may be wrong, or fail, in one process only. The figures
+/// of the rows are made anew. Rows that the other process lacks keep what they have.
 pub fn join(scene: &mut SceneRecord, other: SceneRecord, seed: u64) {
     for row in &mut scene.rows {
         let Some(same) = other.rows.iter().find(|o| o.is_same(row)) else { continue };

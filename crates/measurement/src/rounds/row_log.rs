@@ -1,4 +1,4 @@
-//! What is told while the rows of a scene are measured.
+//! Progress messages while the rows of a scene are measured.
 
 /// Who is told how far the rows of a scene are, for the case that one of them ends the program.
 pub trait RowLog {

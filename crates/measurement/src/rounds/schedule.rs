@@ -1,8 +1,8 @@
 //! In which order rows are visited: every round visits every row once, in an order of its own.
 //!
-//! Whatever drifts while a benchmark runs (clock frequency, other programs) then falls on all
-//! rows alike instead of on those that happen to come last. Every odd round goes through the rows in
-//! the reverse of the order before it: of any two rows each comes before the other in every second
+//! Whatever drifts while a benchmark runs (clock frequency, other programs) then falls on all rows
+//! alike instead of on those that happen to come last. Every odd round goes through the rows in the
+//! reverse of the order before it: of any two rows each comes before the other in every second
 //! round, so that what a row leaves behind in caches falls on all others equally often.
 
 use statistics::random::Random;

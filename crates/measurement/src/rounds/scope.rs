@@ -1,4 +1,4 @@
-//! What the measurement of one scene works with.
+//! Context of the measurement of one scene.
 
 use accel_core::registry::Buildable;
 use glam::DVec3;

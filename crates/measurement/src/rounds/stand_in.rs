@@ -5,10 +5,10 @@ use crate::answers::check::Checked;
 use crate::plan::{Plan, default_rank};
 
 /// Index of the row, given what is known of each before it is timed. Where the planned one was not
-/// built or is wrong without being known to be: the default references, the best first, else the first
-/// row, of those that are right and answer all rays; others with known defects, and those that are
-/// measured on a sample only, come last. The planned one if there is none, and where the plan keeps
-/// it.
+/// built or is wrong without being known to be: the default references, the best first, else the
+/// first row, of those that are right and answer all rays; others with known defects, and those
+/// that are measured on a sample only, come last. The planned one if there is none, and where the
+/// plan keeps it.
 pub fn baseline(plan: &Plan<'_>, checked: &[Option<Checked>]) -> usize {
     let serves = |row: usize| {
         let checked = checked.get(row).and_then(Option::as_ref);

@@ -1,11 +1,11 @@
 //! Trial builds: each row once in a process of its own, before the scene is measured.
 //!
 //! Only a process can be ended when it takes too much, and only one that has done nothing else has
-//! a peak of memory that says something: an allocator keeps what earlier builds gave back, and hands
-//! it out again unseen. The peak is the largest resident set during the build (`VmHWM`, begun anew
-//! through `/proc/self/clear_refs`, proc(5)) less the resident set before it; what loading gave back
-//! is counted as there before, and the kernel counts in steps of up to a few hundred KiB. Elsewhere
-//! than on Linux there is no peak and only the time is limited.
+//! a peak of memory that says something: an allocator keeps what earlier builds gave back, and
+//! hands it out again unseen. The peak is the largest resident set during the build (`VmHWM`, begun
+//! anew through `/proc/self/clear_refs`, proc(5)) less the resident set before it; what loading
+//! gave back is counted as there before, and the kernel counts in steps of up to a few hundred KiB.
+//! Elsewhere than on Linux there is no peak and only the time is limited.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
@@ -22,7 +22,7 @@ use presentation::numbers;
 /// How often the memory of a trial is looked at.
 const POLL: Duration = Duration::from_millis(10);
 
-/// What a build may take.
+/// Limits of a build.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildLimits {
     pub seconds: f64,
@@ -30,7 +30,7 @@ pub struct BuildLimits {
     pub bytes: u64,
 }
 
-/// What is to be built.
+/// The requested build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialBuild {
     pub scene: String,
@@ -40,11 +40,11 @@ pub struct TrialBuild {
     pub row: String,
     pub threads: usize,
     pub precision: Precision,
-    /// What it may take.
+    /// Limits of the build.
     pub limits: BuildLimits,
 }
 
-/// What came of a trial.
+/// Result of a trial build.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
     /// It ended within the limits. Whether the structure was built or refused shows when it is
@@ -143,7 +143,7 @@ pub enum Event {
     Loaded,
     /// The structure is built.
     Built {
-        /// What the build took at its peak.
+        /// Peak memory of the build.
         peak_bytes: Option<u64>,
         /// The largest resident set during the build.
         process_bytes: Option<u64>,

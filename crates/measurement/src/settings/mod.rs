@@ -1,4 +1,4 @@
-//! What a run is asked for, whoever asks: the command line, a file or an earlier record.
+//! Settings of a run, from the command line, a file or an earlier record.
 
 pub mod choice;
 pub mod duration;
@@ -86,7 +86,8 @@ pub struct MeasuringSettings {
     pub precision: Precision,
     /// Width and height of the image; none means that of a full run or of a quick one.
     pub size: Option<u32>,
-    /// Most memory of a structure, bytes; none means [`memory_limit`](crate::system::memory_limit)'s.
+    /// Most memory of a structure, bytes; none means
+    /// [`memory_limit`](crate::system::memory_limit)'s.
     pub max_memory: Option<u64>,
 }
 
@@ -117,7 +118,7 @@ impl Default for MeasuringSettings {
     }
 }
 
-/// What a run measures, and how.
+/// Settings of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunSettings {
     /// Scenes, scene sets or scene files; none means the default set.

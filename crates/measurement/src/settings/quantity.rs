@@ -27,8 +27,8 @@ pub fn count(
     }
 }
 
-/// A whole number, exact; none where the text is none. Crate `parse-size` would round: 1.5 to 2, and
-/// 1e-3 to 0.
+/// A whole number, exact; none where the text is none. Crate `parse-size` would round: 1.5 to 2,
+/// and 1e-3 to 0.
 pub fn parse(text: &str) -> Option<u64> {
     let with_suffix = SUFFIXES.iter().find_map(|(s, scale)| Some((text.strip_suffix(s)?, *scale)));
     let (number, scale) = with_suffix.unwrap_or((text, 1.0));

@@ -7,8 +7,8 @@ pub fn nearest<'n>(typed: &str, valid: impl IntoIterator<Item = &'n str>) -> Opt
         .into_iter()
         .map(|name| {
             let prefix = typed.len() >= 3 && (name.starts_with(&typed) || name.contains(&typed));
-            // Jaro does not see that two letters of a short name changed places; of lengths (in bytes) that
-            // differ by more than a letter, one slip makes nothing
+            // Jaro does not see that two letters of a short name changed places; of lengths (in
+            // bytes) that differ by more than a letter, one slip makes nothing
             let slip = typed.len() >= 3
                 && typed.len().abs_diff(name.len()) <= 4
                 && strsim::damerau_levenshtein(&typed, name) == 1;

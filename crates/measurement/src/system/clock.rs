@@ -1,9 +1,10 @@
 //! Time, injected so that everything computed from it can be tested.
 //!
-//! What one thread does is timed by that thread's processor time. By the time of day, a pass that is a
-//! little longer than what the scheduler gives at once (4 ms where its clock has 250 Hz) is interrupted in
-//! most rounds as soon as anything else wants the processor, and a shorter one in few: medians then jump by
-//! 4 ms, for whole runs. That was what kd-tree on *tetra* did, at 1.66 or 2.77 times the reference.
+//! What one thread does is timed by that thread's processor time. By the time of day, a pass that
+//! is a little longer than what the scheduler gives at once (4 ms where its clock has 250 Hz) is
+//! interrupted in most rounds as soon as anything else wants the processor, and a shorter one in
+//! few: medians then jump by 4 ms, for whole runs. That was what kd-tree on *tetra* did, at 1.66 or
+//! 2.77 times the reference.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -12,8 +13,8 @@ pub trait Clock: Sync {
     /// Time since some fixed moment.
     fn now(&self) -> Duration;
 
-    /// Processor time of the thread that asks, the system's work for it included; time of day where that is
-    /// not told.
+    /// Processor time of the thread that asks, the system's work for it included; time of day where
+    /// that is not told.
     fn busy(&self) -> Duration {
         self.now()
     }
@@ -24,8 +25,8 @@ pub trait Clock: Sync {
     }
 }
 
-/// What work gives, and the seconds that it takes: in a rayon pool of one thread that thread's processor
-/// time, elsewhere time of day, since others may work for it.
+/// What work gives, and the seconds that it takes: in a rayon pool of one thread that thread's
+/// processor time, elsewhere time of day, since others may work for it.
 pub fn timed<T>(clock: &dyn Clock, work: impl FnOnce() -> T) -> (T, f64) {
     let is_alone = rayon::current_thread_index().is_some() && rayon::current_num_threads() == 1;
     let read = || if is_alone { clock.busy() } else { clock.now() };

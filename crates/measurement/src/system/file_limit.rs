@@ -1,5 +1,5 @@
-//! The system's limit on the size of files, `ulimit -f`. Writing beyond it ends a process without a word,
-//! unless it handles the signal: then the write fails like any other.
+//! The system's limit on the size of files, `ulimit -f`. Writing beyond it ends a process without a
+//! word, unless it handles the signal: then the write fails like any other.
 
 /// From here on a write beyond the limit is an error.
 ///

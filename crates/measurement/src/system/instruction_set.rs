@@ -1,4 +1,5 @@
-//! Which of the instructions that x86-64-v3 has beyond the baseline a processor has, and a program was compiled for.
+//! Which of the instructions that x86-64-v3 has beyond the baseline a processor has, and a program
+//! was compiled for.
 
 /// A list of features by rustc's names, each with whether this processor has it.
 #[cfg(target_arch = "x86_64")]
@@ -15,12 +16,12 @@ pub fn of_processor() -> Vec<&'static str> {
     all.into_iter().filter(|(_, has)| *has).map(|(name, _)| name).collect()
 }
 
-/// What a processor has and a program does without.
+/// Features of the processor that the program does not use.
 pub fn unused(processor: &[&'static str], compiled: &[String]) -> Vec<&'static str> {
     processor.iter().copied().filter(|name| compiled.iter().all(|c| c != name)).collect()
 }
 
-/// What to do where something is unused.
+/// Advice for unused features.
 pub const ADVICE: &str =
     "take the binary for x86-64-v3, or compile with RUSTFLAGS=\"-C target-cpu=x86-64-v3\"";
 

@@ -39,11 +39,11 @@ pub fn undisturbed<T>(write: impl FnOnce() -> T) -> T {
     write()
 }
 
-/// Marks a journal with the signal that ends the program; another folder, where the journal is not in its own
-/// any more.
+/// Marks a journal with the signal that ends the program; another folder, where the journal is not
+/// in its own any more.
 pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 
-/// What is said and marked when a signal comes.
+/// Output and journal mark of an interrupted run.
 pub struct InterruptedOutput {
     /// How the journal is marked, and its folder.
     pub journal: Option<(Mark, PathBuf)>,
@@ -129,7 +129,7 @@ pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
     Ok(signalled)
 }
 
-/// What a signal asks for.
+/// Request of a signal.
 #[cfg(any(unix, test))]
 #[derive(Debug, PartialEq, Eq)]
 enum Request {
@@ -150,7 +150,7 @@ struct Requests {
 
 #[cfg(any(unix, test))]
 impl Requests {
-    /// What the signal that comes now asks for.
+    /// Interprets a signal that arrives now.
     fn next(&mut self, now: Instant) -> Request {
         match self.first {
             None => {

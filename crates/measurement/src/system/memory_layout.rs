@@ -1,14 +1,14 @@
 //! Where a fresh process finds its memory, drawn anew for each.
 //!
-//! A system hands pages that one process gave back to the next one, and a heap that begins alike goes on alike: what
-//! processes that follow each other have in common is no chance, and an interval over them does not know of it. So a
-//! process that times takes blocks of random sizes first, and gives back a random half: its heap, and the pages below
-//! it, are then another draw.
+//! A system hands pages that one process gave back to the next one, and a heap that begins alike
+//! goes on alike: what processes that follow each other have in common is no chance, and an
+//! interval over them does not know of it. So a process that times takes blocks of random sizes
+//! first, and gives back a random half: its heap, and the pages below it, are then another draw.
 //!
-//! Papers: T. Mytkowicz, A. Diwan, M. Hauswirth, P. F. Sweeney, "Producing Wrong Data Without Doing Anything Obviously
-//! Wrong!", ASPLOS 2009; C. Curtsinger, E. D. Berger, "Stabilizer: Statistically Sound Performance Evaluation",
-//! ASPLOS 2013. Deviations: drawn once for a process, by what the standard library seeds its hash maps with; code and
-//! stack stay where the system puts them.
+//! Papers: T. Mytkowicz, A. Diwan, M. Hauswirth, P. F. Sweeney, "Producing Wrong Data Without Doing
+//! Anything Obviously Wrong!", ASPLOS 2009; C. Curtsinger, E. D. Berger, "Stabilizer: Statistically
+//! Sound Performance Evaluation", ASPLOS 2013. Deviations: drawn once for a process, by what the
+//! standard library seeds its hash maps with; code and stack stay where the system puts them.
 
 use std::hash::{BuildHasher, RandomState};
 use std::hint::black_box;

@@ -1,5 +1,5 @@
-//! How much memory a structure may take where nothing is said: half of what the process may have, which is
-//! the machine's memory or its control group's limit, whichever is less (cgroups(7)).
+//! How much memory a structure may take where nothing is said: half of what the process may have,
+//! which is the machine's memory or its control group's limit, whichever is less (cgroups(7)).
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub fn of(asked: Option<u64>) -> MemoryLimit {
     asked.or_else(default).map_or(MemoryLimit::NONE, MemoryLimit::new)
 }
 
-/// What the process may have; none where nothing says so.
+/// Memory available to the process; `None` without a limit.
 fn available(root: &Path) -> Option<u64> {
     let read = |path: &str| fs::read_to_string(root.join(path)).ok();
     let machine = read("proc/meminfo").and_then(|text| kibibytes(&text, "MemTotal"));
@@ -23,7 +23,8 @@ fn available(root: &Path) -> Option<u64> {
     machine.into_iter().chain(of_groups).min()
 }
 
-/// The limit of a line `number:controllers:path` of /proc/self/cgroup, and of the groups around that one.
+/// The limit of a line `number:controllers:path` of /proc/self/cgroup, and of the groups around
+/// that one.
 fn of_group(root: &Path, line: &str) -> Option<u64> {
     let mut parts = line.splitn(3, ':').skip(1);
     let (controllers, path) = (parts.next()?, parts.next()?);

@@ -24,8 +24,8 @@ pub fn keep_quiet() {
     }));
 }
 
-/// What `work` returns, or its panic. Whatever `work` was changing may be half changed then: callers
-/// throw it away.
+/// What `work` returns, or its panic. Whatever `work` was changing may be half changed then:
+/// callers throw it away.
 ///
 /// # Errors
 /// [`Panicked`].

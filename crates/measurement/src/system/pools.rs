@@ -35,8 +35,8 @@ pub fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
 /// Bytes of stack that [`deep_pool`] reserves a thread; only what is used takes memory.
 const DEEP: usize = 256 << 20;
 
-/// The same with deep stacks: obvhs as shipped recurses once a level, and builds a level for each of
-/// ten thousand equal boxes. On a usual stack that ends the process.
+/// The same with deep stacks: obvhs as shipped recurses once a level, and builds a level for each
+/// of ten thousand equal boxes. On a usual stack that ends the process.
 ///
 /// # Errors
 /// [`MeasureError::Threads`].

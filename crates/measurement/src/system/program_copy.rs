@@ -1,7 +1,7 @@
 //! A copy of a program's file, to be run beside it: the same code, elsewhere in memory and on disk.
 //!
-//! On Linux the copy has no name any more as soon as it is made: it is run through the descriptor that this
-//! process has of it, and whatever ends the process leaves no file behind.
+//! On Linux the copy has no name any more as soon as it is made: it is run through the descriptor
+//! that this process has of it, and whatever ends the process leaves no file behind.
 
 use std::fs::File;
 use std::io;
@@ -57,7 +57,8 @@ impl ProgramCopy {
     }
 }
 
-/// A path of an open file that stays when its name is removed; none where the system has no such paths.
+/// A path of an open file that stays when its name is removed; none where the system has no such
+/// paths.
 #[cfg(target_os = "linux")]
 fn nameless(open: &File) -> Option<PathBuf> {
     use std::os::fd::AsRawFd;

@@ -15,9 +15,9 @@ pub trait World: Sync {
     /// Seconds since 1970.
     fn unix_seconds(&self) -> u64;
     fn tool(&self) -> Tool;
-    /// What it was compiled with.
+    /// Compiler and flags of the program.
     fn compiler(&self) -> Compiler;
-    /// What it runs on.
+    /// The machine it runs on.
     fn machine(&self) -> Machine;
     /// What the processor has of x86-64-v3, by rustc's names.
     fn processor_features(&self) -> Vec<&'static str>;
@@ -39,7 +39,7 @@ pub trait World: Sync {
 #[derive(Debug, Clone)]
 pub struct SystemWorld {
     pub tool: Tool,
-    /// What it was compiled with.
+    /// Compiler and flags of the program.
     pub compiler: Compiler,
 }
 
@@ -92,11 +92,11 @@ impl World for SystemWorld {
 /// A world that is the same everywhere, for tests of what is printed.
 #[derive(Debug)]
 pub struct FixedWorld {
-    /// What is said of the machine.
+    /// Description of the machine.
     pub machine: Machine,
     /// What its processor has of x86-64-v3.
     pub processor_features: Vec<&'static str>,
-    /// What it was compiled with.
+    /// Compiler and flags of the program.
     pub compiler: Compiler,
     /// What the loads are, one reading after another; the last one stays.
     pub loads: Mutex<VecDeque<Load>>,

@@ -1,7 +1,8 @@
-//! Heat maps side by side: a number for each pixel as a colour, on one scale for all, with its legend.
+//! Heat maps side by side: a number for each pixel as a colour, on one scale for all, with its
+//! legend.
 //!
-//! The scale is linear and ends at the 99.5th percentile of all maps together: a single pixel that the
-//! system interrupted must not darken all others.
+//! The scale is linear and ends at the 99.5th percentile of all maps together: a single pixel that
+//! the system interrupted must not darken all others.
 
 use super::item::{Drawing, Item, Paint, color, wrapped};
 use super::scale::ramp;

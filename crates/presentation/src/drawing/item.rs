@@ -43,8 +43,8 @@ pub enum Item {
     },
     /// Text, its baseline at a place.
     Text([f64; 2], Font, String),
-    /// An image whose pixels stay squares: left, top, width, height; then its own width, and its rows from
-    /// above.
+    /// An image whose pixels stay squares: left, top, width, height; then its own width, and its
+    /// rows from above.
     Image([f64; 4], u32, Vec<Color>),
 }
 

@@ -1,8 +1,9 @@
 //! Drawings: boxes, lines, text and images at places, the same as SVG and as PNG.
 //!
-//! Places are in pixels from the upper left corner, to the right and down. As SVG, text is readable on light
-//! and dark grounds alike: what is drawn in a colour of [`palette`](crate::svg_plot::palette) follows the
-//! reader's choice. As PNG, it is drawn twice as large, on a light ground.
+//! Places are in pixels from the upper left corner, to the right and down. As SVG, text is readable
+//! on light and dark grounds alike: what is drawn in a colour of
+//! [`palette`](crate::svg_plot::palette) follows the reader's choice. As PNG, it is drawn twice as
+//! large, on a light ground.
 
 mod canvas;
 mod heat_maps;

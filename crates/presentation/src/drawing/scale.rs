@@ -1,6 +1,6 @@
-//! Colours of numbers. They run from dark blue over green to yellow and grow evenly brighter, so that they
-//! can be told apart in grey print and by colour-blind readers; the anchors are those of viridis (S. van
-//! der Walt, N. Smith, 2015, CC0).
+//! Colours of numbers. They run from dark blue over green to yellow and grow evenly brighter, so
+//! that they can be told apart in grey print and by colour-blind readers; the anchors are those of
+//! viridis (S. van der Walt, N. Smith, 2015, CC0).
 
 use super::item::Color;
 
@@ -29,8 +29,8 @@ pub fn ramp(share: f64) -> Color {
     std::array::from_fn(|_| all.next().unwrap_or(0))
 }
 
-/// Whole numbers from 1 on in classes whose ends are powers of two: 1, 2, 3-4, 5-8, ...; few are bright,
-/// many are dark.
+/// Whole numbers from 1 on in classes whose ends are powers of two: 1, 2, 3-4, 5-8, ...; few are
+/// bright, many are dark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Classes {
     count: u32,

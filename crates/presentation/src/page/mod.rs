@@ -1,5 +1,6 @@
-//! Pages that need nothing but themselves: one file each, no network, no font of others. The only script is
-//! ours, sorts and filters tables, and is let through by its hash; without it all is there.
+//! Pages that need nothing but themselves: one file each, no network, no font of others. The only
+//! script is ours, sorts and filters tables, and is let through by its hash; without it all is
+//! there.
 
 pub mod tables;
 

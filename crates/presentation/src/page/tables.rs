@@ -27,7 +27,8 @@ impl Default for Look<'_> {
     }
 }
 
-/// A table within a box of its own, so that it scrolls and not the page; its notes below. A long one is folded.
+/// A table within a box of its own, so that it scrolls and not the page; its notes below. A long
+/// one is folded.
 pub fn write(html: &mut Html, table: &Table, look: Look<'_>) {
     let is_long = table.rows.len() > LONGEST && !look.is_open;
     if is_long {

@@ -1,5 +1,5 @@
-//! How wide a drawing is: for a desk, or for a phone, where names stand above what they name and long
-//! labels below the frame.
+//! How wide a drawing is: for a desk, or for a phone, where names stand above what they name and
+//! long labels below the frame.
 
 use crate::fitted::wrapped;
 use crate::svg_plot::palette::GREY;

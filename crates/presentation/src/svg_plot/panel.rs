@@ -260,8 +260,8 @@ impl Canvas {
         }
     }
 
-    /// The names of the series, in as many lines as they need, and what keys stand for; returns the height of
-    /// those beyond the first.
+    /// The names of the series, in as many lines as they need, and what keys stand for; returns the
+    /// height of those beyond the first.
     fn legend(&mut self, plot: &Plot, keys: &[String]) -> f64 {
         let first = self.bottom + 68.0;
         let left = match self.format {
@@ -297,7 +297,8 @@ impl Canvas {
         y - first
     }
 
-    /// Text from a place on, on a phone in as many lines as it needs; returns where the last one is.
+    /// Text from a place on, on a phone in as many lines as it needs; returns where the last one
+    /// is.
     fn lines(&mut self, x: f64, mut y: f64, font: Font, text: &str) -> f64 {
         if self.format == Format::Wide {
             self.pen.text(x, y, font, text);

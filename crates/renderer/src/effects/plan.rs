@@ -79,8 +79,8 @@ impl EffectPlan {
     }
 
     /// The same without an effect: its rays are not sent. Soft shadows become hard, rough mirrors
-    /// perfect; what moves stands where it is when the shutter opens; what is textured has the plain
-    /// colour of its material.
+    /// perfect; what moves stands where it is when the shutter opens; what is textured has the
+    /// plain colour of its material.
     pub fn without(mut self, effect: Effect) -> Self {
         self.called.retain(|called| called.info.effect != effect);
         self

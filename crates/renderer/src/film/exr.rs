@@ -1,7 +1,7 @@
 //! OpenEXR images: three channels of 32-bit floats, uncompressed scanlines.
 //!
-//! Format: "OpenEXR File Layout", Academy Software Foundation, version 2 of the file format. This is
-//! the simplest of its forms, which every reader must know. Crate `exr` 1.74 writes it too, but
+//! Format: "OpenEXR File Layout", Academy Software Foundation, version 2 of the file format. This
+//! is the simplest of its forms, which every reader must know. Crate `exr` 1.74 writes it too, but
 //! brings nine more crates, which compile for 16 seconds of one core; this writer is a page.
 
 use super::rgb_image::Image;

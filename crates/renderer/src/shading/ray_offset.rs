@@ -6,9 +6,10 @@
 //! rounding can do: a few ulps of the primitive's largest coordinate, and so nothing absolute. Its
 //! interval then begins at 0.
 //!
-//! A sliver needs more than other triangles, but no more than the scene's largest coordinate allows:
-//! beyond it the default triangle test computes in double precision (`accel_core::primitives`).
-//! Another test (`triangle-test=moeller-trumbore`) may hit the sliver that a ray leaves.
+//! A sliver needs more than other triangles, but no more than the scene's largest coordinate
+//! allows: beyond it the default triangle test computes in double precision
+//! (`accel_core::primitives`). Another test (`triangle-test=moeller-trumbore`) may hit the sliver
+//! that a ray leaves.
 //!
 //! Papers: C. Waechter, N. Binder, "A Fast and Robust Method for Avoiding Self-Intersection", Ray
 //! Tracing Gems, chapter 6, 2019 (offset along the normal in ulps of the coordinate); M. Pharr, W.

@@ -93,7 +93,8 @@ fn normal([a, b, c]: [DVec3; 3]) -> DVec3 {
     DVec3::new(component(1, 2), component(2, 0), component(0, 1))
 }
 
-/// `a - b`, and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2).
+/// `a - b`, and what rounding took from it (D. E. Knuth, *The Art of Computer Programming* 2,
+/// 4.2.2).
 fn difference(a: DVec3, b: DVec3) -> (DVec3, DVec3) {
     let rounded = a - b;
     let of_a = rounded + b;

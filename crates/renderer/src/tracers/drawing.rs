@@ -27,7 +27,7 @@ pub struct Frame {
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnImage {
     pub image: Image,
-    /// What its candidate queries cost.
+    /// Cost of its candidate queries.
     pub work: FrustumWork,
     /// What else was counted, in the tracer's own words: `shadow beams`.
     pub counts: Vec<(&'static str, u64)>,

@@ -1,19 +1,19 @@
-//! What is known of a tracer, and what it refuses.
+//! Descriptions of tracers, and of scenes that they do not support.
 
 use scene_loading::Scene;
 
-/// What is known of a tracer.
+/// Description of a tracer.
 #[derive(Debug)]
 pub struct TracerInfo {
     pub name: &'static str,
     pub summary: &'static str,
     /// Where it comes from.
     pub paper: &'static str,
-    /// What it takes for granted, where it approximates.
+    /// Assumptions of its approximations.
     pub assumptions: &'static str,
-    /// What it does differently from the paper.
+    /// Deviations from the paper.
     pub deviations: &'static str,
-    /// What in a scene it refuses, with a [`Refusal`].
+    /// Unsupported parts of scenes, answered with a [`Refusal`].
     pub refuses: &'static str,
 }
 
@@ -25,7 +25,7 @@ pub struct Refusal {
     pub tracer: &'static str,
     /// Name of the scene.
     pub scene: String,
-    /// What the scene has: `91 spheres`.
+    /// The unsupported part: `91 spheres`.
     pub what: String,
 }
 

@@ -56,7 +56,7 @@ pub struct Whitted<'a> {
     diffuse: Option<u64>,
 }
 
-/// What a part of a row gave.
+/// Result of a part of an image row.
 pub struct TracedRow<S: Buildable> {
     /// Its rays, if they are kept.
     pub rays: Option<RayBatches<S>>,
@@ -302,7 +302,8 @@ impl<'a> Whitted<'a> {
     }
 }
 
-/// [`Whitted::trace_group`], which takes the time of an image: compiled here, with this crate's optimisation.
+/// [`Whitted::trace_group`], which takes the time of an image: compiled here, with this crate's
+/// optimisation.
 struct TraceGroup;
 
 impl PerScalar for TraceGroup {

@@ -26,7 +26,7 @@ impl<'a, S: Buildable> CountingTracer<'a, S> {
         Self { tracer, total: Mutex::default() }
     }
 
-    /// What was counted so far.
+    /// Counters so far.
     pub fn total(&self) -> WorkCounters {
         *self.total.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -68,7 +68,7 @@ impl<S: Buildable> Tracer<S> for CountingTracer<'_, S> {
     }
 }
 
-/// What each pixel of an image took, row by row.
+/// Work of each pixel of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelWork {
     /// Pixels of the image.

@@ -131,7 +131,8 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
 /// Times the variants of an axis in fresh processes, one after the other.
 ///
 /// # Errors
-/// [`Error`] of the first process that has no answer, or another; the times of those before it stay.
+/// [`Error`] of the first process that has no answer, or another; the times of those before it
+/// stay.
 fn in_processes(
     context: &Context<'_>,
     args: &AccuracyArgs,
@@ -151,8 +152,8 @@ fn in_processes(
     Ok(())
 }
 
-/// The axes, timed for the process that started this one, which says of those that a scene does not serve.
-/// Trials are made anew: some axes time rays that they draw for them.
+/// The axes, timed for the process that started this one, which says of those that a scene does not
+/// serve. Trials are made anew: some axes time rays that they draw for them.
 ///
 /// # Errors
 /// [`Error`] for axes and scenes that there are not.
@@ -217,7 +218,8 @@ impl Study {
         } else {
             self.named.clone()
         };
-        // builds and rays use the threads of this pool: one, so that nothing is timed beside another
+        // builds and rays use the threads of this pool: one, so that nothing is timed beside
+        // another
         let one_thread = pool(1)?;
         let mut of_axis = AxisRecord {
             axis: axis.name.into(),
@@ -273,7 +275,7 @@ struct Limits {
     only_times: bool,
 }
 
-/// What all axes work with.
+/// Context shared by all axes.
 struct AxisContext<'a> {
     registry: &'a [accel_core::structures::Entry],
     occluders: &'a [accel_core::occluders::Entry],

@@ -11,7 +11,7 @@ pub struct Budget {
     total: Option<Duration>,
     /// When this part of the run began.
     start: Duration,
-    /// What earlier parts of the run had: their scenes' shares.
+    /// Shares of the scenes in earlier parts of the run.
     before: Duration,
 }
 
@@ -28,12 +28,13 @@ impl Budget {
         Self { total, start: now, before }
     }
 
-    /// When the rounds of the next scene end: what is left of the budget, shared by the scenes left.
+    /// When the rounds of the next scene end: what is left of the budget, shared by the scenes
+    /// left.
     pub fn deadline(&self, now: Duration, left: usize) -> Option<Duration> {
         Some(now + self.share(now, left)?)
     }
 
-    /// What of the budget is the next scene's.
+    /// Share of the budget for the next scene.
     pub fn share(&self, now: Duration, left: usize) -> Option<Duration> {
         let spent = now.saturating_sub(self.start) + self.before;
         let left = u32::try_from(left.max(1)).unwrap_or(u32::MAX);
@@ -41,7 +42,8 @@ impl Budget {
     }
 }
 
-/// Steps of the bar for the scene at that place: each row is checked, timed in each round, rendered.
+/// Steps of the bar for the scene at that place: each row is checked, timed in each round,
+/// rendered.
 pub fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
     let rounds = match plan.rounds {
         Rounds::Fixed(n) => n,

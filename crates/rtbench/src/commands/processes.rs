@@ -1,6 +1,6 @@
-//! The processes of a run that has several: each builds and times a scene, with rounds that go on where the
-//! last process ended. Every second one runs a copy of the program's file: what it differs by is the
-//! floor of the run.
+//! The processes of a run that has several: each builds and times a scene, with rounds that go on
+//! where the last process ended. Every second one runs a copy of the program's file: what it
+//! differs by is the floor of the run.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -19,8 +19,8 @@ use measurement::system::child_process::{ChildError, answer, arguments, without_
 use measurement::system::program_copy::ProgramCopy;
 use measurement::system::progress::Progress;
 
-/// A check and a baseline have one process of the program and one of the copy, each with a third of their
-/// rounds.
+/// A check and a baseline have one process of the program and one of the copy, each with a third of
+/// their rounds.
 const PART_OF_ROUNDS: usize = 3;
 /// Rounds of those processes, at the least.
 const FEWEST_ROUNDS: usize = 5;
@@ -59,14 +59,15 @@ impl Processes {
         Ok(Some(Self { program, copy, allow_outside, plugins, unkept: Vec::new() }))
     }
 
-    /// Builds and times the scene in fresh processes and takes what they say for the scene's times; where the
-    /// plan has one process, its own, that keeps its times, and others say how far a copy is from the program.
-    /// What this process did before (other scenes, all answers) is in no other: builds take up to a third
-    /// less in one whose allocator has kept memory, so that only fresh processes are compared with one another.
+    /// Builds and times the scene in fresh processes and takes what they say for the scene's times;
+    /// where the plan has one process, its own, that keeps its times, and others say how far a copy
+    /// is from the program. What this process did before (other scenes, all answers) is in no
+    /// other: builds take up to a third less in one whose allocator has kept memory, so that only
+    /// fresh processes are compared with one another.
     ///
     /// # Errors
-    /// [`ChildError`] of the first process that gives no answer; the samples of those before it stay, or the
-    /// one of this process.
+    /// [`ChildError`] of the first process that gives no answer; the samples of those before it
+    /// stay, or the one of this process.
     pub fn measure(
         &mut self,
         plan: &Plan<'_>,
@@ -148,8 +149,8 @@ impl Processes {
     }
 }
 
-/// Rounds of each process: as many as are asked for, or as the scene's share of a time budget has room for by
-/// the round that this process made.
+/// Rounds of each process: as many as are asked for, or as the scene's share of a time budget has
+/// room for by the round that this process made.
 fn rounds_of(plan: &Plan<'_>, scene: &SceneRecord, share: Option<Duration>) -> usize {
     let at_least = match plan.rounds {
         Rounds::Fixed(rounds) => return rounds,

@@ -19,7 +19,7 @@ use crate::error::Error;
 pub struct ResumedRun<'f> {
     pub folder: &'f Path,
     pub journal: Journal,
-    /// What the journal holds.
+    /// Contents of the journal.
     pub found: RecoveredRun,
 }
 

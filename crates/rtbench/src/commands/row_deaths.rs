@@ -1,5 +1,5 @@
-//! Rows that end the program, out of memory say: the journal notes which row is begun, and one that was begun
-//! too often without an end is left out, so that a resumed run gets past it.
+//! Rows that end the program, out of memory say: the journal notes which row is begun, and one that
+//! was begun too often without an end is left out, so that a resumed run gets past it.
 
 use std::cell::{Cell, RefCell};
 
@@ -26,8 +26,8 @@ impl<'a> RowJournal<'a> {
 
     fn note(&self, line: &Line) {
         if let Some(journal) = self.journal.borrow_mut().as_deref_mut() {
-            // a row that is not noted is tried once more after a death; what is finished is noted with
-            // its errors
+            // a row that is not noted is tried once more after a death; what is finished is noted
+            // with its errors
             let _ = journal.note(line);
         }
     }

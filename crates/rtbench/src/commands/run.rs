@@ -46,8 +46,8 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
     measure(context, &view, &plan, outputs, kept, record)
 }
 
-/// Finishes the run that was begun in a folder. Where to write, and which plugins to run, is taken from this
-/// command line alone: the journal is a file that others may have had their hands on.
+/// Finishes the run that was begun in a folder. Where to write, and which plugins to run, is taken
+/// from this command line alone: the journal is a file that others may have had their hands on.
 fn resume(
     context: &mut Context<'_>,
     folder: &Path,

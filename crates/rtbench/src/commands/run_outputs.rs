@@ -27,8 +27,8 @@ pub(super) struct Exporter {
     pub to_string: fn(&RunRecord, Select<'_>) -> Result<String, FormatError>,
 }
 
-/// All formats, the record first: it says of which run the files beside it are, also when the program is
-/// killed between the first two.
+/// All formats, the record first: it says of which run the files beside it are, also when the
+/// program is killed between the first two.
 static EXPORTERS: [Exporter; 6] = [
     exporter(|args| args.export_json.as_ref(), Some(file::NAME), |run, _| json::written(run)),
     exporter(|args| args.export_csv.as_ref(), Some("results.csv"), |run, _| csv::to_string(run)),

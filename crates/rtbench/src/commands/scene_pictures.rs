@@ -21,8 +21,9 @@ const SIZE: u32 = 256;
 /// Larger scenes take longer to load than a report may.
 const LARGEST: u64 = 300_000;
 
-/// Renders the scenes that have no picture yet. Only what is known by its name is loaded, never a file that a
-/// record names; and only the very scene that was measured is shown. What cannot be is left out.
+/// Renders the scenes that have no picture yet. Only what is known by its name is loaded, never a
+/// file that a record names; and only the very scene that was measured is shown. What cannot be is
+/// left out.
 ///
 /// # Errors
 /// [`Error`] where there are no threads.
@@ -66,7 +67,8 @@ fn picture(scene: &dyn KnownScene, row: &Row<'_>, sha256: &str) -> Option<Vec<u8
     image_of(&loaded.scene, row, SIZE)?.png().ok()
 }
 
-/// A picture of a scene with its effects, so many pixels high and wide; none where it cannot be drawn.
+/// A picture of a scene with its effects, so many pixels high and wide; none where it cannot be
+/// drawn.
 pub fn image_of(scene: &Scene, row: &Row<'_>, size: u32) -> Option<Image> {
     let settings = RenderSettings { resolution: [size; 2], ..RenderSettings::default() };
     let plan = plan_of(scene, &settings).ok()?;

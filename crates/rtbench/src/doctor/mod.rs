@@ -1,4 +1,5 @@
-//! What may disturb measurements on a machine: one finding per line, with what it means and what to do.
+//! What may disturb measurements on a machine: one finding per line, with what it means and what to
+//! do.
 //!
 //! Files of `/proc` and `/sys` (Linux) say most of it. Where one is not there, the finding is
 //! `unknown`; nothing is guessed.
@@ -29,15 +30,15 @@ pub enum Level {
 /// One thing that was looked at.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What was looked at.
+    /// Name of the inspected property.
     pub name: &'static str,
     /// Whether it disturbs measurements.
     pub level: Level,
-    /// What was found, in words.
+    /// Value found, in words.
     pub value: String,
-    /// What it means for measurements.
+    /// Effect on measurements.
     pub meaning: &'static str,
-    /// What to do; only of warnings.
+    /// Advice; only for warnings.
     pub advice: Option<&'static str>,
 }
 
@@ -68,8 +69,8 @@ pub fn diagnose(system: &System, clock: &dyn Clock) -> Diagnosis {
     Diagnosis { noise, findings }
 }
 
-/// A thing to look at: what it is called, what it means, what to do, and how it is found: whether it
-/// is as it should be, and in words; nothing where the system does not say.
+/// A thing to look at: what it is called, what it means, what to do, and how it is found: whether
+/// it is as it should be, and in words; nothing where the system does not say.
 struct Check {
     name: &'static str,
     meaning: &'static str,

@@ -20,7 +20,7 @@ const CALIBRATION: [u64; 2] = [1 << 12, 1 << 24];
 /// The largest spread of a quiet machine.
 const QUIET: f64 = 0.01;
 
-/// What the loops gave.
+/// Results of the timing loops.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Noise {
     /// How many loops were timed.

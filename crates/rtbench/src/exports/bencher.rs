@@ -1,6 +1,6 @@
 //! Bencher Metric Format: benchmark, measure, and of each a `value` with `lower_value` and
-//! `upper_value` (<https://bencher.dev/docs/reference/bencher-metric-format/>). A benchmark is a row
-//! of a scene; measures are the metrics of `rtbench` and rays per second by kind.
+//! `upper_value` (<https://bencher.dev/docs/reference/bencher-metric-format/>). A benchmark is a
+//! row of a scene; measures are the metrics of `rtbench` and rays per second by kind.
 
 use std::collections::BTreeMap;
 

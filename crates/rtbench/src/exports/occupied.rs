@@ -1,5 +1,5 @@
-//! What a folder of `-o` holds already. Results are not written over unless that is asked for: those
-//! of another plan would be lost, those of the same plan can be gone on with.
+//! What a folder of `-o` holds already. Results are not written over unless that is asked for:
+//! those of another plan would be lost, those of the same plan can be gone on with.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -70,7 +70,7 @@ pub enum OccupiedError {
     #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
     Journal {
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the fault.
         source: LineError,
     },
     /// It cannot be read, or is no file.
@@ -83,7 +83,8 @@ fn is_absent(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
 
-/// Refuses files that are there and hold something. What is no file, a pipe or a device, is written to.
+/// Refuses files that are there and hold something. What is no file, a pipe or a device, is written
+/// to.
 ///
 /// # Errors
 /// [`OccupiedError::File`] naming the first.
@@ -97,7 +98,7 @@ pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), Occu
     }
 }
 
-/// What is to be written to a folder.
+/// Output planned for a folder.
 pub struct Wanted<'a> {
     /// The names of the files, the record first.
     pub names: &'a [&'a str],

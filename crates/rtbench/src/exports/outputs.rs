@@ -1,5 +1,5 @@
-//! The output files: created before anything is measured, written anew after each scene, so that
-//! an unwritable path is found at once and a killed run keeps what it finished. A run that is refused
+//! The output files: created before anything is measured, written anew after each scene, so that an
+//! unwritable path is found at once and a killed run keeps what it finished. A run that is refused
 //! leaves none that was not there.
 
 use std::fs::File;
@@ -43,7 +43,7 @@ struct Output<'a> {
 #[derive(Default)]
 pub struct Outputs<'a> {
     outputs: Vec<Output<'a>>,
-    /// What goes to standard output, in place of the tables.
+    /// Format printed to standard output instead of the tables.
     printed: Option<Formatter<'a>>,
     created: Created,
 }

@@ -10,7 +10,7 @@ use statistics::change_points::{Sensitivity, change_points};
 use statistics::estimate::Estimate;
 use statistics::series::ratio_of;
 
-/// What a line is of, beside the row.
+/// Quantity of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     /// The trace time of all rays.
@@ -73,7 +73,8 @@ pub struct Change {
 pub struct Line {
     /// By its place among [`History::benches`].
     pub bench: usize,
-    /// The scene by its hash, and what ratios are over: another one of the same name has another line.
+    /// The scene by its hash, and what ratios are over: another one of the same name has another
+    /// line.
     identity: String,
     /// In the order of the runs.
     pub points: Vec<Point>,
@@ -81,7 +82,7 @@ pub struct Line {
     pub changes: Vec<Change>,
 }
 
-/// What a line is found by: scene, structure, settings, quantity.
+/// Key of a line: scene, structure, settings, quantity.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     pub scene: String,
@@ -186,8 +187,8 @@ fn figures(row: &RowRecord) -> Vec<(Quantity, Estimate)> {
     known.filter(|(_, ratio)| ratio.median.is_finite() && ratio.median > 0.0).collect()
 }
 
-/// The benches of runs, and which each was made on: two runs share one where nothing is between their ratios
-/// but the program. Scenes are looked at one by one.
+/// The benches of runs, and which each was made on: two runs share one where nothing is between
+/// their ratios but the program. Scenes are looked at one by one.
 fn benches(visits: &[Visit]) -> (Vec<MachineSetup>, Vec<usize>) {
     let parts = |d: &Difference| d.concerns != Concerns::Nothing && !d.what.starts_with("scene ");
     let mut benches: Vec<MachineSetup> = Vec::new();

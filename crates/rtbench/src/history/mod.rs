@@ -1,10 +1,10 @@
-//! The results that CI keeps, as a static site: how the ratios of each row went from commit to commit, on each
-//! machine, and at which commits they changed.
+//! The results that CI keeps, as a static site: how the ratios of each row went from commit to
+//! commit, on each machine, and at which commits they changed.
 //!
-//! Ratios are to the reference of the same run, which is why a history can be read at all: seconds follow the
-//! machine's day. Runs are in the order of their commits. A line is of one machine and its settings; nothing is
-//! ever joined across two. Changes are found by E-divisive ([`statistics::change_points`]) on the logarithms of
-//! the ratios.
+//! Ratios are to the reference of the same run, which is why a history can be read at all: seconds
+//! follow the machine's day. Runs are in the order of their commits. A line is of one machine and
+//! its settings; nothing is ever joined across two. Changes are found by E-divisive
+//! ([`statistics::change_points`]) on the logarithms of the ratios.
 
 mod error;
 mod index_page;

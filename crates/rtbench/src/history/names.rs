@@ -8,7 +8,7 @@ use crate::report::file_name;
 /// The page that all others are found from.
 pub const INDEX: &str = "index.html";
 
-/// What a page is of: scene, structure, what was measured.
+/// Key of a page: scene, structure, quantity.
 pub type PageKey = (String, String, Quantity);
 
 /// The paths of all pages, from the site's folder on.

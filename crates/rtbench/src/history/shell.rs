@@ -40,7 +40,7 @@ pub fn from_below(path: &str) -> String {
     format!("../{path}")
 }
 
-/// What became of the times.
+/// Verdict on the change of times.
 pub fn verdict(times: &Estimate) -> &'static str {
     match times {
         t if t.low > 1.0 => "slower",

@@ -36,8 +36,8 @@ impl Visit {
     }
 }
 
-/// The runs of all folders, each of which has a record or folders with records, in the order of their
-/// commits where a repository says when these were made, else of their own beginnings.
+/// The runs of all folders, each of which has a record or folders with records, in the order of
+/// their commits where a repository says when these were made, else of their own beginnings.
 ///
 /// # Errors
 /// [`HistoryError`], naming the file or folder.

@@ -39,7 +39,7 @@ pub static MEANINGS: &[(&str, &str)] = &[
     ("k, M, G", "thousand, million, thousand million"),
 ];
 
-/// What a column's head means.
+/// Explanation of a column's head.
 pub fn meaning(name: &str) -> Option<&'static str> {
     MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
 }

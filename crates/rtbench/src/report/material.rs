@@ -1,4 +1,4 @@
-//! What a page is made from: the record of a run, and what other commands left beside it.
+//! Input of a page: the record of a run, and the results of other commands beside it.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -18,7 +18,7 @@ use studies::run::conclusions::conclude;
 use studies::run::costs::{Profile, profiles};
 use studies::tracer_comparison::record::TracersRecord;
 
-/// What every PNG file begins with.
+/// Signature of PNG files.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 
 /// Why a page cannot be made.

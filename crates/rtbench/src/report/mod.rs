@@ -1,7 +1,7 @@
 //! The results in a folder, or in several, as an HTML report: no network, no font of others.
 //!
-//! A section is a file and a line in [`SECTIONS`]. One that the folder has nothing for is left out; the end
-//! of the page names the command that makes it.
+//! A section is a file and a line in [`SECTIONS`]. One that the folder has nothing for is left out;
+//! the end of the page names the command that makes it.
 
 mod date;
 mod glossary;
@@ -23,7 +23,7 @@ use presentation::page::{BEGINNING, begun, finished};
 
 /// A part of the page.
 pub struct Section {
-    /// What links name it.
+    /// Anchor of its links.
     pub id: &'static str,
     pub title: &'static str,
     /// The command that makes what it shows; `DIR` is the folder.
@@ -116,7 +116,7 @@ pub fn is_page(beginning: &str) -> bool {
 struct Part {
     id: String,
     title: &'static str,
-    /// What is below its head.
+    /// Contents below its head.
     body: String,
 }
 
@@ -240,7 +240,7 @@ fn missing(html: &mut Html, parts: &[Part], page: &Page) {
     html.close();
 }
 
-/// What the page is of.
+/// Title of the page.
 fn title(runs: &[Material]) -> String {
     match runs {
         [run] => scenes_in_words(run),

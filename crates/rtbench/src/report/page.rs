@@ -1,4 +1,4 @@
-//! What sections write to.
+//! Page that sections write to.
 
 use measurement::system::progress::Progress;
 use presentation::html::Html;
@@ -14,7 +14,7 @@ pub enum SectionOutcome {
     Missing,
 }
 
-/// What sections write to.
+/// Page that sections write to.
 #[derive(Default)]
 pub struct Page {
     pub(super) html: Html,
@@ -35,7 +35,7 @@ impl Page {
         self.plots.push((format!("{}.svg", file_name(&name)), svg));
     }
 
-    /// What links name a part of the page by.
+    /// Anchor of a part of the page.
     pub(super) fn anchor(&self, name: &str) -> String {
         file_name(&format!("{}{name}", self.prefix))
     }
@@ -44,7 +44,8 @@ impl Page {
 /// The most bytes of a file's name, without its extension: systems take 255.
 const LONGEST: usize = 200;
 
-/// A name that is safe as a file's. One that is too long ends with a hash, so that names stay distinct.
+/// A name that is safe as a file's. One that is too long ends with a hash, so that names stay
+/// distinct.
 pub fn file_name(name: &str) -> String {
     let safe = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
     let mut file: String = name.chars().map(safe).collect();

@@ -1,4 +1,4 @@
-//! What other commands left in the folder.
+//! Results of other commands in the folder.
 
 use serde::Deserialize;
 use statistics::estimate::Estimate;

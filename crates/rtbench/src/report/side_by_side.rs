@@ -1,7 +1,8 @@
 //! Several runs on one page: what each answers, and the ratios of each row in all of them.
 //!
-//! A ratio is to the reference of its own run, so that runs of two machines can stand side by side, and
-//! seconds cannot. What differs between two runs of a program, and how surely, says `rtbench compare`.
+//! A ratio is to the reference of its own run, so that runs of two machines can stand side by side,
+//! and seconds cannot. What differs between two runs of a program, and how surely, says `rtbench
+//! compare`.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +27,7 @@ const NUMBERS: [&str; 12] = [
     "run 11", "run 12",
 ];
 
-/// What each run answers.
+/// Conclusions of each run.
 pub fn answers(runs: &[Material], page: &mut Page) {
     for (number, run) in (1..).zip(runs) {
         let html = &mut page.html;

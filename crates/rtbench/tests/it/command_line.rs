@@ -70,8 +70,8 @@ fn an_unwritable_path_is_found_before_measuring() {
     }
 }
 
-/// Each is refused, before or after its outputs are opened: what was not there still is not, and what
-/// was is as it was.
+/// Each is refused, before or after its outputs are opened: what was not there still is not, and
+/// what was is as it was.
 #[test]
 fn what_is_refused_leaves_no_file_and_harms_none() {
     let folder = Folder::new();

@@ -186,8 +186,8 @@ static DROPPER: StructureInfo = INFO;
 static SHIPPED: StructureInfo =
     StructureInfo { known_defect: |_| Some("forgets on purpose"), ..INFO };
 
-/// Real structures and the wrong one. The real ones are taken from the registry as the program runs: named in a
-/// constant they would be compiled again with the tests, and not optimised.
+/// Real structures and the wrong one. The real ones are taken from the registry as the program
+/// runs: named in a constant they would be compiled again with the tests, and not optimised.
 pub static PLANTED: LazyLock<Vec<Entry>> = LazyLock::new(|| {
     let real = ["brute-force", "uniform-grid", "obvhs-bvh2", "obvhs-cwbvh"];
     let real = real.iter().filter_map(|name| find(name).copied());
@@ -251,8 +251,8 @@ pub fn run_in_world(
     run_in_terminal(registry, occluders, scenes, clock, world, terminal, arguments)
 }
 
-/// The same in lines of so many characters, with the real registry and a clock on which every interval is a
-/// millisecond.
+/// The same in lines of so many characters, with the real registry and a clock on which every
+/// interval is a millisecond.
 pub fn run_within(width: usize, arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
     let terminal = Terminal { found_width: Some(width), ..Terminal::default() };

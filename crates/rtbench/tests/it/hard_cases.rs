@@ -161,8 +161,8 @@ fn c2_standard_output_to_a_closed_pipe() {
     resumes_well(folder.path());
 }
 
-/// A limit on the size of files stands for a full disk: writes beyond it fail, and the signal that comes
-/// with it does not end the program.
+/// A limit on the size of files stands for a full disk: writes beyond it fail, and the signal that
+/// comes with it does not end the program.
 #[test]
 fn c2_files_on_a_full_disk() {
     let mut kept = Vec::new();

@@ -1,4 +1,5 @@
-//! What a program in Rust has of us: runs as a function, typed settings, the texts that show the template.
+//! What a program in Rust has of us: runs as a function, typed settings, the texts that show the
+//! template.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Scenes without lights, and a camera and lights from the command line: what is measured, recorded and
-//! repeated.
+//! Scenes without lights, and a camera and lights from the command line: what is measured, recorded
+//! and repeated.
 
 use crate::common::{Folder, run_stepping};
 

@@ -134,8 +134,8 @@ fn tear(folder: &Path, lines: usize) {
 /// Breaks a run off behind each line of its journal, in the middle of the next.
 pub fn same_table() {
     let (whole, expected) = finished(ARGUMENTS);
-    // a manifest; of each scene its beginning, three times those of its three rows and that they passed (checked,
-    // timed, rendered), its record; the end
+    // a manifest; of each scene its beginning, three times those of its three rows and that they
+    // passed (checked, timed, rendered), its record; the end
     const OF_SCENE: usize = 14;
     for lines in 1..2 + 3 * OF_SCENE {
         let (folder, _) = finished(ARGUMENTS);

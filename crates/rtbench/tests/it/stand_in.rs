@@ -1,5 +1,5 @@
-//! Scenes in which another row stands in for the reference, which cannot be built there or is wrong:
-//! who reads the results sees which, and nothing mixes ratios to one with ratios to another.
+//! Scenes in which another row stands in for the reference, which cannot be built there or is
+//! wrong: who reads the results sees which, and nothing mixes ratios to one with ratios to another.
 
 use std::time::Duration;
 

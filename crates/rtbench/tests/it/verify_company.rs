@@ -1,5 +1,5 @@
-//! `rtbench verify` asks rays among others that run nearly as they do: it catches a structure that is wrong there,
-//! and there alone.
+//! `rtbench verify` asks rays among others that run nearly as they do: it catches a structure that
+//! is wrong there, and there alone.
 
 use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};
 use accel_core::primitives::PrimSet;

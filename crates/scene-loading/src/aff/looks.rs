@@ -4,8 +4,8 @@ use crate::error::LoadError;
 use crate::nff::tokens::Words;
 use crate::scene::Material;
 
-/// What stands behind an `fm`: ambient, diffuse and specular colour, exponent, transmittance, index of
-/// refraction.
+/// What stands behind an `fm`: ambient, diffuse and specular colour, exponent, transmittance, index
+/// of refraction.
 pub(super) fn extended(words: &mut Words<'_>) -> Result<Material, LoadError> {
     words.vector("ambient colour")?;
     let diffuse = words.vector("diffuse colour")?;

@@ -1,17 +1,20 @@
-//! AFF, the format of BART's animations: NFF with transforms, keyframes, meshes and files within files.
+//! AFF, the format of BART's animations: NFF with transforms, keyframes, meshes and files within
+//! files.
 //!
-//! J. Lext, U. Assarsson, T. Moeller, "A Benchmark for Animated Ray Tracing", IEEE CG&A 21(2), 2001; what an
-//! entity means is taken from the descriptions in the parser that BART comes with (`parse.c`, `animation.c`).
+//! J. Lext, U. Assarsson, T. Moeller, "A Benchmark for Animated Ray Tracing", IEEE CG&A 21(2),
+//! 2001; what an entity means is taken from the descriptions in the parser that BART comes with
+//! (`parse.c`, `animation.c`).
 //!
-//! Read are `v`, `l`, `la`, `b`, `f`, `fm`, `s`, `c`, `p`, `pp`, `m`, `tt`, `ttp`, `tpa`, `i`, `d`, `x`, `xs`,
-//! `k`, `a` and `am`. Deviations:
+//! Read are `v`, `l`, `la`, `b`, `f`, `fm`, `s`, `c`, `p`, `pp`, `m`, `tt`, `ttp`, `tpa`, `i`, `d`,
+//! `x`, `xs`, `k`, `a` and `am`. Deviations:
 //! - Polygons are cut into triangles.
-//! - Of `fm` the diffuse colour counts, and of the specular one the largest part; ambient light (`am`) and the
-//!   ambient colour have no place here.
+//! - Of `fm` the diffuse colour counts, and of the specular one the largest part; ambient light
+//!   (`am`) and the ambient colour have no place here.
 //! - Texture coordinates are read, their images (PPM) are not: a warning counts them.
-//! - Spheres and cones stand only in transforms that scale by one factor; a sphere with a negative radius is
-//!   seen from both sides.
-//! - The descriptions do not say whether the keys of a light (`la`) add to its place: it stays, with a warning.
+//! - Spheres and cones stand only in transforms that scale by one factor; a sphere with a negative
+//!   radius is seen from both sides.
+//! - The descriptions do not say whether the keys of a light (`la`) add to its place: it stays,
+//!   with a warning.
 //! - What is not visible is drawn together in a point, so that ids stay.
 
 mod lights;

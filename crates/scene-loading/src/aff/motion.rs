@@ -13,7 +13,7 @@ use crate::nff::tokens::Words;
 /// The fewest keys of a track: the first and the last only shape the curve.
 const FEWEST: u64 = 4;
 
-/// What moves a name.
+/// Motion of a named object.
 #[derive(Debug, Default)]
 pub(super) struct Motion {
     pub translation: Option<Track<DVec3>>,

@@ -294,7 +294,7 @@ impl Reader<'_> {
         Ok(self.world)
     }
 
-    /// What stands behind a `c`.
+    /// Reads the arguments of a `c` statement.
     pub fn cone(&mut self, words: &mut Words<'_>, start: Word<'_>) -> Result<(), LoadError> {
         let cone = cone(words, start)?;
         let material = self.current_material();

@@ -47,7 +47,8 @@ impl Reader<'_> {
         }
     }
 
-    /// A polygon: corners, each with a normal or texture coordinates behind it, if the entity has them.
+    /// A polygon: corners, each with a normal or texture coordinates behind it, if the entity has
+    /// them.
     fn face(
         &mut self,
         count: usize,
@@ -75,7 +76,8 @@ impl Reader<'_> {
         mesh.add(&corners, scene, &mut self.counts, || words.place(word.line))
     }
 
-    /// A mesh: vertices, normals and texture coordinates if it has them, triangles with indices of each.
+    /// A mesh: vertices, normals and texture coordinates if it has them, triangles with indices of
+    /// each.
     fn mesh(&mut self, words: &mut Words<'_>) -> Result<(), LoadError> {
         let material = self.current_material();
         keyword(words, &["vertices"])?;

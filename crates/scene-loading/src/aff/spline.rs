@@ -1,11 +1,12 @@
 //! Curves through keys with tension, continuity and bias, of places and of rotations.
 //!
-//! D. Kochanek, R. Bartels, "Interpolating Splines with Local Tension, Continuity, and Bias Control", SIGGRAPH
-//! 1984, with tangents scaled for keys that are not equally far apart; of rotations the same over the
-//! logarithms of quaternions, by K. Shoemake's squad ("Animating Rotation with Quaternion Curves", SIGGRAPH
-//! 1985), as in D. Eberly's code that BART comes with. Deviation: there, of two keys that are more than half
-//! a turn apart as quaternions, the later one is negated only between the second and the last but one; here
-//! it is everywhere, so that the curve has no kink.
+//! D. Kochanek, R. Bartels, "Interpolating Splines with Local Tension, Continuity, and Bias
+//! Control", SIGGRAPH 1984, with tangents scaled for keys that are not equally far apart; of
+//! rotations the same over the logarithms of quaternions, by K. Shoemake's squad ("Animating
+//! Rotation with Quaternion Curves", SIGGRAPH 1985), as in D. Eberly's code that BART comes with.
+//! Deviation: there, of two keys that are more than half a turn apart as quaternions, the later one
+//! is negated only between the second and the last but one; here it is everywhere, so that the
+//! curve has no kink.
 
 use glam::{DQuat, DVec3};
 
@@ -17,8 +18,9 @@ pub(super) struct Key<T> {
     pub shape: [f64; 3],
 }
 
-/// At least four keys. The curve goes from the second to the last but one, and jumps where two have the same
-/// time; a key that goes back in time counts only for those behind it (BART's own robot has one).
+/// At least four keys. The curve goes from the second to the last but one, and jumps where two have
+/// the same time; a key that goes back in time counts only for those behind it (BART's own robot
+/// has one).
 #[derive(Debug)]
 pub(super) struct Track<T>(Vec<Key<T>>);
 
@@ -41,7 +43,8 @@ impl<T> Track<T> {
         self.0.iter().rev().nth(1).map(|key| key.value)
     }
 
-    /// Where a time is; none at an end without length; before the first segment and behind the last at its ends.
+    /// Where a time is; none at an end without length; before the first segment and behind the last
+    /// at its ends.
     fn segment(&self, time: f64) -> Option<Segment<'_, T>> {
         let windows = || self.0.windows(4).filter_map(|keys| keys.first_chunk::<4>());
         let keys = windows().find(|[_, _, to, _]| time < to.time).or_else(|| windows().last())?;
@@ -55,7 +58,8 @@ impl<T> Track<T> {
 }
 
 impl<T> Segment<'_, T> {
-    /// What the chord before the second key and the one behind it add to the tangent that leaves it.
+    /// What the chord before the second key and the one behind it add to the tangent that leaves
+    /// it.
     fn leaves(&self) -> [f64; 2] {
         let [before, from, to, _] = self.keys;
         let [tension, continuity, bias] = from.shape;
@@ -141,7 +145,8 @@ fn exponential(v: DVec3) -> DQuat {
     DQuat::from_xyzw(v.x, v.y, v.z, cos)
 }
 
-/// Between two quaternions along the arc, the longer one too: a curve does not jump to the other side.
+/// Between two quaternions along the arc, the longer one too: a curve does not jump to the other
+/// side.
 fn arc(a: DQuat, b: DQuat, share: f64) -> DQuat {
     let angle = a.dot(b).clamp(-1.0, 1.0).acos();
     let sin = angle.sin();

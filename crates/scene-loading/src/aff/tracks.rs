@@ -13,7 +13,8 @@ pub(super) struct AnimatedPatch {
 }
 
 impl AnimatedPatch {
-    /// Sets its corners and normals as at a time; before the first key and behind the last as there.
+    /// Sets its corners and normals as at a time; before the first key and behind the last as
+    /// there.
     pub fn set(&self, time: f64, scene: &mut Scene) {
         let next = self.keys.partition_point(|(at, _)| *at <= time);
         let (Some(before), Some(behind)) =

@@ -1,8 +1,9 @@
-//! Files as frames: a path with a pattern as of printf, `frame%04d.obj`, for the numbers that there are.
+//! Files as frames: a path with a pattern as of printf, `frame%04d.obj`, for the numbers that there
+//! are.
 //!
-//! The lowest number is that of the first frame; from there on none may be missing. Frames may differ in
-//! all they have. What a file says to be instances holds within it, not from frame to frame: it is not
-//! claimed.
+//! The lowest number is that of the first frame; from there on none may be missing. Frames may
+//! differ in all they have. What a file says to be instances holds within it, not from frame to
+//! frame: it is not claimed.
 
 use std::path::{Path, PathBuf};
 
@@ -103,7 +104,8 @@ impl Files {
         parse_scene(path, read_file(path)?, ReadOptions::default())
     }
 
-    /// True for formats without a camera, whose loaders frame the scene: each frame would be framed anew.
+    /// True for formats without a camera, whose loaders frame the scene: each frame would be framed
+    /// anew.
     fn is_framed(&self) -> bool {
         let path = self.paths.first().map(|path| path.to_string_lossy().to_ascii_lowercase());
         let path = path.unwrap_or_default();

@@ -1,10 +1,10 @@
 //! glTF files as scenes that move: the first animation, sampled at uniform times.
 //!
-//! 25 frames per second from its first key to its last, at least [`LEAST`] and at most [`MOST`]: those of a
-//! longer one are further apart. Nodes whose meshes keep their shape are claimed as instances, but for those
-//! that are scaled to nothing or mirrored on the way. A triangle is left out if it has no area in the mesh,
-//! in whichever frame; one that has none only in some frames stays. A file without a camera is seen by the
-//! one that frames the first frame.
+//! 25 frames per second from its first key to its last, at least [`LEAST`] and at most [`MOST`]:
+//! those of a longer one are further apart. Nodes whose meshes keep their shape are claimed as
+//! instances, but for those that are scaled to nothing or mirrored on the way. A triangle is left
+//! out if it has no area in the mesh, in whichever frame; one that has none only in some frames
+//! stays. A file without a camera is seen by the one that frames the first frame.
 
 use std::path::Path;
 

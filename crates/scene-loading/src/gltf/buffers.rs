@@ -144,8 +144,8 @@ impl Buffers {
         }
     }
 
-    /// Finite numbers, those of an element behind one another: floats, or where `normalized` ones may be,
-    /// shares of the largest byte or short too.
+    /// Finite numbers, those of an element behind one another: floats, or where `normalized` ones
+    /// may be, shares of the largest byte or short too.
     pub fn numbers(
         &self,
         accessor: Accessor<'_>,

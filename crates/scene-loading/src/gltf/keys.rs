@@ -1,13 +1,13 @@
 //! Keyframes of glTF animations: numbers at times, and what lies between them.
 //!
-//! Appendix C of the glTF 2.0 specification: steps, straight lines (of rotations along the shorter arc),
-//! cubic Hermite splines with their tangents in the file.
+//! Appendix C of the glTF 2.0 specification: steps, straight lines (of rotations along the shorter
+//! arc), cubic Hermite splines with their tangents in the file.
 
 use ::gltf::animation::Interpolation;
 use glam::DQuat;
 
-/// Keys of one sampler: at each time as many numbers as it is wide, for splines three times as many (the
-/// tangent that leads in, the value, the one that leads out).
+/// Keys of one sampler: at each time as many numbers as it is wide, for splines three times as many
+/// (the tangent that leads in, the value, the one that leads out).
 #[derive(Debug)]
 pub(crate) struct Keys {
     /// Seconds, ascending, at least one.
@@ -34,8 +34,8 @@ impl Keys {
         self.list(key, self.lists() / 2)
     }
 
-    /// The numbers at a time; before the first key and behind the last those of it. Rotations go along the
-    /// arc.
+    /// The numbers at a time; before the first key and behind the last those of it. Rotations go
+    /// along the arc.
     pub fn at(&self, time: f64, is_rotation: bool) -> Vec<f64> {
         let next = self.times.partition_point(|&t| t <= time);
         let Some(key) = next.checked_sub(1) else { return self.value(0).to_vec() };

@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 
 use glam::{DQuat, DVec3};
 
-/// What is animated, by nodes.
+/// Animated values by node.
 #[derive(Debug, Default)]
 pub(crate) struct Pose {
     pub nodes: BTreeMap<usize, NodePose>,
 }
 
-/// What is animated of a node; none where the file's own values hold.
+/// Animated values of a node; `None` where the file's own values apply.
 #[derive(Debug, Default)]
 pub(crate) struct NodePose {
     pub translation: Option<DVec3>,

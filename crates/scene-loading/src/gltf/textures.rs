@@ -1,4 +1,5 @@
-//! Textures of glTF files: `baseColorTexture` with its `texCoord` and the wrap modes of its sampler.
+//! Textures of glTF files: `baseColorTexture` with its `texCoord` and the wrap modes of its
+//! sampler.
 //!
 //! Images come from buffer views, data URIs, and files below the file's folder. One that cannot be
 //! read leaves the plain colour, with a warning that names the material. Filters of samplers are

@@ -7,7 +7,8 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::read::extension;
 use crate::limits::MAX_BYTES;
 
-/// What any packed file may unpack to: 64 MiB. A fuzzer, which would spend its time on unpacking, is given less.
+/// What any packed file may unpack to: 64 MiB. A fuzzer, which would spend its time on unpacking,
+/// is given less.
 const FREE: u64 = if cfg!(fuzzing) { 64 << 10 } else { 64 << 20 };
 
 /// What a byte beyond may unpack to. Scenes as text become up to about 20 times smaller.

@@ -94,8 +94,8 @@ impl Default for TextureReader {
 }
 
 impl TextureReader {
-    /// Adds an image and returns its index. Its bytes, of which no more than a number are taken, are
-    /// asked for once.
+    /// Adds an image and returns its index. Its bytes, of which no more than a number are taken,
+    /// are asked for once.
     ///
     /// # Errors
     /// [`TextureError`]; the scene is as before then.

@@ -245,7 +245,7 @@ impl Reader<'_> {
     }
 }
 
-/// What stands behind a `v`.
+/// Reads the arguments of a `v` statement.
 pub(crate) fn view(words: &mut Words<'_>, start: Word<'_>) -> Result<Camera, LoadError> {
     let (mut from, mut at, mut up) = (None, None, None);
     let (mut angle, mut hither, mut resolution) = (None, None, None);
@@ -287,7 +287,7 @@ pub(crate) fn view(words: &mut Words<'_>, start: Word<'_>) -> Result<Camera, Loa
     Ok(camera)
 }
 
-/// What stands behind an `f`.
+/// Reads the arguments of an `f` statement.
 pub(crate) fn surface(words: &mut Words<'_>) -> Result<Material, LoadError> {
     let color: Rgb = words.vector("surface colour")?.to_array();
     Ok(Material {
@@ -303,7 +303,7 @@ pub(crate) fn surface(words: &mut Words<'_>) -> Result<Material, LoadError> {
     })
 }
 
-/// What stands behind a `c`.
+/// Reads the arguments of a `c` statement.
 pub(crate) fn cone(words: &mut Words<'_>, start: Word<'_>) -> Result<Cone, LoadError> {
     let cone = Cone {
         base: words.vector("cone base")?,

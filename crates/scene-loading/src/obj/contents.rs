@@ -1,11 +1,11 @@
-//! What the first pass over an OBJ file learns.
+//! Results of the first pass over an OBJ file.
 
 use glam::DVec3;
 
 use crate::mesh::Tally;
 use crate::scene::Scene;
 
-/// What the first pass learns.
+/// Results of the first pass.
 #[derive(Debug, Default)]
 pub(crate) struct ObjScan {
     /// Every `v`, divided by its weight; NaN where no face can use it.

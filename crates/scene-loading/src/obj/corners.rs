@@ -1,8 +1,8 @@
 //! Corners of OBJ faces: indices of positions, texture coordinates and normals.
 //!
-//! An index counts from 1 at the start of the file, and may mean what follows only later; a negative
-//! one counts backwards from where it stands. That of a position must mean one. An index of a
-//! normal or of texture coordinates that means none is counted, and its face is flat or plain.
+//! An index counts from 1 at the start of the file, and may mean what follows only later; a
+//! negative one counts backwards from where it stands. That of a position must mean one. An index
+//! of a normal or of texture coordinates that means none is counted, and its face is flat or plain.
 
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS};

@@ -100,7 +100,7 @@ fn read_one(
     Ok((texture, placement))
 }
 
-/// What stands behind `map_Kd`.
+/// Options of `map_Kd`.
 #[derive(Debug, PartialEq)]
 struct Options<'a> {
     name: &'a str,

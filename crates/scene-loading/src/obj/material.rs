@@ -10,8 +10,9 @@
 //! - `Tr` is not in the specification: it is 1 - `d` where there is no `d`. `Tr 1` without a model
 //!   that refracts is opaque, which is what MeshLab means by it.
 //!
-//! Of textures, `map_Kd` is read (`maps`): its texels times `Kd` are the colour, as the format says.
-//! Other maps are not read. Materials are no geometry: a damaged line is left out and counted.
+//! Of textures, `map_Kd` is read (`maps`): its texels times `Kd` are the colour, as the format
+//! says. Other maps are not read. Materials are no geometry: a damaged line is left out and
+//! counted.
 
 use std::path::Path;
 
@@ -122,7 +123,7 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
     Ok(library)
 }
 
-/// What a file states of one material.
+/// Statements of a file about one material.
 #[derive(Default)]
 struct MaterialStatement {
     name: String,

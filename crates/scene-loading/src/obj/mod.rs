@@ -1,7 +1,7 @@
-//! Wavefront OBJ with its materials (MTL), read by a parser of our own: `scan` checks every
-//! line and keeps what matters, this file makes the scene of it once the text is gone. (The crate
-//! tobj, which was used before, has errors without lines, panics on some MTL files, and takes two and
-//! a half times the memory; a test still compares with it.)
+//! Wavefront OBJ with its materials (MTL), read by a parser of our own: `scan` checks every line
+//! and keeps what matters, this file makes the scene of it once the text is gone. (The crate tobj,
+//! which was used before, has errors without lines, panics on some MTL files, and takes two and a
+//! half times the memory; a test still compares with it.)
 //!
 //! Vertices and normals are numbered anew from each change of material on, in the order of their
 //! use, so that what no face uses is not in the scene.
@@ -118,7 +118,8 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     Ok(scene)
 }
 
-/// Parses MTL text: the materials in file order, without their textures. Damaged lines are left out.
+/// Parses MTL text: the materials in file order, without their textures. Damaged lines are left
+/// out.
 ///
 /// # Errors
 /// [`LoadError::CountTooLarge`] with the line, [`LoadError::Syntax`] for UTF-16.

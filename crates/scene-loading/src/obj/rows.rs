@@ -72,8 +72,8 @@ pub(super) fn words(row: &[u8]) -> impl Iterator<Item = &str> {
 /// The position of a vertex that no face can use.
 pub(super) const UNUSABLE: DVec3 = DVec3::NAN;
 
-/// What stands behind `v`: x y z, then nothing, or w (by which they are divided), or a colour (dropped).
-/// [`UNUSABLE`] where a number is NaN, infinite or too large to be worked with.
+/// What stands behind `v`: x y z, then nothing, or w (by which they are divided), or a colour
+/// (dropped). [`UNUSABLE`] where a number is NaN, infinite or too large to be worked with.
 pub(super) fn position(row: &[u8], place: impl Fn() -> FilePlace) -> Result<DVec3, LoadError> {
     let mut words = words(row);
     let mut xyz = [0.0; 3];

@@ -1,9 +1,9 @@
 //! The first pass over an OBJ file: every line is checked, and what a scene needs is taken out.
 //!
-//! Errors name their lines. What is no geometry is no error: damaged normals and texture coordinates
-//! are counted, each kind with its first line. What is kept is small (a face takes 12 bytes and 4
-//! to 12 a corner), so that the text can be dropped before the scene is made: files have tens of
-//! millions of faces.
+//! Errors name their lines. What is no geometry is no error: damaged normals and texture
+//! coordinates are counted, each kind with its first line. What is kept is small (a face takes 12
+//! bytes and 4 to 12 a corner), so that the text can be dropped before the scene is made: files
+//! have tens of millions of faces.
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;

@@ -60,8 +60,8 @@ pub(super) fn light(
     Ok(Some(LightEntry { place, color: color.map(|share| (share * scale).max(0.0)) }))
 }
 
-/// Adds lights to a scene whose shapes are all there; the strongest gets intensity 1, because lights
-/// here do not fall off.
+/// Adds lights to a scene whose shapes are all there; the strongest gets intensity 1, because
+/// lights here do not fall off.
 pub(super) fn add_lights(lights: &[LightEntry], scene: &mut Scene) {
     let shares = lights.iter().flat_map(|light| light.color);
     let strongest = shares.fold(0.0, f64::max);

@@ -1,18 +1,19 @@
-//! Scene descriptions of PBRT, version 4 (M. Pharr, W. Jakob, G. Humphreys, pbrt.org/fileformat-v4), as
-//! far as a benchmark of acceleration structures needs them. Those of versions 2 and 3 place shapes
-//! in the same way, and are read with a warning.
+//! Scene descriptions of PBRT, version 4 (M. Pharr, W. Jakob, G. Humphreys,
+//! pbrt.org/fileformat-v4), as far as a benchmark of acceleration structures needs them. Those of
+//! versions 2 and 3 place shapes in the same way, and are read with a warning.
 //!
-//! - Shapes `trianglemesh`, `plymesh`, `bilinearmesh` (as quadrangles, split where they are bent) and
-//!   `sphere` (whole; only under transforms that keep it one). Others are left out and counted.
-//! - All transforms, attributes (`Attribute` for shapes, lights and materials), `Include` and `Import`; objects and their instances: each is a copy of the
-//!   object's shapes, and noted in `Scene::instances`.
+//! - Shapes `trianglemesh`, `plymesh`, `bilinearmesh` (as quadrangles, split where they are bent)
+//!   and `sphere` (whole; only under transforms that keep it one). Others are left out and counted.
+//! - All transforms, attributes (`Attribute` for shapes, lights and materials), `Include` and
+//!   `Import`; objects and their instances: each is a copy of the object's shapes, and noted in
+//!   `Scene::instances`.
 //! - The camera's place, direction and field of view. PBRT's camera space is left-handed: without
 //!   `Scale -1 1 1` before it, the image here is the mirror image of PBRT's.
-//! - `point`, `spot` (both as points) and `distant` lights (as in `tray_racing`). Area lights are plain surfaces,
-//!   environments are left out; both are counted.
-//! - Colours of `diffuse` and `coateddiffuse`, and of `matte` and its like of version 3; `conductor`s
-//!   are mirrors, `dielectric`s glass. Textures
-//!   and spectra are not read: what has one is grey.
+//! - `point`, `spot` (both as points) and `distant` lights (as in `tray_racing`). Area lights are
+//!   plain surfaces, environments are left out; both are counted.
+//! - Colours of `diffuse` and `coateddiffuse`, and of `matte` and its like of version 3;
+//!   `conductor`s are mirrors, `dielectric`s glass. Textures and spectra are not read: what has one
+//!   is grey.
 //! - Everything else (film, sampler, media, ...) is passed over.
 //!
 //! Files that are named must lie in the folder of the first one, from which their names count.
@@ -54,8 +55,8 @@ const ELLIPSOIDS: &str = "ellipsoids (spheres that their transform stretches) le
 /// The most objects that instances may be made of.
 const MAX_OBJECTS: usize = 1 << 20;
 
-/// Parses a PBRT file, and reads the files that it names. `path` gives the scene its name and appears
-/// in errors. `triangulate` splits quadrangles and the larger faces of PLY files.
+/// Parses a PBRT file, and reads the files that it names. `path` gives the scene its name and
+/// appears in errors. `triangulate` splits quadrangles and the larger faces of PLY files.
 ///
 /// # Errors
 /// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],

@@ -182,7 +182,8 @@ impl Params {
         }
     }
 
-    /// A colour that is given as `rgb`, or `color` as before version 4; spectra, textures and temperatures are none.
+    /// A colour that is given as `rgb`, or `color` as before version 4; spectra, textures and
+    /// temperatures are none.
     ///
     /// # Errors
     /// As [`Params::vector`].

@@ -1,4 +1,5 @@
-//! Shapes of PBRT files: triangles, bilinear patches, spheres and PLY files; and instances of objects.
+//! Shapes of PBRT files: triangles, bilinear patches, spheres and PLY files; and instances of
+//! objects.
 
 use std::path::Path;
 
@@ -29,7 +30,7 @@ pub(super) fn check_size(
     )
 }
 
-/// What shapes need to be added.
+/// Context for adding shapes.
 pub(super) struct ShapeSink<'a> {
     pub scene: &'a mut Scene,
     pub counts: &'a mut FaceCounts,
@@ -131,7 +132,8 @@ impl ShapeSink<'_> {
         Ok(())
     }
 
-    /// An instance of the object of that number: its shapes once more, at another place. How many were left out.
+    /// An instance of the object of that number: its shapes once more, at another place. How many
+    /// were left out.
     pub fn instance(
         &mut self,
         object: &Scene,

@@ -6,12 +6,12 @@ use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_NAME};
 use crate::mesh::coordinate;
 
-/// What a token is.
+/// Kind of a token.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// A directive, a number, `true` or `false`.
     Word,
-    /// What stands between quotes.
+    /// A quoted string.
     Quoted,
     Open,
     Close,

@@ -74,7 +74,7 @@ impl Scalar {
     }
 }
 
-/// What one property of an element holds.
+/// Type of a property of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     One(Scalar),

@@ -1,10 +1,11 @@
-//! The Polygon File Format, PLY (G. Turk, "The PLY Polygon File Format", 1994): text and both binary
-//! encodings, all types, and indices of 64 bits or of floats. Words of the header may be in any case.
+//! The Polygon File Format, PLY (G. Turk, "The PLY Polygon File Format", 1994): text and both
+//! binary encodings, all types, and indices of 64 bits or of floats. Words of the header may be in
+//! any case.
 //!
-//! Of the element `vertex`, `x`, `y`, `z` are read and, where all three are there, `nx`, `ny`, `nz`:
-//! faces then have normals. Of `face`, the list `vertex_indices` or `vertex_index`, else its only
-//! list of whole numbers; of `tristrips`, strips of triangles that -1 ends. Everything else is left
-//! out: colours, texture coordinates, further elements. Lines of text may be broken anywhere.
+//! Of the element `vertex`, `x`, `y`, `z` are read and, where all three are there, `nx`, `ny`,
+//! `nz`: faces then have normals. Of `face`, the list `vertex_indices` or `vertex_index`, else its
+//! only list of whole numbers; of `tristrips`, strips of triangles that -1 ends. Everything else is
+//! left out: colours, texture coordinates, further elements. Lines of text may be broken anywhere.
 //!
 //! Vertices that are NaN are left alone where no face has them; faces that have them are left out.
 

@@ -16,8 +16,8 @@ pub(super) fn may_cross(corners: &[DVec3]) -> bool {
     (b - a).cross(c - a).dot((c - a).cross(d - a)) < 0.0
 }
 
-/// The triangles of a flat outline that crosses itself; crossings become corners. None where it does
-/// not, or has more than 16 corners.
+/// The triangles of a flat outline that crosses itself; crossings become corners. None where it
+/// does not, or has more than 16 corners.
 pub(super) fn split_at_crossings(corners: &[DVec3]) -> Option<Vec<[DVec3; 3]>> {
     if !(4..=MAX_CORNERS).contains(&corners.len()) {
         return None;

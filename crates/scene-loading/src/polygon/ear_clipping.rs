@@ -1,9 +1,9 @@
 //! Triangulation of planar polygons by ear clipping (G. H. Meisters, "Polygons Have Ears", 1975).
 //!
 //! Only vertices whose neighbours have changed are looked at again (J. O'Rourke, "Computational
-//! Geometry in C", 1998), and what may be in the way of an ear is found in a k-d tree. Outlines that
-//! cross themselves are cut up somehow, as fast. What takes more than [`STEPS_PER_CORNER`] all the
-//! same is refused.
+//! Geometry in C", 1998), and what may be in the way of an ear is found in a k-d tree. Outlines
+//! that cross themselves are cut up somehow, as fast. What takes more than [`STEPS_PER_CORNER`] all
+//! the same is refused.
 
 use glam::{DVec2, DVec3};
 
@@ -38,9 +38,10 @@ pub struct Entangled {
 /// Cuts a planar polygon, concave or not, into triangles between its vertices; they keep its
 /// orientation and are given as positions in `outline`.
 ///
-/// The areas of the triangles add up to that of a simple polygon. They are `k - 2` for `k` vertices;
-/// fewer where vertices repeat, form spikes or are left over in a line, as no triangle without area
-/// is made. A polygon without area gives none. Outlines that cross themselves are cut up somehow.
+/// The areas of the triangles add up to that of a simple polygon. They are `k - 2` for `k`
+/// vertices; fewer where vertices repeat, form spikes or are left over in a line, as no triangle
+/// without area is made. A polygon without area gives none. Outlines that cross themselves are cut
+/// up somehow.
 ///
 /// # Errors
 /// [`Entangled`] for more than 4 Mi vertices, and where finding ears takes more than 1,000 steps
@@ -56,8 +57,8 @@ pub fn triangulate(outline: &[DVec3]) -> Result<Vec<[u32; 3]>, Entangled> {
     }
 }
 
-/// [`triangulate`] for an outline that is not flat: as it looks along its area vector. The triangles
-/// are always `k - 2`, so that none is missing of the surface; some may have no area.
+/// [`triangulate`] for an outline that is not flat: as it looks along its area vector. The
+/// triangles are always `k - 2`, so that none is missing of the surface; some may have no area.
 ///
 /// # Errors
 /// As [`triangulate`].
@@ -115,7 +116,7 @@ fn project(outline: &[DVec3]) -> Option<Vec<DVec2>> {
     Some(outline.iter().map(|&p| DVec2::new(p[u] - origin[u], p[v] - origin[v])).collect())
 }
 
-/// What is left of the polygon.
+/// Remaining vertices of the polygon.
 struct Ring {
     points: Vec<DVec2>,
     /// Vertex before and after each.

@@ -1,5 +1,6 @@
-//! Points of a plane in a balanced k-d tree (J. L. Bentley, "Multidimensional Binary Search Trees Used
-//! for Associative Searching", 1975) that asks whether a triangle holds one, and forgets points.
+//! Points of a plane in a balanced k-d tree (J. L. Bentley, "Multidimensional Binary Search Trees
+//! Used for Associative Searching", 1975) that asks whether a triangle holds one, and forgets
+//! points.
 //!
 //! Nodes keep tight boxes, so that clusters cost no more than even spread. Children are halves of a
 //! list, found by arithmetic; nothing is linked.

@@ -77,8 +77,8 @@ pub(super) fn push_hare(scene: &mut Scene, material: u32, size: u32, middle: DVe
     }
 }
 
-/// The triangles of the octahedron's face where no coordinate is negative, against the clock as seen
-/// from outside.
+/// The triangles of the octahedron's face where no coordinate is negative, against the clock as
+/// seen from outside.
 pub(crate) fn face(n: i32) -> impl Iterator<Item = ([i32; 3], [i32; 3], [i32; 3])> {
     let at = move |x: i32, y: i32| [x, y, n - x - y];
     let upright =

@@ -41,7 +41,7 @@ pub struct SpdEntry {
     pub summary: &'static str,
     /// The generator, for sizes from 1 to `max_size`; [`generate`] checks that and sets the name.
     pub generate: fn(u32) -> Scene,
-    /// What it makes at a size.
+    /// Primitive counts at a size.
     pub count: fn(u32) -> counts::ShapeCounts,
 }
 

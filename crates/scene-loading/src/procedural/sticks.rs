@@ -1,9 +1,9 @@
 //! `sticks`: a heap of long thin sticks in all directions, each in the way of many others.
 //!
-//! Ours. The box of a stick is some thousand times as large as the stick, so that hierarchies of boxes overlap
-//! everywhere, while each cell of a grid has only what passes through it. Places and directions are terms of an
-//! additive recurrence in six dimensions, which fills them evenly: M. Roberts, "The Unreasonable Effectiveness of
-//! Quasirandom Sequences", 2018.
+//! Ours. The box of a stick is some thousand times as large as the stick, so that hierarchies of
+//! boxes overlap everywhere, while each cell of a grid has only what passes through it. Places and
+//! directions are terms of an additive recurrence in six dimensions, which fills them evenly: M.
+//! Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018.
 
 use glam::DVec3;
 

@@ -13,13 +13,13 @@ pub struct Texture {
     pub name: String,
     /// Width and height in texels, each at least 1.
     pub size: [u32; 2],
-    /// What is beyond the image, across and down.
+    /// Wrap modes, horizontal and vertical.
     pub wrap: [Wrap; 2],
     /// Red, green and blue of each texel; shared by textures of the same image.
     pub texels: Arc<[[u8; 3]]>,
 }
 
-/// What a texture shows beyond its edges.
+/// Wrap mode of a texture beyond its edges.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
     #[default]

@@ -2,10 +2,10 @@
 //! crate `tobj`, a glTF file by the crate `gltf`. Notes name what such a reader takes from ours: it
 //! cannot check that.
 //!
-//! Both panic on some files. Such a panic is caught here (`catch_unwind`), as nothing that it may leave
-//! half done outlives the call, and said to be the other reader's opinion. Both take memory
-//! without limit from some files that ours refuses or reads in bounds, so they are asked
-//! only about files that ours has read, and only up to [`MAX_BYTES`].
+//! Both panic on some files. Such a panic is caught here (`catch_unwind`), as nothing that it may
+//! leave half done outlives the call, and said to be the other reader's opinion. Both take memory
+//! without limit from some files that ours refuses or reads in bounds, so they are asked only about
+//! files that ours has read, and only up to [`MAX_BYTES`].
 
 mod by_gltf;
 mod by_tobj;
@@ -24,7 +24,7 @@ use crate::obj::{ObjOptions, parse_obj};
 /// The most bytes, after decompression, of a file that another reader is asked about: 64 MiB.
 pub const MAX_BYTES: usize = 64 << 20;
 
-/// What another reader says of a file.
+/// Opinion of another reader about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SecondOpinion {
     /// The same triangles, bounds and materials, or where they differ.
@@ -33,7 +33,7 @@ pub enum SecondOpinion {
         reader: &'static str,
         /// Triangles that it finds; those without area do not count.
         triangles: u64,
-        /// What it finds otherwise; empty when it agrees.
+        /// Differences from our reader; empty if it agrees.
         differences: Vec<String>,
         /// What it cannot speak for: rules and code that it shares with ours.
         notes: Vec<String>,

@@ -1,4 +1,4 @@
-//! What readers of a file are compared by.
+//! Properties by which readers of a file are compared.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -14,11 +14,12 @@ const TOLERANCE: f64 = 1e-6;
 /// The most materials that a comparison names.
 const MAX_NAMED: usize = 5;
 
-/// What a reader found in a file.
+/// Properties that a reader found in a file.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Reading {
     pub bounds: Bounds,
-    /// Triangles that have an area by the name of their material. A polygon of `k` corners is `k - 2`.
+    /// Triangles that have an area by the name of their material. A polygon of `k` corners is `k -
+    /// 2`.
     pub triangles: BTreeMap<String, u64>,
 }
 
@@ -27,7 +28,7 @@ impl Reading {
         Self { bounds: Bounds::EMPTY, triangles: BTreeMap::new() }
     }
 
-    /// What our reader found.
+    /// Properties found by our reader.
     pub fn of(scene: &Scene) -> Self {
         let mut triangles = vec![0; scene.materials.len()];
         for primitive in &scene.primitives {

@@ -1,11 +1,11 @@
-//! Stereolithography files, STL (3D Systems, "StereoLithography Interface Specification", 1989), text
-//! and binary.
+//! Stereolithography files, STL (3D Systems, "StereoLithography Interface Specification", 1989),
+//! text and binary.
 //!
 //! A file is binary when its length is what the number at byte 80 says, when it begins neither with
-//! `solid` nor has a `facet` near its start, or when zero bytes stand there: binary files that begin
-//! with `solid` are common. Normals are those of the corners' order, colours in the attribute bytes
-//! are left out, and corners in the same place become one vertex. Triangles with a corner that is
-//! NaN are left out.
+//! `solid` nor has a `facet` near its start, or when zero bytes stand there: binary files that
+//! begin with `solid` are common. Normals are those of the corners' order, colours in the attribute
+//! bytes are left out, and corners in the same place become one vertex. Triangles with a corner
+//! that is NaN are left out.
 
 mod binary;
 mod reader;

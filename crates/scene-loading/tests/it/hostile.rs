@@ -1,5 +1,5 @@
-//! What a second attack found (issue 14), by its numbers: files that took memory, time or paths that
-//! they must not have.
+//! What a second attack found (issue 14), by its numbers: files that took memory, time or paths
+//! that they must not have.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

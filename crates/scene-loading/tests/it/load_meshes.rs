@@ -1,5 +1,5 @@
-//! The readers of PLY, STL and tinybvh's triangles: what they accept, and the error of every way a file
-//! can be wrong.
+//! The readers of PLY, STL and tinybvh's triangles: what they accept, and the error of every way a
+//! file can be wrong.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -23,8 +23,8 @@ fn soup(bytes: &[u8]) -> Result<Scene, LoadError> {
     parse_triangle_soup(Path::new("dir/a.bin"), bytes)
 }
 
-/// A PLY of a quadrangle and a triangle, with properties and elements that are left out, in the words
-/// of that encoding.
+/// A PLY of a quadrangle and a triangle, with properties and elements that are left out, in the
+/// words of that encoding.
 fn two_faces(format: &str, indices: &str) -> Vec<u8> {
     let mut bytes = format!(
         "ply\nformat {format} 1.0\ncomment made by hand\nobj_info nothing\nelement vertex 4\n\

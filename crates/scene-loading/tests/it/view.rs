@@ -1,4 +1,5 @@
-//! Scenes without a camera or lights are usable, and a camera and lights from outside replace theirs.
+//! Scenes without a camera or lights are usable, and a camera and lights from outside replace
+//! theirs.
 
 use std::path::Path;
 

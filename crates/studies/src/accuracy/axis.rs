@@ -9,13 +9,13 @@ use crate::error::StudyError;
 pub struct Axis {
     /// As typed: `voxel-traversal`.
     pub name: &'static str,
-    /// What varies, one line.
+    /// The varied quantity, in one line.
     pub summary: &'static str,
     /// Where the variants come from.
     pub paper: &'static str,
-    /// What an error is, with its unit.
+    /// Definition of the error, with its unit.
     pub metric: &'static str,
-    /// What says which answer is right.
+    /// The oracle that decides which answer is right.
     pub reference: &'static str,
     /// Scenes where none are named: two of SPD and a modelled one.
     pub scenes: &'static [&'static str],

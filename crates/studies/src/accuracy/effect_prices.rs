@@ -1,9 +1,9 @@
 //! What each effect costs where a scene calls for it, by what its being left out loses.
 //!
-//! The error that is removed is that to the finely sampled image, without the effect less with it; the
-//! time is what the image takes beyond that without the effect, in the same rounds. Their quotient is
-//! the price of a hundredth of the range of colours, a pixel. It rises with the number of samples: the
-//! first ones remove the most.
+//! The error that is removed is that to the finely sampled image, without the effect less with it;
+//! the time is what the image takes beyond that without the effect, in the same rounds. Their
+//! quotient is the price of a hundredth of the range of colours, a pixel. It rises with the number
+//! of samples: the first ones remove the most.
 
 use presentation::numbers::short;
 use presentation::table::{Cell, Table, dash};
@@ -15,7 +15,7 @@ use crate::accuracy::record::{AccuracyRecord, SceneOutcome, VariantRecord};
 const UNIT: f64 = 0.01;
 const MICROSECONDS: f64 = 1e6;
 
-/// What a variant of an effect adds to an image without it.
+/// Cost of a variant of an effect over an image without the effect.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Price {
     /// Error that it removes, root mean square of colours; negative where it adds some.

@@ -24,7 +24,7 @@ impl ErrorOf {
         }
     }
 
-    /// What an error of 0 still leaves possible: below 3 / trials, with 95% confidence.
+    /// Upper bound of the error rate when none was found: 3 / trials, with 95% confidence.
     pub fn bound(self) -> Option<f64> {
         match self {
             Self::Counted { wrong: 0, trials } => Some(3e6 / trials.max(1) as f64),

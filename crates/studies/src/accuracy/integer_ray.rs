@@ -1,5 +1,5 @@
-//! The cells that a ray pierces in a regular grid, in whole numbers: the oracle of the traversals, here
-//! and in the tests of accel-core.
+//! The cells that a ray pierces in a regular grid, in whole numbers: the oracle of the traversals,
+//! here and in the tests of accel-core.
 //!
 //! Origin and direction are whole multiples of a power of two. The parameters at which planes are
 //! met are fractions; times the product of the direction's components they are whole numbers too,

@@ -1,11 +1,11 @@
 //! What accuracy costs in time: the plan of `rtbench accuracy`.
 //!
-//! An [`axis::Axis`] is one way to be more or less accurate: a test of triangles, a traversal, a number of
-//! samples. It has variants, which are settings of the product and reachable without this command
-//! as well, a metric of their errors, and a reference. On each scene an axis says what each variant
-//! gets wrong, by an oracle of its own ([`axes`]), and what is to be timed; [`timing`] times all
-//! variants interleaved, [`pareto`] finds those that nothing beats, [`audit`] refuses what cannot
-//! be, [`summary`] says it in words.
+//! An [`axis::Axis`] is one way to be more or less accurate: a test of triangles, a traversal, a
+//! number of samples. It has variants, which are settings of the product and reachable without this
+//! command as well, a metric of their errors, and a reference. On each scene an axis says what each
+//! variant gets wrong, by an oracle of its own ([`axes`]), and what is to be timed; [`timing`]
+//! times all variants interleaved, [`pareto`] finds those that nothing beats, [`audit`] refuses
+//! what cannot be, [`summary`] says it in words.
 
 pub mod audit;
 #[allow(clippy::indexing_slicing)]

@@ -1,5 +1,5 @@
-//! Tables of work that is timed part by part: what each variant takes for each kind of ray, over the
-//! first variant, and what each step adds where variants build on one another.
+//! Tables of work that is timed part by part: what each variant takes for each kind of ray, over
+//! the first variant, and what each step adds where variants build on one another.
 
 use std::collections::BTreeSet;
 
@@ -32,8 +32,8 @@ fn subjects(axis: &AxisRecord) -> Vec<&str> {
     axis.scenes.iter().map(|s| s.subject.as_str()).filter(|s| seen.insert(*s)).collect()
 }
 
-/// What the variants of an axis take by kind of ray, over all scenes; one table for each subject, none
-/// where work is timed as a whole.
+/// What the variants of an axis take by kind of ray, over all scenes; one table for each subject,
+/// none where work is timed as a whole.
 pub fn over_scenes(axis: &AxisRecord, seed: u64) -> Vec<Table> {
     subjects(axis).into_iter().filter_map(|subject| of_subject(axis, subject, seed)).collect()
 }

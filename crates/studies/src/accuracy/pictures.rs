@@ -51,7 +51,7 @@ const PICTURES: [Picture; 4] = [
     },
 ];
 
-/// What the pictures show, in Markdown.
+/// Captions of the pictures, in Markdown.
 pub fn captions() -> String {
     let mut text = String::from("## What goes wrong\n\n");
     for Picture { file, caption, .. } in PICTURES {

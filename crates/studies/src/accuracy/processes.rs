@@ -1,12 +1,13 @@
-//! Times of an axis that several processes measured: where code and data lie is drawn once for a process,
-//! and moves times by more than most variants differ.
+//! Times of an axis that several processes measured: where code and data lie is drawn once for a
+//! process, and moves times by more than most variants differ.
 
 use crate::accuracy::record::{AxisRecord, SceneOutcome};
 use crate::accuracy::timing::figure;
 use crate::error::ProcessMismatch;
 
-/// Takes the times of the axis that process number `process` (from 0) measured: those of the first one in place
-/// of the axis' own, those of others beside them, of as many rounds each. Errors stay; faults are added.
+/// Takes the times of the axis that process number `process` (from 0) measured: those of the first
+/// one in place of the axis' own, those of others beside them, of as many rounds each. Errors stay;
+/// faults are added.
 ///
 /// # Errors
 /// [`ProcessMismatch`] where the process has not measured the same variants on the same scenes.
@@ -51,7 +52,7 @@ fn take(seconds: &mut Vec<f64>, other: &[f64], process: u32) {
     seconds.extend(other);
 }
 
-/// What is not as in the outcome that it is to be joined to.
+/// First difference from the outcome that it is merged into.
 fn difference(scene: &SceneOutcome, other: &SceneOutcome, process: u32) -> Option<String> {
     let names = |of: &SceneOutcome| {
         let each = of.rows.iter().map(|row| (row.variant.clone(), row.parts.len()));

@@ -1,4 +1,4 @@
-//! What comes of an axis: rows of variants, by scene.
+//! Results of an axis: rows of variants, by scene.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ impl VariantStanding {
     }
 }
 
-/// What a part of a variant's work takes: rays of a kind.
+/// Time of one kind of ray within a variant's work.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct PartTime {
     pub part: String,
@@ -47,7 +47,7 @@ pub struct VariantRecord {
     pub variant: String,
     /// How to have it without this command, in the words of the command line.
     pub setting: String,
-    /// What is wrong with it by design.
+    /// Known defect, by design.
     pub known_defect: Option<String>,
     /// It is the one that all others are held against, or has the same answers.
     pub is_reference: bool,
@@ -97,9 +97,9 @@ pub struct SceneOutcome {
     /// Pixels of the image that was timed; 0 where none was.
     #[serde(default, skip_serializing_if = "is_none")]
     pub pixels: u32,
-    /// What was timed, in words.
+    /// Description of the timed work.
     pub timed: String,
-    /// What was judged, in words.
+    /// Description of the judged answers.
     pub judged: String,
     /// The reference's own error; 0 where it is exact.
     pub reference_error: f64,
@@ -156,9 +156,9 @@ impl SceneOutcome {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisRecord {
     pub axis: String,
-    /// What an error is.
+    /// Definition of the error.
     pub metric: String,
-    /// What says which answer is right.
+    /// The oracle that decides which answer is right.
     pub reference: String,
     pub scenes: Vec<SceneOutcome>,
 }

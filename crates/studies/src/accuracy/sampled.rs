@@ -1,7 +1,8 @@
 //! Images with samples: their errors, and the reference they are held against.
 //!
 //! The reference is the mean of two images of many samples with different seeds; its own error is
-//! half the distance between the two. Errors that are not ten times that are indistinguishable from it.
+//! half the distance between the two. Errors that are not ten times that are indistinguishable from
+//! it.
 
 use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
@@ -176,10 +177,10 @@ impl SampledEffect<'_> {
     }
 }
 
-/// What is known of images with samples before they are timed.
+/// Errors of sampled images, computed before they are timed.
 pub struct Judged<'a> {
     pub variants: Vec<Variant<'a>>,
-    /// What is said of them.
+    /// Report on the images.
     pub said: AxisReport,
     /// What they were held against.
     pub reference: ConvergedImage,

@@ -57,7 +57,7 @@ impl PreparedScene {
     }
 }
 
-/// What an axis works with on a scene.
+/// Context of an axis on one scene.
 pub struct Stage<'a> {
     /// Name of the axis.
     pub axis: &'static str,
@@ -86,7 +86,7 @@ pub struct Stage<'a> {
 /// A structure over the stage's primitives.
 pub struct StagedStructure<'a> {
     pub label: String,
-    /// What is wrong with it by design.
+    /// Known defect, by design.
     pub known_defect: Option<&'static str>,
     pub tracer: Box<dyn Tracer<f32> + 'a>,
     /// Seconds of the build, made once.
@@ -114,7 +114,8 @@ impl<'a> Stage<'a> {
         &self.prepared.scene
     }
 
-    /// Trials of an axis that times none of the rays that it draws for them: few where only times are asked for.
+    /// Trials of an axis that times none of the rays that it draws for them: few where only times
+    /// are asked for.
     pub fn trials(&self) -> usize {
         if self.only_times { self.aims.min(FEW_TRIALS) } else { self.aims }
     }

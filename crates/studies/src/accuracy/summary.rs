@@ -1,4 +1,4 @@
-//! What each accuracy costs, in plain words, on one page.
+//! One-page summary of the cost of accuracy.
 
 use std::fmt::Write;
 
@@ -24,10 +24,10 @@ pub enum Cost {
     More(Estimate),
 }
 
-/// Time over that of the cheapest from which on a difference counts as a cost: the margin of `compare`. An interval
-/// that excludes 1 says only how many rounds were made; one on a side of this says what matters (J. Kruschke,
-/// "Rejecting or Accepting Parameter Values in Bayesian Estimation", AMPPS 1(2), 2018: a region of practical
-/// equivalence).
+/// Time over that of the cheapest from which on a difference counts as a cost: the margin of
+/// `compare`. An interval that excludes 1 says only how many rounds were made; one on a side of
+/// this says what matters (J. Kruschke, "Rejecting or Accepting Parameter Values in Bayesian
+/// Estimation", AMPPS 1(2), 2018: a region of practical equivalence).
 const NOTICED: f64 = 1.05;
 
 /// The cost over all scenes of an axis; none without a scene.

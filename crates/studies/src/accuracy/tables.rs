@@ -11,7 +11,7 @@ use presentation::table::Table;
 /// The columns of [`columns`] that a table has, in its order.
 const HEADS: [&str; 6] = ["variant", "time ms", "ratio [95%]", "error", "also", "stands"];
 
-/// What the columns mean.
+/// Explanations of the columns.
 pub const GLOSSARY: &[&str] = &[
     "time: of the work named below the table, median over interleaved rounds; ratio: to the cheapest \
      variant in the same rounds, with its 95% interval (bootstrap; of several processes Student's), = where \

@@ -16,7 +16,7 @@ pub struct Variant<'a> {
     pub name: String,
     /// How to have it without this command.
     pub setting: String,
-    /// What is wrong with it by design.
+    /// Known defect, by design.
     pub known_defect: Option<&'static str>,
     /// Whether all others are held against it.
     pub is_reference: bool,
@@ -34,7 +34,7 @@ pub struct Variant<'a> {
 pub struct AxisReport {
     /// What is timed, in words.
     pub timed: String,
-    /// What was judged, in words.
+    /// Description of the judged answers.
     pub judged: String,
     /// The reference's own error; 0 where it is exact.
     pub reference_error: f64,
@@ -132,8 +132,8 @@ impl Parts {
     }
 }
 
-/// Which variant is the cheapest, of those from `first` on: none takes less than it in the middle of
-/// the rounds that both were in. (Medians of times of their own would compare different rounds.)
+/// Which variant is the cheapest, of those from `first` on: none takes less than it in the middle
+/// of the rounds that both were in. (Medians of times of their own would compare different rounds.)
 fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
     let mut least = first;
     for (i, row) in outcome.rows.iter().enumerate().skip(first + 1) {

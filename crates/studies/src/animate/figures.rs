@@ -21,7 +21,7 @@ impl LaneRecord {
         label(&self.structure, &self.settings)
     }
 
-    /// What is said of its answers.
+    /// Verdict on its answers.
     pub fn verdict(&self) -> Verdict {
         match (&self.error, self.mismatches, &self.known_defect) {
             (Some(_), ..) => Verdict::NotBuilt,
@@ -92,8 +92,8 @@ impl Totals {
         estimate(&both.collect::<Vec<_>>(), seed)
     }
 
-    /// Rays a frame from which on this row is faster than one that is updated in less time and traced in more;
-    /// none where it is never, or always.
+    /// Rays a frame from which on this row is faster than one that is updated in less time and
+    /// traced in more; none where it is never, or always.
     pub fn break_even(&self, other: &Self, seed: u64) -> Option<Estimate> {
         let of_round = |round: usize| {
             let at = |v: &Vec<f64>| v.get(round).copied();

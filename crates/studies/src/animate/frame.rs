@@ -14,13 +14,14 @@ pub struct Frame<S: Buildable> {
     pub geometry: Geometry<S>,
     /// What the oracle is over.
     pub exact: Geometry<f64>,
-    /// Ids of the primitives that are others than in the frame before, ascending; none in the first, and where
-    /// there are not the same primitives in both.
+    /// Ids of the primitives that are others than in the frame before, ascending; none in the
+    /// first, and where there are not the same primitives in both.
     pub moved: Option<Vec<u32>>,
 }
 
 impl<S: Buildable> Frame<S> {
-    /// Of a scene. `first` and `before` are the primitives of the first frame measured and of the one before.
+    /// Of a scene. `first` and `before` are the primitives of the first frame measured and of the
+    /// one before.
     ///
     /// # Errors
     /// [`StudyError`] for primitives that cannot be used.

@@ -1,4 +1,5 @@
-//! Measuring an animation: frames in their order, in each all rows and rounds in a seeded random order.
+//! Measuring an animation: frames in their order, in each all rows and rounds in a seeded random
+//! order.
 
 use accel_core::registry::Buildable;
 use measurement::answers::edges::Edges;
@@ -29,7 +30,7 @@ pub struct Equipment<'a> {
     pub progress: &'a Progress,
 }
 
-/// What came of it.
+/// Outcome of the comparison.
 #[derive(Debug, Default)]
 pub struct Measured {
     /// The frames, in their order.
@@ -38,7 +39,8 @@ pub struct Measured {
     pub lanes: Vec<LaneRecord>,
 }
 
-/// Measures all frames, which `scene_of` makes by their numbers. `watch` sees what there is after each.
+/// Measures all frames, which `scene_of` makes by their numbers. `watch` sees what there is after
+/// each.
 ///
 /// # Errors
 /// [`StudyError`] for a frame that cannot be loaded or answered.

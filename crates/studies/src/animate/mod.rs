@@ -1,9 +1,10 @@
 //! A scene that moves, frame by frame: the plan of `rtbench animate`.
 //!
-//! In each frame every row is updated (as its setting `update` says: built anew, refitted, changed where something
-//! moved, or placed anew) and asked the same rays, in a seeded random order of rows. Rounds are several structures
-//! of the same row, each taken from frame to frame by itself, so that a frame is loaded and its right answers are
-//! found once. All answers of all frames are checked.
+//! In each frame every row is updated (as its setting `update` says: built anew, refitted, changed
+//! where something moved, or placed anew) and asked the same rays, in a seeded random order of
+//! rows. Rounds are several structures of the same row, each taken from frame to frame by itself,
+//! so that a frame is loaded and its right answers are found once. All answers of all frames are
+//! checked.
 
 pub mod csv;
 pub mod figures;
@@ -51,7 +52,7 @@ pub enum AnimateError {
     /// Options of runs that mean nothing here.
     #[error("{0} is not for animations")]
     NotHere(&'static str),
-    /// What is no plan either.
+    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
@@ -61,7 +62,8 @@ pub enum AnimateError {
 pub struct AnimateSettings {
     /// First and last frame; none: all.
     pub frames: Option<[u32; 2]>,
-    /// Structures, each with its settings if any; none means each at its defaults and with each of its updates.
+    /// Structures, each with its settings if any; none means each at its defaults and with each of
+    /// its updates.
     pub structures: Vec<String>,
     /// Overrides of defaults: `uniform-grid.density=4`.
     pub overrides: Vec<String>,

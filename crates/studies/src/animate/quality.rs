@@ -1,12 +1,13 @@
-//! How good a structure is, apart from how long it takes: what it loses while it is updated and not built.
+//! How good a structure is, apart from how long it takes: what it loses while it is updated and not
+//! built.
 //!
-//! * Expected cost: J. D. MacDonald, K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", The Visual
-//!   Computer 6(3), 1990. The cells that a random line meets which meets the scene, and the primitives in the
-//!   elementary ones, all of equal cost.
-//! * End-point overlap: T. Aila, T. Karras, S. Laine, "On Quality Metrics of Bounding Volume Hierarchies", HPG 2013.
-//!   The part of the scene's surface that lies in cells which do not hold it, each with the cell's cost: a ray that
-//!   ends there visits them in vain. Deviation: of 512 random points, uniform over the area of triangles, not
-//!   of clipped polygons.
+//! * Expected cost: J. D. MacDonald, K. S. Booth, "Heuristics for Ray Tracing Using Space
+//!   Subdivision", The Visual Computer 6(3), 1990. The cells that a random line meets which meets
+//!   the scene, and the primitives in the elementary ones, all of equal cost.
+//! * End-point overlap: T. Aila, T. Karras, S. Laine, "On Quality Metrics of Bounding Volume
+//!   Hierarchies", HPG 2013. The part of the scene's surface that lies in cells which do not hold
+//!   it, each with the cell's cost: a ray that ends there visits them in vain. Deviation: of 512
+//!   random points, uniform over the area of triangles, not of clipped polygons.
 
 use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::query::cells::CellKind;
@@ -146,7 +147,8 @@ mod tests {
     use accel_core::query::tracer::Before;
     use accel_core::structures::find;
 
-    /// Triangles in a row, each moved to the place of another one of a row that is as long, by `shift`.
+    /// Triangles in a row, each moved to the place of another one of a row that is as long, by
+    /// `shift`.
     fn row(n: usize, shift: usize) -> TriangleSet<f32> {
         let triangle = |i: usize| {
             let x = ((i * shift) % n) as f32;

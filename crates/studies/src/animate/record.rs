@@ -8,9 +8,9 @@ pub struct AnimationRecord {
     pub tool: Tool,
     /// The command line, program first.
     pub command_line: Vec<String>,
-    /// What it ran on.
+    /// The machine of the run.
     pub machine: Machine,
-    /// What it was compiled with.
+    /// Compiler and flags of the program.
     pub compiler: Compiler,
     /// Name of the scene.
     pub scene: String,
@@ -36,8 +36,8 @@ pub struct AnimationRecord {
 pub struct FrameRecord {
     pub frame: u32,
     pub primitives: u64,
-    /// Of these, those that are others than in the frame before; none in the first, and where there are not the
-    /// same primitives in both.
+    /// Of these, those that are others than in the frame before; none in the first, and where there
+    /// are not the same primitives in both.
     pub moved: Option<u64>,
     /// Rays of all kinds.
     pub rays: u64,
@@ -49,7 +49,7 @@ pub struct FrameRecord {
 #[derive(Debug, Clone, Serialize)]
 pub struct LaneRecord {
     pub structure: String,
-    /// What differs from its defaults.
+    /// Settings that differ from the defaults.
     pub settings: String,
     /// Threads that update and trace.
     pub threads: usize,

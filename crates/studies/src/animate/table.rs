@@ -163,7 +163,7 @@ pub fn to_markdown(run: &AnimationRecord) -> String {
     text
 }
 
-/// What the columns mean.
+/// Explanations of the columns.
 pub const GLOSSARY: &[&str] = &[
     "frames/s: frames after the first one over the time of their updates and rays, the median of the rounds with \
      its 95% interval; a round is a structure of its own, taken from frame to frame. worst: the slowest of these \

@@ -44,8 +44,8 @@ fn interval(of: &Estimate) -> String {
 /// Rays a frame that are looked at: from few to those of a large image with many bounces.
 const RAYS: [f64; 2] = [1.0, 1e9];
 
-/// Which row is the fastest for how many rays per frame. Rows that put a part of their build off until rays come are
-/// left out: what a ray takes of theirs says nothing of fewer rays.
+/// Which row is the fastest for how many rays per frame. Rows that put a part of their build off
+/// until rays come are left out: what a ray takes of theirs says nothing of fewer rays.
 fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
     let is_line = |(lane, _): &&Timed<'_>| !lane.settings.contains("build=lazy");
     let rows: Vec<&Timed<'_>> = rows.iter().filter(is_line).collect();
@@ -81,8 +81,8 @@ fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
     Some(format!("The fastest by rays per frame: {}.", parts.join(", ")))
 }
 
-/// Where a grid that is built anew and a BVH that is refitted break even: of the grids the one with the most
-/// frames per second, and so of the BVHs.
+/// Where a grid that is built anew and a BVH that is refitted break even: of the grids the one with
+/// the most frames per second, and so of the BVHs.
 fn grid_and_bvh(run: &AnimationRecord, rows: &[Timed<'_>]) -> Option<String> {
     let best = |is: &dyn Fn(&LaneRecord) -> bool| {
         let own = rows.iter().filter(|(lane, _)| is(lane));

@@ -1,5 +1,5 @@
-//! What of a row is code and not structure: whose setup and tests, how triangles are tested, how rays
-//! are asked. Rows that differ in nothing else are the same structure.
+//! What of a row is code and not structure: whose setup and tests, how triangles are tested, how
+//! rays are asked. Rows that differ in nothing else are the same structure.
 
 use accel_core::params::{ParamKind, Params};
 
@@ -43,7 +43,7 @@ pub enum Asked {
     Packets,
 }
 
-/// What of a row is code.
+/// Properties of a row's code, as opposed to its structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodeDifferences {
     /// Who sets rays up and tests.
@@ -80,8 +80,8 @@ impl CodeDifferences {
         }
     }
 
-    /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too; whether
-    /// batches were answered is recorded.
+    /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too;
+    /// whether batches were answered is recorded.
     pub fn in_scene(self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
         let only_triangles = scene.only_triangles.unwrap_or(true);
         let adapter = match self.adapter {
@@ -150,7 +150,7 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// What a row is.
+    /// Classifies a row.
     pub fn of(row: &Row<'_>) -> Self {
         let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
         let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
@@ -165,8 +165,9 @@ fn has_mailbox(params: &Params) -> bool {
     params.get("mailbox").is_some_and(|mailbox| mailbox != "none")
 }
 
-/// The row, and the same structure in its other crafts: adapters that are a library's own or give right
-/// answers, kernels, ways of asking. One with a mailbox, which excludes blocks and batches, stays alone.
+/// The row, and the same structure in its other crafts: adapters that are a library's own or give
+/// right answers, kernels, ways of asking. One with a mailbox, which excludes blocks and batches,
+/// stays alone.
 ///
 /// # Errors
 /// [`PlanError::Param`] where the registry's own words are not valid.

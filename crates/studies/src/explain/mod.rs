@@ -1,8 +1,9 @@
 //! What the difference in time between two rows is made of: the plan of `rtbench explain`.
 //!
-//! The row, the reference, and both in all their crafts (adapter, kernel, query) are rows of one ordinary
-//! [`Plan`], so that they are checked, interleaved and timed as rows of a run are, all on the same rays.
-//! Their ratios stand in a table of structure by kernel, and multiply to the whole as factors.
+//! The row, the reference, and both in all their crafts (adapter, kernel, query) are rows of one
+//! ordinary [`Plan`], so that they are checked, interleaved and timed as rows of a run are, all on
+//! the same rays. Their ratios stand in a table of structure by kernel, and multiply to the whole
+//! as factors.
 
 pub mod craft;
 pub mod csv;
@@ -25,7 +26,7 @@ use statistics::estimate::Estimate;
 use statistics::product_of_medians::product_of_series;
 use statistics::series::Series;
 
-/// What cannot be explained.
+/// Errors of `rtbench explain`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExplainError {
@@ -35,12 +36,12 @@ pub enum ExplainError {
     /// A chosen test goes through code of its own.
     #[error("{row}: only rows with the default tests of primitives can be explained")]
     ChosenTest { row: String },
-    /// What is no plan either.
+    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
-/// What an explanation is asked for.
+/// Settings of `rtbench explain`.
 #[derive(Debug, Clone, Default)]
 pub struct ExplainSettings {
     /// Scenes, scene sets or scene files.
@@ -49,7 +50,8 @@ pub struct ExplainSettings {
     pub structure: String,
     /// How to measure; `reference` is the other row.
     pub measuring: MeasuringSettings,
-    /// Fresh processes that build and time, one after the other, as [`measurement::settings::RunSettings::processes`].
+    /// Fresh processes that build and time, one after the other, as
+    /// [`measurement::settings::RunSettings::processes`].
     pub processes: u32,
 }
 
@@ -108,7 +110,7 @@ impl<'r> Explain<'r> {
 /// A factor of the ratio.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
-    /// What changes, from what to what.
+    /// The changed properties, from old to new.
     pub name: String,
     /// How it is made of the times of rows.
     pub step: Step,
@@ -149,7 +151,7 @@ impl Rays<'_> {
     }
 }
 
-/// What the ratio of a scene is made of.
+/// Factors of a scene's ratio.
 #[derive(Debug)]
 pub struct Explanation<'a> {
     run: &'a RunRecord,
@@ -207,7 +209,7 @@ impl<'a> Explanation<'a> {
     }
 }
 
-/// What changes between two rows on these axes.
+/// Names the changes between two rows on these axes.
 fn name(axes: &[Axis], from: &Variant, to: &Variant) -> String {
     let ends = |axis: &Axis| {
         let of = |v: &Variant| match axis {

@@ -1,5 +1,5 @@
-//! What is said below the tables of an explanation: settings that a row has not, what does not serve in a
-//! scene, rows without a time.
+//! What is said below the tables of an explanation: settings that a row has not, what does not
+//! serve in a scene, rows without a time.
 
 use crate::explain::craft::{Adapter, Asked, CodeDifferences, Kernel, Variant};
 use crate::explain::{Explain, Explanation};

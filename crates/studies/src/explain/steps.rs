@@ -1,13 +1,14 @@
 //! From one row to another in steps, each of which changes one thing.
 //!
 //! Rows stand at the corners of a cube whose edges are what the two differ in: adapter, kernel,
-//! structure, query. A way along edges that are all measured gives factors whose product is the whole.
-//! Where there are several, a factor is the geometric mean over all of them: what a thing brings, whichever
-//! of the others were changed before (L. S. Shapley, "A Value for n-Person Games", 1953, of logarithms).
+//! structure, query. A way along edges that are all measured gives factors whose product is the
+//! whole. Where there are several, a factor is the geometric mean over all of them: what a thing
+//! brings, whichever of the others were changed before (L. S. Shapley, "A Value for n-Person
+//! Games", 1953, of logarithms).
 
 use crate::explain::craft::{CodeDifferences, Variant};
 
-/// What two rows may differ in.
+/// Properties in which two rows may differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
     /// Who sets rays up and tests primitives.
@@ -52,8 +53,8 @@ pub struct Step {
     pub powers: Vec<(usize, f64)>,
 }
 
-/// The steps from the row at `from` to that at `to`; empty where one of them is none. `rows` holds none for
-/// those that have no time.
+/// The steps from the row at `from` to that at `to`; empty where one of them is none. `rows` holds
+/// none for those that have no time.
 pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
     let at = |row: usize| rows.get(row).and_then(Option::as_ref);
     let (Some(first), Some(last)) = (at(from), at(to)) else { return Vec::new() };

@@ -130,7 +130,7 @@ fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_
     }
 }
 
-/// What the words mean.
+/// Explanations of terms, printed below the tables.
 const GLOSSARY: &[&str] = &[
     "Ratios of times for the same rays in the same rounds, with their 95% intervals; below 1 is faster, = \
      where the interval contains 1. direct: a library as its authors use it; all others: our setup of rays \

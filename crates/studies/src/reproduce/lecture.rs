@@ -24,7 +24,7 @@ pub const STRUCTURES: [(&str, &str); 5] = [
     ("adaptive", "adaptive-grid"),
 ];
 
-/// What came after the lecture, measured with the others.
+/// Structure newer than the lecture, measured with the others.
 pub const MODERN: &str = "obvhs-cwbvh";
 
 #[derive(Deserialize)]
@@ -78,7 +78,7 @@ pub struct Line {
     /// As the lecture names it; none for the modern structure.
     pub lecture: Option<&'static str>,
     pub ours: String,
-    /// What is said of its answers.
+    /// Verdict on its answers.
     pub verdict: Verdict,
     pub build: Ratios,
     /// Of tracing all rays.

@@ -6,10 +6,10 @@
 //! Samet 1989, Gargantini and Atkinson 1993. Unlike in the grid tables, N_IT is per hit that was
 //! required (IntersRequired), not per ray.
 //!
-//! The columns of 1993 begin every ray at 0.01, and count a leaf twice that holds primitives but does
-//! not end the ray: once as a leaf, once more as an empty one. So N_ETS - N_EETS is the number of
-//! leaves with primitives, and N_EETS that of all leaves but the one in which the ray ended. Glass
-//! ends no shadow ray.
+//! The columns of 1993 begin every ray at 0.01, and count a leaf twice that holds primitives but
+//! does not end the ray: once as a leaf, once more as an empty one. So N_ETS - N_EETS is the number
+//! of leaves with primitives, and N_EETS that of all leaves but the one in which the ray ended.
+//! Glass ends no shadow ray.
 
 use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;

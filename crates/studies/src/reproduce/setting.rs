@@ -89,7 +89,7 @@ pub struct PublishedScene {
     lights: usize,
 }
 
-/// What a structure did for all rays of a scene.
+/// Work of a structure for all rays of a scene.
 pub(crate) struct SceneWork {
     pub(crate) stats: StructureStats,
     pub(crate) counters: WorkCounters,

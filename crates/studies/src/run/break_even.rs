@@ -26,7 +26,7 @@ pub enum BreakEven {
     Same,
 }
 
-/// Of one against another.
+/// Break-even ray count of `one` versus `other`.
 pub fn break_even(one: Cost, other: Cost) -> BreakEven {
     let build = one.build_s - other.build_s;
     let ray = one.ray_s - other.ray_s;
@@ -41,7 +41,7 @@ pub fn break_even(one: Cost, other: Cost) -> BreakEven {
     }
 }
 
-/// A stretch of numbers of rays over which one structure takes the least time.
+/// Range of ray counts over which one structure takes the least time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnvelopeSegment {
     pub index: usize,
@@ -49,7 +49,7 @@ pub struct EnvelopeSegment {
     pub from: f64,
 }
 
-/// Who takes the least time for how many rays, from none on.
+/// Lower envelope of the cost lines: the fastest row by number of rays.
 pub fn envelope(costs: &[Cost]) -> Vec<EnvelopeSegment> {
     let by = |a: &(usize, &Cost), b: &(usize, &Cost)| {
         a.1.build_s.total_cmp(&b.1.build_s).then(a.1.ray_s.total_cmp(&b.1.ray_s))
@@ -71,10 +71,10 @@ pub fn envelope(costs: &[Cost]) -> Vec<EnvelopeSegment> {
     }
 }
 
-/// The 95% interval of the count from which on `slower_to_build` is worth it against `other`, of rounds in pairs:
-/// of one process from resampled rounds; of several from the counts that each process has by itself, as
-/// [`Series::estimate`] does. 0 where a resample or a process has it always, infinite where never. None without
-/// common rounds.
+/// The 95% interval of the count from which on `slower_to_build` is worth it against `other`, of
+/// rounds in pairs: of one process from resampled rounds; of several from the counts that each
+/// process has by itself, as [`Series::estimate`] does. 0 where a resample or a process has it
+/// always, infinite where never. None without common rounds.
 pub fn count_interval(slower_to_build: &Profile, other: &Profile, seed: u64) -> Option<[f64; 2]> {
     let mut processes: BTreeMap<u32, Vec<[Cost; 2]>> = BTreeMap::new();
     for (process, both) in slower_to_build.paired(other) {
@@ -104,8 +104,8 @@ pub fn count_interval(slower_to_build: &Profile, other: &Profile, seed: u64) -> 
     Some([low, high])
 }
 
-/// From how many rays on the first is worth it against the second, by the medians of rounds; 0 for always, infinite
-/// for never.
+/// From how many rays on the first is worth it against the second, by the medians of rounds; 0 for
+/// always, infinite for never.
 fn count(rounds: &[[Cost; 2]]) -> Option<f64> {
     let of = |f: fn(&[Cost; 2]) -> f64| median(&rounds.iter().map(f).collect::<Vec<_>>());
     let one = Cost { build_s: of(|[a, _]| a.build_s)?, ray_s: of(|[a, _]| a.ray_s)? };
@@ -160,8 +160,8 @@ mod tests {
         assert_eq!(indices, [0, 2]);
     }
 
-    /// In how many of 200 trials the interval holds the truth: each process has costs of its own, which its
-    /// rounds scatter about.
+    /// In how many of 200 trials the interval holds the truth: each process has costs of its own,
+    /// which its rounds scatter about.
     fn held(processes: u32, between: f64, of: fn(&Profile, &Profile, u64) -> [f64; 2]) -> u32 {
         let mut random = Random::new(4, "noise");
         let mut noisy =

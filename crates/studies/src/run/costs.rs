@@ -1,8 +1,8 @@
 //! What each row of a scene costs: the build, and a ray.
 //!
-//! A row that is too slow for all rays is timed on every k-th. Its time per ray is then its ratio to
-//! the reference on these rays, times what the reference takes per ray over all of its own: so all
-//! rows stand for the same rays.
+//! A row that is too slow for all rays is timed on every k-th. Its time per ray is then its ratio
+//! to the reference on these rays, times what the reference takes per ray over all of its own: so
+//! all rows stand for the same rays.
 
 use std::collections::BTreeMap;
 
@@ -67,7 +67,7 @@ impl Profile {
         self.quotients(other, |[own, other]| own.ray_s / other.ray_s)
     }
 
-    /// What it took in each round, of its costs; none where that is nothing.
+    /// Cost in each round; `None` if it has none.
     pub fn timed(&self, of: impl Fn(&Cost) -> f64) -> Option<Timed> {
         let rounds = self.rounds.iter().map(|(visit, cost)| (*visit, of(cost))).collect();
         Timed::new(self.label.clone(), Query::default(), rounds)
@@ -130,7 +130,8 @@ pub fn all_rays_s(
     through_reference().or_else(|| Some(own * (all / timed_on(row)?)))
 }
 
-/// Who is fastest for so many rays, build included, of the rows that may lead; none without such rows.
+/// Who is fastest for so many rays, build included, of the rows that may lead; none without such
+/// rows.
 pub fn lead_for(profiles: &[Profile], rays: f64, seed: u64) -> Option<Lead> {
     let may_lead = profiles.iter().filter(|p| p.may_lead);
     let timed: Vec<Timed> = may_lead.filter_map(|p| p.timed(|c| c.total_s(rays))).collect();

@@ -1,5 +1,5 @@
-//! The programs outside whose times were merged into a run: a table of their own, so that nobody takes a time
-//! that was told for one that was measured.
+//! The programs outside whose times were merged into a run: a table of their own, so that nobody
+//! takes a time that was told for one that was measured.
 
 use measurement::record::SceneRecord;
 use presentation::numbers;

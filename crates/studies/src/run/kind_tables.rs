@@ -1,8 +1,8 @@
 //! Tables of each kind of ray and order by itself, and of the time to a picture.
 //!
-//! A sum over all kinds hides that a structure is fast on the rays of one kind and slow on another's.
-//! These tables give rays per second over the reference's, as benchmarks of ray tracers do: above 1 is
-//! faster, the inverse of the ratios of times in the other tables.
+//! A sum over all kinds hides that a structure is fast on the rays of one kind and slow on
+//! another's. These tables give rays per second over the reference's, as benchmarks of ray tracers
+//! do: above 1 is faster, the inverse of the ratios of times in the other tables.
 
 use std::collections::BTreeMap;
 

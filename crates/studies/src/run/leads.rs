@@ -1,4 +1,5 @@
-//! Who takes the least time, and who is significantly slower: paired by round, over one scene or several.
+//! Who takes the least time, and who is significantly slower: paired by round, over one scene or
+//! several.
 
 use std::collections::BTreeMap;
 
@@ -28,7 +29,7 @@ impl Timed {
         Some(Self { label, query, rounds, middle })
     }
 
-    /// What it took over what another row took, paired by round.
+    /// Ratio of its times to those of another row, paired by round.
     pub fn quotients(&self, other: &Self) -> Series {
         let quotient = |(visit, own): (&Visit, &f64)| {
             Some((visit.0, own / other.rounds.get(visit)?)).filter(|(_, q)| q.is_finite())
@@ -46,7 +47,7 @@ fn series(rounds: &BTreeMap<Visit, f64>) -> Series {
 pub struct Lead {
     /// The fastest, by its median.
     pub first: String,
-    /// What it took; over several scenes the geometric mean.
+    /// Its time; over several scenes the geometric mean.
     pub took: Estimate,
     /// Those that are not significantly slower.
     pub ties: Vec<String>,
@@ -78,8 +79,8 @@ impl Competitor {
         }
     }
 
-    /// Whether so few rounds of one scene say that it may be the faster one: their interval reaches to the
-    /// largest quotient, as [`Estimate`] says, and need not be resampled.
+    /// Whether so few rounds of one scene say that it may be the faster one: their interval reaches
+    /// to the largest quotient, as [`Estimate`] says, and need not be resampled.
     fn is_tied_by_few(&self) -> bool {
         match &self.groups[..] {
             [group] => {
@@ -126,8 +127,8 @@ impl Lead {
     }
 }
 
-/// Who takes the least, of the rows that every scene has, by geometric means over the scenes; none where
-/// there is no such row. Of rows of a scene with the same label the first counts.
+/// Who takes the least, of the rows that every scene has, by geometric means over the scenes; none
+/// where there is no such row. Of rows of a scene with the same label the first counts.
 pub fn lead<R: AsRef<[Timed]>>(scenes: &[R], seed: u64) -> Option<Lead> {
     let by_label = |scene: &R| -> BTreeMap<String, usize> {
         scene.as_ref().iter().enumerate().rev().map(|(i, t)| (t.label.clone(), i)).collect()

@@ -92,13 +92,13 @@ fn mark_best(
     }
 }
 
-/// What a scene consists of, and its rays.
+/// Title of a scene: its primitives and rays.
 pub fn scene_title(scene: &SceneRecord) -> String {
     let rays: Vec<String> = scene.rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
     format!("{}: {} primitives; rays: {}", scene.name, scene.primitives, rays.join(", "))
 }
 
-/// What is to be said of a scene's rows, and how their answers were judged.
+/// Notes on a scene's rows, and on how their answers were judged.
 pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
     let oracle = &scene.oracle;
     let mut notes = vec![match &oracle.reference {
@@ -195,7 +195,7 @@ fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
     many.into_iter().chain(run.floor.as_ref().map(FloorRecord::in_words))
 }
 
-/// What a mailbox was good for.
+/// Note on the tests that a mailbox saved.
 fn saved_note(row: &RowRecord) -> Option<String> {
     let part = row.work.as_ref()?.saved_part()?;
     Some(format!("{}: the mailbox saved {:.1}% of the tests", row.label(), part * 100.0))
@@ -206,8 +206,8 @@ const BATCH: f64 = 1e5;
 /// What part of the time of a row of one thread may be of other threads without a word.
 const SPINNING: f64 = 0.05;
 
-/// Where a row comes from that is not of this program, what its process costs, and how often its own
-/// test differs.
+/// Where a row comes from that is not of this program, what its process costs, and how often its
+/// own test differs.
 fn plugin_note(row: &RowRecord) -> Option<String> {
     let plugin = row.plugin.as_ref()?;
     let digest = plugin.sha256.get(..12).unwrap_or_default();
@@ -251,7 +251,7 @@ fn shadow_note(row: &RowRecord) -> Option<String> {
     })
 }
 
-/// What a structure that builds on demand never built, and when its first image was done.
+/// Note on a lazily built structure: the share never built, and the time of the first image.
 fn on_demand_note(row: &RowRecord) -> Option<String> {
     let pending = row.stats.as_ref()?.pending_cells?;
     let first = match row.first_image_s() {
@@ -360,10 +360,10 @@ const SYMBOLS: [(&[&str], &str); 4] = [
     ),
 ];
 
-/// What the symbols mean.
+/// Explanations of the symbols.
 pub const GLOSSARY: &[&str] = &[SYMBOLS[0].1, SYMBOLS[1].1, SYMBOLS[2].1, SYMBOLS[3].1];
 
-/// What those of shown columns mean.
+/// Explanations of the symbols in shown columns.
 pub fn glossary_of<'h>(heads: &'h [&'h str]) -> impl Iterator<Item = &'static str> + 'h {
     let is_shown = |(of, _): &&(&[&str], &str)| of.iter().any(|head| heads.contains(head));
     SYMBOLS.iter().filter(is_shown).map(|(_, text)| *text)

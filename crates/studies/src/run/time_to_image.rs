@@ -3,11 +3,11 @@
 //! A structure that traces fast but is built slowly is no gain where the scene changes with every
 //! image. The sum says what a image without reflections costs, so that build and trace need not be
 //! weighed by taste. It is derived from what rounds measured: rays in the order of the image, each
-//! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all rays
-//! by its ratio to the reference on that sample, as in [`costs`].
+//! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all
+//! rays by its ratio to the reference on that sample, as in [`costs`].
 //!
-//! What it is compared with is the fastest row of obvhs in the same scene, whichever preset that is; its
-//! known wrong hits are no excuse.
+//! What it is compared with is the fastest row of obvhs in the same scene, whichever preset that
+//! is; its known wrong hits are no excuse.
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ use statistics::series::{Series, geometric_mean_of};
 /// Primary rays of the image.
 pub const PRIMARY_RAYS: f64 = 1e6;
 
-/// What a row takes, round by round.
+/// Times of a row by round.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeToImage {
     /// Its seconds.
@@ -35,8 +35,8 @@ pub struct TimeToImage {
 }
 
 impl TimeToImage {
-    /// Of a row that answers all rays rightly, or of obvhs with a known defect; none where primary and shadow rays were not both
-    /// timed in the order of the image.
+    /// Of a row that answers all rays rightly, or of obvhs with a known defect; none where primary
+    /// and shadow rays were not both timed in the order of the image.
     fn of(scene: &SceneRecord, row: &RowRecord, reference: Option<&RowRecord>) -> Option<Self> {
         let is_obvhs = [bvh2::INFO.name, cwbvh::INFO.name].contains(&&*row.structure);
         let serves = row.verdict == Verdict::Ok || is_obvhs && row.verdict.is_timed();

@@ -106,7 +106,8 @@ impl TableColumn {
     }
 }
 
-/// The table with its columns in the order of their weight: where not all fit, the last ones are out of sight.
+/// The table with its columns in the order of their weight: where not all fit, the last ones are
+/// out of sight.
 pub fn by_weight(table: &Table) -> Table {
     let weights = View::fastest_first().by_weight();
     let place = |head: &&str| weights.iter().position(|h| h == head).unwrap_or(weights.len());
@@ -163,7 +164,8 @@ impl View {
         ALWAYS.into_iter().chain(all).collect()
     }
 
-    /// The rows of a scene in their order: those without times last, before them those of shadow rays alone.
+    /// The rows of a scene in their order: those without times last, before them those of shadow
+    /// rays alone.
     pub fn rows<'r>(&self, rows: &'r [RowRecord]) -> Vec<&'r RowRecord> {
         let last = f64::INFINITY;
         let median = |row: &RowRecord| row.ratio.map_or(last, |ratio| ratio.median);

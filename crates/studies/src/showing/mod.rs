@@ -1,7 +1,9 @@
-//! Pictures of structures: their cells where a plane cuts them or as boxes, and one ray's way through them.
+//! Pictures of structures: their cells where a plane cuts them or as boxes, and one ray's way
+//! through them.
 //!
-//! The way: [`mod@plane`] or [`mod@projection`] says where what is seen, [`mod@sections`] what cells there are, one
-//! structure at a time; [`picture()`] draws them side by side on one scale. [`mod@way`] puts a ray into it.
+//! The way: [`mod@plane`] or [`mod@projection`] says where what is seen, [`mod@sections`] what
+//! cells there are, one structure at a time; [`picture()`] draws them side by side on one scale.
+//! [`mod@way`] puts a ray into it.
 
 pub mod outline;
 pub mod picture;

@@ -9,8 +9,8 @@ use super::plane::Plane;
 /// Lines from point to point in a plane.
 pub type Line = Vec<[f64; 2]>;
 
-/// What a plane cuts of all primitives. Cones, and polygons of many corners, are cut as triangles; nothing
-/// where a scene cannot be made of triangles.
+/// What a plane cuts of all primitives. Cones, and polygons of many corners, are cut as triangles;
+/// nothing where a scene cannot be made of triangles.
 pub fn outline(scene: &Scene, plane: &Plane) -> Vec<Line> {
     let is_known =
         |shape: Shape| matches!(shape, Shape::Sphere(_)) || corners(scene, shape).is_some();

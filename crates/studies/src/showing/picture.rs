@@ -1,4 +1,5 @@
-//! Structures side by side, their cells coloured by references on one scale, with a legend that names it.
+//! Structures side by side, their cells coloured by references on one scale, with a legend that
+//! names it.
 
 use accel_core::Aabb;
 use accel_core::structure::StructureStats;
@@ -25,10 +26,10 @@ const SURFACE: Color = [20, 20, 20];
 /// Half the width of a number beside a ray.
 const NUMBER: f64 = 9.0;
 
-/// What is seen of a structure's cells.
+/// Cells of a structure, as a picture shows them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Seen {
-    /// What a plane cuts.
+    /// Cells cut by a plane.
     Sections(Vec<Section>),
     Bodies(Vec<Body>),
 }
@@ -50,7 +51,7 @@ pub enum View<'a> {
     Boxes(Projection),
 }
 
-/// What all panels of a picture have in common.
+/// Settings shared by all panels of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame<'a> {
     pub title: String,
@@ -182,7 +183,7 @@ fn most_references(shown: &Shown) -> u64 {
     most.unwrap_or(1).max(1)
 }
 
-/// What a structure consists of, in words.
+/// Summary of a structure: its cells and references.
 fn counted(shown: &Shown) -> String {
     let stats = &shown.stats;
     let inner = match stats.inner_cells {

@@ -1,4 +1,5 @@
-//! Boxes as a camera sees them that is far away: in its direction, without perspective, all of the scene.
+//! Boxes as a camera sees them that is far away: in its direction, without perspective, all of the
+//! scene.
 
 use accel_core::Aabb;
 use glam::{DVec2, DVec3};

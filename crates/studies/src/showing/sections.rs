@@ -6,7 +6,7 @@ use accel_core::query::tracer::Tracer;
 
 use super::plane::Plane;
 
-/// What a plane cuts of a cell.
+/// Section of a cell by a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Section {
     /// Left, lower, right, upper.
@@ -32,8 +32,8 @@ struct DrawnCell<T> {
     is_inner: bool,
 }
 
-/// The cells that `place` has a place for: elementary ones or, with a depth, those at that depth and the
-/// elementary ones above.
+/// The cells that `place` has a place for: elementary ones or, with a depth, those at that depth
+/// and the elementary ones above.
 fn drawn<T>(
     tracer: &dyn Tracer<f32>,
     depth: Option<u32>,
@@ -65,8 +65,8 @@ fn drawn<T>(
     Ok(all)
 }
 
-/// What a plane cuts of a structure's cells: all, or with a depth those at that depth and the leaves above;
-/// large ones first.
+/// What a plane cuts of a structure's cells: all, or with a depth those at that depth and the
+/// leaves above; large ones first.
 ///
 /// # Errors
 /// [`NoCells`].

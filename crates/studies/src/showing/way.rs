@@ -16,7 +16,7 @@ use super::plane::Plane;
 pub struct EnteredCell {
     /// Numbers of the first and the last step into it, from 1.
     pub steps: [usize; 2],
-    /// What the plane cuts of it.
+    /// End points of the section.
     pub ends: [f64; 4],
     pub depth: u32,
     /// Where the ray is half-way through it.
@@ -30,7 +30,7 @@ pub struct PathThrough {
     pub entered: Vec<EnteredCell>,
     /// The inner cells that hold those.
     pub around: Vec<[f64; 4]>,
-    /// What the plane cuts of primitives that were tested and not hit.
+    /// Sections of primitives that were tested and not hit.
     pub missed: Vec<Line>,
     /// The same of the one that was hit.
     pub struck: Option<Line>,
@@ -151,7 +151,8 @@ impl PathThrough {
         )
     }
 
-    /// What was entered in a step, and the primitives tested: spared ones in brackets, hits with a star.
+    /// What was entered in a step, and the primitives tested: spared ones in brackets, hits with a
+    /// star.
     pub fn listed(&self) -> Vec<[String; 4]> {
         let row = |(number, (step, depth)): (usize, &(TraceStep, Option<u32>))| {
             let kind = match step.kind {

@@ -14,7 +14,7 @@ pub enum ValueStanding {
     Slower,
 }
 
-/// What is said of a row of the sweep.
+/// Judgement of a row of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
     /// Among the swept values; none for other rows and for rows without a time.

@@ -24,7 +24,7 @@ use measurement::plan::{Plan, baseline, default_baseline};
 use measurement::scenes::{LoadError, SceneSource};
 use measurement::settings::MeasuringSettings;
 
-/// What cannot be swept.
+/// Errors of `rtbench sweep`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
@@ -40,7 +40,7 @@ pub enum SweepError {
     /// The swept parameter is given a value.
     #[error("{parameter} is swept and cannot be set to a value at the same time")]
     SetsSwept { parameter: &'static str },
-    /// What is no plan either.
+    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// No such scene or set.
@@ -48,7 +48,7 @@ pub enum SweepError {
     Scene(#[from] LoadError),
 }
 
-/// What a sweep is asked for.
+/// Settings of `rtbench sweep`.
 #[derive(Debug, Clone, Default)]
 pub struct SweepSettings {
     /// Scenes, scene sets or scene files.
@@ -68,7 +68,7 @@ pub struct SweepSettings {
     pub measuring: MeasuringSettings,
 }
 
-/// What a row of the plan stands for.
+/// Parameter value that a row of the plan represents.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Line {
     /// The value of the parameter; none for rules of thumb and the row of ratios.
@@ -81,7 +81,7 @@ pub struct Line {
     pub rules: Vec<&'static str>,
 }
 
-/// What a plot of the sweep has on its horizontal axis.
+/// Horizontal axis of a plot of the sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Abscissa {
     /// Cells per primitive: rules of thumb have a place there too.
@@ -96,7 +96,7 @@ pub enum Abscissa {
 pub struct Sweep<'r> {
     /// The rows, and how they are measured.
     pub plan: Plan<'r>,
-    /// What each row of the plan stands for.
+    /// Parameter value of each row of the plan.
     pub lines: Vec<Line>,
     pub structure: &'static str,
     /// Its other settings, as typed; empty for the defaults.
@@ -251,7 +251,7 @@ impl<'r> Lines<'r> {
         })
     }
 
-    /// What the row stands for.
+    /// Parameter value of the row.
     fn of(&mut self, row: Row<'r>) -> &mut Line {
         let index = self.index(row);
         if self.lines.len() <= index {

@@ -18,7 +18,8 @@ const TAKEN: [&str; 15] = [
     "primary", "shadow", "second.", "diffuse",
 ];
 
-/// Columns of most weight: these stay where not all fit. The verdict comes before all where one is not `ok`.
+/// Columns of most weight: these stay where not all fit. The verdict comes before all where one is
+/// not `ok`.
 const FIRST: [&str; 9] =
     ["verdict", RATIO, "mark", "to best", "N_IT", "N_TS", "build ms", "trace ms", "MiB"];
 
@@ -134,7 +135,7 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     notes
 }
 
-/// What the columns mean.
+/// Explanations of the columns.
 const GLOSSARY: &[&str] = &[
     "cells/prim: N_V for each primitive. N_V elementary cells, N_EV empty ones, N_OIV references in \
      cells; per ray: N_IT intersection tests, N_TS traversal steps. build, trace: medians over the \

@@ -78,7 +78,8 @@ fn rmse(measured: &Measured) -> String {
     format!("{below}{}", short(measured.error))
 }
 
-/// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly different.
+/// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly
+/// different.
 fn front(standing: VariantStanding) -> &'static str {
     match standing {
         VariantStanding::OnFront => "*",

@@ -1,7 +1,7 @@
 //! What an error would have cost by samples: between two numbers of samples, time and error follow
 //! a power law.
 
-/// What was measured of an image by samples.
+/// Measurements of a sampled image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampledImage {
     /// Samples per pixel.

@@ -75,12 +75,12 @@ pub fn ways(
     WAYS.iter().filter(move |way| is_asked(way.info))
 }
 
-/// What a comparison is made with.
+/// Input of a comparison.
 pub struct Question<'a> {
     pub scene: &'a Scene,
-    /// What samples are traced through.
+    /// Structure that samples are traced through.
     pub sampler: &'a dyn Tracer<f32>,
-    /// What cones and beams ask.
+    /// Structures that cones and beams query.
     pub structures: Structures<'a>,
     /// Size, depth and seed.
     pub frame: Sampled,
@@ -100,7 +100,7 @@ pub struct TracerRow {
     pub settings: String,
     /// Samples per pixel, for the tracer by samples.
     pub samples: Option<u32>,
-    /// What was measured, or why the tracer refuses the scene.
+    /// The measurements, or the reason why the tracer does not support the scene.
     pub outcome: Result<Measured, Refusal>,
 }
 
@@ -114,7 +114,7 @@ impl TracerRow {
     }
 }
 
-/// What was measured of an image.
+/// Measurements of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
     /// Seconds of each round.
@@ -131,7 +131,7 @@ pub struct Measured {
     pub standing: VariantStanding,
     pub counts: BTreeMap<&'static str, u64>,
     pub image: Image,
-    /// What samples would have taken for the same error; none for samples themselves.
+    /// Time of sampling at the same error; `None` for sampling itself.
     pub by_samples: Option<AtError>,
 }
 

@@ -16,7 +16,7 @@ use statistics::estimate::{Estimate, estimate};
 /// Brute force asks about as many hulls per round at most, the structure in question all frusta.
 const MOST_TESTS: usize = 1 << 25;
 
-/// What the queries of a structure cost.
+/// Cost of a structure's queries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QueryRow {
     pub structure: &'static str,
@@ -26,7 +26,7 @@ pub struct QueryRow {
     pub microseconds: Estimate,
     /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio: Estimate,
-    /// What the queries of one round did.
+    /// Work of the queries of one round.
     pub work: FrustumWork,
     /// Queries that did not find what the ray through the pixel's centre hits: a wrong row.
     pub missed: usize,

@@ -22,12 +22,12 @@ pub struct TracersRecord {
     pub primitives: usize,
     /// Width and height of the images.
     pub resolution: [u32; 2],
-    /// What samples were traced through, and cones and beams.
+    /// Structures of sampling, and of cones and beams.
     #[serde(default)]
     pub through: [String; 2],
     pub threads: usize,
     pub seed: u64,
-    /// What images were compared with.
+    /// Reference of the image errors.
     pub reference: ReferenceRecord,
     pub images: Vec<ImageRecord>,
     #[serde(default)]
@@ -53,7 +53,7 @@ pub struct ReferenceRecord {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ImageRecord {
     pub row: RowName,
-    /// What came of it.
+    /// Outcome of the comparison.
     pub outcome: Outcome,
 }
 
@@ -77,7 +77,7 @@ impl RowName {
     }
 }
 
-/// What came of an image.
+/// Outcome of an image.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Outcome {

@@ -30,8 +30,8 @@ pub struct Sampled {
 }
 
 impl Sampled {
-    /// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a light
-    /// with an extent has one sample of each for every eye ray.
+    /// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a
+    /// light with an extent has one sample of each for every eye ray.
     pub fn plan(&self, scene: &Scene, samples: u32, seed: u64) -> EffectPlan {
         let samples = SampleWishes { supersamples: Some(samples), ..SampleWishes::ONE_OF_EACH };
         let (resolution, max_depth) = (self.resolution, self.max_depth);

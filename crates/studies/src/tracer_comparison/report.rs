@@ -26,14 +26,14 @@ pub struct Report {
     pub primitives: usize,
     /// Width and height of the images.
     pub resolution: [u32; 2],
-    /// What samples were traced through, and cones and beams.
+    /// Structures of sampling, and of cones and beams.
     pub through: [String; 2],
     pub threads: usize,
     pub seed: u64,
     pub command_line: Vec<String>,
-    /// What it ran on.
+    /// The machine of the run.
     pub machine: Machine,
-    /// What images were compared with.
+    /// Reference of the image errors.
     pub reference: ConvergedImage,
     /// Samples per pixel of each of its two images.
     pub reference_samples: u32,
@@ -93,7 +93,7 @@ impl Report {
         self.rows.iter().map(move |row| ImageRow { scene, seed, reference_error, row })
     }
 
-    /// What the table says of cones and beams, in words.
+    /// Conclusions of the table on cones and beams.
     fn verdicts(&self) -> Vec<String> {
         let say = |(row, m): (&TracerRow, &Measured)| {
             let label = row.label();

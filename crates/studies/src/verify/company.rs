@@ -36,7 +36,8 @@ impl<S: Scalar> Company<S> {
     }
 }
 
-/// A ray whose coordinates are each off by no more than this part of them: it runs into the same octant.
+/// A ray whose coordinates are each off by no more than this part of them: it runs into the same
+/// octant.
 fn beside<S: Scalar>(random: &mut Random, ray: &Ray<S>, apart: f64) -> Ray<S> {
     let mut off = |v: Vec3<S>| {
         let factor = DVec3::ONE + point(random) * apart;

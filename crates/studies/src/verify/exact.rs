@@ -135,7 +135,7 @@ fn volume(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     orient3d(coord(a), coord(b), coord(c), coord(d))
 }
 
-/// What rounding takes from `a + b` (Knuth's two-sum).
+/// Rounding error of `a + b` (Knuth's two-sum).
 fn two_sum_error(a: f64, b: f64) -> f64 {
     let sum = a + b;
     let b_part = sum - a;

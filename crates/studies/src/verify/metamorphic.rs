@@ -6,7 +6,7 @@ use glam::DVec3;
 use super::model::{Corners, Model};
 use super::rays::ray;
 
-/// What must not change.
+/// Invariant of a metamorphic pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Same {
     /// The parameter of the hit, to the last bit, and the primitive.
@@ -18,9 +18,9 @@ pub enum Same {
 /// The same scene and rays, told differently.
 #[derive(Debug)]
 pub struct MetamorphicPair<S: Scalar> {
-    /// What was done to it.
+    /// Name of the transformation.
     pub name: String,
-    /// What must be the same.
+    /// Invariant that must hold.
     pub same: Same,
     pub model: Model<S>,
     /// The rays, in the order of the round.

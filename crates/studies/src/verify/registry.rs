@@ -1,4 +1,4 @@
-//! What a case of the catalogue is.
+//! The cases of the catalogue.
 
 use accel_core::primitives::PrimitiveError;
 
@@ -25,9 +25,9 @@ pub struct Ask {
 pub struct Case {
     /// `G1`.
     pub id: &'static str,
-    /// What is hard about it.
+    /// Description of the difficulty.
     pub summary: &'static str,
-    /// What says which answer is right.
+    /// The oracle that decides which answer is right.
     pub oracle: &'static str,
     /// Who is asked what.
     pub ask: Ask,

@@ -45,8 +45,8 @@ fn cells_in((first, last): ([i32; 3], [i32; 3])) -> u64 {
 /// Grids over fewer primitives than this are made in memory that is used again.
 const FEW: usize = 512;
 
-/// The lists of a grid's cells, by position in `boxes`, where there are `cells` in all grids and `used`
-/// references before; in place of others, if that pays.
+/// The lists of a grid's cells, by position in `boxes`, where there are `cells` in all grids and
+/// `used` references before; in place of others, if that pays.
 fn lists<S: Scalar>(
     frame: GridFrame<S>,
     boxes: &[Aabb<S>],
@@ -77,8 +77,8 @@ struct GridTotals {
     inner: u64,
 }
 
-/// Grids that are not among the others yet, so many of which were there before; `I` says what grids are in their
-/// cells.
+/// Grids that are not among the others yet, so many of which were there before; `I` says what grids
+/// are in their cells.
 pub(crate) struct LooseGrids<S: Scalar, I> {
     grids: Vec<Grid<S>>,
     starts: Vec<CellStart>,
@@ -114,7 +114,8 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         Ok(used)
     }
 
-    /// Adds a grid that has so many more references while it is made; `cell` adds what is in each cell.
+    /// Adds a grid that has so many more references while it is made; `cell` adds what is in each
+    /// cell.
     fn push_cells(
         &mut self,
         frame: GridFrame<S>,
@@ -130,8 +131,9 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         }
     }
 
-    /// Adds a grid of which every cell may become an inner grid in place of its list: `divide` is asked with the
-    /// cell's box and its list (positions in `boxes`), and answers with the inner grid.
+    /// Adds a grid of which every cell may become an inner grid in place of its list: `divide` is
+    /// asked with the cell's box and its list (positions in `boxes`), and answers with the inner
+    /// grid.
     pub(crate) fn push_divided(
         &mut self,
         frame: GridFrame<S>,
@@ -166,8 +168,8 @@ impl<S: Scalar, I> LooseGrids<S, I> {
 }
 
 impl<S: Scalar> LooseGrids<S, u32> {
-    /// Adds a grid with the primitives `ids` and the grids `inner`, each with its box at the same position; inner
-    /// grids may be added later.
+    /// Adds a grid with the primitives `ids` and the grids `inner`, each with its box at the same
+    /// position; inner grids may be added later.
     pub(crate) fn push(
         &mut self,
         frame: GridFrame<S>,
@@ -193,8 +195,8 @@ impl<S: Scalar> LooseGrids<S, u32> {
 const AT_A_TIME: usize = 64;
 
 impl<S: Scalar> NestedGrids<S> {
-    /// Adds the grid that `push` makes of each item, in their order, on all threads; `number` gives the grids in its
-    /// cells their numbers. The number of a grid is its place.
+    /// Adds the grid that `push` makes of each item, in their order, on all threads; `number` gives
+    /// the grids in its cells their numbers. The number of a grid is its place.
     ///
     /// # Errors
     /// The first that `push` has.

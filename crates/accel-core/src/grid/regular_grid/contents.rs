@@ -19,7 +19,7 @@ use crate::primitives::PrimSet;
 use crate::structure::BuildError;
 use crate::update::is_incremental;
 
-/// What a storage is built from: which primitive goes to which cells.
+/// Input of a cell storage: the primitives of each cell.
 pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
     pub frame: GridFrame<S>,
     pub primitives: usize,
@@ -170,7 +170,8 @@ impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
 /// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
 const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
 
-/// The settings of [`crate::params::specs`] and of storage: what a structure does not list has its default.
+/// The settings of [`crate::params::specs`] and of storage: what a structure does not list has its
+/// default.
 #[derive(Debug, Clone)]
 pub struct GridConfig<C> {
     pub(super) resolution: ResolutionRule,

@@ -1,4 +1,4 @@
-//! What a face shows of the primitives, in batches that were made beside one another.
+//! Footprints of the primitives on a face, in batches made in parallel.
 
 use glam::DVec3;
 
@@ -9,7 +9,7 @@ use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane};
 pub(super) const BATCH: usize = 1 << BATCH_BITS;
 const BATCH_BITS: u32 = 12;
 
-/// What a face shows of up to [`BATCH`] primitives.
+/// Footprints of up to [`BATCH`] primitives on a face.
 #[derive(Debug, Default)]
 pub(super) struct Batch {
     /// One for each primitive that is seen.

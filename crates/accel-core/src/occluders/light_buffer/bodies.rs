@@ -1,4 +1,4 @@
-//! What a light buffer is filled from: the opaque primitives as balls, and how a face sees them.
+//! Input of a light buffer: bounding balls of the opaque primitives, and their view from a face.
 
 use glam::DVec3;
 

@@ -25,7 +25,7 @@ pub(super) struct Record<S> {
 }
 
 impl<S: Scalar> Record<S> {
-    /// What ends a list.
+    /// End marker of a list.
     pub(super) fn end() -> Self {
         Self { near: S::INFINITY, id: END, part: Part::ALL }
     }
@@ -57,7 +57,7 @@ pub(super) struct Face<S> {
     pub(super) bits: u32,
 }
 
-/// What a face finds for a direction.
+/// Result of looking up a direction on a face.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Found {
     /// The first record of the list.

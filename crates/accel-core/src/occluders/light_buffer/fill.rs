@@ -41,7 +41,7 @@ pub(super) fn faces<S: Scalar>(
     })
 }
 
-/// What the faces show of [`BATCH`] bodies.
+/// Footprints of [`BATCH`] bodies on all faces.
 fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Batch; FACES] {
     let mut out: [Batch; FACES] = std::array::from_fn(|_| Batch::default());
     let (mut seen, mut normals) = (Seen::default(), Vec::new());
@@ -101,7 +101,7 @@ impl Extent {
     }
 }
 
-/// What must fit in a cell's word.
+/// Largest index that must fit into a cell's word.
 pub(super) fn largest_index<S>(cells: &Cells<S>) -> u128 {
     cells.cells.len().max(cells.records.len()) as u128
 }

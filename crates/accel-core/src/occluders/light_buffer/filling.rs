@@ -31,7 +31,7 @@ const SHORT: usize = 48;
 /// Rows of the coarse grid that are kept apart at once.
 const ROWS_AT_ONCE: u32 = 32;
 
-/// What bounds the work of a build.
+/// Limits of the work of a build.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
     /// Finest cells per side of a face: 2 to this power, or the one below.
@@ -71,7 +71,7 @@ pub(super) fn fill_face<S: Scalar>(
     face
 }
 
-/// What all cells of a face are made from.
+/// Input of all cells of a face.
 struct FillPlan<'a> {
     shown: &'a FaceCells,
     sight: &'a FaceView<'a>,

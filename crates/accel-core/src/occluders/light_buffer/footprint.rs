@@ -23,7 +23,7 @@ pub(super) struct HalfPlane {
     pub(super) limit: f64,
 }
 
-/// What a face shows of a primitive.
+/// Footprint of a primitive on a face.
 #[derive(Debug, Clone)]
 pub(super) struct Footprint {
     pub(super) id: u32,

@@ -1,9 +1,10 @@
-//! Rays of a batch in turns: all that wait are asked for the memory of the next stage before any of them takes it.
+//! Rays of a batch in turns: all that wait are asked for the memory of the next stage before any of
+//! them takes it.
 //!
-//! Cells, lists and triangles of a large scene are three loads, each waited for, and each of an address that the one
-//! before says; of one ray after the other nothing can be fetched ahead. Stages, answers and tests are those of one
-//! ray; to set eight rays up at once was slower, as many test nothing. The rays that a structure has to answer go to
-//! it together.
+//! Cells, lists and triangles of a large scene are three loads, each waited for, and each of an
+//! address that the one before says; of one ray after the other nothing can be fetched ahead.
+//! Stages, answers and tests are those of one ray; to set eight rays up at once was slower, as many
+//! test nothing. The rays that a structure has to answer go to it together.
 
 use super::direction_cube::CubePoint;
 use super::face_tree::{Face, Found, LONG};

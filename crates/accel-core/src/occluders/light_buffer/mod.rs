@@ -225,7 +225,7 @@ fn checked<S: Scalar, P: PrimSet<S>>(
     Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
 }
 
-/// What the buffer says of a ray.
+/// Answer of the buffer for a ray.
 enum Answer {
     Free,
     Blocked,
@@ -288,8 +288,8 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         self.in_list(ray, &place, &found, counters)
     }
 
-    /// What a ray may meet, nearest first, of the list that was found; or the answer, where what covers the cell
-    /// says it.
+    /// What a ray may meet, nearest first, of the list that was found; or the answer, where what
+    /// covers the cell says it.
     #[inline(always)]
     fn candidates(
         &self,

@@ -5,8 +5,8 @@
 //! Current CPU Architectures", 2006, for the small hash of a ray.
 //!
 //! A mailbox is a property of the query, not of the structure: sinks hold one, and
-//! [`crate::query::tracer::Bound`] picks its type once a batch. A structure with duplicate references
-//! lists [`PARAM`] and [`SLOTS_PARAM`] among its parameters and is served.
+//! [`crate::query::tracer::Bound`] picks its type once a batch. A structure with duplicate
+//! references lists [`PARAM`] and [`SLOTS_PARAM`] among its parameters and is served.
 //!
 //! * `none`: the sinks hold a zero-sized [`NoMailbox`] and are what they were without this module.
 //!   The other three are one type, [`AnyMailbox`], that branches at run time, always the same way.
@@ -20,7 +20,8 @@
 //!
 //! Deviation of `primitive`: our sets are read-only while rays are traced. The stamp therefore
 //! stands in a record of its own as wide as an average primitive and the stamp together. It dirties
-//! a cache line for each primitive that is tested, as the lecture's does, and touches one line more.
+//! a cache line for each primitive that is tested, as the lecture's does, and touches one line
+//! more.
 //!
 //! The historical shadow ray of 1999 has no mailbox but its own memory for glass.
 
@@ -122,8 +123,8 @@ pub enum Setting {
 }
 
 thread_local! {
-    /// One array per thread, whatever it traces: ray numbers go on, so what a tracer before this one
-    /// left is never taken for its own.
+    /// One array per thread, whatever it traces: ray numbers go on, so what a tracer before this
+    /// one left is never taken for its own.
     static ARRAY: RefCell<Stamps<u32>> = RefCell::new(Stamps::dense(0));
 }
 

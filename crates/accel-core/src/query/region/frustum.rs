@@ -179,8 +179,8 @@ pub struct AxisFrustum<'a> {
 }
 
 impl AxisFrustum<'_> {
-    /// A box around the part of the frustum between the planes `from <= to` of the axis, if there is
-    /// any. It is tight where both outlines lie outside the two planes.
+    /// A box around the part of the frustum between the planes `from <= to` of the axis, if there
+    /// is any. It is tight where both outlines lie outside the two planes.
     pub fn slice(&self, from: f64, to: f64) -> Option<Aabb<f64>> {
         let Self { frustum, near_max, far_min, .. } = *self;
         let (from, to) = if self.upwards { (from, to) } else { (-to, -from) };

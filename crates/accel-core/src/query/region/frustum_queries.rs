@@ -54,7 +54,7 @@ impl std::ops::AddAssign for FrustumWork {
 pub struct Candidates {
     /// Ids, in the order of the cells.
     pub ids: Vec<u32>,
-    /// What all queries so far have cost.
+    /// Total work of all queries so far.
     pub work: FrustumWork,
     /// Number of the last query that saw an id.
     stamps: Vec<u32>,
@@ -74,7 +74,7 @@ impl Candidates {
     }
 }
 
-/// The one implementation of [`FrustumQueries`].
+/// Answers [`FrustumQueries`] by the traversal of a structure.
 pub(crate) struct BoundFrustumQueries<T> {
     structure: T,
     balls: Vec<Ball>,

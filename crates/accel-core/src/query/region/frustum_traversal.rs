@@ -1,4 +1,4 @@
-//! What a structure must do to be asked by frusta.
+//! Structures that answer frustum queries.
 
 use std::ops::ControlFlow;
 
@@ -8,8 +8,8 @@ use crate::structure::Structure;
 /// A structure that can be traversed by a frustum.
 pub trait FrustumTraversal: Structure<f64> {
     /// Calls `cell` with the ids of every cell that the frustum meets, some of them more than once,
-    /// and with a depth ([`Frustum::depth`]) that neither this cell nor any later one begins before.
-    /// Ends when `cell` breaks.
+    /// and with a depth ([`Frustum::depth`]) that neither this cell nor any later one begins
+    /// before. Ends when `cell` breaks.
     fn traverse_frustum(
         &self,
         frustum: &Frustum,

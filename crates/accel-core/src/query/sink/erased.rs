@@ -6,8 +6,8 @@ use crate::geometry::scalar::Scalar;
 use crate::query::sink::Sink;
 
 /// A sink behind dynamic calls. Counting passes traverse with this one type, so that a traversal is
-/// compiled once for all queries and all kinds of primitives that are not timed. Steps are reported with
-/// `COUNTED` alone.
+/// compiled once for all queries and all kinds of primitives that are not timed. Steps are reported
+/// with `COUNTED` alone.
 pub struct ErasedSink<'a, S: Scalar, const COUNTED: bool = true>(&'a mut dyn SinkObject<S>);
 
 impl<'a, S: Scalar, const COUNTED: bool> ErasedSink<'a, S, COUNTED> {

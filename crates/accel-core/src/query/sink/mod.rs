@@ -11,7 +11,7 @@ use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::counters::Counters;
 use crate::query::mailbox::{Mailbox, NoMailbox};
 
-/// What a traversal sees of a query.
+/// The query, as a traversal sees it.
 #[warn(missing_docs)]
 pub trait Sink<S: Scalar> {
     /// True when the sink counts: lets an adapter skip work that is only done for counting.
@@ -21,8 +21,8 @@ pub trait Sink<S: Scalar> {
     fn t_max(&self) -> S;
     /// Tests the candidates; `Break` ends the query.
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()>;
-    /// [`Sink::test`] of the triangles of a block, at once where the set has a test for that. The block
-    /// is made of triangles of the set that the sink tests.
+    /// [`Sink::test`] of the triangles of a block, at once where the set has a test for that. The
+    /// block is made of triangles of the set that the sink tests.
     #[inline(always)]
     fn test_block(&mut self, block: &TriangleBlock<S>) -> ControlFlow<()> {
         let (ids, n) = block.ids();
@@ -109,7 +109,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P,
         self.best
     }
 
-    /// What it took so far.
+    /// The counters so far.
     #[inline(always)]
     pub(crate) fn counters(&self) -> C {
         self.counters
@@ -208,7 +208,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, 
         self.blocked
     }
 
-    /// What it took so far.
+    /// The counters so far.
     #[inline(always)]
     pub(crate) fn counters(&self) -> C {
         self.counters

@@ -1,5 +1,5 @@
-//! A sink as an object of which only tests are asked: for timed passes over sets that are not compiled into
-//! each traversal.
+//! A sink as an object of which only tests are asked: for timed passes over sets that are not
+//! compiled into each traversal.
 
 use std::ops::ControlFlow;
 
@@ -7,8 +7,8 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::TriangleBlock;
 use crate::query::sink::Sink;
 
-/// A sink behind one dynamic call a list. It counts no steps, and where the query ends stands here, so that a
-/// traversal's steps call nothing.
+/// A sink behind one dynamic call a list. It counts no steps, and where the query ends stands here,
+/// so that a traversal's steps call nothing.
 pub(crate) struct RelayedSink<'a, S: Scalar> {
     query: &'a mut dyn Tests<S>,
     is_any_hit: bool,

@@ -26,8 +26,8 @@ use crate::query::way::TraversalTrace;
 use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
 
-/// The one implementation of [`Tracer`]. `H` holds the primitives: a reference, or a box for a
-/// view that nobody else keeps.
+/// A structure bound to its primitives: the [`Tracer`] of static scenes. `H` holds the primitives:
+/// a reference, or a box for a view that nobody else keeps.
 pub struct Bound<S, H, T> {
     prims: H,
     structure: T,
@@ -50,8 +50,8 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         Self { mailbox, ..self }
     }
 
-    /// The same with the lists of the structure as blocks, where it has lists and blocks serve `over`:
-    /// the set that it was built over, or the same primitives under the default tests.
+    /// The same with the lists of the structure as blocks, where it has lists and blocks serve
+    /// `over`: the set that it was built over, or the same primitives under the default tests.
     ///
     /// # Errors
     /// [`OutOfMemory`] where memory does not allow them.
@@ -71,7 +71,8 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
         Self { is_updated: !matches!(change, Change::Rebuilt), ..self }
     }
 
-    /// [`Bound::with_blocks`] where there were blocks in the frame before, and some lists have changed since.
+    /// [`Bound::with_blocks`] where there were blocks in the frame before, and some lists have
+    /// changed since.
     ///
     /// # Errors
     /// [`OutOfMemory`].

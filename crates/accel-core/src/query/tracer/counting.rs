@@ -1,5 +1,6 @@
-//! The counting pass. It reaches the structure through one dynamic call per ray and traverses with the one
-//! [`ErasedSink`], so that it is compiled once for each kind of primitive, not for each structure.
+//! The counting pass. It reaches the structure through one dynamic call per ray and traverses with
+//! the one [`ErasedSink`], so that it is compiled once for each kind of primitive, not for each
+//! structure.
 
 use super::nearby::{closest, near};
 use super::{ShadowCount, ShadowRule};
@@ -88,7 +89,7 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         TraversalTrace { steps, hit: hits[0], counters: total }
     }
 
-    /// What every shadow ray meets.
+    /// Finds the occlusions of each shadow ray.
     fn occlusions(
         &self,
         rays: &[Ray<S>],

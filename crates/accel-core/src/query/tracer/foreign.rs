@@ -1,7 +1,7 @@
-//! What is to be known of a tracer whose code is not compiled into this program.
+//! Tracers whose code is not compiled into this program.
 
-/// A structure that comes out of a file, and may answer in a process of its own. Its calls are timed
-/// where they are made, so that no way there and back is counted.
+/// A structure that comes out of a file, and may answer in a process of its own. Its calls are
+/// timed where they are made, so that no way there and back is counted.
 ///
 /// A batch is answered in one call, whatever the number of threads: it divides rays among its own.
 pub trait Foreign: Sync {
@@ -11,8 +11,8 @@ pub trait Foreign: Sync {
     fn build_seconds(&self) -> f64;
     /// Seconds of the calls that answered rays since this was asked last.
     fn take_seconds(&self) -> f64;
-    /// What part of the time of all calls that answered rays went to threads other than the one that asked;
-    /// 0 where that is not known.
+    /// What part of the time of all calls that answered rays went to threads other than the one
+    /// that asked; 0 where that is not known.
     fn share_of_other_threads(&self) -> f64;
     /// Why nothing that it answers counts: how its process ended.
     fn failure(&self) -> Option<String>;

@@ -1,9 +1,10 @@
 //! Tracing a set whose primitives move.
 //!
-//! A structure has one traversal for what counts, with the one [`ErasedSink`], and one for what is timed, with the one
-//! [`RelayedSink`]: motion costs no structure a traversal for each query and mailbox. Where a structure's traversals are
-//! worth their time in the compiler (`COMPILED`), those without a mailbox have the query itself compiled in, as those of
-//! scenes at rest have. Scenes at rest are traced by [`Bound`](super::Bound) as ever.
+//! A structure has one traversal for what counts, with the one [`ErasedSink`], and one for what is
+//! timed, with the one [`RelayedSink`]: motion costs no structure a traversal for each query and
+//! mailbox. Where a structure's traversals are worth their time in the compiler (`COMPILED`), those
+//! without a mailbox have the query itself compiled in, as those of scenes at rest have. Scenes at
+//! rest are traced by [`Bound`](super::Bound) as ever.
 
 use std::ops::Deref;
 

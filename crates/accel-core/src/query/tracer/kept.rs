@@ -11,7 +11,8 @@ pub struct KeptStructure(Box<dyn Any + Send>);
 
 pub struct Before<'m> {
     pub kept: KeptStructure,
-    /// Ids of the primitives that stand elsewhere now or have another shape, ascending. All others are the same.
+    /// Ids of the primitives that stand elsewhere now or have another shape, ascending. All others
+    /// are the same.
     pub moved: &'m [u32],
 }
 

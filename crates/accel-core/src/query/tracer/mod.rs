@@ -62,7 +62,7 @@ pub trait Tracer<S: Scalar>: Send + Sync {
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters;
-    /// What was built.
+    /// Statistics of the built structure.
     fn stats(&self) -> StructureStats;
     /// The structure's cells: [`crate::structure::Structure::cells`].
     ///
@@ -78,7 +78,8 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     fn way(&self, _ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
         Err(NoCells::UNTOLD)
     }
-    /// The structure alone, to be taken to the next frame; none where there is nothing but to build anew.
+    /// The structure alone, to be taken to the next frame; none where there is nothing but to build
+    /// anew.
     fn released(self: Box<Self>) -> Option<KeptStructure> {
         None
     }
@@ -86,17 +87,17 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     fn is_updated(&self) -> bool {
         false
     }
-    /// How a batch is answered while nothing is counted. A library's own primitive test differs from
-    /// that of the set by its rounding, and by its defects.
+    /// How a batch is answered while nothing is counted. A library's own primitive test differs
+    /// from that of the set by its rounding, and by its defects.
     fn batches(&self) -> Batches {
         Batches::RayByRay
     }
-    /// What is to be known of it where its code is not of this program.
+    /// The interface of foreign code; `None` if the code is compiled into this program.
     fn foreign(&self) -> Option<&dyn Foreign> {
         None
     }
-    /// The types of the primitives and of the structure that its traversals are compiled for, as the
-    /// compiler names them: tracers of the same name run the same instructions.
+    /// The types of the primitives and of the structure that its traversals are compiled for, as
+    /// the compiler names them: tracers of the same name run the same instructions.
     fn code(&self) -> &'static str {
         std::any::type_name::<Self>()
     }

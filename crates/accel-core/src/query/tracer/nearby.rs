@@ -5,8 +5,8 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::mailbox::MailboxSource;
 
-/// The ray, or the one that it was brought near as, kept in `moved`, and what its parameters became; none where
-/// it cannot hit anything.
+/// The ray, or the one that it was brought near as, kept in `moved`, and what its parameters
+/// became; none where it cannot hit anything.
 #[inline(always)]
 pub(crate) fn brought_near<'r, S: Scalar>(
     ray: &'r Ray<S>,

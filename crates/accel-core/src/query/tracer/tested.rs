@@ -1,5 +1,5 @@
-//! Structures built over a set whose primitives are tested as another set does, and the settings that all
-//! structures have or may have.
+//! Structures built over a set whose primitives are tested as another set does, and the settings
+//! that all structures have or may have.
 
 use super::kept::{Before, Parts};
 use super::{Bound, Tracer};
@@ -65,8 +65,8 @@ impl TestChoice {
     }
 }
 
-/// Builds `T` over a set; its traversals test the primitives of `prims`, the same ones, perhaps under
-/// other tests.
+/// Builds `T` over a set; its traversals test the primitives of `prims`, the same ones, perhaps
+/// under other tests.
 pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structure<S>>(
     over: &B,
     prims: &'a P,

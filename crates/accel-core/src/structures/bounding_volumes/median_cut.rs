@@ -40,8 +40,8 @@ impl<S: Scalar> Centres<S> {
         });
     }
 
-    /// Cuts ids, then both parts, again and again, where `lower` says how many of so many come to the front; on
-    /// all threads.
+    /// Cuts ids, then both parts, again and again, where `lower` says how many of so many come to
+    /// the front; on all threads.
     pub(crate) fn cut_again(
         &self,
         ids: &mut [u32],

@@ -10,11 +10,11 @@ use crate::primitives::PrimSet;
 
 /// A closed volume around primitives.
 pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
-    /// What its test needs to know of a ray, computed once a ray.
+    /// Data of a ray that the test needs, computed once per ray.
     type RaySetup;
 
-    /// The volume around the primitives, padded so that no rounding, of the test or of a hit
-    /// point, loses a hit. The boxes are [`crate::historical::bounds_rule::BoundsRule::Padded`] ones.
+    /// The volume around the primitives, padded so that no rounding, of the test or of a hit point,
+    /// loses a hit. The boxes are [`crate::historical::bounds_rule::BoundsRule::Padded`] ones.
     fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self;
 
     fn setup(ray: &Ray<S>) -> Self::RaySetup;

@@ -1,7 +1,7 @@
 //! Rigid parts in the next frame: the structures of objects stay, copies are where they stand now.
 //!
-//! An object's structure stays in the space that its first copy had when it was built; from the next frame on a ray
-//! is carried there from the first copy as well.
+//! An object's structure stays in the space that its first copy had when it was built; from the
+//! next frame on a ray is carried there from the first copy as well.
 
 use glam::DAffine3;
 
@@ -13,7 +13,7 @@ use crate::primitives::PrimSet;
 /// How much more than it needs a margin is when objects are built, so that it serves other frames.
 pub(super) const ROOM_FOR_FRAMES: f64 = 4.0;
 
-/// What an update needs of the build.
+/// State of the build that updates need.
 pub(super) struct Frames<S: Scalar> {
     pub objects: Vec<FirstCopy>,
     /// The boxes of the copies, as the upper structure was built over them.
@@ -54,9 +54,9 @@ impl FirstCopy {
 }
 
 impl<S: Scalar> Frames<S> {
-    /// Places all copies as the parts of these primitives are; `count` says how many primitives an object has. False
-    /// where that cannot be: something moved that is part of nothing, a part is another one, or rounding there is
-    /// more than margins are for. All is of no use then.
+    /// Places all copies as the parts of these primitives are; `count` says how many primitives an
+    /// object has. False where that cannot be: something moved that is part of nothing, a part is
+    /// another one, or rounding there is more than margins are for. All is of no use then.
     pub fn place<P: PrimSet<S>>(
         &mut self,
         copies: &mut [Copy<S>],

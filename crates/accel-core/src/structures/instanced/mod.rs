@@ -1,16 +1,18 @@
-//! Two levels over a scene of copies: a structure over the boxes of all copies, and one over each object.
+//! Two levels over a scene of copies: a structure over the boxes of all copies, and one over each
+//! object.
 //!
-//! Papers: S. M. Rubin, T. Whitted, "A 3-Dimensional Representation for Fast Rendering of Complex Scenes",
-//! SIGGRAPH 1980 (objects within the spaces of others, rays carried into them); I. Wald, C. Benthin,
-//! P. Slusallek, "Distributed Interactive Ray Tracing of Dynamic Scenes", PVG 2003 (two levels of the same
-//! structure, the lower ones built once and never again).
+//! Papers: S. M. Rubin, T. Whitted, "A 3-Dimensional Representation for Fast Rendering of Complex
+//! Scenes", SIGGRAPH 1980 (objects within the spaces of others, rays carried into them); I. Wald,
+//! C. Benthin, P. Slusallek, "Distributed Interactive Ray Tracing of Dynamic Scenes", PVG 2003 (two
+//! levels of the same structure, the lower ones built once and never again).
 //!
-//! Deviations: an object's structure stands in the space of its first copy, so that this one's rays need not be
-//! carried anywhere. It says which primitives to test; they are tested where they stand, in the world, as by all
-//! other structures: answers are theirs to the bit. What copies do not share by rounding, and what carrying a
-//! ray adds, is a margin of the boxes. Primitives that are copies of nothing are one more object. A scene
-//! without copies is one object. With `update=instances` each rigid part is an object, also one that stands alone,
-//! and between frames the upper structure alone is built (`frames.rs`).
+//! Deviations: an object's structure stands in the space of its first copy, so that this one's rays
+//! need not be carried anywhere. It says which primitives to test; they are tested where they
+//! stand, in the world, as by all other structures: answers are theirs to the bit. What copies do
+//! not share by rounding, and what carrying a ray adds, is a margin of the boxes. Primitives that
+//! are copies of nothing are one more object. A scene without copies is one object. With
+//! `update=instances` each rigid part is an object, also one that stands alone, and between frames
+//! the upper structure alone is built (`frames.rs`).
 
 mod frames;
 mod object;
@@ -46,8 +48,8 @@ pub struct InstancedStructure<S: Scalar, T> {
     frames: Option<Frames<S>>,
 }
 
-/// Objects that stand several times, of rigid `parts` each that stands alone, and whatever is left, before anything
-/// is built.
+/// Objects that stand several times, of rigid `parts` each that stands alone, and whatever is left,
+/// before anything is built.
 fn plan<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     parts: &[Instance],
@@ -200,7 +202,8 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
         }
     }
 
-    /// N_IN holds all cells of the upper structure. An object's cells count once, however often it stands.
+    /// N_IN holds all cells of the upper structure. An object's cells count once, however often it
+    /// stands.
     fn stats(&self) -> StructureStats {
         let upper = self.upper.stats();
         let mut all = StructureStats {
@@ -221,7 +224,8 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
         all
     }
 
-    /// Of a scene without copies. The cells of an object that stands several times are in no copy's place.
+    /// Of a scene without copies. The cells of an object that stands several times are in no copy's
+    /// place.
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         let [Object { structure, .. }] = &self.objects[..] else { return Err(IN_NO_PLACE) };
         if self.copies.len() > 1 {

@@ -55,8 +55,8 @@ pub(super) struct Copy<S: Scalar> {
 }
 
 impl<S: Scalar> Copy<S> {
-    /// The ray in the space of the first copy, with the same parameters; `None` if its direction is no common
-    /// one there.
+    /// The ray in the space of the first copy, with the same parameters; `None` if its direction is
+    /// no common one there.
     #[inline(always)]
     pub fn carried(&self, ray: &Ray<S>) -> Option<Ray<S>> {
         let Some(to_first) = &self.to_first else { return Some(*ray) };
@@ -72,9 +72,9 @@ impl<S: Scalar> Copy<S> {
     }
 }
 
-/// By how many epsilons the boxes of an object's primitives are larger than those of its first copy: twice what
-/// padded boxes are, for the coordinates of the world where copies are rounded, brought here, and for those of
-/// the ray here.
+/// By how many epsilons the boxes of an object's primitives are larger than those of its first
+/// copy: twice what padded boxes are, for the coordinates of the world where copies are rounded,
+/// brought here, and for those of the ray here.
 pub(super) fn margin(to_first: impl Iterator<Item = Option<DAffine3>>, magnitude: f64) -> f64 {
     let carried = |to_first: DAffine3| {
         stretch(&to_first.matrix3) * magnitude + to_first.translation.abs().max_element()
@@ -87,7 +87,8 @@ pub(super) fn padding_of<S: Scalar>(magnitude: S) -> S {
     (S::EPSILON * magnitude * S::from_f64(2.0 * PADDING_ULPS)).greater(S::from_f64(2e-30))
 }
 
-/// The boxes of copies or of an object's primitives, as a set that structures divide and nobody tests.
+/// The boxes of copies or of an object's primitives, as a set that structures divide and nobody
+/// tests.
 pub(super) struct Boxes<'a, S: Scalar>(pub &'a [Aabb<S>]);
 
 impl<S: Scalar> PrimSet<S> for Boxes<'_, S> {

@@ -1,6 +1,6 @@
-//! The sinks between the levels: the upper one hands a ray to the objects whose copies it meets, the lower one
-//! hands their primitives to the query. The query is an object to both, so that a level's traversal is compiled
-//! once for all queries.
+//! The sinks between the levels: the upper one hands a ray to the objects whose copies it meets,
+//! the lower one hands their primitives to the query. The query is an object to both, so that a
+//! level's traversal is compiled once for all queries.
 
 use std::ops::ControlFlow;
 
@@ -10,10 +10,11 @@ use crate::geometry::scalar::Scalar;
 use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::Structure;
 
-/// Copies that a ray was handed to lately, so that it is not handed to them once more by the next cell.
+/// Copies that a ray was handed to lately, so that it is not handed to them once more by the next
+/// cell.
 const REMEMBERED: usize = 8;
 
-/// What the upper level sees of a query.
+/// The sink of the upper level: passes instances on to their objects.
 pub(super) struct WorldSink<'a, 'q, S: Scalar, T, const COUNTED: bool> {
     copies: &'a [Copy<S>],
     objects: &'a [Object<T>],
@@ -102,7 +103,7 @@ impl<S: Scalar, T: Structure<S>, const COUNTED: bool> Sink<S> for WorldSink<'_, 
 /// Ids that are handed on at once.
 const AT_ONCE: usize = 16;
 
-/// What the structure of an object sees of a query.
+/// The sink of an object's structure: maps hits back to the world.
 struct ObjectSink<'a, 'q, S: Scalar, const COUNTED: bool> {
     query: &'a mut ErasedSink<'q, S, COUNTED>,
     members: &'a Members,

@@ -74,7 +74,7 @@ impl Cells {
     }
 }
 
-/// What a setting limits, in errors.
+/// Name of the limited quantity in errors.
 pub(super) const REFERENCES: &str = "references in cells";
 
 /// Something would be larger than it may.

@@ -1,5 +1,5 @@
-//! The ways of many rays over the lattice, side by side: [`Course`](super::course::Course) axis by axis, with a ray
-//! in each lane, to the same bits.
+//! The ways of many rays over the lattice, side by side: [`Course`](super::course::Course) axis by
+//! axis, with a ray in each lane, to the same bits.
 
 use wide::{i32x8, u32x8};
 
@@ -10,8 +10,8 @@ use crate::query::side_by_side::{EIGHTS, RAYS};
 use crate::structures::irregular_grid::course::LatticeFrame;
 use crate::structures::irregular_grid::voxels::{Records, Voxels};
 
-/// Eight rays in lattice cells and where they are, by axis and lane; kept as numbers, of which single lanes are
-/// replaced.
+/// Eight rays in lattice cells and where they are, by axis and lane; kept as numbers, of which
+/// single lanes are replaced.
 #[derive(Clone, Copy)]
 #[repr(C, align(32))]
 struct EightCourses<S> {
@@ -106,8 +106,8 @@ impl<S: Scalar> Courses<S> {
         lists
     }
 
-    /// Goes on to where they leave these; a bit for each that does not, as it leaves the lattice or comes to its
-    /// end.
+    /// Goes on to where they leave these; a bit for each that does not, as it leaves the lattice or
+    /// comes to its end.
     #[inline(always)]
     pub(super) fn leave(&mut self, t_max: &[S; RAYS], place: &LatticeFrame<S>) -> u32 {
         let mut over = 0;

@@ -108,7 +108,7 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
-/// What the two builds differ in.
+/// Parameters in which the two builds differ.
 #[derive(Debug, Clone, Copy)]
 struct Effort {
     longest_list: u64,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
 use crate::structures::irregular_grid::overlap::Overlap;
 
-/// What is built over, whatever the scalar and the set.
+/// The input of a build, independent of scalar and primitive set.
 pub(super) trait Source {
     fn len(&self) -> u32;
     /// The padded box of a primitive.
@@ -21,7 +21,8 @@ pub(super) trait Source {
     fn margin(&self) -> f64;
 }
 
-/// Boxes that meet more cells of the top grid than this on average are nearly all in the same place.
+/// Boxes that meet more cells of the top grid than this on average are nearly all in the same
+/// place.
 const MOST_TOP_CELLS: f64 = 16.0;
 
 pub(super) type Pair = (u32, u32);

@@ -21,7 +21,7 @@ pub(super) struct Settings {
     pub(super) longest_list: usize,
     /// Parts wanted for each primitive of a cell that is divided.
     pub(super) density: f64,
-    /// What a step costs, in tests of a primitive.
+    /// Cost of a traversal step, in units of a primitive test.
     pub(super) step_cost: f64,
     /// Limit for the references in all lists.
     pub(super) max_references: u64,
@@ -57,7 +57,7 @@ const SAMPLED: usize = 1 << 9;
 /// So many at least.
 const SAMPLE: usize = 1 << 6;
 
-/// What all threads see.
+/// Input shared by all threads.
 #[derive(Clone, Copy)]
 struct SharedInput<'a> {
     placement: Placement<'a>,
@@ -236,8 +236,8 @@ impl<'a> Worker<'a> {
         self.cell(ids, first, std::array::from_fn(|k| first[k] + (1 << levels[k]) - 1))
     }
 
-    /// Whether a sample of the primitives lets a division appear worth its time: placing all of them
-    /// only to find that they repeat would take that of as many parts.
+    /// Whether a sample of the primitives lets a division appear worth its time: placing all of
+    /// them only to find that they repeat would take that of as many parts.
     fn may_pay(&mut self, ids: Range<usize>, division: &Division, growth: f64) -> bool {
         let every = ids.len() / SAMPLE;
         let sample: Vec<u32> = self.ids[ids].iter().copied().step_by(every).collect();

@@ -66,8 +66,8 @@ impl Voxel {
         ([a, b, c], [d, e, f])
     }
 
-    /// The parts of a divided one that begins at lattice point `first` and has sides `1 << shift`, and the
-    /// number of the first one's record.
+    /// The parts of a divided one that begins at lattice point `first` and has sides `1 << shift`,
+    /// and the number of the first one's record.
     pub(super) fn division(&self, first: [u32; 3], shift: [u32; 3]) -> (Division, usize) {
         let (inner, left) = self.bounds();
         let start: u32 = (0..3).fold(0, |sum, k| sum.wrapping_add(first[k] >> inner[k] << left[k]));
@@ -134,7 +134,8 @@ impl Records {
         (self.words() + x.unbounded_shr(right[0]) + y + z) & u32x8::splat(!DIVIDED)
     }
 
-    /// Of undivided ones, the coordinates after the last of their boxes, or the first on axes with -1.
+    /// Of undivided ones, the coordinates after the last of their boxes, or the first on axes with
+    /// -1.
     #[inline(always)]
     pub(super) fn far_planes(&self, down: &[i32x8; 3]) -> [i32x8; 3] {
         let [first, end] = self.threes();

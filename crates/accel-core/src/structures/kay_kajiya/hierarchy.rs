@@ -25,7 +25,7 @@ struct Node<S, const K: usize> {
     content: Content,
 }
 
-/// What a node holds, as a range.
+/// Contents of a node, as a range.
 #[derive(Debug, Clone, Copy)]
 enum Content {
     Inner {
@@ -155,8 +155,9 @@ fn range(first: u32, count: u32) -> std::ops::Range<usize> {
     first as usize..(first + count) as usize
 }
 
-/// What each node over so many ids holds, parents before children, and where the levels of nodes stand. Every cut
-/// halves, so no leaf lies deeper than the logarithm of the number of primitives, whatever they look like.
+/// What each node over so many ids holds, parents before children, and where the levels of nodes
+/// stand. Every cut halves, so no leaf lies deeper than the logarithm of the number of primitives,
+/// whatever they look like.
 fn contents(
     ids: usize,
     settings: &Settings<KayKajiyaConfig>,
@@ -197,8 +198,8 @@ fn halved(ids: usize, leaf_size: usize) -> Option<usize> {
     (ids > leaf_size).then(|| ids.div_ceil(2))
 }
 
-/// The children of a node over so many ids: up to so many as it may have, by halving those that are too large
-/// for a leaf.
+/// The children of a node over so many ids: up to so many as it may have, by halving those that are
+/// too large for a leaf.
 fn parts(ids: usize, settings: &Settings<KayKajiyaConfig>) -> Vec<usize> {
     let mut parts = vec![ids];
     while parts.len() < settings.branching && parts.iter().any(|&n| n > settings.leaf_size) {

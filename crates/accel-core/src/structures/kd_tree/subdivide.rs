@@ -40,7 +40,7 @@ pub(super) fn cells<S: Scalar>(
 static CELLS: Counted = Counted::cells("number of cells", 16);
 static REFERENCES: Counted = Counted::references("references in cells");
 
-/// What does not change during a build.
+/// Settings that stay constant during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
     config: &'a KdTreeConfig,

@@ -1,4 +1,4 @@
-//! What it takes to get right answers from `obvhs` 0.4, and the settings of it.
+//! Workarounds that make `obvhs` 0.4 answer correctly, and their settings.
 //!
 //! As shipped, its CwBvh loses every hit of a ray with a -0.0 direction component and every hit
 //! nearer than t = 1e-4; both of its BVHs cap 1/0 at 2^23, so that a ray parallel to a face
@@ -45,7 +45,7 @@ pub(crate) const KERNEL: ParamSpec = ParamSpec::choice("kernel", "block", &["sca
               measured; scalar: one by one, through their ids",
     );
 
-/// What boxes and rays are padded by, for the price of it: with the feature `compiled-tests` alone.
+/// Padding of boxes and rays; exists only with the feature `compiled-tests`, to measure its cost.
 #[cfg(feature = "compiled-tests")]
 pub(crate) const PADDING: ParamSpec = ParamSpec::choice("padding", "default", &["default", "none"])
     .about("for comparison: none leaves out what keeps rounding from losing boxes that hold hits");
@@ -55,12 +55,12 @@ pub(crate) fn is_unpadded(params: &Params) -> bool {
     params.get("padding") == Some("none")
 }
 
-/// What is wrong then.
+/// The known defect of this setting.
 pub(crate) const UNPADDED: &str = "boxes are not padded: hits at their faces are lost to rounding";
 
 pub(crate) const VARIANTS: &[&str] = &["adapter=direct", "", "preset=fastest adapter=direct"];
 
-/// What both rows do differently.
+/// Deviations common to both rows.
 pub(crate) const DEVIATIONS: &str = "library code; our primitive tests, our robust ray setup; \
                                      nested boxes and too deep subtrees are halved at medians";
 
@@ -92,7 +92,7 @@ pub(crate) fn known_defect(params: &Params) -> Option<&'static str> {
     }
 }
 
-/// What is built, and how it is asked.
+/// Settings of the build and of queries.
 #[derive(Clone)]
 pub struct AdapterConfig {
     pub(crate) preset: obvhs::BvhBuildParams,

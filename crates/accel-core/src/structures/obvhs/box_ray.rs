@@ -25,7 +25,7 @@ impl<S: Scalar> RaySetup<S> {
         Self::Robust { unit: magnitude.to_unit_size() }
     }
 
-    /// What coordinates are multiplied by.
+    /// Factor that coordinates are multiplied by.
     pub(crate) fn unit(&self) -> f64 {
         match self {
             Self::AsShipped => 1.0,
@@ -48,7 +48,8 @@ impl<S: Scalar> RaySetup<S> {
         }
     }
 
-    /// [`RaySetup::ray`] of [`Length::Own`] for eight rays whose intervals begin at their origins or later.
+    /// [`RaySetup::ray`] of [`Length::Own`] for eight rays whose intervals begin at their origins
+    /// or later.
     #[inline(always)]
     pub(crate) fn ray_lanes(&self, rays: &RayLanes<S>) -> BoxRayLanes<S> {
         let unit = match *self {
@@ -81,7 +82,7 @@ impl<S: Scalar> RaySetup<S> {
     }
 }
 
-/// What the direction of a ray for boxes is as long as.
+/// Rule for the length of the ray direction in box tests.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Length {
     /// The ray's own in f32, its largest component in [1, 2) in f64 or where it starts earlier.
@@ -106,18 +107,19 @@ pub(crate) struct BoxRayLanes<S: Scalar> {
     pub(crate) parameters: [BoxParameters<S>; LANES],
 }
 
-/// What our parameters are on a [`BoxRay`].
+/// Maps our ray parameters to those of a [`BoxRay`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoxParameters<S> {
     /// So many times ours.
     scale: S,
-    /// Our `t` is at most `t * scale + lead`: how far the ray starts before the true origin, or a little
-    /// more.
+    /// Our `t` is at most `t * scale + lead`: how far the ray starts before the true origin, or a
+    /// little more.
     lead: f32,
 }
 
-/// CwBvh ignores boxes that begin or end before t = 1e-4. A ray that starts this much before its origin
-/// finds them, in units of the scene's size if the largest component of its direction is in [1, 2).
+/// CwBvh ignores boxes that begin or end before t = 1e-4. A ray that starts this much before its
+/// origin finds them, in units of the scene's size if the largest component of its direction is in
+/// [1, 2).
 const LEAD: f32 = 1.0625e-4;
 /// Of a direction this much shorter, 1e-4 is a tenth of an ulp: no padded box ends before it.
 const BRIEF: f32 = f32::from_bits((127 - 14) << 23);

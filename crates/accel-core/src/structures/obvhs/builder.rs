@@ -1,16 +1,16 @@
 //! Builds obvhs's trees in the steps of its own `build_bvh2` and `build_cwbvh`, so that each scene
 //! gets one that its traversal can take.
 //!
-//! Its agglomeration joins pairs that choose each other. Of boxes that lie one within the other only
-//! the innermost two do: so many passes are needed as there are boxes, the build is quadratic, and the
-//! tree a list. Its traversals have stacks for 96 levels (binary) and 32 (eight-wide), and lose
-//! what does not fit.
+//! Its agglomeration joins pairs that choose each other. Of boxes that lie one within the other
+//! only the innermost two do: so many passes are needed as there are boxes, the build is quadratic,
+//! and the tree a list. Its traversals have stacks for 96 levels (binary) and 32 (eight-wide), and
+//! lose what does not fit.
 //!
-//! Deviations, none with `adapter=as-shipped` and `adapter=direct`: where a sample of the boxes needs many passes
-//! ([`is_nested`]), all are halved at the medians of their centres instead, before the preset's
-//! other steps; subtrees that would reach below the levels a stack has room for are halved
-//! likewise, as far down as there is room for it ([`limit_levels`]). Trees of other scenes are
-//! obvhs's own, node by node.
+//! Deviations, none with `adapter=as-shipped` and `adapter=direct`: where a sample of the boxes
+//! needs many passes ([`is_nested`]), all are halved at the medians of their centres instead,
+//! before the preset's other steps; subtrees that would reach below the levels a stack has room for
+//! are halved likewise, as far down as there is room for it ([`limit_levels`]). Trees of other
+//! scenes are obvhs's own, node by node.
 
 use glam::DVec3;
 use obvhs::BvhBuildParams;
@@ -224,7 +224,7 @@ fn halve(
     halve(nodes, pair as usize + 1, upper, pairs);
 }
 
-/// What is below a node, itself included.
+/// Summary of a subtree, its root included.
 #[derive(Debug, Clone, Copy)]
 struct Below {
     levels: u32,
@@ -238,7 +238,7 @@ impl Below {
     }
 }
 
-/// What is below each node.
+/// Summarises the subtree of each node.
 fn below(bvh: &Bvh2) -> Vec<Below> {
     let mut order = Vec::with_capacity(bvh.nodes.len());
     let mut waiting = if bvh.nodes.is_empty() { vec![] } else { vec![0] };

@@ -200,8 +200,8 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 }
 
 impl<S: Scalar> ObvhsBvh2<S> {
-    /// Fits the boxes, and triangles that the tree has copies of, to primitives of which some stand elsewhere now.
-    /// False where these would be kept in another way, and nothing was done.
+    /// Fits the boxes, and triangles that the tree has copies of, to primitives of which some stand
+    /// elsewhere now. False where these would be kept in another way, and nothing was done.
     fn refit<P: PrimSet<S>>(
         &mut self,
         prims: &P,
@@ -284,7 +284,7 @@ impl<S: Scalar> ObvhsBvh2<S> {
     }
 }
 
-/// What a leaf's node has of the tree's items.
+/// Items of a leaf.
 fn leaf_items(bvh: &Bvh2, leaf: usize) -> &[u32] {
     let (first, count) = (bvh.nodes[leaf].first_index, bvh.nodes[leaf].prim_count);
     &bvh.primitive_indices[first as usize..][..count as usize]

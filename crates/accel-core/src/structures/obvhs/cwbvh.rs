@@ -52,7 +52,8 @@ pub static INFO: StructureInfo = StructureInfo {
 pub struct ObvhsCwBvh<S: Scalar> {
     bvh: CwBvh,
     groups: Groups,
-    /// In place of ids, where the triangles are in blocks: a node's then begin at the number of one.
+    /// In place of ids, where the triangles are in blocks: a node's then begin at the number of
+    /// one.
     blocks: Option<Vec<TriangleBlock<S>>>,
     setup: RaySetup<S>,
     /// With `adapter=direct`, where it serves the set.

@@ -1,10 +1,10 @@
 //! obvhs as its authors use it: `adapter=direct`.
 //!
-//! Its own triangles ([`RtTriangle`], Moeller and Trumbore) in the order of its leaves, its own rays,
-//! `ray_traverse` for closest hits, `ray_traverse_miss` for occlusion; nothing of ours but that the
-//! answer is written. So its defects are its own as well. It serves triangles in f32; of other sets
-//! the primitives are tested by ours in its callback, as with `adapter=as-shipped`. What is counted is
-//! that, too: the library's nodes, our sink.
+//! Its own triangles ([`RtTriangle`], Moeller and Trumbore) in the order of its leaves, its own
+//! rays, `ray_traverse` for closest hits, `ray_traverse_miss` for occlusion; nothing of ours but
+//! that the answer is written. So its defects are its own as well. It serves triangles in f32; of
+//! other sets the primitives are tested by ours in its callback, as with `adapter=as-shipped`. What
+//! is counted is that, too: the library's nodes, our sink.
 
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::CwBvh;
@@ -19,7 +19,7 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::PrimSet;
 use crate::structure::{BatchAnswers, Batches};
 
-/// What both trees of obvhs answer.
+/// Queries that both trees of obvhs answer.
 pub(crate) trait Tree {
     /// The triangle of each place among its leaves.
     fn ids(&self) -> &[u32];
@@ -87,7 +87,7 @@ fn to_obvhs<S: Scalar>(v: crate::Vec3<S>) -> Vec3A {
     Vec3A::from_array(v.to_array().map(|x| x.to_f64() as f32))
 }
 
-/// What is asked beside a tree.
+/// Query data besides the tree itself.
 pub(crate) struct DirectQueries {
     /// In the order of its leaves.
     triangles: Vec<RtTriangle>,

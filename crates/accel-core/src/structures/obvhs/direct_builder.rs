@@ -4,9 +4,9 @@
 //! These functions are not called but their steps taken, for one reason: their conversion to
 //! eight-wide trees recurses, and ends the process where a binary tree is a list. So its levels are
 //! looked at between the steps where they can be too many, and those of the tree that came of it,
-//! which obvhs's stack has no room for and its traversal does not check: [`DepthError`]. A binary tree
-//! whose stack is on the heap is told its true depth, as it would panic. The trees are equal, node by
-//! node.
+//! which obvhs's stack has no room for and its traversal does not check: [`DepthError`]. A binary
+//! tree whose stack is on the heap is told its true depth, as it would panic. The trees are equal,
+//! node by node.
 
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;

@@ -1,4 +1,4 @@
-//! What a BVH of obvhs's builders is built over: boxes in f32, checked, padded and grouped.
+//! Input of the BVH builders of obvhs: boxes in f32, checked, padded and grouped.
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
@@ -82,13 +82,15 @@ pub(crate) enum Padding {
     Rounding,
     /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
     OfScene,
-    /// On each axis by so many epsilons of its own extent along that, and so many of its largest one.
+    /// On each axis by so many epsilons of its own extent along that, and so many of its largest
+    /// one.
     OfExtent { along: f64, largest: f64 },
 }
 
 impl Padding {
-    /// By how far the point in which the watertight test hits a triangle in f32 lies outside of its box, beyond what grows
-    /// with the distance of the hit: half an epsilon of both extents, and a little more (`wide_bvh/node.rs`).
+    /// By how far the point in which the watertight test hits a triangle in f32 lies outside of its
+    /// box, beyond what grows with the distance of the hit: half an epsilon of both extents, and a
+    /// little more (`wide_bvh/node.rs`).
     pub(crate) const OF_CORNERS: Self =
         Self::OfExtent { along: 0.5 + 1.0 / 32.0, largest: 0.5 + 1.0 / 32.0 };
 }
@@ -193,7 +195,8 @@ impl<S: Scalar> BoxScale<S> {
     }
 }
 
-/// Grown by a margin on each axis, in f32 and in the unit given (its reciprocal in world units), rounded outwards.
+/// Grown by a margin on each axis, in f32 and in the unit given (its reciprocal in world units),
+/// rounded outwards.
 #[inline(always)]
 fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
     let (min, max) = (b.min.to_array(), b.max.to_array());
@@ -210,8 +213,8 @@ fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
     ObvhsAabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
 }
 
-/// The number so many places further on in the order of all finite ones, in which -0 is before 0. Without branches, as
-/// nobody can guess which way a number was rounded.
+/// The number so many places further on in the order of all finite ones, in which -0 is before 0.
+/// Without branches, as nobody can guess which way a number was rounded.
 #[inline(always)]
 fn moved(x: f32, places: i32) -> f32 {
     // of negative numbers the larger ones have the smaller bits

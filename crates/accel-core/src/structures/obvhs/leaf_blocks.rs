@@ -34,8 +34,8 @@ pub(crate) fn fit<S: Scalar>(blocks: usize, limits: Limits) -> Result<(), OutOfM
     limits.fits((blocks * size_of::<TriangleBlock<S>>()) as u128)
 }
 
-/// The blocks of a binary tree, whose leaves then begin at the number of a block: theirs follow, each
-/// saying whether there is another ([`TriangleBlock::has_next`]).
+/// The blocks of a binary tree, whose leaves then begin at the number of a block: theirs follow,
+/// each saying whether there is another ([`TriangleBlock::has_next`]).
 pub(crate) fn of_binary<S: Scalar, P: PrimSet<S>>(
     bvh: &mut Bvh2,
     prims: &P,
@@ -50,8 +50,8 @@ pub(crate) fn of_binary<S: Scalar, P: PrimSet<S>>(
     all
 }
 
-/// The blocks of an eight-wide tree. The triangles of a node's leaves, up to 24, share up to three: its
-/// first primitive is then eight times the number of its first block, and a primitive's place
+/// The blocks of an eight-wide tree. The triangles of a node's leaves, up to 24, share up to three:
+/// its first primitive is then eight times the number of its first block, and a primitive's place
 /// among them, as the traversal has it, tells its block ([`block_of`]).
 pub(crate) fn of_wide<S: Scalar, P: PrimSet<S>>(
     bvh: &mut CwBvh,

@@ -1,5 +1,5 @@
-//! New boxes for a binary tree whose primitives have moved: obvhs's `refit_all` from the leaves up, and what the
-//! tree is then expected to cost.
+//! New boxes for a binary tree whose primitives have moved: obvhs's `refit_all` from the leaves up,
+//! and what the tree is then expected to cost.
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -15,8 +15,9 @@ pub(crate) fn refit(bvh: &mut Bvh2, mut bounds: impl FnMut(&Bvh2, usize) -> Aabb
     bvh.refit_all();
 }
 
-/// Expected visits to nodes and tests of primitives of a ray that meets the scene (J. D. MacDonald, K. S. Booth,
-/// "Heuristics for Ray Tracing Using Space Subdivision", The Visual Computer 6(3), 1990), both costing the same.
+/// Expected visits to nodes and tests of primitives of a ray that meets the scene (J. D. MacDonald,
+/// K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", The Visual Computer 6(3),
+/// 1990), both costing the same.
 pub(crate) fn expected_cost(bvh: &Bvh2) -> f64 {
     let area = |node: usize| f64::from(bvh.nodes[node].aabb().half_area());
     let weight = |node: usize| {

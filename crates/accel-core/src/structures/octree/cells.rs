@@ -21,7 +21,7 @@ pub(super) struct Cells<S> {
 /// Set in the link of a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// What a cell is.
+/// The kind of a cell.
 pub(super) enum Content<'a, S> {
     /// Cut by these planes; the first of its eight children.
     Inner(&'a [S; 3], u32),

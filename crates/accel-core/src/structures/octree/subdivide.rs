@@ -39,17 +39,17 @@ pub(super) fn cells<S: Scalar>(
 static CELLS: Counted = Counted::cells("number of cells", 8);
 static REFERENCES: Counted = Counted::references("references in cells");
 
-/// What does not change during a build.
+/// Settings that stay constant during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
-    /// If `historical`, as fitted to the figures of 1999: candidates for cuts and their costs are rounded to f32,
-    /// and faces across the axis only count half.
+    /// If `historical`, as fitted to the figures of 1999: candidates for cuts and their costs are
+    /// rounded to f32, and faces across the axis only count half.
     config: &'a OctreeConfig,
     max_growth: f64,
     room: CapacityLimits,
 }
 
-/// What the cuts on the way to a cell brought.
+/// Statistics of the cuts on the path to a cell.
 #[derive(Debug, Clone, Copy)]
 struct Descent {
     /// How many failed to lower the expected cost.

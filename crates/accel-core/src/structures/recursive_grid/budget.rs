@@ -1,5 +1,5 @@
-//! What the grids of a recursive grid may take of cells and references together; shared by the threads that
-//! build.
+//! What the grids of a recursive grid may take of cells and references together; shared by the
+//! threads that build.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -14,16 +14,16 @@ pub(super) struct LimitExceeded {
 
 /// A room and what is taken of it.
 ///
-/// What grids are refused, and how many voxels the last ones get, depends on what was taken before them. So
-/// that a build by several threads does not depend on their order, it goes on only as long as nothing is
-/// refused in any order ([`Budget::in_any_order`]).
+/// What grids are refused, and how many voxels the last ones get, depends on what was taken before
+/// them. So that a build by several threads does not depend on their order, it goes on only as long
+/// as nothing is refused in any order ([`Budget::in_any_order`]).
 #[derive(Debug)]
 pub(super) struct Budget {
     room: CapacityLimits,
     /// Half the room, where grids come in any order: what is given back stays taken.
     half: Option<CapacityLimits>,
     taken: Mutex<[u64; 2]>,
-    /// What was given back, where it stays taken.
+    /// Amounts given back whose reservation stays in place.
     given_back: [AtomicU64; 2],
 }
 
@@ -33,8 +33,9 @@ impl Budget {
         Self { room, half: None, taken: Mutex::default(), given_back: Default::default() }
     }
 
-    /// For grids that come in any order. All together have half the room and each, alone, the other half: what is
-    /// not over the limit here would get what it asks for in whatever order, so it gets that here.
+    /// For grids that come in any order. All together have half the room and each, alone, the other
+    /// half: what is not over the limit here would get what it asks for in whatever order, so it
+    /// gets that here.
     pub(super) fn in_any_order(room: CapacityLimits) -> Self {
         Self { half: Some(room.halved()), ..Self::new(room) }
     }
@@ -73,7 +74,7 @@ impl Budget {
         self.room.references_beside(cells).saturating_sub(references)
     }
 
-    /// What would be there with so many more cells and references.
+    /// The error for this many more cells and references.
     pub(super) fn exceeded_by(&self, more: [u64; 2]) -> LimitExceeded {
         LimitExceeded { needed: sum(*self.taken(), more) }
     }
@@ -127,8 +128,8 @@ mod tests {
         assert_eq!((budget.cells_left(), budget.references_left()), (0, 10));
     }
 
-    /// A grid of 45 references and one of 60, of which 40 are given back, fit in one order of two. In any order, neither
-    /// may be told whether the other came before.
+    /// A grid of 45 references and one of 60, of which 40 are given back, fit in one order of two.
+    /// In any order, neither may be told whether the other came before.
     #[test]
     fn in_any_order_nothing_depends_on_what_came_before() {
         let grids = [[10, 45, 0], [10, 60, 40]];

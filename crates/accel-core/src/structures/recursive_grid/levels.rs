@@ -38,14 +38,14 @@ pub(super) struct Grid<S: Scalar> {
     pub(super) children: Vec<Child<S>>,
 }
 
-/// What a voxel holds.
+/// Contents of a voxel.
 pub(super) enum Voxel<'a, S: Scalar> {
     Ids(&'a [u32]),
     Child(&'a Child<S>),
 }
 
 impl<S: Scalar> Grid<S> {
-    /// What the voxel with that index holds.
+    /// Contents of the voxel with this index.
     #[inline(always)]
     pub(super) fn voxel(&self, index: usize) -> Voxel<'_, S> {
         let list = self.lists.list(index);
@@ -116,12 +116,12 @@ impl<S: Scalar> Grid<S> {
 
 /// A voxel that holds more primitives than the threshold.
 pub(super) struct Child<S: Scalar> {
-    /// What it is to be built from; empty once that was done.
+    /// Primitive ids to build from; empty after the build.
     waiting: Mutex<Vec<u32>>,
     content: OnceLock<Content<S>>,
 }
 
-/// What became of such a voxel.
+/// Result of building a deferred voxel.
 pub(super) enum Content<S: Scalar> {
     Grid(Grid<S>),
     /// Dividing it would not have paid, or broken a limit: an elementary voxel after all.
@@ -137,12 +137,12 @@ impl<S: Scalar> Child<S> {
         Self { waiting: Mutex::new(ids.to_vec()), content: OnceLock::new() }
     }
 
-    /// What is there, if it was ever built.
+    /// Contents, if they have been built.
     pub(super) fn built_content(&self) -> Option<&Content<S>> {
         self.content.get()
     }
 
-    /// What waits to be built from.
+    /// Primitive ids still to build from.
     pub(super) fn waiting(&self) -> MutexGuard<'_, Vec<u32>> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -214,8 +214,8 @@ impl<S: Scalar> Division<S> {
         S::EPSILON * scene.magnitude() * S::from_f64(NARROWEST_VOXEL_ULPS)
     }
 
-    /// The outermost grid, over all primitives; coarser than asked for where that would multiply references too
-    /// much. Several threads make the grids that one makes.
+    /// The outermost grid, over all primitives; coarser than asked for where that would multiply
+    /// references too much. Several threads make the grids that one makes.
     pub(super) fn root(
         &mut self,
         bounds: Aabb<S>,
@@ -312,7 +312,8 @@ impl<S: Scalar> Division<S> {
         Ok(Some(Grid { frame, lists: lists.into(), children }))
     }
 
-    /// The children of a grid of this depth that are made with it, on all threads; `None` where that does not pay.
+    /// The children of a grid of this depth that are made with it, on all threads; `None` where
+    /// that does not pay.
     fn children_at_once(
         &self,
         lists: &CellLists,

@@ -137,8 +137,9 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
 }
 
-/// [`divide`] where the lists of the `changed` upper cells alone (ascending) are others than before, or hold something
-/// that moved: the leaf cells of the others are copied, stretch by stretch.
+/// [`divide`] where the lists of the `changed` upper cells alone (ascending) are others than
+/// before, or hold something that moved: the leaf cells of the others are copied, stretch by
+/// stretch.
 ///
 /// # Errors
 /// As [`divide`].
@@ -224,7 +225,7 @@ struct Part<'a> {
     counters: &'a mut [u32],
 }
 
-/// What dividing an upper cell looks at.
+/// Input of the division of an upper cell.
 struct UpperCellInput<'a, 'p, S: Scalar, P: PrimSet<S>> {
     contents: &'a Contents<'p, S, P>,
     division: &'a CellDivision<S>,

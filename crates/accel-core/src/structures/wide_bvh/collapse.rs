@@ -1,9 +1,10 @@
-//! Which nodes of a binary tree become the children of an eight-wide one, and which subtrees leaves.
+//! Which nodes of a binary tree become the children of an eight-wide one, and which subtrees
+//! leaves.
 //!
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
-//! Compressed Wide BVHs", HPG 2017, section 3.1: the least expected cost of a subtree as one to eight
-//! roots, from the leaves up. Deviations: a leaf costs what its blocks of triangles cost, not its
-//! triangles; children have no order, since traversal sorts them.
+//! Compressed Wide BVHs", HPG 2017, section 3.1: the least expected cost of a subtree as one to
+//! eight roots, from the leaves up. Deviations: a leaf costs what its blocks of triangles cost, not
+//! its triangles; children have no order, since traversal sorts them.
 
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
@@ -24,7 +25,7 @@ pub(super) const WIDTH: usize = 8;
 /// Set in the child of a node that is a leaf.
 pub(super) const LEAF: u32 = 1 << 31;
 
-/// What the collapse minimises.
+/// Cost model that the collapse minimises.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Costs {
     /// Cost of a visit to a node, that of a block of triangles being 1.
@@ -43,8 +44,8 @@ impl Choice {
     const SIDES: usize = Self::BITS * WIDTH;
     const LEAF: u64 = 1 << (2 * Self::SIDES);
 
-    /// Whether the subtree becomes a leaf; where at most `i + 1` roots are allowed, how many there are less one; where
-    /// there are `i + 1`, two or more, those on the lower child's side.
+    /// Whether the subtree becomes a leaf; where at most `i + 1` roots are allowed, how many there
+    /// are less one; where there are `i + 1`, two or more, those on the lower child's side.
     #[inline(always)]
     fn of(is_leaf: bool, roots: [u8; WIDTH], lower: [u8; WIDTH]) -> Self {
         let leaf = if is_leaf { Self::LEAF } else { 0 };
@@ -79,7 +80,7 @@ impl Choice {
     }
 }
 
-/// What is known of a subtree once all below it has been looked at.
+/// Summary of a subtree, computed bottom-up.
 #[derive(Debug, Clone, Copy)]
 struct Subtree {
     /// The least cost as at most 1 to [`WIDTH`] roots.
@@ -92,11 +93,13 @@ struct Subtree {
 pub(super) struct Collapse<'a> {
     bvh: &'a Bvh2,
     groups: &'a Groups,
-    /// By pairs of children: where their parent keeps its own. Pairs lie side by side, at odd places.
+    /// By pairs of children: where their parent keeps its own. Pairs lie side by side, at odd
+    /// places.
     choices: Vec<Choice>,
 }
 
-/// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after their parents.
+/// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after
+/// their parents.
 pub(super) struct CollapsedTree {
     pub(super) nodes: Vec<CollapsedNode>,
     /// The ids of all leaves, one after the other, and where each ends.
@@ -152,7 +155,8 @@ pub(super) fn blocks(primitives: u32) -> u32 {
 }
 
 impl<'a> Collapse<'a> {
-    /// Plans all subtrees of a tree that is not empty, after those that reach below `levels` have been halved.
+    /// Plans all subtrees of a tree that is not empty, after those that reach below `levels` have
+    /// been halved.
     pub(super) fn plan(bvh: &'a mut Bvh2, groups: &'a Groups, costs: Costs, levels: u32) -> Self {
         let (mut choices, found) = Self::choices(bvh, groups, costs);
         if found > levels {
@@ -267,7 +271,8 @@ struct CollapsePlanner<'a> {
 }
 
 impl CollapsePlanner<'_> {
-    /// A subtree once all below it has been looked at: both sides at once, `forks` times one below the other.
+    /// A subtree once all below it has been looked at: both sides at once, `forks` times one below
+    /// the other.
     fn subtree(&self, at: u32, forks: u32) -> Option<Subtree> {
         let node = &self.bvh.nodes[at as usize];
         if forks == 0 || node.is_leaf() {
@@ -280,7 +285,8 @@ impl CollapsePlanner<'_> {
         Some(self.joined(node, &lower?, &upper?))
     }
 
-    /// The same by this thread. What is not finished is on two stacks, so that each node is read once.
+    /// The same by this thread. What is not finished is on two stacks, so that each node is read
+    /// once.
     fn alone(&self, root: u32) -> Option<Subtree> {
         let mut done: Vec<Subtree> = Vec::new();
         // nodes, and whether what is below them is done
@@ -348,7 +354,8 @@ mod tests {
     use super::*;
     use crate::structures::test_scenes::Random;
 
-    /// As the paper has it: every way to share so many roots between both sides, the first of the best.
+    /// As the paper has it: every way to share so many roots between both sides, the first of the
+    /// best.
     fn shared(lower: &Subtree, upper: &Subtree, roots: usize) -> (f32, u8) {
         let mut best = (f32::INFINITY, 0);
         for of_lower in 1..roots {

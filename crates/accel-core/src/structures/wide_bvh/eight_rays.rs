@@ -1,4 +1,5 @@
-//! Eight rays of a batch: set up at once, and on their way one by one or, where they run alike, together.
+//! Eight rays of a batch: set up at once, and on their way one by one or, where they run alike,
+//! together.
 
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
@@ -11,11 +12,11 @@ use crate::structures::wide_bvh::node_ray_lanes::NodeRayLanes;
 use crate::structures::wide_bvh::packet::Packet;
 use crate::structures::wide_bvh::traversal::State;
 
-/// What nodes need of eight rays.
+/// Data of eight rays that node tests need.
 pub struct EightRays<S: Scalar> {
     rays: NodeRayLanes,
     parameters: [BoxParameters<S>; LANES],
-    /// What `rays` was made of.
+    /// Inputs from which `rays` was derived.
     origin: [[f32; LANES]; 3],
     direction: [[f32; LANES]; 3],
 }

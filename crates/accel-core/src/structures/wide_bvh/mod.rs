@@ -2,14 +2,15 @@
 //!
 //! Papers: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
-//! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT 2008
-//! (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree is built in
-//! `binary_tree/`, or with a `preset` by obvhs's agglomeration and reinsertion (see `obvhs/bvh2.rs`).
+//! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT
+//! 2008 (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree
+//! is built in `binary_tree/`, or with a `preset` by obvhs's agglomeration and reinsertion (see
+//! `obvhs/bvh2.rs`).
 //!
-//! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays are
-//! padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013,
-//! pads the slabs' rounding alone; the children that a ray meets are sorted by where it enters them,
-//! unless any hit ends the query.
+//! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays
+//! are padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT
+//! 2(2), 2013, pads the slabs' rounding alone; the children that a ray meets are sorted by where it
+//! enters them, unless any hit ends the query.
 
 mod binary_tree;
 mod collapse;
@@ -117,7 +118,7 @@ pub struct WideBvh<S: Scalar> {
     built_cost: Option<f64>,
 }
 
-/// What is built, and how it is asked.
+/// Settings of the build and of queries.
 #[derive(Clone)]
 pub struct WideBvhConfig {
     adapter: AdapterConfig,

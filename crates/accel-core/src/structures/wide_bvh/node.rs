@@ -6,8 +6,8 @@ use wide::f32x8;
 use super::collapse::{LEAF, WIDTH};
 use crate::geometry::lanes::{Eight, Lanes};
 
-/// Eight boxes in f32, by plane; 224 bytes in four cache lines of their own, which is faster than without
-/// the gap.
+/// Eight boxes in f32, by plane; 224 bytes in four cache lines of their own, which is faster than
+/// without the gap.
 #[repr(C, align(64))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
@@ -40,12 +40,14 @@ impl Node {
 
 /// A ray as nodes are tested with it.
 ///
-/// Boxes are padded for what the rounding of corners does at a triangle's own extent (`Padding::OF_CORNERS`). What is
-/// missing is added to the ray, so that boxes are found that hold a hit:
+/// Boxes are padded for what the rounding of corners does at a triangle's own extent
+/// (`Padding::OF_CORNERS`). What is missing is added to the ray, so that boxes are found that hold
+/// a hit:
 /// * Where it enters: all that rounding does besides, to either end, as a shift of the origin.
-/// * Where it leaves: the rounding of the origin's product, about an ulp of its coordinate; on axes along which the ray
-///   hardly runs the shift, too. No more, so that a ray which leaves a face is not within the boxes of that face. For
-///   primitives other than triangles under the watertight test in f32 both ends are shifted.
+/// * Where it leaves: the rounding of the origin's product, about an ulp of its coordinate; on axes
+///   along which the ray hardly runs the shift, too. No more, so that a ray which leaves a face is
+///   not within the boxes of that face. For primitives other than triangles under the watertight
+///   test in f32 both ends are shifted.
 ///
 /// That test hits, at no negative parameter, a point of the triangle of its rounded corners: it finds signs exactly
 /// (`primitives/precise.rs`). A corner at `a` along an axis and `z` along the longest axis of the direction, from the
@@ -56,18 +58,20 @@ impl Node {
 /// padding. The distance, which is none where a box ends behind the origin, is in the shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NodeRay {
-    /// A plane is met at `plane * inverse + offset`: planes where boxes are entered, and those where they are
-    /// left.
+    /// A plane is met at `plane * inverse + offset`: planes where boxes are entered, and those
+    /// where they are left.
     inverse: [[f32x8; 3]; 2],
     offset: [[f32x8; 3]; 2],
-    /// Of the planes where boxes are entered, by axis, and of those where they are left: see [`PLANES`].
+    /// Of the planes where boxes are entered, by axis, and of those where they are left: see
+    /// [`PLANES`].
     planes: &'static [[usize; 3]; 2],
 }
 
 /// By which octant a direction lies in: axis `k` is bit `k`, set where it is negative.
 const OCTANTS: usize = 8;
 
-/// By octant, where the planes that its rays meet first, and last, stand in a node: bytes from its begin.
+/// By octant, where the planes that its rays meet first, and last, stand in a node: bytes from its
+/// begin.
 static PLANES: [[[usize; 3]; 2]; OCTANTS] = {
     let mut all = [[[0; 3]; 2]; OCTANTS];
     let mut octant = 0;
@@ -85,15 +89,16 @@ static PLANES: [[[usize; 3]; 2]; OCTANTS] = {
 };
 
 pub(super) const EPSILON: f32 = f32::EPSILON;
-/// Along axes on which a direction has a smaller part of its largest component both ends are shifted: where a reciprocal is cut
-/// off ([`LARGE`]), a plane is met too early.
+/// Along axes on which a direction has a smaller part of its largest component both ends are
+/// shifted: where a reciprocal is cut off ([`LARGE`]), a plane is met too early.
 pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
-/// More than the reciprocal of any component that counts, and less than overflows in a scene of unit
-/// size.
+/// More than the reciprocal of any component that counts, and less than overflows in a scene of
+/// unit size.
 pub(super) const LARGE: f32 = 1e37;
-/// By so many epsilons, and so many of the origin's largest coordinate, origins are shifted. 24 of a scene's largest coordinate,
-/// below 2, for weights; of a hit's distance, below that and the origin's, at either end one for corners, one for the
-/// slope, two for the slab; two of the origin's coordinate for its product and for its rounding in f64; the rest is left over.
+/// By so many epsilons, and so many of the origin's largest coordinate, origins are shifted. 24 of
+/// a scene's largest coordinate, below 2, for weights; of a hit's distance, below that and the
+/// origin's, at either end one for corners, one for the slope, two for the slab; two of the
+/// origin's coordinate for its product and for its rounding in f64; the rest is left over.
 pub(super) const SHIFT: [f32; 2] = [76.0, 14.0];
 /// Of the product of a ray's origin: it is rounded, and so is its sum with this.
 pub(super) const PRODUCT_ROUNDING: f32 = (1.0 + 1.0 / 32.0) * EPSILON;
@@ -102,8 +107,8 @@ pub(super) const PLANE_ROUNDING: f32 =
     if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
 
 impl NodeRay {
-    /// Of a ray in a scene of unit size, its direction neither longer than 1e18 nor shorter than 1e-18, no
-    /// component -0. `is_exact`: a triangle that ends behind the origin is not hit.
+    /// Of a ray in a scene of unit size, its direction neither longer than 1e18 nor shorter than
+    /// 1e-18, no component -0. `is_exact`: a triangle that ends behind the origin is not hit.
     #[inline(always)]
     pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
@@ -136,12 +141,14 @@ impl NodeRay {
         }
     }
 
-    /// Where a child's box is entered, by axis, and where it is left, by rays into the octant of this one.
+    /// Where a child's box is entered, by axis, and where it is left, by rays into the octant of
+    /// this one.
     #[inline(always)]
     pub(super) fn bounds(&self, node: &Node, child: usize) -> [[f32; 3]; 2] {
         let bound = |side: usize, k: usize| {
             let at = self.planes[side][k] + (child & (WIDTH - 1)) * size_of::<f32>();
-            // SAFETY: `PLANES` has the places of planes of `WIDTH` bounds, which come first in a node
+            // SAFETY: `PLANES` has the places of planes of `WIDTH` bounds, which come first in a
+            // node
             unsafe { *std::ptr::from_ref(node).byte_add(at).cast::<f32>() }
         };
         [[bound(0, 0), bound(0, 1), bound(0, 2)], [bound(1, 0), bound(1, 1), bound(1, 2)]]
@@ -193,7 +200,8 @@ mod tests {
         random.point([2.0; 3]) - 1.0
     }
 
-    /// Half of them flat on an axis, a third narrow; far from the origin of coordinates, or around it.
+    /// Half of them flat on an axis, a third narrow; far from the origin of coordinates, or around
+    /// it.
     fn triangle(random: &mut Random) -> [DVec3; 3] {
         let (size, at) = (power(random, -5.0, 0.0), signed(random) * power(random, -6.0, 0.0));
         let narrow = if random.unit() < 0.3 { power(random, -5.0, 0.0) } else { 1.0 };

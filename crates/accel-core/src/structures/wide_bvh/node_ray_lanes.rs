@@ -1,4 +1,5 @@
-//! Eight rays as nodes are tested with them, made in lanes: the same as [`NodeRay::of`] to the last bit.
+//! Eight rays as nodes are tested with them, made in lanes: the same as [`NodeRay::of`] to the last
+//! bit.
 
 use wide::f32x8;
 
@@ -51,8 +52,8 @@ impl NodeRayLanes {
         this
     }
 
-    /// A bit for each of the rays that meets the box of a child before it ends: what [`NodeRay::test`] says. All run
-    /// into the octant of `like`.
+    /// A bit for each of the rays that meets the box of a child before it ends: what
+    /// [`NodeRay::test`] says. All run into the octant of `like`.
     #[inline(always)]
     pub(super) fn meeting(
         &self,

@@ -1,14 +1,15 @@
 //! Eight rays that run alike go through the tree together: one ray stands for all of them at nodes.
 //!
-//! Papers: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray Tracing", EG 2001
-//! (packets); I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes using Dynamic Bounding Volume
-//! Hierarchies", TOG 26(1), 2007 (intervals over a packet's rays against boxes); C. Benthin, I. Wald, S. Woop,
-//! M. Ernst, W. Mark, "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
-//! Architecture", TVCG 18(9), 2012 (rays go on alone where few are left).
+//! Papers: I. Wald, P. Slusallek, C. Benthin, M. Wagner, "Interactive Rendering with Coherent Ray
+//! Tracing", EG 2001 (packets); I. Wald, S. Boulos, P. Shirley, "Ray Tracing Deformable Scenes
+//! using Dynamic Bounding Volume Hierarchies", TOG 26(1), 2007 (intervals over a packet's rays
+//! against boxes); C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and
+//! Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", TVCG 18(9),
+//! 2012 (rays go on alone where few are left).
 //!
-//! Deviations: one test of eight boxes at a node with the interval, and one of eight rays with the box of each child
-//! that it meets; at a list each ray that meets its box tests the blocks as it would alone. A node that the rays
-//! visit together counts as one step of one of them.
+//! Deviations: one test of eight boxes at a node with the interval, and one of eight rays with the
+//! box of each child that it meets; at a list each ray that meets its box tests the blocks as it
+//! would alone. A node that the rays visit together counts as one step of one of them.
 
 use super::WideBvh;
 use super::collapse::{LEAF, WIDTH};
@@ -24,8 +25,8 @@ use crate::query::sink::Sink;
 use crate::structures::obvhs::box_ray::BoxParameters;
 use wide::f32x8;
 
-/// Rays go together if their origins lie within this part of the scene's size, on each axis, and their directions
-/// within this part of their largest component.
+/// Rays go together if their origins lie within this part of the scene's size, on each axis, and
+/// their directions within this part of their largest component.
 const ALIKE: f32 = 0.125;
 
 /// So many rays that meet a node go on alone.
@@ -87,7 +88,8 @@ impl Packet {
         for k in 0..3 {
             let is_negative = negative[k] != 0;
             octant |= u32::from(is_negative) << k;
-            // where boxes are left nothing is added to single rays, but for the rounding of products
+            // where boxes are left nothing is added to single rays, but for the rounding of
+            // products
             let is_tight = is_exact && least[k + 3] >= longest * LEAST_PART;
             let behind = if is_tight { 4.0 * far * EPSILON } else { slack };
             let (front, back) = if is_negative {
@@ -125,7 +127,8 @@ impl Packet {
             sinks[first].inner_step();
             let node = &bvh.nodes[at as usize];
             let name = |child: usize| {
-                // most of what the packet meets, one of its rays meets: 5 to 15% faster on large scenes
+                // most of what the packet meets, one of its rays meets: 5 to 15% faster on large
+                // scenes
                 bvh.prefetch(node.children[child]);
                 at * WIDTH as u32 + child as u32
             };

@@ -1,10 +1,11 @@
 //! New boxes for a tree whose primitives have moved.
 //!
-//! Papers: G. van den Bergen, "Efficient Collision Detection of Complex Deformable Models using AABB Trees",
-//! Journal of Graphics Tools 2(4), 1997 (refitting, from the leaves up); C. Lauterbach, S.-E. Yoon, D. Tuft,
-//! D. Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic Scenes using BVHs", RT 2006 (to build anew once boxes
-//! have grown too much). Deviation from the latter: what is compared is the tree's expected cost, not the ratio
-//! of the areas of parents and children.
+//! Papers: G. van den Bergen, "Efficient Collision Detection of Complex Deformable Models using
+//! AABB Trees", Journal of Graphics Tools 2(4), 1997 (refitting, from the leaves up); C.
+//! Lauterbach, S.-E. Yoon, D. Tuft, D. Manocha, "RT-DEFORM: Interactive Ray Tracing of Dynamic
+//! Scenes using BVHs", RT 2006 (to build anew once boxes have grown too much). Deviation from the
+//! latter: what is compared is the tree's expected cost, not the ratio of the areas of parents and
+//! children.
 
 use obvhs::aabb::Aabb;
 
@@ -19,8 +20,8 @@ use crate::structures::obvhs::items::BoxScale;
 use crate::update::MovedIds;
 
 impl<S: Scalar> WideBvh<S> {
-    /// Fits the boxes and blocks to primitives of which some stand elsewhere now; the tree stays. Then its expected
-    /// cost; none where the lists would be of another kind, and nothing was done.
+    /// Fits the boxes and blocks to primitives of which some stand elsewhere now; the tree stays.
+    /// Then its expected cost; none where the lists would be of another kind, and nothing was done.
     pub(super) fn refit<P: PrimSet<S>>(
         &mut self,
         prims: &P,
@@ -63,7 +64,7 @@ impl<S: Scalar> WideBvh<S> {
         Ok(Some(cost.of_ray(own.first())))
     }
 
-    /// What a ray that meets the scene is expected to cost.
+    /// Expected cost of a ray that meets the scene.
     pub(super) fn expected_cost(&self, costs: Costs) -> f64 {
         let mut cost = Cost::new(costs);
         let (mut ids, mut root) = (Vec::new(), None);

@@ -1,21 +1,23 @@
-//! What of the tree waits while a ray is in some part of it.
+//! The traversal stack of the wide BVH: nodes still to visit, with their entry distances.
 
 use std::mem::MaybeUninit;
 
 use super::collapse::WIDTH;
 use super::node::{Node, NodeRay};
 
-/// Levels of the binary tree at most, and so of the wide one.
+/// Upper bound on the depth of the binary tree; collapsing only makes it shallower.
 pub(super) const LEVELS: u32 = 96;
-/// What waits while the deepest node is visited: all children but one of one node per level.
+/// Capacity: a node pushes at most `WIDTH - 1` children per level, plus one full node at the
+/// bottom.
 const ROOM: usize = LEVELS as usize * (WIDTH - 1) + WIDTH;
 
-/// Where a ray enters a child, in the upper half, and the child: nearer ones are less.
+/// Entry distance (bits of an f32 >= 0) in the upper half, node index in the lower: comparing two
+/// as integers compares their distances.
 type Entry = u64;
 
 const SIGN: u32 = 1 << 31;
 
-/// Room for a stack, apart from how many wait: that can be in a register.
+/// Memory of a stack. The length is kept apart so that it can stay in a register.
 pub struct StackStorage([MaybeUninit<Entry>; ROOM]);
 
 impl Default for StackStorage {
@@ -25,7 +27,7 @@ impl Default for StackStorage {
     }
 }
 
-/// Children that wait, nearer ones of a node above farther ones.
+/// Nodes to visit; within one parent, nearer children lie above farther ones.
 pub(super) struct Stack<'a> {
     entries: &'a mut [MaybeUninit<Entry>; ROOM],
     waiting: &'a mut usize,
@@ -78,8 +80,9 @@ impl<'a> Stack<'a> {
         None
     }
 
-    /// One of a node's children that the ray meets before `end`, the nearest of them unless any hit ends the query;
-    /// the others wait. With none the next that waits. `name` has what a child is known by here.
+    /// One of a node's children that the ray meets before `end`, the nearest of them unless any hit
+    /// ends the query; the others wait. With none the next that waits. `name` has what a child is
+    /// known by here.
     #[inline(always)]
     pub(super) fn descend(
         &mut self,

@@ -24,8 +24,8 @@ pub fn components<S: Scalar>(boxes: &[Aabb<S>], near: &NeighbourRule<S>) -> Vec<
     all
 }
 
-/// The components of these boxes, in any order: those of two halves at once, `forks` times one below the other, and
-/// then those that boxes near the other half connect.
+/// The components of these boxes, in any order: those of two halves at once, `forks` times one
+/// below the other, and then those that boxes near the other half connect.
 fn in_halves<S: Scalar>(
     boxes: &[Aabb<S>],
     near: &NeighbourRule<S>,

@@ -1,4 +1,4 @@
-//! What is seen in every pixel, by area: the exact answer that samples estimate.
+//! Visible area of each surface in every pixel: the exact answer that samples estimate.
 
 use scene_loading::Scene;
 
@@ -8,7 +8,8 @@ use super::tile::{CoveredArea, Tile};
 use crate::tracers::drawing::{Frame, Structures};
 use crate::tracers::info::Refusal;
 
-/// What the pixels of an image see, row by row: one line for each depth and primitive, in that order.
+/// What the pixels of an image see, row by row: one line for each depth and primitive, in that
+/// order.
 ///
 /// # Errors
 /// [`Refusal`], as [`super::draw`].

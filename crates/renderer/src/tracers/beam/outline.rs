@@ -13,7 +13,7 @@ use super::pyramid::Pyramid;
 /// A face seen at an angle of less than this sine is seen edge-on: it covers nothing.
 const EDGE_ON: f64 = 1e-13;
 
-/// What a convex face covers of the image.
+/// Area of the image covered by a convex face.
 #[derive(Debug, Clone)]
 pub struct Outline {
     pub id: u32,

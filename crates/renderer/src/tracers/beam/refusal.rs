@@ -1,4 +1,4 @@
-//! What beams refuse: all that is not flat, not a point, or not sharp.
+//! Scenes that beam tracing does not support: curved surfaces, area lights, blurred reflections.
 
 use accel_core::primitives::newell_normal;
 use glam::DVec3;

@@ -92,7 +92,7 @@ impl<'a> Tile<'a> {
         self.covered.as_deref().unwrap_or_default()
     }
 
-    /// What its queries cost.
+    /// Cost of its queries.
     pub fn work(&self) -> FrustumWork {
         self.work
     }

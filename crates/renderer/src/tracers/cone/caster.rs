@@ -35,10 +35,10 @@ pub struct Caster<'a> {
     pub(super) over: Structures<'a>,
 }
 
-/// What a bundle will contribute, and where in the tree it is.
+/// Contribution of a bundle, and its place in the ray tree.
 #[derive(Clone, Copy)]
 pub(super) struct Path {
-    /// What it contributes, by colour.
+    /// Contribution by colour channel.
     pub weight: Rgb,
     /// 1 for those from the eye.
     pub depth: u32,

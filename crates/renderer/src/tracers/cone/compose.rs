@@ -1,11 +1,11 @@
 //! Surfaces within one cone, combined front to back: which share of it each is seen in.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984, which keeps the nearest few
-//! intersections sorted by depth and adds what they cover until the cone is full. Deviations: adding
-//! is right where outlines lie side by side, and whether they do is tested; where they overlap, the
-//! one behind is thought hidden in proportion (independent, as alpha compositing has it: T. Porter,
-//! T. Duff, "Compositing Digital Images", SIGGRAPH 1984), and the combination says that it is not
-//! certain.
+//! intersections sorted by depth and adds what they cover until the cone is full. Deviations:
+//! adding is right where outlines lie side by side, and whether they do is tested; where they
+//! overlap, the one behind is thought hidden in proportion (independent, as alpha compositing has
+//! it: T. Porter, T. Duff, "Compositing Digital Images", SIGGRAPH 1984), and the combination says
+//! that it is not certain.
 
 use glam::DVec2;
 
@@ -38,7 +38,7 @@ pub struct Seen {
     pub centroid: DVec2,
 }
 
-/// What a cone sees.
+/// Surfaces visible to a cone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Composition {
     /// From front to back. The shares are at most 1 together; the rest is background.

@@ -33,7 +33,7 @@ impl std::ops::AddAssign for Counts {
     }
 }
 
-/// What a thread needs while it traces.
+/// Scratch memory of a tracing thread.
 #[derive(Default)]
 pub struct Scratch {
     /// Memory of the candidate queries, and their cost.

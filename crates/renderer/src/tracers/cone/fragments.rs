@@ -2,8 +2,8 @@
 //! covered.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984, which tests every object.
-//! Deviation: the region query ([`accel_core::query::region`]). What is missing because the search ended is
-//! hidden, so that the image is the same through any structure.
+//! Deviation: the region query ([`accel_core::query::region`]). What is missing because the search
+//! ended is hidden, so that the image is the same through any structure.
 
 use std::ops::ControlFlow;
 
@@ -80,8 +80,8 @@ impl Caster<'_> {
         fragments
     }
 
-    /// Whether a flat surface that a shadow cone meets at once is its neighbour in a crease: it does
-    /// not come between the middle of the footprint and the light, but the footprint, which is
+    /// Whether a flat surface that a shadow cone meets at once is its neighbour in a crease: it
+    /// does not come between the middle of the footprint and the light, but the footprint, which is
     /// thought round, sticks out through it.
     fn is_beside_footprint(&self, cone: &Cone, id: u32, place: DVec2) -> bool {
         let is_near = |depth: f64| depth < BESIDE * cone.radius;

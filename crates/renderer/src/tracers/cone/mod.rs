@@ -17,9 +17,9 @@
 //!   [`Settings::subdivisions`] times in a path.
 //! * *How good is the approximation?* A cone sees one point of each surface, the middle of what is
 //!   visible of it: light, colour and texture are those of that point. A reflected cone is round
-//!   where the true bundle is elliptic, and not wider than 45 degrees. Where outlines still overlap,
-//!   shares are guessed. A shadow's edge is blurred by the footprint and by the disc of the light as
-//!   one disc. Cones that contribute less than [`Settings::ray_below`] go on as rays.
+//!   where the true bundle is elliptic, and not wider than 45 degrees. Where outlines still
+//!   overlap, shares are guessed. A shadow's edge is blurred by the footprint and by the disc of
+//!   the light as one disc. Cones that contribute less than [`Settings::ray_below`] go on as rays.
 //! * *How does a bundle meet surfaces?* Candidates come from the structure, by a pyramid around the
 //!   cone, near ones first, until the cone is covered. Each is an outline on the cone's section: a
 //!   sphere a disc (`cover_sphere`), a polygon itself (`cover_flat`), the side of a truncated

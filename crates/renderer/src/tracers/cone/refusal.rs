@@ -1,4 +1,4 @@
-//! What cones refuse: motion, lenses and rough mirrors.
+//! Scenes that cone tracing does not support: motion, lenses and rough mirrors.
 
 use glam::DVec3;
 use scene_loading::Scene;

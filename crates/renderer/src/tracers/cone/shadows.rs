@@ -6,8 +6,8 @@
 //! is seen, so that shadows of point lights have antialiased edges, too, and ends as wide as the
 //! light. Between them it is as wide as straight lines from edge to edge: the blurs of footprint
 //! and light, which are independent, would together be at most by a factor of sqrt(2) narrower. A
-//! neighbour in a crease of a mesh, which a round footprint sticks out through, casts no shadow on it
-//! ([`super::fragments`]).
+//! neighbour in a crease of a mesh, which a round footprint sticks out through, casts no shadow on
+//! it ([`super::fragments`]).
 
 use glam::DVec3;
 use scene_loading::Rgb;

@@ -41,7 +41,7 @@ enum Continuation {
 }
 
 impl Continuation {
-    /// What a bundle that goes on from a surface contributes.
+    /// Contribution of a bundle that continues from a surface.
     fn weight(self, sight: &Sighting<'_>) -> Rgb {
         let material = sight.hit.point.material;
         let share = match self {
@@ -162,7 +162,7 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// What a ray hits.
+    /// Finds the hit of a ray.
     fn hit(
         &self,
         ray: &Ray<f64>,

@@ -12,10 +12,10 @@
 //! s_s = s + 2 k r cos a. At a = 0 both are the mirror equation: s / r = 1 / (distance of the
 //! apex), 1 / d' = 1 / d + 2 / R.
 //!
-//! Refracted from index m to m' at the angle a': with the vergence v = s / r,
-//! m' v_s' = m v - (m' cos a' - m cos a) k and m' cos^2 a' v_t' = m cos^2 a v - (m' cos a' -
-//! m cos a) k; across the plane of incidence the radius stays, within it it becomes
-//! r cos a' / cos a. At a flat surface and a = 0 this is the derivative of Snell's law: s' = s m / m'.
+//! Refracted from index m to m' at the angle a': with the vergence v = s / r, m' v_s' = m v - (m'
+//! cos a' - m cos a) k and m' cos^2 a' v_t' = m cos^2 a v - (m' cos a' - m cos a) k; across the
+//! plane of incidence the radius stays, within it it becomes r cos a' / cos a. At a flat surface
+//! and a = 0 this is the derivative of Snell's law: s' = s m / m'.
 //!
 //! The cone stays round: its spread is the geometric mean of both (the same area), or, where one
 //! grows and the other shrinks, the arithmetic mean.

@@ -14,8 +14,8 @@ use studies::reproduce::published::{SCENES, figures};
 use studies::reproduce::verdict::Verdict;
 use studies::reproduce::{ReproduceError, ReproducedRow, reproduce_scene, structures};
 
-/// Reproduces scene after scene, prints one line per figure as soon as a scene is done, and the sums;
-/// with `--strict` an unexplained difference is a failure.
+/// Reproduces scene after scene, prints one line per figure as soon as a scene is done, and the
+/// sums; with `--strict` an unexplained difference is a failure.
 ///
 /// # Errors
 /// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.

@@ -13,7 +13,7 @@ use presentation::table::Table;
 
 /// The counters that are drawn, with their colours' order.
 const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];
-/// What the table of the best settings is called.
+/// Name of the table of best settings.
 const BEST: &str = "best";
 
 /// How many agree, a plot of then and now, and the table of the best settings.

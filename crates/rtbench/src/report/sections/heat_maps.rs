@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::report::material::Material;
 use crate::report::page::{Page, SectionOutcome};
 
-/// What each picture shows.
+/// Captions of the pictures.
 static CAPTIONS: &[(&str, &str)] = &[
     ("tests", "intersection tests of each pixel"),
     ("steps", "traversal steps of each pixel"),

@@ -1,4 +1,5 @@
-//! Each scene: its picture, its answers, its bars, and its table in the manner of Havran and Sixta (1999).
+//! Each scene: its picture, its answers, its bars, and its table in the manner of Havran and Sixta
+//! (1999).
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

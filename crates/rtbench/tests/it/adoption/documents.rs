@@ -1,6 +1,7 @@
 //! What README.md and docs/ say can be typed: every command of theirs is parsed, the cheap ones are
 //! run, the synopsis has no option that is not there, what they name lies there, the table of
-//! contents has every chapter, exercises have answers, and nothing that is published names a folder of somebody's machine.
+//! contents has every chapter, exercises have answers, and nothing that is published names a folder
+//! of somebody's machine.
 
 use std::path::{Path, PathBuf};
 
@@ -268,7 +269,8 @@ fn the_readme_is_short_and_the_book_has_every_chapter() {
     }
 }
 
-/// What is wrong with the exercises of a text: one without a command, or without a folded answer behind it.
+/// What is wrong with the exercises of a text: one without a command, or without a folded answer
+/// behind it.
 fn unanswered(text: &str) -> Vec<String> {
     let exercises = text.split("\n**");
     let exercises = exercises.filter(|part| part.starts_with("Exercise.**") || is_numbered(part));

@@ -1,7 +1,7 @@
 //! The house: no cycle of modules in any crate, no arrow upwards between crates.
 //!
-//! Arrows are read off the sources: `use` paths and paths within code. A name that a module gives on
-//! (`pub use`) leads to the module that has it.
+//! Arrows are read off the sources: `use` paths and paths within code. A name that a module gives
+//! on (`pub use`) leads to the module that has it.
 
 mod imports;
 mod results;
@@ -25,8 +25,8 @@ const FLOORS: [&str; 9] = [
     "rtbench",
 ];
 
-/// Crates with cycles that are still to be broken, and how many modules are in them at most. Nothing
-/// may be added.
+/// Crates with cycles that are still to be broken, and how many modules are in them at most.
+/// Nothing may be added.
 const KNOWN: [(&str, usize); 0] = [];
 
 /// The modules of a crate by their paths (`rounds::scope`; the root is empty) and what each names.

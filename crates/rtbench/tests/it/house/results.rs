@@ -1,5 +1,6 @@
 //! Recorded runs: a folder for each study, without a day in its name, so that a new record replaces
-//! the old one; tables and CSV files only; a README and a line in `results/README.md` for each; 4 MB.
+//! the old one; tables and CSV files only; a README and a line in `results/README.md` for each; 4
+//! MB.
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -9,8 +9,8 @@ use crate::resuming::{csv, resealed, run, show};
 const ARGUMENTS: &str = "run tetra:1 tetra:2 --size 8 --rounds 2 --seed 7 \
                          -s uniform-grid:density=1,obvhs-cwbvh";
 
-/// The line with the first scene's record, from 1: before it are the manifest, the scene's beginning, and three
-/// times those of its two rows and that they passed: checked, timed, rendered.
+/// The line with the first scene's record, from 1: before it are the manifest, the scene's
+/// beginning, and three times those of its two rows and that they passed: checked, timed, rendered.
 const FINISHED: usize = 12;
 
 /// A run in a new folder of which the last scene is missing, and its journal.
@@ -107,8 +107,8 @@ fn lines_of_another_run_are_not_taken() {
     );
 }
 
-/// An edited journal wrote where it liked: what it names is not written, what the command line names
-/// is.
+/// An edited journal wrote where it liked: what it names is not written, what the command line
+/// names is.
 #[test]
 fn output_files_come_from_the_command_line() {
     let out = tempfile::tempdir().unwrap();

@@ -1,5 +1,6 @@
-//! What a second attack found, each by name: journals that are edited, results that would be written
-//! over, names that give orders to terminals, places that are no files, disks that take no more.
+//! What a second attack found, each by name: journals that are edited, results that would be
+//! written over, names that give orders to terminals, places that are no files, disks that take no
+//! more.
 
 mod disks;
 mod journals;
@@ -18,7 +19,8 @@ use accel_core::structures::REGISTRY;
 
 use crate::resuming::run_in;
 
-/// Runs the program on arguments that may hold anything; exit code, standard output, standard error.
+/// Runs the program on arguments that may hold anything; exit code, standard output, standard
+/// error.
 fn run_words(arguments: &[&str]) -> (u8, String, String) {
     run_in(REGISTRY, arguments.iter().map(OsString::from))
 }

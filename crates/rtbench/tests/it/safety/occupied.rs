@@ -54,7 +54,8 @@ fn what_cannot_be_read_is_not_replaced_either() {
         let (code, _, err) = command(&folder, "--overwrite");
         assert_eq!(code, 0, "{name}: {err}");
     }
-    // nothing is lost with what finished nothing, killed before the first file was written, or between two
+    // nothing is lost with what finished nothing, killed before the first file was written, or
+    // between two
     let empty = |folder: &Folder| {
         let mut record: serde_json::Value =
             serde_json::from_str(&folder.text("results.json")).unwrap();

@@ -88,7 +88,8 @@ fn effects() {
     assert!(drawn >= 2, "{drawn}");
 }
 
-/// Rows as behind `-s` in the first line, `--set` in the others: each is built in little memory, or refused.
+/// Rows as behind `-s` in the first line, `--set` in the others: each is built in little memory, or
+/// refused.
 #[test]
 fn settings() {
     let scene = scene_loading::nff::parse_nff(

@@ -1,6 +1,7 @@
 //! Numbers without a pattern that are the same on every machine, by their places.
 //!
-//! SplitMix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
+//! SplitMix64: G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators",
+//! OOPSLA 2014.
 
 use glam::DVec3;
 

@@ -1,5 +1,5 @@
-//! `city`: cars in the streets of a city that is at rest: most of the scene does not move, and what does is
-//! far apart.
+//! `city`: cars in the streets of a city that is at rest: most of the scene does not move, and what
+//! does is far apart.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -91,8 +91,8 @@ fn car() -> Mesh {
     body.with(&cabin)
 }
 
-/// Where car `i` is: the first half drives along x, the second along y, each in the street of its number and
-/// on the right-hand side.
+/// Where car `i` is: the first half drives along x, the second along y, each in the street of its
+/// number and on the right-hand side.
 fn car_at(i: u32, size: u32, reach: f64, time: f64) -> DAffine3 {
     let number = u64::from(i);
     let street = f64::from(i % size) * BLOCK - reach;

@@ -1,5 +1,5 @@
-//! `cloth`: a cloth on a rod that waves in the wind, of triangles 16 times as long as wide. Nothing in it
-//! is rigid.
+//! `cloth`: a cloth on a rod that waves in the wind, of triangles 16 times as long as wide. Nothing
+//! in it is rigid.
 
 use std::f64::consts::TAU;
 
@@ -55,8 +55,8 @@ fn fill(scene: &mut Scene, material: u32, [rows, strips]: [u32; 2], time: f64) {
     }
 }
 
-/// Where a point of the cloth is, from (0, 0) at the left end of the rod to (1, 1) at the lower right
-/// corner: 2 units wide and long, waves that grow towards the free edge.
+/// Where a point of the cloth is, from (0, 0) at the left end of the rod to (1, 1) at the lower
+/// right corner: 2 units wide and long, waves that grow towards the free edge.
 fn at(across: f64, down: f64, time: f64) -> DVec3 {
     let wave = |along: f64, often: f64, phase: f64| {
         (TAU * (along * often - time * often * 0.6 + phase)).sin()

@@ -1,10 +1,10 @@
 //! Equal balls that fall into a bowl on the ground: what happens to them, not what they look like.
 //!
-//! Balls that touch exchange impulses with a coefficient of restitution and are pushed apart, one pair after
-//! the other, as often as it says; the usual sequential impulses with projection: J. Hahn, "Realistic
-//! animation of rigid bodies", SIGGRAPH 1988. Deviations: balls turn as if they rolled where they touch bowl
-//! or ground and do not pass on spin; nothing but sums, products and roots, so that the course is the same on
-//! every machine.
+//! Balls that touch exchange impulses with a coefficient of restitution and are pushed apart, one
+//! pair after the other, as often as it says; the usual sequential impulses with projection: J.
+//! Hahn, "Realistic animation of rigid bodies", SIGGRAPH 1988. Deviations: balls turn as if they
+//! rolled where they touch bowl or ground and do not pass on spin; nothing but sums, products and
+//! roots, so that the course is the same on every machine.
 
 use glam::{DQuat, DVec3};
 

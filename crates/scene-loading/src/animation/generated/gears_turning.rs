@@ -1,5 +1,5 @@
-//! `gears-turning`: the gears of the SPD ([`crate::procedural`]), each turning about its axis, the other way
-//! round than those that it meshes with: by a tooth in four frames.
+//! `gears-turning`: the gears of the SPD ([`crate::procedural`]), each turning about its axis, the
+//! other way round than those that it meshes with: by a tooth in four frames.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,7 @@
-//! `marbles`: marbles that fall into a bowl, of 80 triangles each and 110 of them by default, as those of
-//! I. Wald, T. Ize, A. Kensler, A. Knoll, S. Parker, "Ray Tracing Animated Scenes using Coherent Grid
-//! Traversal", SIGGRAPH 2006. Deviation: theirs is not public; bowl, course and camera are ours.
+//! `marbles`: marbles that fall into a bowl, of 80 triangles each and 110 of them by default, as
+//! those of I. Wald, T. Ize, A. Kensler, A. Knoll, S. Parker, "Ray Tracing Animated Scenes using
+//! Coherent Grid Traversal", SIGGRAPH 2006. Deviation: theirs is not public; bowl, course and
+//! camera are ours.
 
 use std::f64::consts::{PI, TAU};
 

@@ -15,7 +15,8 @@ pub(super) struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Corners of an icosahedron, in parts of 1 and of the golden ratio: first and second axis of three, signs.
+/// Corners of an icosahedron, in parts of 1 and of the golden ratio: first and second axis of
+/// three, signs.
 const CORNERS: [(usize, f64, f64); 12] = [
     (0, -1.0, 1.0),
     (0, 1.0, 1.0),
@@ -55,8 +56,8 @@ const FACES: [[usize; 3]; 20] = [
 ];
 
 impl Mesh {
-    /// A smooth ball of radius 1 around the origin: an icosahedron's faces, each cut into `n` squared
-    /// triangles and pushed out.
+    /// A smooth ball of radius 1 around the origin: an icosahedron's faces, each cut into `n`
+    /// squared triangles and pushed out.
     pub fn ball(n: u32) -> Self {
         let golden = (1.0 + 5_f64.sqrt()) / 2.0;
         let corners = CORNERS.map(|(axis, one, long)| {

@@ -1,8 +1,9 @@
 //! `particles`: small tetrahedra that drift in a flow, each on its own.
 //!
-//! The flow is Arnold's, Beltrami's and Childress' (ABC): its curl is along the velocity everywhere, and it
-//! neither gathers nor thins what drifts in it. T. Dombre et al., "Chaotic streamlines in the ABC flows",
-//! Journal of Fluid Mechanics 167, 1986. Steps of 10 ms by the midpoint rule.
+//! The flow is Arnold's, Beltrami's and Childress' (ABC): its curl is along the velocity
+//! everywhere, and it neither gathers nor thins what drifts in it. T. Dombre et al., "Chaotic
+//! streamlines in the ABC flows", Journal of Fluid Mechanics 167, 1986. Steps of 10 ms by the
+//! midpoint rule.
 
 use glam::DVec3;
 

@@ -50,8 +50,8 @@ impl Stage {
         self.parts.len()
     }
 
-    /// The scene with its parts where they are said to be, in their order; those without a placement stand
-    /// as they are.
+    /// The scene with its parts where they are said to be, in their order; those without a
+    /// placement stand as they are.
     pub fn placed(&self, placements: impl IntoIterator<Item = DAffine3>) -> Scene {
         let mut scene = self.scene.clone();
         let sum = |count: fn(&Mesh) -> usize| {

@@ -1,5 +1,5 @@
-//! `walker`: a figure that walks, made of capsules and ellipsoids, each rigid: a limb hangs on the one before
-//! it. The camera follows. Joints swing as sines of the step; feet may slide.
+//! `walker`: a figure that walks, made of capsules and ellipsoids, each rigid: a limb hangs on the
+//! one before it. The camera follows. Joints swing as sines of the step; feet may slide.
 
 use std::f64::consts::TAU;
 
@@ -17,7 +17,8 @@ const STEPS: f64 = 0.95;
 /// Height of the hip above the ground, metres.
 const HIP: f64 = 0.93;
 
-/// Shapes of limbs: half axes and by how much a capsule is pulled, metres. Their joint is at the origin.
+/// Shapes of limbs: half axes and by how much a capsule is pulled, metres. Their joint is at the
+/// origin.
 const SHAPES: [([f64; 3], f64); 8] = [
     // pelvis, chest, head
     ([0.11, 0.17, 0.1], 0.0),
@@ -32,8 +33,8 @@ const SHAPES: [([f64; 3], f64); 8] = [
     ([0.13, 0.045, 0.04], 0.0),
 ];
 
-/// A limb: its shape, the limb that it hangs on, where the joint is there, and where its own middle is from
-/// the joint, metres; how it bends about the y axis with the phase of its side, radians.
+/// A limb: its shape, the limb that it hangs on, where the joint is there, and where its own middle
+/// is from the joint, metres; how it bends about the y axis with the phase of its side, radians.
 struct Limb {
     shape: u32,
     on: Option<usize>,

@@ -1,5 +1,5 @@
-//! `wall`: a wall of bricks that is hit in the middle and breaks. Each brick flies on its own, from when the
-//! shock reaches it, and lies flat where it lands; bricks pass through one another.
+//! `wall`: a wall of bricks that is hit in the middle and breaks. Each brick flies on its own, from
+//! when the shock reaches it, and lies flat where it lands; bricks pass through one another.
 
 use std::f64::consts::{PI, TAU};
 

@@ -16,8 +16,8 @@ fn apart(a: &[DVec3], b: &[DVec3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
 }
 
-/// The greatest distance between where a corner is in the second frame and where the claims of both say
-/// that it is, and between copies of an object.
+/// The greatest distance between where a corner is in the second frame and where the claims of both
+/// say that it is, and between copies of an object.
 pub fn error(first: &Scene, other: &Scene) -> f64 {
     assert_eq!(first.instances.len(), other.instances.len());
     let mut worst: f64 = 0.0;

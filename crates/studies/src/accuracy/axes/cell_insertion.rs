@@ -1,10 +1,11 @@
 //! Which cells a primitive goes to, by its box or by itself, with and without a margin.
 //!
-//! The points that are judged lie on primitives exactly: corners, points of edges and inner points of
-//! triangles whose weights are 16ths, the six extreme points of spheres, corners of polygons. Every
-//! other point of a triangle lies where an edge of it crosses a cell plane, but for rounding, as hit
-//! points do. A point is wrong when its cell does not list the primitive: the cell that the traversal in
-//! single precision takes it to be in, and for points that are exact the cell by exact arithmetic.
+//! The points that are judged lie on primitives exactly: corners, points of edges and inner points
+//! of triangles whose weights are 16ths, the six extreme points of spheres, corners of polygons.
+//! Every other point of a triangle lies where an edge of it crosses a cell plane, but for rounding,
+//! as hit points do. A point is wrong when its cell does not list the primitive: the cell that the
+//! traversal in single precision takes it to be in, and for points that are exact the cell by exact
+//! arithmetic.
 
 use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::params::config::Settings;

@@ -11,7 +11,7 @@ use statistics::estimate::median;
 /// The test that all others are held against.
 const REFERENCE: &str = "f64";
 
-/// What is said of how tests that are chosen are made.
+/// Note on whether chosen tests are compiled in or called.
 pub fn made(built: &[StagedStructure<'_>]) -> &'static str {
     if built.iter().all(|built| is_compiled(&*built.tracer)) {
         "each test compiled into it as the default is"

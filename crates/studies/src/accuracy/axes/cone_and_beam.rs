@@ -19,7 +19,7 @@ use crate::image_error::rmse;
 use crate::tracer_comparison::{DrawingMethod, ways};
 use measurement::plan::rows::Row;
 
-/// What cones and beams ask for candidates.
+/// Structure that gives cones and beams their candidates.
 const THROUGH: &str = "uniform-grid";
 /// Longest chain of rays.
 const DEPTH: u32 = 3;

@@ -40,7 +40,7 @@ pub static FOCUS: Axis = Axis {
     ..sampled("focus", "render --focal-samples", |stage| BLURRED.measure(stage))
 };
 
-/// What the axes of this file have in common.
+/// Shared definition of the axes of this file.
 const fn sampled(
     name: &'static str,
     setting: &'static str,

@@ -25,7 +25,7 @@ pub static AXIS: Axis = Axis {
     measure: Measure::Whole(measure),
 };
 
-/// What t may be off by: a few epsilons of f32.
+/// Tolerated relative error of t: a few epsilons of f32.
 const TOLERATED: f64 = 1.0 / (1 << 20) as f64;
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {

@@ -1,8 +1,8 @@
 //! What keeps a ray off the surface it leaves: self-hits against leaks.
 //!
 //! From each hit of an eye ray a ray leaves into the outer half-space, made as the renderer makes
-//! it. Two demands are exact: flat primitives and spheres, seen from outside, are never met again by
-//! a ray that leaves them; and a thin sheet that lies close above the surface is not passed, so
+//! it. Two demands are exact: flat primitives and spheres, seen from outside, are never met again
+//! by a ray that leaves them; and a thin sheet that lies close above the surface is not passed, so
 //! that the first point of the ray that counts lies below it.
 
 use glam::DVec3;
@@ -82,7 +82,7 @@ fn moved(scene: &Scene) -> Scene {
     scene
 }
 
-/// What came of a rule.
+/// Error counts of an offset rule.
 #[derive(Debug, Clone, Copy, Default)]
 struct Found {
     trials: u64,

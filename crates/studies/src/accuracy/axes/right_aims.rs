@@ -2,8 +2,8 @@
 //!
 //! * At corners and edges within a mesh, one of the triangles around the target must be hit
 //!   ([`super::triangle_aims`]).
-//! * Along an axis, its other components -0, or from close by, at the middle of a triangle: by exact
-//!   predicates the ray meets it, so that something must be hit no later.
+//! * Along an axis, its other components -0, or from close by, at the middle of a triangle: by
+//!   exact predicates the ray meets it, so that something must be hit no later.
 //!
 //! An answer is wrong where nothing is hit, or only what lies clearly behind.
 

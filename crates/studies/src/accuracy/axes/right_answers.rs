@@ -1,9 +1,9 @@
-//! The price of right answers as a whole: from the fastest known to right in f64, one step after the
-//! other, all compiled alike, on the same rays.
+//! The price of right answers as a whole: from the fastest known to right in f64, one step after
+//! the other, all compiled alike, on the same rays.
 //!
 //! The first row is what is fastest: Moeller-Trumbore, boxes as tight as they come, hits that count
-//! from a few ulps of the scene's size on. Each further row adds one thing. What a step costs and what
-//! it removes depends on their order: an earlier one may hide what a later one is for.
+//! from a few ulps of the scene's size on. Each further row adds one thing. What a step costs and
+//! what it removes depends on their order: an earlier one may hide what a later one is for.
 
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
@@ -183,7 +183,7 @@ impl Found {
     }
 }
 
-/// What all steps are judged by.
+/// Reference data that judges all steps.
 struct Judge<'j, 'a> {
     stage: &'j Stage<'j>,
     aims: &'j [Vec<Known>; 2],

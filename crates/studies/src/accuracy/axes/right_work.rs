@@ -1,5 +1,5 @@
-//! What is timed of a step of `right-answers`: eye rays traced, rays made under a rule where those hit
-//! something and traced, shadow rays traced; each part by itself.
+//! What is timed of a step of `right-answers`: eye rays traced, rays made under a rule where those
+//! hit something and traced, shadow rays traced; each part by itself.
 
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;

@@ -144,7 +144,7 @@ pub struct SecondaryWork<'a> {
 }
 
 impl<'a> SecondaryWork<'a> {
-    /// What was left, the ray, and its answer.
+    /// The left surface point, the ray and its answer.
     pub fn outcomes(&self) -> impl Iterator<Item = (&SurfacePoint<'a>, &Ray<f32>, &Hit<f32>)> {
         let hits = match self.answers.first() {
             Some(Answers::Hits(hits)) => hits.as_slice(),

@@ -3,8 +3,9 @@
 //! Where the shading normal faces a light and the facet does not, the ray to the light starts into
 //! the mesh, and a black edge of facets stands out against the smooth shading: the shadow
 //! terminator (P. Woo, A. Pearce, M. Ouellette, "It's Really Not a Rendering Bug, You See...", IEEE
-//! CG&A 16(5), 1996). A rule of offsets may hide a part of it, and that of no offset adds acne. Shadows
-//! that a mesh rightly throws on itself are counted, too: they are the same under each rule.
+//! CG&A 16(5), 1996). A rule of offsets may hide a part of it, and that of no offset adds acne.
+//! Shadows that a mesh rightly throws on itself are counted, too: they are the same under each
+//! rule.
 
 use std::collections::HashMap;
 
@@ -130,7 +131,7 @@ fn once(departures: &[Departure]) -> impl Iterator<Item = &Departure> {
     departures.iter().take(again)
 }
 
-/// What a shadow ray meets first.
+/// First blocker of a shadow ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Blocked {
     No,

@@ -2,9 +2,9 @@
 //!
 //! For each hit and direction the smallest safe offset is bisected: the least one along the
 //! geometric normal, from the refined hit point, with which the primitive's own test no longer
-//! finds the primitive that is left. What a rule takes instead, over that, is how loose it is; less is
-//! a self-hit. Primitives beside the one that is left may be found wrongly, too: at most
-//! 10^-5 diagonals away, where the same ray does not meet them in double precision.
+//! finds the primitive that is left. What a rule takes instead, over that, is how loose it is; less
+//! is a self-hit. Primitives beside the one that is left may be found wrongly, too: at most 10^-5
+//! diagonals away, where the same ray does not meet them in double precision.
 
 use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
@@ -34,8 +34,8 @@ pub static AXIS: Axis = Axis {
     measure: Measure::Whole(measure),
 };
 
-/// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for any
-/// less than it with which a ray is safe that is not without.
+/// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for
+/// any less than it with which a ray is safe that is not without.
 const LEAST: f64 = 1.0 / 1024.0;
 
 /// Halvings of an interval of a factor of 2: the offset is known to 1 in 64.
@@ -125,7 +125,7 @@ fn unit(refined: &RefinedHit) -> f64 {
     f64::from(f32::EPSILON) * refined.magnitude
 }
 
-/// What a rule took for a ray.
+/// Offset that a rule chose for a ray.
 #[derive(Debug, Clone, Copy)]
 struct ChosenOffset {
     /// Height over the surface of the first point that counts, world units.

@@ -1,12 +1,13 @@
-//! Motion: what moves while rays are traced, by 1 to 8 segments of time, against the same held still at 1 to 8
-//! moments.
+//! Motion: what moves while rays are traced, by 1 to 8 segments of time, against the same held
+//! still at 1 to 8 moments.
 //!
-//! Papers: A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988 (segments); J. Korein,
-//! N. Badler, "Temporal Anti-Aliasing in Computer Generated Animation", SIGGRAPH 1983 (moments).
+//! Papers: A. Glassner, "Spacetime Ray Tracing for Animation", IEEE CG&A 8(2), 1988 (segments); J.
+//! Korein, N. Badler, "Temporal Anti-Aliasing in Computer Generated Animation", SIGGRAPH 1983
+//! (moments).
 //!
-//! Every other primitive moves by a tenth of the scene's size, each in a direction of its own, and every ray has a
-//! random time. Held still, it sees the middle of the part that its time is in, and the rays of a part are traced
-//! together, as by one who draws an image a moment.
+//! Every other primitive moves by a tenth of the scene's size, each in a direction of its own, and
+//! every ray has a random time. Held still, it sees the middle of the part that its time is in, and
+//! the rays of a part are traced together, as by one who draws an image a moment.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 

@@ -1,11 +1,11 @@
 //! Rays at the corners and edges within a mesh, where no right test may find a hole.
 //!
 //! A ray aims at an edge that two triangles share, or at a corner that a ring of triangles
-//! surrounds. Exact predicates (crate `robust`) say, as seen from the ray's origin, that the two lie on
-//! different sides of the edge, and each neighbours of the ring on different sides of the spoke they
-//! share. Where the outline of the two, or of the ring, is farther from the ray than rounding can move
-//! anything, the ray passes through one of them at least, however its direction was rounded, and a test
-//! that hits none has a hole.
+//! surrounds. Exact predicates (crate `robust`) say, as seen from the ray's origin, that the two
+//! lie on different sides of the edge, and each neighbours of the ring on different sides of the
+//! spoke they share. Where the outline of the two, or of the ring, is farther from the ray than
+//! rounding can move anything, the ray passes through one of them at least, however its direction
+//! was rounded, and a test that hits none has a hole.
 
 use std::collections::HashMap;
 
@@ -35,7 +35,8 @@ pub struct SharedFeatures<'a> {
     triangles: &'a [(u32, Corners)],
     edges: HashMap<[[u32; 3]; 2], Vec<u32>>,
     corners: HashMap<[u32; 3], Vec<u32>>,
-    /// Corners in the order of their first appearance, so that a seed means the same on any machine.
+    /// Corners in the order of their first appearance, so that a seed means the same on any
+    /// machine.
     order: Vec<[f32; 3]>,
 }
 
@@ -77,8 +78,8 @@ impl<'a> SharedFeatures<'a> {
         self.triangles.get(index as usize).map(|(_, corners)| *corners).unwrap_or_default()
     }
 
-    /// The ray at a target, and the ids of the triangles around it, unless an edge of them that is not
-    /// an inner one comes too near.
+    /// The ray at a target, and the ids of the triangles around it, unless an edge of them that is
+    /// not an inner one comes too near.
     fn aimed(
         &self,
         from: Vec3,

@@ -23,8 +23,8 @@ pub static AXIS: Axis = Axis {
     measure: Measure::Each { subjects: SUBJECTS, serves, measure },
 };
 
-/// Through what the tests are timed where they are compiled in: triangles one by one, then in blocks
-/// of eight; but for the first, for scenes of triangles alone.
+/// Through what the tests are timed where they are compiled in: triangles one by one, then in
+/// blocks of eight; but for the first, for scenes of triangles alone.
 const COMPILED: &[&str] = &[
     "obvhs-bvh2:kernel=scalar",
     "obvhs-cwbvh:kernel=scalar",

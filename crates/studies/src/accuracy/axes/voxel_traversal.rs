@@ -1,9 +1,9 @@
 //! The traversal through voxels: accumulated, recomputed, driven by an axis, in f64; against whole
 //! numbers.
 //!
-//! The rays that are judged are those of the scene, as seen from the cells of a fine grid and moved to
-//! 1024ths of a cell near by: then the oracle of `verify` says exactly which cells they pierce. A
-//! ray is wrong when its traversal passes by a cell that it pierces, however shortly.
+//! The rays that are judged are those of the scene, as seen from the cells of a fine grid and moved
+//! to 1024ths of a cell near by: then the oracle of `verify` says exactly which cells they pierce.
+//! A ray is wrong when its traversal passes by a cell that it pierces, however shortly.
 
 use accel_core::Ray;
 use accel_core::grid::cell_traversal::CellTraversal;
@@ -146,8 +146,8 @@ fn cells<S: accel_core::Scalar>(traversal: Option<impl CellTraversal<S>>) -> Vec
     }
 }
 
-/// The scene's closest-hit rays in a grid of `n` cells per axis, moved onto the lattice, each by up to
-/// a cell so that there are as many as are asked for.
+/// The scene's closest-hit rays in a grid of `n` cells per axis, moved onto the lattice, each by up
+/// to a cell so that there are as many as are asked for.
 pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
     let bounds = match stage.prepared.geometry.prims() {
         PrimsRef::Watertight(set) => set.scene_bounds(),

@@ -11,7 +11,7 @@ use crate::sweep::sizes::quantities::trace_s_per_ray;
 pub struct SizeRow<'a> {
     /// As of a run.
     pub of: RowOf<'a>,
-    /// What was asked for.
+    /// The requested size.
     pub size: Option<&'a SizeRecord>,
 }
 

@@ -1,9 +1,10 @@
 //! One scene in several sizes: the plan of `rtbench sweep --sizes`.
 //!
-//! Every size is a scene of an ordinary [`Plan`], so that rows are checked, interleaved and timed as
-//! those of a run are. What is asked is the same at each size: the primary rays of
-//! one image, and the shadow rays of what they hit. Before a size is loaded, a [`measurement::rounds::trial`]
-//! builds each row in a process of its own, which finds its peak memory and keeps the time and memory limits.
+//! Every size is a scene of an ordinary [`Plan`], so that rows are checked, interleaved and timed
+//! as those of a run are. What is asked is the same at each size: the primary rays of one image,
+//! and the shadow rays of what they hit. Before a size is loaded, a [`measurement::rounds::trial`]
+//! builds each row in a process of its own, which finds its peak memory and keeps the time and
+//! memory limits.
 
 pub mod admission;
 pub mod columns;
@@ -38,7 +39,7 @@ const FAR: f64 = 3.163;
 /// Most memory of a trial build, in place of none.
 const MAX_MEMORY: u64 = 8 << 30;
 
-/// What a sweep over sizes is asked for.
+/// Settings of a sweep over sizes.
 #[derive(Debug, Clone)]
 pub struct SizeSettings {
     /// A generated scene, without a size.
@@ -57,7 +58,7 @@ pub struct SizeSettings {
     pub time_limit: Duration,
 }
 
-/// What has no sizes to sweep over.
+/// Errors of a sweep over sizes.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SizesError {
@@ -76,7 +77,7 @@ pub enum SizesError {
         /// Of the largest size.
         most: u64,
     },
-    /// What is no plan either.
+    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error(transparent)]
@@ -88,7 +89,7 @@ pub enum SizesError {
 pub struct SizeSweep<'r> {
     /// The sizes as scenes, the rows, and how they are measured.
     pub plan: Plan<'r>,
-    /// What the record says of the sizes.
+    /// The sizes, as in the record.
     pub record: ScaleRecord,
 }
 

@@ -37,7 +37,7 @@ pub fn trace_s_per_ray(row: &RowRecord) -> Option<Estimate> {
     Some(Estimate { median: time.median / rays, low: time.low / rays, high: time.high / rays })
 }
 
-/// What is counted, not measured.
+/// Estimate of an exact count, without uncertainty.
 fn exactly(n: u64) -> Option<Estimate> {
     let n = n as f64;
     Some(Estimate { median: n, low: n, high: n })

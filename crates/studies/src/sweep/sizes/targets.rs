@@ -36,8 +36,8 @@ impl Sizes {
         Ok(Self::List(list))
     }
 
-    /// Each of them, ascending: of a range `per_decade` for each factor of ten, or as near to that as
-    /// equal ratios between its ends allow.
+    /// Each of them, ascending: of a range `per_decade` for each factor of ten, or as near to that
+    /// as equal ratios between its ends allow.
     pub fn targets(&self, per_decade: u32) -> Vec<u64> {
         match self {
             Self::List(list) => list.clone(),

@@ -1,15 +1,16 @@
 //! Closed meshes crossed from outside: a ray that comes from outside and goes on for ever crosses a
 //! closed surface an even number of times. No oracle is needed.
 //!
-//! What is exactly true, and so demanded. The watertight test moves every corner into a plane across
-//! the ray, by the same arithmetic in each of the triangles that share it, and then finds by exact
-//! signs which triangles hold the plane's origin. What is tested is thus a closed mesh in the plane,
-//! and its map covers almost every point of the plane by an even number of triangles (its degree
-//! modulo 2 is 0). Where the origin lies on an edge or a corner, all triangles that touch it are hit,
-//! and their number says nothing. So the origin is thought of as moved by an infinitely small step in
-//! x and by one infinitely smaller still in y (H. Edelsbrunner, E. P. Muecke, "Simulation of
-//! Simplicity", 1990), and the triangles that are hit and hold the moved point are counted. That
-//! number is even, always; when a test loses a triangle or finds one too many, it is odd.
+//! What is exactly true, and so demanded. The watertight test moves every corner into a plane
+//! across the ray, by the same arithmetic in each of the triangles that share it, and then finds by
+//! exact signs which triangles hold the plane's origin. What is tested is thus a closed mesh in the
+//! plane, and its map covers almost every point of the plane by an even number of triangles (its
+//! degree modulo 2 is 0). Where the origin lies on an edge or a corner, all triangles that touch it
+//! are hit, and their number says nothing. So the origin is thought of as moved by an infinitely
+//! small step in x and by one infinitely smaller still in y (H. Edelsbrunner, E. P. Muecke,
+//! "Simulation of Simplicity", 1990), and the triangles that are hit and hold the moved point are
+//! counted. That number is even, always; when a test loses a triangle or finds one too many, it is
+//! odd.
 //!
 //! A structure's own crossings follow by a chain: the interval begins anew just after each hit. A
 //! chain sees one triangle of those at equal parameters, that of the lowest id.

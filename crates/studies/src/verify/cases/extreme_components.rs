@@ -1,7 +1,7 @@
 //! Directions with one or two components that are denormal or huge.
 //!
-//! Such a component changes the ray by less than f64 can tell, or makes the others so. The oracle is
-//! exact: rays in the plane of a flat scene, from outside it, leave the plane at once and meet
+//! Such a component changes the ray by less than f64 can tell, or makes the others so. The oracle
+//! is exact: rays in the plane of a flat scene, from outside it, leave the plane at once and meet
 //! nothing; elsewhere a denormal component is as good as 0, and a huge direction as good as one a
 //! power of two smaller, whose parameters are as much larger.
 
@@ -29,7 +29,8 @@ pub const R9: Case = case!(
     "one or two components that are denormal or huge, also in the plane of a flat scene"
 );
 
-/// A component this much smaller than the largest moves no hit by as much as the oracle leaves open.
+/// A component this much smaller than the largest moves no hit by as much as the oracle leaves
+/// open.
 const NOTHING: f64 = 1.0 / (1_u64 << 27) as f64;
 
 fn extreme_components<S: Buildable>(

@@ -1,9 +1,9 @@
 //! Rays along planes on which the cells of nested grids end, a little askew.
 //!
 //! Blocks and checkerboards of unit cubes: a grid over them, and the grids within its cells, have
-//! planes where the cubes have faces. A ray runs along one axis; its other two coordinates are whole
-//! numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding may
-//! then put it on either side of a plane, and a parent and its child may disagree.
+//! planes where the cubes have faces. A ray runs along one axis; its other two coordinates are
+//! whole numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding
+//! may then put it on either side of a plane, and a parent and its child may disagree.
 
 use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;
@@ -67,7 +67,7 @@ struct Aim {
     outside: f64,
     /// Its coordinates on the next axis, and on the one after.
     at: [i32; 2],
-    /// What its direction has there.
+    /// Its direction on the other two axes.
     off: [f64; 2],
 }
 

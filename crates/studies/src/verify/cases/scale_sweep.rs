@@ -1,8 +1,8 @@
 //! The whole served range of scales, power of two by power of two: bits must stay.
 //!
-//! A sparse set of scales passes over a fault at one of them. Each round tries one exponent from each
-//! of [`PARTS`] equal parts of the served range: a few rounds try all of f32, a few hundred all of
-//! f64.
+//! A sparse set of scales passes over a fault at one of them. Each round tries one exponent from
+//! each of [`PARTS`] equal parts of the served range: a few rounds try all of f32, a few hundred
+//! all of f64.
 
 use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;

@@ -1,8 +1,8 @@
 //! Nested shells: balls of radius 1 and 1 + k ulps, and rays between them.
 //!
 //! Rays from outside pass all shells twice each: in chains every surface must be met once, none
-//! skipped and none met again. Rays that leave one shell as the renderer leaves it must meet the next
-//! one, unless the gap is so narrow that the offset itself bridges it.
+//! skipped and none met again. Rays that leave one shell as the renderer leaves it must meet the
+//! next one, unless the gap is so narrow that the offset itself bridges it.
 
 use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;
@@ -96,7 +96,7 @@ pub fn shells_under<S: Buildable>(
     Ok(round)
 }
 
-/// What is wrong with the hits of a line through both balls.
+/// Describes the error in the hits of a line through both balls, if any.
 fn broken<S: Scalar>(hits: &[Hit<S>], is_clear: bool, inner: u32) -> Option<String> {
     for id in [0, 1] {
         let times = hits.iter().filter(|hit| hit.id == id).count();

@@ -1,8 +1,8 @@
 //! Rays that run within a plane of triangles, the plane at any slant.
 //!
 //! What such a ray meets is left to rounding: triangles that are lines to it, one behind the other,
-//! often several at the same parameter. Whatever the tests say, all structures must say it: of equal
-//! parameters the lowest id; and no hit may lie before or behind its triangle.
+//! often several at the same parameter. Whatever the tests say, all structures must say it: of
+//! equal parameters the lowest id; and no hit may lie before or behind its triangle.
 
 use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;

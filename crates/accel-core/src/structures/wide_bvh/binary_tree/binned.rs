@@ -1,11 +1,12 @@
-//! A binary tree built from the top down: a set of boxes is divided where the surface-area heuristic, looked at
-//! in equal bins of their centres, says that it costs least; then its upper nodes are inserted anew where they cost
-//! less.
+//! A binary tree built from the top down: a set of boxes is divided where the surface-area
+//! heuristic, looked at in equal bins of their centres, says that it costs least; then its upper
+//! nodes are inserted anew where they cost less.
 //!
-//! Papers: I. Wald, "On Fast Construction of SAH-based Bounding Volume Hierarchies", RT 2007 (bins); D. Meister,
-//! J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy Optimization", Computer Graphics Forum 37(2), 2018,
-//! as implemented by obvhs. Deviations: all three axes are binned; a side costs what its blocks of triangles cost;
-//! few boxes have few bins, the fewest none; only nodes of many boxes are inserted anew.
+//! Papers: I. Wald, "On Fast Construction of SAH-based Bounding Volume Hierarchies", RT 2007
+//! (bins); D. Meister, J. Bittner, "Parallel Reinsertion for Bounding Volume Hierarchy
+//! Optimization", Computer Graphics Forum 37(2), 2018, as implemented by obvhs. Deviations: all
+//! three axes are binned; a side costs what its blocks of triangles cost; few boxes have few bins,
+//! the fewest none; only nodes of many boxes are inserted anew.
 
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -76,7 +77,8 @@ pub(super) mod tests {
     use super::*;
     use crate::structures::obvhs::builder::tests::{fault, nested, scattered};
 
-    /// Whether all trees have each box once, have few levels and are the same for any number of threads.
+    /// Whether all trees have each box once, have few levels and are the same for any number of
+    /// threads.
     pub fn assert_whole_and_the_same(tree: fn(&[Aabb], u32) -> Bvh2) {
         let built = |boxes: &[Aabb], threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();

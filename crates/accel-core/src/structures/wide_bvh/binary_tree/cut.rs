@@ -1,5 +1,5 @@
-//! Where a set of boxes is divided: between two equal bins of their centres, where the surface-area heuristic says that it
-//! costs least.
+//! Where a set of boxes is divided: between two equal bins of their centres, where the surface-area
+//! heuristic says that it costs least.
 
 use wide::{f32x4, i32x4};
 
@@ -23,7 +23,8 @@ struct Binning {
 impl Binning {
     fn of(centres: &Bounds, bins: usize) -> Self {
         let extent = (centres.high - centres.low).to_array();
-        // the last bin ends a little behind the last centre; no bins are on an axis along which all are alike
+        // the last bin ends a little behind the last centre; no bins are on an axis along which all
+        // are alike
         let scale = |extent: f32| if extent > 1e-30 { bins as f32 * 0.9999 / extent } else { 0.0 };
         let [x, y, z, _] = extent;
         Self { low: centres.low, scale: f32x4::new([scale(x), scale(y), scale(z), 0.0]) }
@@ -36,7 +37,7 @@ impl Binning {
     }
 }
 
-/// What lies in the bins of each axis.
+/// Contents of the bins of each axis.
 pub(super) struct Bins {
     bounds: [[Bounds; MOST_BINS]; 3],
     numbers: [[u32; MOST_BINS]; 3],
@@ -127,8 +128,9 @@ impl BinSplit {
         best
     }
 
-    /// Brings the items of the lower side before the others: how many they are, and what is around both. Without
-    /// branches (N. Lomuto's way to partition), as no processor can guess on which side an item is.
+    /// Brings the items of the lower side before the others: how many they are, and what is around
+    /// both. Without branches (N. Lomuto's way to partition), as no processor can guess on which
+    /// side an item is.
     pub(super) fn partition(&self, items: &mut [Item]) -> (usize, [SetBounds; 2]) {
         let [mut lower, mut upper] = [SetBounds::NONE; 2];
         let mut middle = 0;

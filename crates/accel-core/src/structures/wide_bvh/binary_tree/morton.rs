@@ -1,10 +1,11 @@
-//! A binary tree over clusters of boxes that lie next to each other in Morton order, and one within each cluster, all
-//! binned: built in half the time of one that is binned over all boxes.
+//! A binary tree over clusters of boxes that lie next to each other in Morton order, and one within
+//! each cluster, all binned: built in half the time of one that is binned over all boxes.
 //!
-//! Papers: J. Pantaleoni, D. Luebke, "HLBVH: Hierarchical LBVH Construction for Real-Time Ray Tracing", HPG 2010, and
-//! K. Garanzha, J. Pantaleoni, D. McAllister, "Simpler and Faster HLBVH with Work Queues", HPG 2011 (clusters by the
-//! bits that codes begin with, a tree by the surface-area heuristic above them). Deviations: within a cluster the tree
-//! is binned as well; a box that is large in its cluster is none of it.
+//! Papers: J. Pantaleoni, D. Luebke, "HLBVH: Hierarchical LBVH Construction for Real-Time Ray
+//! Tracing", HPG 2010, and K. Garanzha, J. Pantaleoni, D. McAllister, "Simpler and Faster HLBVH
+//! with Work Queues", HPG 2011 (clusters by the bits that codes begin with, a tree by the
+//! surface-area heuristic above them). Deviations: within a cluster the tree is binned as well; a
+//! box that is large in its cluster is none of it.
 
 use std::ops::Range;
 
@@ -60,7 +61,8 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     bvh
 }
 
-/// Codes and numbers of boxes in Morton order of their centres: a code in the upper bits of each, then a number.
+/// Codes and numbers of boxes in Morton order of their centres: a code in the upper bits of each,
+/// then a number.
 struct Keys {
     keys: Vec<u64>,
     number_bits: u32,
@@ -97,7 +99,8 @@ impl Keys {
         (self.keys[place] & ((1 << self.number_bits) - 1)) as u32
     }
 
-    /// The longest runs of codes that begin with the same bits and are no more than [`MOST`], or all the same.
+    /// The longest runs of codes that begin with the same bits and are no more than [`MOST`], or
+    /// all the same.
     fn clusters(&self) -> Vec<Range<usize>> {
         let mut clusters = Vec::with_capacity(self.keys.len() / 8);
         let all = 0..self.keys.len();
@@ -138,14 +141,15 @@ impl Cluster {
         Self { first, items: items.len(), around: SetBounds::of(items) }
     }
 
-    /// What stands for it in the tree over all clusters.
+    /// The item that represents the cluster in the top-level tree.
     fn head(&self, number: u32) -> Item {
         Item::of_cluster(&self.around.items.aabb(), number, self.items as u32)
     }
 }
 
-/// The clusters of these runs of items, one after the other. Large ones are brought behind the others of their run, to be
-/// clusters of their own, where the boxes of all clusters then cost less than half of that of the run.
+/// The clusters of these runs of items, one after the other. Large ones are brought behind the
+/// others of their run, to be clusters of their own, where the boxes of all clusters then cost less
+/// than half of that of the run.
 fn clusters(runs: Vec<Range<usize>>, items: &mut [Item]) -> Vec<Cluster> {
     let mut clusters = Vec::with_capacity(runs.len());
     for run in runs {

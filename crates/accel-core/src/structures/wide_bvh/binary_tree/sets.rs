@@ -7,10 +7,12 @@ use super::boxes::{Item, SetBounds};
 use super::cut::{BinSplit, Bins};
 use crate::parallel;
 
-/// Levels below which sets are halved as they lie: with those of a balanced tree a stack of obvhs has room for them.
+/// Levels below which sets are halved as they lie: with those of a balanced tree a stack of obvhs
+/// has room for them.
 pub(super) const MOST_CUTS: u32 = 48;
 
-/// Nodes of a tree: its root, then pairs of siblings, those below the lower one before those below the upper one.
+/// Nodes of a tree: its root, then pairs of siblings, those below the lower one before those below
+/// the upper one.
 pub(super) struct Nodes {
     pub(super) all: Vec<Bvh2Node>,
     /// Places of those below the root that are of many items.
@@ -25,8 +27,8 @@ impl Nodes {
         Self { all, upper: Vec::new() }
     }
 
-    /// These nodes with others behind them, on all threads. Of each of those, which begin with a root that is none of them
-    /// or the only one, the roots come to places of all nodes.
+    /// These nodes with others behind them, on all threads. Of each of those, which begin with a
+    /// root that is none of them or the only one, the roots come to places of all nodes.
     pub(super) fn grafted(self, others: Vec<(Vec<(usize, Bvh2Node)>, Self)>) -> Self {
         let moved = |mut node: Bvh2Node, by: u32| {
             if !node.is_leaf() {
@@ -57,7 +59,8 @@ struct ForkedNodes {
 }
 
 impl ForkedNodes {
-    /// What is to be grafted so that the root is at `place`, and all others behind the first `next` nodes.
+    /// What is to be grafted so that the root is at `place`, and all others behind the first `next`
+    /// nodes.
     fn grafts(
         self,
         place: usize,
