@@ -36,3 +36,4 @@ mod verify;
 mod verify_company;
 mod verify_oracles;
 mod verify_planted;
+mod verify_planted_shapes;

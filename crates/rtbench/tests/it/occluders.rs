@@ -50,7 +50,7 @@ static BRIGHT: StructureInfo = StructureInfo {
     sampled: false,
 };
 
-static OCCLUDERS: &[occluders::Entry] = &[
+pub static OCCLUDERS: &[occluders::Entry] = &[
     accel_core::occluder!(light_buffer::build, light_buffer::INFO),
     accel_core::occluder!(crate::occluders::bright, BRIGHT),
 ];

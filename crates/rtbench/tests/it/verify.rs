@@ -140,6 +140,23 @@ fn all_structures_pass_a_fast_subset() {
 }
 
 #[test]
+fn all_structures_pass_motion_copies_glass_lights_frames_and_crowds() {
+    let cases = "Q7,Q7segments,Q8,Q9,Q10,Q10occluders,Q11,Q12points,Q12denormal,S8";
+    let ended = verify(REGISTRY, &format!("--cases {cases} --rays 60"));
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+    for row in ["light-buffer", "wide-bvh time-segments=4", "hashed-grid update=incremental"] {
+        assert!(ended.out.lines().any(|line| line.starts_with(row)), "{row}: {}", ended.out);
+    }
+}
+
+#[test]
+fn all_structures_pass_polygons_slender_cones_and_far_intervals() {
+    let cases = "Q1,Q2,Q2slivers,Q3,Q3flat,Q4,Q6";
+    let ended = verify(REGISTRY, &format!("--cases {cases} --rays 60"));
+    assert_eq!(ended.code, 0, "{}\n{}", ended.out, ended.err);
+}
+
+#[test]
 fn the_negative_control_misses_where_watertight_triangles_do_not() {
     let ended = verify(REGISTRY, "--cases G1 --rays 1500 -s brute-force,uniform-grid");
     assert_eq!(ended.code, 0, "{}", ended.out);

@@ -148,7 +148,7 @@ fn shapes_met_elsewhere_are_refuted() {
         assert!(refuted(id, nothing) > 0, "{id}: nothing");
     }
     assert!(refuted("G9", textbook_sphere) > 0);
-    // rays are aimed at points of the plane, a parameter of 1 away: as if the polygon were convex
+    // rays are aimed at points of the plane, a parameter of 1 away: as if there were no outline
     assert!(refuted("G12", |_, _| Hit { t: 1.0, id: 0 }) > 0);
     // surfaces are seen from outside only
     let behind = |model: &Model<f32>, ray: &Ray<f32>| {
@@ -162,7 +162,9 @@ fn shapes_met_elsewhere_are_refuted() {
 
 #[test]
 fn laws_that_need_no_other_structure_are_held() {
-    for id in ["Gr12", "R8", "G14", "G15", "G16", "S7", "K1dense"] {
+    for id in
+        ["Gr12", "R8", "G14", "G15", "G16", "S7", "K1dense", "Q9", "Q10", "Q12fan", "Q12denormal"]
+    {
         assert_eq!(told(id, first), [""; 0], "{id}");
         let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
         assert!(refuted(id, nothing) > 0, "{id}: nothing");
@@ -192,6 +194,31 @@ fn laws_that_need_no_other_structure_are_held() {
     for id in ["R8", "G15", "S7"] {
         assert!(refuted(id, again) > 0, "{id}");
     }
+}
+
+#[test]
+fn lost_and_farther_hits_of_polygons_and_slender_cones_are_refuted() {
+    for id in ["Q1", "Q2", "Q2slivers", "Q3", "Q3flat", "Q6"] {
+        assert_eq!(told(id, first), [""; 0], "{id}");
+        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        assert!(refuted(id, nothing) > 0, "{id}: nothing");
+        let late = |model: &Model<f32>, ray: &Ray<f32>| {
+            let hit = first(model, ray);
+            Hit { t: hit.t * 1.05, ..hit }
+        };
+        assert!(refuted(id, late) > 0, "{id}: late");
+        assert!(refuted(id, |_, _| Hit { t: 1.0, id: 0 }) > 0, "{id}: anywhere");
+    }
+}
+
+#[test]
+fn shadow_rays_that_glass_stops_are_refuted() {
+    let stopped = |round: &Round<f32>| {
+        let asked = round.rays.iter().zip(&round.blocked);
+        asked.filter(|(ray, blocked)| first(&round.model, ray).is_hit() != **blocked).count()
+    };
+    assert!(rounds("Q9").iter().map(stopped).sum::<usize>() > 50);
+    assert_eq!(rounds("Q10").iter().map(stopped).sum::<usize>(), 0);
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The cases of `rtbench verify` that came with the outside oracle: each catches a structure that is
-//! wrong on purpose, in f32 and in f64; and a check that is cut short keeps what it has.
+//! The cases of `rtbench verify` that came with the outside oracle: each catches a structure that
+//! is wrong on purpose, in f32 and in f64; and a check that is cut short keeps what it has.
 
 use std::time::Duration;
 
@@ -19,12 +19,12 @@ use measurement::system::clock::{SteppingClock, SystemClock};
 use measurement::system::interrupt::GRACE;
 
 /// A list of boxes; which of them a ray passes over wrongly is its fault.
-struct Boxes<S: Scalar, F> {
+pub struct Boxes<S: Scalar, F> {
     boxes: Vec<Aabb<S>>,
     kind: std::marker::PhantomData<F>,
 }
 
-trait Lapse: Send + Sync + 'static {
+pub trait Lapse: Send + Sync + 'static {
     fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, t_max: S) -> bool;
 }
 
@@ -62,7 +62,7 @@ impl Lapse for SkipsBelowPlanes {
 }
 
 /// An adapter to a library whose rays begin at 0.
-struct BeginsAtZero;
+pub struct BeginsAtZero;
 impl Lapse for BeginsAtZero {
     fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, t_max: S) -> bool {
         let pad = Vec3::<S>::splat(S::from_f64(1e-3));
@@ -93,7 +93,7 @@ impl Lapse for LosesOneSize {
 }
 
 /// Boxes a little too small: the ends of long triangles stick out.
-struct ShrinksBoxes;
+pub struct ShrinksBoxes;
 impl Lapse for ShrinksBoxes {
     fn skips<S: Scalar>(ray: &Ray<S>, own: &Aabb<S>, t_max: S) -> bool {
         let pad = own.size() * S::from_f64(0.02);
@@ -103,12 +103,12 @@ impl Lapse for ShrinksBoxes {
 }
 
 /// All triangles, tested by itself; which hit it hands on is its fault.
-struct Own<S: Scalar, F> {
+pub struct Own<S: Scalar, F> {
     set: TriangleSet<S>,
     kind: std::marker::PhantomData<F>,
 }
 
-trait Choice: Send + Sync + 'static {
+pub trait Choice: Send + Sync + 'static {
     /// Of all hits, sorted.
     fn of<S: Scalar>(ray: &Ray<S>, hits: &[Hit<S>]) -> Option<u32>;
 }
@@ -140,7 +140,7 @@ impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
 }
 
 /// Of equal hits the highest id.
-struct HighestId;
+pub struct HighestId;
 impl Choice for HighestId {
     fn of<S: Scalar>(_: &Ray<S>, hits: &[Hit<S>]) -> Option<u32> {
         let first = hits.first()?;

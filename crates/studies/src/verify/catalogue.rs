@@ -11,6 +11,7 @@ pub static GROUPS: &[&Group] = &[
     &cases::grid::GROUP,
     &cases::traversal::GROUP,
     &cases::secondary::GROUP,
+    &cases::reported::GROUP,
 ];
 
 /// A case and its group.

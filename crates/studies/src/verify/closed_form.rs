@@ -1,18 +1,22 @@
-//! In f64, where a ray meets a cone or a polygon: oracles of their own, not the
-//! product's arithmetic in another precision.
+//! Where a ray meets a cone: an oracle of its own, in numbers of twice the digits of f64.
 //!
-//! A cone is met where the distance to its surface changes sign along the ray, found by bisection
-//! instead of a quadratic; a polygon by counting crossings with exact orientation predicates (crate
-//! `robust`).
+//! Along a ray, the square of the distance from the axis less that of the radius is a quadratic. It
+//! is solved for the cone with its radius a little larger and a little smaller: what rounding may
+//! do to a ray lies between.
 
 use accel_core::{Ray, Scalar, Vector};
-use glam::{DVec2, DVec3};
-use robust::{Coord, orient2d};
+use glam::DVec3;
 
+use super::double_double::DoubleDouble;
 use super::round::Expected;
 
-/// A truncated cone or cylinder without caps, seen from outside, in f64.
-#[derive(Debug, Clone, Copy)]
+/// Epsilons of the distance to the farthest point, or of the largest coordinate, by which the
+/// product's rounding may move a ray sideways: half of what structures pad boxes by.
+const SHIFT: f64 = 32.0;
+
+/// A truncated cone or cylinder without caps, seen from outside; from inside where its radii are
+/// negative.
+#[derive(Debug, Clone, Copy, Default)]
 pub struct ConeShape {
     /// Centre of the first disc, and its radius.
     pub base: (DVec3, f64),
@@ -20,172 +24,193 @@ pub struct ConeShape {
     pub apex: (DVec3, f64),
 }
 
-/// How close, over the size of the shape, a ray may come to a rim, a tangent or an edge for
-/// rounding to decide.
-const UNCLEAR: f64 = 1e-3;
+/// Where the surface of the endless cone is met.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    t: f64,
+    /// Height over the base.
+    height: f64,
+    /// That of the cone there, negative beyond its tip.
+    radius: f64,
+}
 
 impl ConeShape {
-    /// Height over the base and distance to the surface, negative inside, at parameter `t`.
-    fn at(&self, origin: DVec3, direction: DVec3, t: f64) -> (f64, f64) {
-        let axis = self.apex.0 - self.base.0;
-        let length = axis.length();
-        let p = origin + direction * t - self.base.0;
-        let height = p.dot(axis) / length;
-        let across = (p - axis / length * height).length();
-        let radius = self.base.1 + (self.apex.1 - self.base.1) * height / length;
-        (height, across - radius)
+    fn axis(&self) -> DVec3 {
+        self.apex.0 - self.base.0
     }
 
-    /// What is expected of a ray: the first crossing from outside to inside between the discs.
-    ///
-    /// Outside, the distance to a convex body falls and then rises along a line, so that a
-    /// minimum is found by thirds and the crossing before it by halves.
-    pub fn expected<S: Scalar>(&self, ray: &Ray<S>) -> Expected {
-        let (origin, direction) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
-        let axis = self.apex.0 - self.base.0;
-        let length = axis.length();
+    /// What is expected of a ray in a scene whose largest coordinate is `magnitude`.
+    pub fn expected<S: Scalar>(&self, ray: &Ray<S>, magnitude: f64) -> Expected {
+        let length = self.axis().length();
         if length == 0.0 {
             return Expected::Miss;
         }
-        let size = length.max(self.base.1).max(self.apex.1);
-        let unclear = UNCLEAR * size;
-        let is_tip = |(tip, radius): (DVec3, f64)| {
-            let passing = (tip - origin).cross(direction).length() / direction.length();
-            radius < unclear && passing < 2.0 * unclear
+        let (origin, direction) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
+        let far = [self.base, self.apex].map(|(p, r)| p.distance(origin) + r.abs());
+        let reach = far[0].max(far[1]).min(9.0 * magnitude).max(magnitude);
+        let shift = SHIFT * S::EPSILON.to_f64() * reach;
+        let slope = (self.apex.1 - self.base.1) / length;
+        // of the radius, for the surface to move so far
+        let more = shift * (1.0 + slope * slope).sqrt();
+        // near a tip rounding may take one side of it for the other
+        let near_tip = 2.0 * more;
+        let passes = |(tip, radius): (DVec3, f64)| {
+            let away = (tip - origin).cross(direction).length() / direction.length();
+            radius.abs() <= near_tip && away <= near_tip + 4.0 * shift
         };
-        if is_tip(self.base) || is_tip(self.apex) {
+        if passes(self.base) || passes(self.apex) {
             return Expected::Anything;
         }
-        // the part of the ray between the planes of the discs, a little more on both sides
-        let along = direction.dot(axis) / length;
-        let height = (origin - self.base.0).dot(axis) / length;
-        let reach = 4.0 * (size + (origin - self.base.0).length()) / direction.length();
-        let (mut from, mut to) = (0.0_f64, reach);
-        if along == 0.0 {
-            if height < -unclear || height > length + unclear {
-                return Expected::Miss;
-            }
-        } else {
-            let ends = [-unclear, length + unclear].map(|h| (h - height) / along);
-            from = from.max(ends[0].min(ends[1]));
-            to = to.min(ends[0].max(ends[1]));
-        }
-        if from >= to {
+        let outer = match self.crossing(origin, direction, more) {
+            Some(outer) if outer.radius > near_tip => outer,
+            Some(outer) if outer.radius > -near_tip => return Expected::Anything,
+            _ => return Expected::Miss,
+        };
+        let inner = match self.crossing(origin, direction, -more) {
+            Some(inner) if inner.radius > near_tip => inner,
+            _ => return Expected::Anything,
+        };
+        let (low, high) = ordered(outer.height, inner.height);
+        if high < -shift || low > length + shift {
             return Expected::Miss;
         }
-        let distance = |t: f64| self.at(origin, direction, t).1;
-        let lowest = by_thirds(from, to, distance);
-        match distance(lowest) {
-            d if d > unclear => return Expected::Miss,
-            d if d > -unclear => return Expected::Anything,
-            _ => {}
-        }
-        if distance(from) < -unclear {
-            // within already: surfaces are seen from outside only
-            return Expected::Miss;
-        }
-        if distance(from) < unclear {
+        if low < shift || high > length - shift {
             return Expected::Anything;
         }
-        let t = by_halves(from, lowest, distance);
-        let (height, _) = self.at(origin, direction, t);
-        let is_near = |h: f64| (height - h).abs() < 2.0 * unclear;
-        if is_near(0.0) || is_near(length) {
-            return Expected::Anything;
-        }
-        // a ray that meets the surface at a slant is late or early by more
-        let steep = (distance(t - 1e-4 * reach) - distance(t + 1e-4 * reach)) / (2e-4 * reach);
-        Expected::hit_at(t, 1e-4 * size / steep.max(1e-3 * direction.length()))
-    }
-}
-
-/// Where a function that falls and then rises is least.
-fn by_thirds(mut from: f64, mut to: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..200 {
-        let third = (to - from) / 3.0;
-        if f(from + third) < f(to - third) {
-            to -= third;
-        } else {
-            from += third;
+        let (low, high) = ordered(outer.t, inner.t);
+        let slack = shift / direction.length();
+        let t = [low - slack, high + slack];
+        let [start, end] = [ray.t_min, ray.t_max].map(S::to_f64);
+        match () {
+            () if start <= t[0] && t[1] <= end => Expected::Hit { id: None, t },
+            () if t[1] < start || end < t[0] => Expected::Miss,
+            () => Expected::Anything,
         }
     }
-    (from + to) / 2.0
-}
 
-/// Where a function changes from positive to negative.
-fn by_halves(mut from: f64, mut to: f64, f: impl Fn(f64) -> f64) -> f64 {
-    for _ in 0..200 {
-        let middle = (from + to) / 2.0;
-        if f(middle) > 0.0 {
-            from = middle;
-        } else {
-            to = middle;
-        }
-    }
-    to
-}
-
-/// Whether a point is within an outline, by the even-odd rule; `None` within `unclear` of an edge.
-pub fn encloses(outline: &[DVec2], p: DVec2, unclear: f64) -> Option<bool> {
-    let coord = |p: DVec2| Coord { x: p.x, y: p.y };
-    let mut is_inside = false;
-    for (i, &a) in outline.iter().enumerate() {
-        let b = *outline.get(i + 1).or(outline.first())?;
-        let part =
-            ((p - a).dot(b - a) / (b - a).length_squared().max(f64::MIN_POSITIVE)).clamp(0., 1.);
-        if p.distance(a + (b - a) * part) < unclear {
+    /// Where the ray's line enters (or leaves, if that is seen) the endless cone with a radius
+    /// larger by `more`.
+    fn crossing(&self, origin: DVec3, direction: DVec3, more: f64) -> Option<Crossing> {
+        type D = DoubleDouble;
+        let is_inside_out = self.base.1 + self.apex.1 < 0.0;
+        let radii = [self.base.1, self.apex.1].map(|r| D::from(r.abs()) + D::from(more));
+        let axis = difference(self.apex.0, self.base.0);
+        let squared = dot(axis, axis);
+        let (d, m) = (vector(direction), difference(origin, self.base.0));
+        // heights in lengths of the axis
+        let (dh, mh) = (dot(d, axis) / squared, dot(m, axis) / squared);
+        let across = |v: [D; 3], h: D| [0, 1, 2].map(|k| v[k] - axis[k] * h);
+        let (d, m) = (across(d, dh), across(m, mh));
+        let widening = radii[1] - radii[0];
+        let (dr, r) = (widening * dh, radii[0] + widening * mh);
+        let (a, b, c) = (dot(d, d) - dr * dr, dot(m, d) - dr * r, dot(m, m) - r * r);
+        let discriminant = b * b - a * c;
+        if discriminant < D::ZERO {
             return None;
         }
-        if (a.y > p.y) != (b.y > p.y) {
-            let left = orient2d(coord(a), coord(b), coord(p)) > 0.0;
-            is_inside ^= left == (b.y > a.y);
+        let root = discriminant.sqrt();
+        // where the quadratic falls, or rises
+        let root = if is_inside_out { root } else { -root };
+        let t = match (b > D::ZERO) == is_inside_out {
+            true => -c / (b + root),
+            false => (root - b) / a,
+        };
+        let height = ((mh + dh * t) * squared.sqrt()).high;
+        t.high.is_finite().then_some(Crossing { t: t.high, height, radius: (r + dr * t).high })
+    }
+}
+
+/// What is met first, by the expectations of all primitives, each alone.
+pub fn first_of(all: impl Iterator<Item = (u32, Expected)>) -> Expected {
+    let mut hits = Vec::new();
+    for (id, expected) in all {
+        match expected {
+            Expected::Hit { t, .. } => hits.push((t, id)),
+            Expected::Miss => {}
+            _ => return Expected::Anything,
         }
     }
-    Some(is_inside)
+    hits.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
+    let Some(&(first, id)) = hits.first() else { return Expected::Miss };
+    let is_alone = hits.iter().skip(1).all(|(t, _)| t[0] > first[1]);
+    let high = hits.iter().map(|(t, _)| t[1]).fold(f64::INFINITY, f64::min);
+    Expected::Hit { id: is_alone.then_some(id), t: [first[0], high] }
+}
+
+fn ordered(a: f64, b: f64) -> (f64, f64) {
+    (a.min(b), a.max(b))
+}
+
+fn vector(v: DVec3) -> [DoubleDouble; 3] {
+    v.to_array().map(DoubleDouble::from)
+}
+
+fn difference(a: DVec3, b: DVec3) -> [DoubleDouble; 3] {
+    [0, 1, 2].map(|k| DoubleDouble::from(a[k]) - DoubleDouble::from(b[k]))
+}
+
+fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{dvec2, dvec3};
+    use glam::dvec3;
 
     fn expected(shape: &ConeShape, origin: DVec3, direction: DVec3) -> Expected {
-        shape.expected(&Ray::<f64>::new(origin, direction))
+        shape.expected(&Ray::<f64>::new(origin, direction), 4.0)
+    }
+
+    fn is_hit_at(expected: &Expected, at: f64) -> bool {
+        matches!(*expected, Expected::Hit { t: [low, high], .. }
+            if low < at && at < high && high - low < 1e-6)
     }
 
     #[test]
     fn a_cone_is_met_where_it_is_met_on_paper() {
         let cone = ConeShape { base: (DVec3::ZERO, 1.0), apex: (DVec3::Z, 0.0) };
         // at half its height the radius is a half
-        let Expected::Hit { id: None, t: [low, high] } =
-            expected(&cone, dvec3(-2.0, 0.0, 0.5), DVec3::X)
-        else {
-            panic!("no hit")
-        };
-        assert!(low < 1.5 && 1.5 < high && high - low < 1e-2, "{low} {high}");
+        assert!(is_hit_at(&expected(&cone, dvec3(-2.0, 0.0, 0.5), DVec3::X), 1.5));
         // parallel to the axis, from above: at (0.25, 0) the surface is 0.75 high
-        let Expected::Hit { t: [low, high], .. } =
-            expected(&cone, dvec3(0.25, 0.0, 3.0), -DVec3::Z)
-        else {
-            panic!("no hit")
-        };
-        assert!(low < 2.25 && 2.25 < high && high - low < 1e-2, "{low} {high}");
+        assert!(is_hit_at(&expected(&cone, dvec3(0.25, 0.0, 3.0), -DVec3::Z), 2.25));
         assert_eq!(expected(&cone, dvec3(0.1, 0.0, 0.3), DVec3::X), Expected::Miss);
         assert_eq!(expected(&cone, dvec3(-2.0, 0.0, 1.5), DVec3::X), Expected::Miss);
         assert_eq!(expected(&cone, dvec3(-2.0, 1.2, 0.1), DVec3::X), Expected::Miss);
         assert_eq!(expected(&cone, dvec3(0.0, 0.0, 3.0), -DVec3::Z), Expected::Anything);
+        let inside_out = ConeShape { base: (DVec3::ZERO, -1.0), apex: (DVec3::Z, 0.0) };
+        assert!(is_hit_at(&expected(&inside_out, dvec3(-2.0, 0.0, 0.5), DVec3::X), 2.5));
         let flat = ConeShape { base: (DVec3::ZERO, 1.0), apex: (DVec3::ZERO, 0.5) };
         assert_eq!(expected(&flat, dvec3(0.7, 0.0, 3.0), -DVec3::Z), Expected::Miss);
     }
 
     #[test]
-    fn an_outline_encloses_what_even_and_odd_say() {
-        let arrow = [dvec2(0.0, 0.0), dvec2(2.0, 0.0), dvec2(0.2, 0.2), dvec2(0.0, 2.0)];
-        let within = |x, y| encloses(&arrow, dvec2(x, y), 1e-6);
-        assert_eq!(within(0.1, 0.1), Some(true));
-        assert_eq!(within(0.5, 0.5), Some(false));
-        assert_eq!(within(1.0, 0.05), Some(true));
-        assert_eq!(within(1.0, 0.0), None);
-        assert_eq!(within(-1.0, 0.0), Some(false));
+    fn a_wire_is_met_to_the_digits_of_both_precisions() {
+        let wire = ConeShape { base: (DVec3::ZERO, 1e-3), apex: (DVec3::Z * 100.0, 1e-3) };
+        for part in [0.0, 0.5, 0.99] {
+            let y = 1e-3 * part;
+            let ray = Ray::<f64>::new(dvec3(2.0, y, -1.0), dvec3(-2.0, 0.0, 100.0));
+            let Expected::Hit { t: [low, high], .. } = wire.expected(&ray, 100.0) else {
+                panic!("{part}")
+            };
+            let t = (2.0 - (1e-6 - y * y).sqrt()) / 2.0;
+            assert!(low < t && t < high && high - low < 1e-9, "{part}: {low} {t} {high}");
+        }
+        let beside = Ray::<f64>::new(dvec3(2.0, 1.001e-3, -1.0), dvec3(-2.0, 0.0, 100.0));
+        assert_eq!(wire.expected(&beside, 100.0), Expected::Miss);
+        // single precision cannot tell
+        let beside = Ray::<f32>::new(glam::vec3(2.0, 1.001e-3, -1.0), glam::vec3(-2.0, 0.0, 100.0));
+        assert_eq!(wire.expected(&beside, 100.0), Expected::Anything);
+    }
+
+    #[test]
+    fn of_hits_in_one_place_none_is_the_first() {
+        let hit = |low, high| Expected::Hit { id: None, t: [low, high] };
+        let first = |all: Vec<Expected>| first_of((0..).zip(all));
+        let named = |id, t| Expected::Hit { id, t };
+        assert_eq!(first(vec![hit(3.0, 4.0), hit(1.0, 2.0)]), named(Some(1), [1.0, 2.0]));
+        assert_eq!(first(vec![hit(1.0, 4.0), hit(2.0, 3.0)]), named(None, [1.0, 3.0]));
+        assert_eq!(first(vec![Expected::Miss]), Expected::Miss);
+        assert_eq!(first(vec![hit(1.0, 2.0), Expected::Anything]), Expected::Anything);
     }
 }

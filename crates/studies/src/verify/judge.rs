@@ -3,6 +3,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use accel_core::occluders::Occluding;
 use accel_core::primitives::PrimSet;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
@@ -16,6 +17,7 @@ pub use super::mismatch::Mismatch;
 use super::model::Model;
 use super::round::{Expected, Near, Round};
 use super::subject::{Subject, with_brute_force};
+use measurement::plan::rows::Row;
 
 /// What came of a round.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -50,7 +52,7 @@ struct Answers<S: Scalar> {
 
 impl<S: Scalar> Answers<S> {
     /// What is not written is wrong: where a hit was found stands that nothing blocks the ray, and
-    /// the other way round. All primitives of the cases are opaque.
+    /// the other way round.
     fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
         let closest = closest(tracer, rays);
         let mut blocked: Vec<bool> = closest.iter().map(|hit| !hit.is_hit()).collect();
@@ -86,7 +88,7 @@ impl<S: Scalar> Answers<S> {
         };
         let ids = near.of.iter().map(|&i| near.lists.get(i).map_or(&[][..], Vec::as_slice));
         let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
-        // all primitives of the cases are opaque
+        // all primitives of such rounds are opaque
         let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
         Self {
             counted: closest.iter().copied().step_by(COUNTED).collect(),
@@ -169,6 +171,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let ask = || match subject {
             Subject::Structure(_) => self.of_structure(subject),
             Subject::Control => self.of_control(subject),
+            Subject::Occluder(row) => self.of_occluder(row),
         };
         let panicked = |_| {
             Judged::Asked(vec![Mismatch { ray: 0, what: "panicked".into() }], Digest::default())
@@ -183,15 +186,58 @@ impl<'a, S: Buildable> Judge<'a, S> {
         if subject.is_reference() {
             return Ok(self.judged(&self.reference, &self.pairs));
         }
+        let mut judged = Judged::NotAsked;
+        for threads in self.round.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
+            judged = match pool {
+                Ok(pool) => pool.install(|| self.of_built(subject))?,
+                Err(_) => self.of_built(subject)?,
+            };
+            if !matches!(&judged, Judged::Asked(wrong, _) if wrong.is_empty()) {
+                return Ok(judged);
+            }
+        }
+        if self.round.threads.is_empty() { self.of_built(subject) } else { Ok(judged) }
+    }
+
+    /// Of a structure that is built, or taken from the frame before.
+    fn of_built(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
         let ask = |tracer: &dyn Tracer<S>| Answers::of(tracer, &self.round.rays);
-        let Some(answers) = subject.over(&self.round.model, ask)? else {
-            return Ok(Judged::NotAsked);
+        let model = &self.round.model;
+        let answers = match &self.round.before {
+            Some(before) => subject.taken_over(before, model, ask)?,
+            None => subject.over(model, ask)?,
         };
+        let Some(answers) = answers else { return Ok(Judged::NotAsked) };
         let mut pairs = Vec::new();
         for pair in &self.round.pairs {
             pairs.extend(subject.over(&pair.model, |t| closest(t, &pair.rays))?);
         }
         Ok(self.judged(&answers, &pairs))
+    }
+
+    /// Shadow rays alone: asked together, each alone, and counted.
+    fn of_occluder(&self, row: &Row<'_, Occluding>) -> Result<Judged, BuildError> {
+        let Round { model, rays, lights, light_of, .. } = self.round;
+        let occluder = row.entry.build(model.prims(), lights, &row.params)?;
+        // what is not written is wrong
+        let unwritten: Vec<bool> = self.reference.blocked.iter().map(|blocked| !blocked).collect();
+        let (mut together, mut counted) = (unwritten.clone(), unwritten.clone());
+        let mut alone = unwritten;
+        occluder.occlusions(rays, light_of, &mut together);
+        occluder.count_occlusions(rays, light_of, &mut counted);
+        let each = rays.chunks(1).zip(light_of.chunks(1)).zip(alone.chunks_mut(1));
+        each.for_each(|((ray, light), blocked)| occluder.occlusions(ray, light, blocked));
+        let mut digest = Digest::default();
+        together.iter().for_each(|blocked| digest.blocked(*blocked));
+        let complaint = |ray: usize| {
+            let right = *self.round.blocked.get(ray)?;
+            let all = [("", &together), (" alone", &alone), (" when counting", &counted)];
+            let (how, _) = all.into_iter().find(|(_, said)| said.get(ray) != Some(&right))?;
+            let what = format!("blocked{how}: said {}, the oracle {right}", !right);
+            Some(Mismatch { ray, what })
+        };
+        Ok(Judged::Asked((0..rays.len()).filter_map(complaint).collect(), digest))
     }
 
     fn judged(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Judged {
@@ -234,6 +280,11 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let said = *answers.blocked.get(ray)?;
         if said != blocked {
             return Some(format!("blocked: said {said}, brute force {blocked}"));
+        }
+        if let Some(right) = self.round.blocked.get(ray)
+            && said != *right
+        {
+            return Some(format!("blocked: said {said}, the oracle {right}"));
         }
         if !ray.is_multiple_of(COUNTED) {
             return None;

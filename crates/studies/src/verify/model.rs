@@ -1,8 +1,8 @@
 //! The scene of a round: triangles alone, or primitives of any kind.
 
-use accel_core::Scalar;
-use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder, PrimitiveError, TriangleSet};
+use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::{Aabb, Scalar};
 use glam::DVec3;
 
 /// Three corners.
@@ -37,6 +37,22 @@ impl<S: Scalar> Model<S> {
         let mut builder = MixedSetBuilder::default();
         add(&mut builder)?;
         Ok(Self::Mixed(builder.finish()))
+    }
+
+    /// The largest coordinate.
+    pub fn magnitude(&self) -> f64 {
+        match self {
+            Self::Triangles(set) => set.magnitude().to_f64(),
+            Self::Mixed(set) => set.magnitude().to_f64(),
+        }
+    }
+
+    /// The box of a primitive.
+    pub fn bounds(&self, id: u32) -> Aabb<S> {
+        match self {
+            Self::Triangles(set) => set.bounds(id),
+            Self::Mixed(set) => set.bounds(id),
+        }
     }
 
     /// The primitives, for a structure to be built over.

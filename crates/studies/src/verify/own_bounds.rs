@@ -1,14 +1,16 @@
 //! A law that needs no oracle: a triangle is hit where it is.
 
-use accel_core::{Ray, Scalar, Vector};
+use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
+
+use super::model::Model;
 
 /// Epsilons of the distance to the farthest corner that rounding may add up to.
 const ROUNDING: f64 = 16.0;
 
-/// Whether a parameter lies before or behind the triangle: outside the slab that holds it on the axis
-/// along which the ray runs most. The test's parameter is a mean of its corners', whatever rounding
-/// did to their weights, and so never should.
+/// Whether a parameter lies before or behind the triangle: outside the slab that holds it on the
+/// axis along which the ray runs most. The test's parameter is a mean of its corners', whatever
+/// rounding did to their weights, and so never should.
 pub fn is_beside_it<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) -> bool {
     let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
     let corners = triangle.map(|p| DVec3::from_array(p.map(S::to_f64)));
@@ -28,6 +30,27 @@ pub fn is_out_of_its_box<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) 
     let slack = rounding::<S>(&corners, o) * (1.0 + 1.0 / sine);
     let p = o + d * t.to_f64();
     (0..3).any(|k| is_outside(&corners.map(|corner| corner[k]), p[k], slack))
+}
+
+/// Epsilons of the largest coordinate by which structures pad boxes: all of them find a hit that
+/// lies within.
+const PADDING: f64 = 64.0;
+
+/// Says which of these hits lies outside the padded box of its primitive, if one does.
+pub fn out_of_padded_box<S: Scalar>(
+    model: &Model<S>,
+    ray: &Ray<S>,
+    hits: &[Hit<S>],
+) -> Option<String> {
+    let pad = PADDING * S::EPSILON.to_f64() * model.magnitude();
+    hits.iter().find_map(|hit| {
+        let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * hit.t.to_f64();
+        let bounds = model.bounds(hit.id);
+        let (low, high) = (bounds.min.to_dvec3() - pad, bounds.max.to_dvec3() + pad);
+        let is_within = low.cmple(p).all() && p.cmple(high).all();
+        let told = || format!("primitive {} is hit at {p}, out of its padded box", hit.id);
+        (!is_within).then(told)
+    })
 }
 
 fn rounding<S: Scalar>(corners: &[DVec3; 3], origin: DVec3) -> f64 {

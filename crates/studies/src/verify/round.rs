@@ -1,6 +1,7 @@
 //! What a case draws from a seed: a scene, rays, and what is expected of them.
 
 use accel_core::{Hit, Ray, Scalar};
+use glam::DVec3;
 
 pub use super::rays::ray;
 
@@ -72,6 +73,17 @@ pub struct Round<S: Scalar> {
     pub rays: Vec<Ray<S>>,
     /// What is expected of each.
     pub expected: Vec<Expected>,
+    /// Whether each is blocked, where that is known otherwise than by its closest hit; or empty.
+    pub blocked: Vec<bool>,
+    /// Point lights, for what answers shadow rays alone.
+    pub lights: Vec<DVec3>,
+    /// Which of them each ray runs to.
+    pub light_of: Vec<u32>,
+    /// The frame before: structures are built over it, and then taken to the scene.
+    pub before: Option<Model<S>>,
+    /// Structures are built by each of these numbers of threads; by those there are where it is
+    /// empty.
+    pub threads: &'static [usize],
     /// The same in other guises, which must not change the answers.
     pub pairs: Vec<MetamorphicPair<S>>,
     /// Brute force is asked for those primitives alone; for all where there is none.
@@ -81,7 +93,18 @@ pub struct Round<S: Scalar> {
 impl<S: Scalar> Round<S> {
     /// A scene without rays yet.
     pub fn new(model: Model<S>) -> Self {
-        Self { model, rays: Vec::new(), expected: Vec::new(), pairs: Vec::new(), near: None }
+        Self {
+            model,
+            rays: Vec::new(),
+            expected: Vec::new(),
+            blocked: Vec::new(),
+            lights: Vec::new(),
+            light_of: Vec::new(),
+            before: None,
+            threads: &[],
+            pairs: Vec::new(),
+            near: None,
+        }
     }
 
     /// Adds a ray.

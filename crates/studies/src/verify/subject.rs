@@ -1,10 +1,12 @@
 //! What is put to the test: a structure, or the negative control.
 
+use accel_core::occluders::{self, Occluding};
 use accel_core::primitives::PrimsRef;
-use accel_core::query::tracer::Tracer;
+use accel_core::query::tracer::{Before, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::{Entry, find};
+use accel_core::update::moved;
 
 use super::model::Model;
 use super::registry::Case;
@@ -19,6 +21,8 @@ pub const CONTROL: &str = "moeller-trumbore";
 pub enum Subject<'r> {
     /// A structure with settings, over the primitive tests that are the default.
     Structure(Row<'r>),
+    /// What answers shadow rays alone, with settings.
+    Occluder(Row<'static, Occluding>),
     /// Brute force over plain Moeller-Trumbore tests, which leak at edges: where it misses
     /// nothing, the rays have no power.
     Control,
@@ -36,11 +40,19 @@ impl<'r> Subject<'r> {
         structures: &[String],
         also_tested: bool,
     ) -> Result<Vec<Self>, PlanError> {
-        let rows = select(registry, structures, &[])?;
-        let mut subjects: Vec<Self> = rows.into_iter().map(Self::Structure).collect();
+        let (named, rest): (Vec<String>, Vec<String>) =
+            structures.iter().cloned().partition(|name| is_occluder(name));
+        let mut subjects = Vec::new();
+        if structures.is_empty() || !rest.is_empty() {
+            subjects.extend(select(registry, &rest, &[])?.into_iter().map(Self::Structure));
+        }
         let is_named = |entry: &&Entry| {
             structures.is_empty() || structures.iter().any(|n| n == "all" || n == entry.info.name)
         };
+        let is_asked = |name: &str| structures.is_empty() || named.iter().any(|n| n == name);
+        for entry in occluders::REGISTRY.iter().filter(|entry| is_asked(entry.info.name)) {
+            subjects.push(Self::Occluder(Row::defaults(entry)?));
+        }
         for entry in registry.iter().filter(is_named).filter(|_| also_tested) {
             for settings in entry.info.also_tested {
                 let row = Row::parse(registry, &format!("{} {settings}", entry.info.name))?;
@@ -65,10 +77,15 @@ impl<'r> Subject<'r> {
         registry: &'r [Entry],
     ) -> Result<Vec<Self>, PlanError> {
         if case.ask.rows.is_empty() {
-            return Ok(subjects.to_vec());
+            let answers = |s: &&Self| !matches!(s, Self::Occluder(_));
+            return Ok(subjects.iter().filter(answers).cloned().collect());
         }
         let is_asked = |name: &str| {
-            subjects.iter().any(|s| matches!(s, Self::Structure(row) if row.structure() == name))
+            subjects.iter().any(|s| match s {
+                Self::Structure(row) => row.structure() == name,
+                Self::Occluder(row) => row.structure() == name,
+                _ => false,
+            })
         };
         let name = |label: &&&str| label.split(' ').next().is_some_and(is_asked);
         case.ask.rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
@@ -82,6 +99,9 @@ impl<'r> Subject<'r> {
         if label == CONTROL {
             return Ok(Self::Control);
         }
+        if label.split([':', ' ']).next().is_some_and(is_occluder) {
+            return Row::parse(occluders::REGISTRY, label).map(Self::Occluder);
+        }
         Row::parse(registry, label).map(Self::Structure)
     }
 
@@ -89,6 +109,7 @@ impl<'r> Subject<'r> {
     pub fn label(&self) -> String {
         match self {
             Self::Structure(row) => row.label(),
+            Self::Occluder(row) => row.label(),
             Self::Control => CONTROL.to_owned(),
         }
     }
@@ -98,6 +119,7 @@ impl<'r> Subject<'r> {
         match self {
             Self::Structure(row) => row.known_defect(),
             Self::Control => Some("negative control: leaks at edges"),
+            Self::Occluder(_) => None,
         }
     }
 
@@ -128,8 +150,36 @@ impl<'r> Subject<'r> {
                 let leaky = [("triangle-test", CONTROL)];
                 brute_force(model.prims(), &leaky, ask).map(Some)
             }
+            Self::Occluder(_) => Ok(None),
         }
     }
+
+    /// Builds over `before`, takes what was built to `model` as the settings say, and hands it to
+    /// `ask`.
+    ///
+    /// # Errors
+    /// [`BuildError`] when it refuses one of the scenes.
+    pub fn taken_over<S: Buildable, R>(
+        &self,
+        before: &Model<S>,
+        model: &Model<S>,
+        ask: impl FnOnce(&dyn Tracer<S>) -> R,
+    ) -> Result<Option<R>, BuildError> {
+        let Self::Structure(row) = self else { return Ok(None) };
+        let kept = row.entry.build(before.prims(), &row.params)?.released();
+        let moved = match (before, model) {
+            (Model::Triangles(before), Model::Triangles(now)) => moved(before, now),
+            (Model::Mixed(before), Model::Mixed(now)) => moved(before, now),
+            _ => None,
+        };
+        let (Some(kept), Some(moved)) = (kept, moved) else { return self.over(model, ask) };
+        let before = Before { kept, moved: &moved };
+        Ok(Some(ask(&*row.entry.update(model.prims(), &row.params, before)?)))
+    }
+}
+
+fn is_occluder(name: &str) -> bool {
+    occluders::find(name).is_some()
 }
 
 /// Hands brute force over these primitives to `ask`.

@@ -6,7 +6,7 @@ use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 
 use super::{
-    crossings, on_edge, point_within, scale_sweep, shapes, slivers, soup_round, symmetry,
+    crossings, on_edge, point_within, polygons, scale_sweep, shapes, slivers, soup_round, symmetry,
     tilted_planes, toward,
 };
 use crate::case;
@@ -37,7 +37,7 @@ pub static GROUP: Group = Group {
         shapes::G10,
         shapes::G11,
         shapes::G11_RIM,
-        shapes::G12,
+        polygons::G12,
         G13,
         G13_SCALED,
         tilted_planes::G14,

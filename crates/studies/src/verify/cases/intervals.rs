@@ -76,7 +76,9 @@ fn interval<S: Scalar>(random: &mut Random, hits: &[Hit<S>]) -> [S; 2] {
 }
 
 /// A scene, and triangles to aim at.
-fn scene<S: Scalar>(random: &mut Random) -> Result<(Model<S>, Vec<Corners>), PrimitiveError> {
+pub(super) fn scene<S: Scalar>(
+    random: &mut Random,
+) -> Result<(Model<S>, Vec<Corners>), PrimitiveError> {
     let triangles = match random.below(4) {
         0 => icosphere(2, DVec3::ZERO),
         1 => soup(random, 150, 0.4),

@@ -1,19 +1,31 @@
 //! The cases: one file per group, and one for each case that takes more than a page.
 
+mod copies;
 mod crossings;
+mod crowds;
 mod extreme_components;
+mod far_intervals;
+mod frames;
 mod from_hits;
 pub mod geometry;
+mod glass;
 pub mod grid;
 mod intervals;
+mod lights;
+mod moving;
 mod nested_planes;
+mod normals;
+mod polygons;
 pub mod ray;
+pub mod reported;
 mod scale_sweep;
 pub mod secondary;
 pub mod shapes;
 pub mod shells;
+mod slender_cones;
 mod slivers;
 pub mod symmetry;
+mod threads;
 mod tilted_planes;
 pub mod traversal;
 

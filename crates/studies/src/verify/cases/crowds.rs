@@ -1,0 +1,170 @@
+//! Sets of one kind: points alone, equal triangles, a fan around one vertex, denormal coordinates
+//! among ordinary ones.
+
+use accel_core::Ray;
+use accel_core::primitives::PrimitiveError;
+use accel_core::registry::Buildable;
+use glam::{DVec3, dvec3};
+
+use super::{on_edge, point_within, toward};
+use crate::case;
+use crate::verify::draw::{direction, one_of, point, signed, single, unit};
+use crate::verify::every_hit::{every_hit, push_chain};
+use crate::verify::exact::Soup;
+use crate::verify::expect::{in_soup, on_mesh};
+use crate::verify::meshes::soup;
+use crate::verify::model::{Corners, Model};
+use crate::verify::registry::Case;
+use crate::verify::round::{Expected, Near, Round, ray};
+use statistics::random::Random;
+
+/// Q12: triangles that are points.
+pub const Q12_POINTS: Case =
+    case!("Q12points", "must miss", points, "sets of points alone, several in one place");
+/// Many equal ones.
+pub const Q12_EQUAL: Case = case!(
+    "Q12equal",
+    "exact",
+    equal,
+    "100,000 equal triangles: the lowest id, and a build that ends",
+    100,
+    &[
+        "wide-bvh",
+        "kd-tree",
+        "octree",
+        "uniform-grid",
+        "hashed-grid",
+        "recursive-grid",
+        "two-level-grid",
+        "hug",
+        "adaptive-grid",
+        "irregular-grid",
+        "kay-kajiya",
+        "bounding-volumes",
+        "obvhs-cwbvh",
+    ]
+);
+/// A fan.
+pub const Q12_FAN: Case = case!(
+    "Q12fan",
+    "exact, all tests",
+    fan,
+    "1,000 triangles around a vertex: rays at it, from it and just beside",
+    10,
+    &[]
+);
+/// Denormal coordinates.
+pub const Q12_DENORMAL: Case = case!(
+    "Q12denormal",
+    "exact",
+    denormal,
+    "denormal coordinates among ordinary ones, of vertices and of origins"
+);
+
+fn points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let many = one_of(random, &[1, 2, 40, 300]);
+    let places: Vec<DVec3> = (0..1 + many / 4).map(|_| point(random)).collect();
+    let points: Vec<Corners> = (0..many).map(|_| [one_of(random, &places); 3]).collect();
+    let mut round = Round::new(Model::<S>::triangles(&points)?);
+    while round.rays.len() < rays {
+        let target = one_of(random, &places);
+        let (origin, along) = toward(random, target, 2.0);
+        let ray = ray(one_of(random, &[origin, target]), along);
+        if ray.is_traceable() {
+            round.push(ray, Expected::Miss);
+        }
+    }
+    Ok(round)
+}
+
+fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let others = soup(random, 3, 1.0);
+    let one = soup(random, 1, 1.0);
+    let mut all = others.clone();
+    all.extend(std::iter::repeat_n(one[0], 100_000));
+    let exact = Soup::new(&all[..4]);
+    let mut round = Round::new(Model::triangles(&all)?);
+    for _ in 0..rays {
+        let target = point_within(random, &all[..4]);
+        let (origin, along) = toward(random, target, 2.0);
+        let ray: Ray<S> = ray(origin, along);
+        round.push(ray, in_soup(&exact, &ray).unwrap_or(Expected::Anything));
+    }
+    // of equal hits the lowest id counts
+    let of = vec![0; round.rays.len()];
+    round.near = Some(Near { lists: vec![vec![0, 1, 2, 3]], of });
+    Ok(round)
+}
+
+fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    const MANY: usize = 1000;
+    let vertex = single(point(random) * one_of(random, &[0.0, 1.0, 10.0]));
+    // up to a needle, down to a disc
+    let height = one_of(random, &[0.0, 1e-3, 1.0, 30.0]);
+    let rim: Vec<DVec3> = (0..MANY)
+        .map(|i| {
+            let turn = i as f64 / MANY as f64 * std::f64::consts::TAU;
+            single(vertex + dvec3(turn.cos(), turn.sin(), -height))
+        })
+        .collect();
+    let mut triangles: Vec<Corners> =
+        (0..MANY).map(|i| [vertex, rim[i], rim[(i + 1) % MANY]]).collect();
+    random.shuffle(&mut triangles);
+    let mesh = Soup::new(&triangles);
+    let mut round = Round::new(Model::<S>::triangles(&triangles)?);
+    while round.rays.len() < rays {
+        let aim = random.below(4);
+        let (origin, along) = match aim {
+            0 => (vertex, direction(random)),
+            1 => (vertex, rim[random.below(MANY)] - vertex),
+            2 => (single(vertex + point(random) * 1e-6), direction(random)),
+            _ => toward(random, vertex, 2.0),
+        };
+        let ray: Ray<S> = ray(origin, along);
+        if !ray.is_traceable() {
+            continue;
+        }
+        // where all of them are seen from above, they leave no gap
+        if aim == 3 && height * along.truncate().length() < -0.9 * along.z {
+            let slack = 1e-4 * (1.0 + height);
+            round.push(ray, on_mesh(&mesh, &ray, slack).unwrap_or(Expected::Anything));
+            continue;
+        }
+        let hits = every_hit(&round.model, &ray);
+        push_chain(&mut round, ray, &hits, 3);
+    }
+    round.rays.truncate(rays);
+    round.expected.truncate(rays);
+    Ok(round)
+}
+
+fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let least = if S::NAME == "f32" { -140f64 } else { -1060f64 }.exp2();
+    let tiny = |random: &mut Random, p: DVec3| {
+        let mut p = p.to_array();
+        for x in &mut p {
+            if random.below(3) == 0 {
+                *x = signed(random) * 100.0 * least;
+            }
+        }
+        DVec3::from_array(p)
+    };
+    let triangles: Vec<Corners> =
+        soup(random, 80, 0.8).iter().map(|t| t.map(|p| tiny(random, p))).collect();
+    let exact = Soup::new(&triangles);
+    let mut round = Round::new(Model::triangles(&triangles)?);
+    while round.rays.len() < rays {
+        let target = match random.below(2) {
+            0 => point_within(random, &triangles),
+            _ => on_edge(random, &triangles),
+        };
+        let away = 1.0 + unit(random);
+        let (origin, along) = toward(random, target, away);
+        let ray = ray(tiny(random, origin), along);
+        if ray.is_traceable() {
+            let expected = in_soup(&exact, &ray).unwrap_or(Expected::Anything);
+            round.push(ray, expected);
+        }
+    }
+    Ok(round)
+}

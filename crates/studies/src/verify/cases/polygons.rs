@@ -1,0 +1,223 @@
+//! Polygons that share edges and vertices, seen from above, edge-on and from within.
+
+use accel_core::Ray;
+use accel_core::primitives::PrimitiveError;
+use accel_core::registry::Buildable;
+use glam::{DVec2, DVec3, dvec2};
+
+use crate::case;
+use crate::verify::draw::{direction, one_of, point, signed, single, unit};
+use crate::verify::every_hit::{every_hit, push_chain};
+use crate::verify::model::Model;
+use crate::verify::own_bounds::out_of_padded_box;
+use crate::verify::polygons::{body, placed, tangled, tiling, wound};
+use crate::verify::registry::Case;
+use crate::verify::round::{Expected, Round, ray};
+use crate::verify::surface::{Outlines, Surface};
+use statistics::random::Random;
+
+/// HARD_CASES G12.
+pub const G12: Case = case!(
+    "G12",
+    "own projection",
+    alone,
+    "concave polygons, collinear and repeated vertices, slightly bent ones"
+);
+/// Q1.
+pub const Q1: Case = case!(
+    "Q1",
+    "own projection",
+    at_edges,
+    "polygons that share edges and vertices, closed bodies, both windings: no gap"
+);
+/// Q2.
+pub const Q2: Case = case!(
+    "Q2",
+    "own projection, own bounds",
+    nearly_in_plane,
+    "rays 10^-1 to 10^-9 off a polygon's plane, and within it: hits lie where polygons are"
+);
+/// Slivers of Q2, as G16 has triangles.
+pub const Q2_SLIVERS: Case = case!(
+    "Q2slivers",
+    "own projection, own bounds",
+    slivers,
+    "polygons up to 10^4 times as long as wide, and rays near their plane"
+);
+/// Q6.
+pub const Q6: Case = case!(
+    "Q6",
+    "own projection",
+    tangled_alone,
+    "outlines that cross themselves, go round twice, have a hole by a bridge"
+);
+
+/// Links of a chain that are asked.
+const LINKS: usize = 12;
+
+fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let outlines = surface(random, 1.0);
+    surface_round(random, rays, &outlines, at_edge)
+}
+
+fn nearly_in_plane<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    let outlines = surface(random, 1.0);
+    surface_round(random, rays, &outlines, near_plane)
+}
+
+fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let most = one_of(random, &[1e1, 1e2, 1e3, 1e4]);
+    let outlines = surface(random, most);
+    surface_round(random, rays, &outlines, |random, outlines| match random.below(2) {
+        0 => at_edge(random, outlines),
+        _ => near_plane(random, outlines),
+    })
+}
+
+fn surface(random: &mut Random, most: f64) -> Outlines {
+    let outlines = match random.below(2) {
+        0 => {
+            let side = 1 + random.below(10);
+            tiling(random, side)
+        }
+        _ => body(random),
+    };
+    placed(random, &outlines, most)
+}
+
+/// A line through a point.
+struct Aim {
+    target: DVec3,
+    /// To the origin, any length.
+    from: DVec3,
+}
+
+/// At a vertex, an edge or within a polygon, and a few ulps beside.
+fn at_edge(random: &mut Random, outlines: &Outlines) -> Aim {
+    let target = target(random, outlines);
+    let beside = one_of(random, &[0.0, 0.0, 1e-7, 1e-6, 1e-15]) * target.abs().max_element();
+    let target = target + point(random) * beside;
+    Aim { target, from: direction(random) * (0.1 + 3.0 * unit(random)) }
+}
+
+fn near_plane(random: &mut Random, outlines: &Outlines) -> Aim {
+    let outline = &outlines[random.below(outlines.len())];
+    let target = target(random, &vec![outline.clone()]);
+    let (a, b, c) = (outline[0], outline[1], outline[outline.len() - 1]);
+    let normal = (b - a).cross(c - a).normalize_or(DVec3::Z);
+    let any = direction(random);
+    let any = one_of(random, &[b - a, c - b, any]);
+    let along = (any - normal * any.dot(normal)).normalize_or_zero();
+    let tilt = 10f64.powf(-1.0 - 8.0 * unit(random)) * one_of(random, &[1.0, -1.0, 1.0, -1.0, 0.0]);
+    Aim { target, from: (along + normal * tilt) * (0.5 + 3.0 * unit(random)) }
+}
+
+fn target(random: &mut Random, outlines: &Outlines) -> DVec3 {
+    let outline = &outlines[random.below(outlines.len())];
+    let i = random.below(outline.len());
+    let (a, b) = (outline[i], outline[(i + 1) % outline.len()]);
+    match random.below(3) {
+        0 => a,
+        1 => a + (b - a) * (random.below(1 << 10) as f64 / 1024.0),
+        _ => {
+            let c = outline[random.below(outline.len())];
+            let (u, v) = (unit(random) * 0.5, unit(random) * 0.5);
+            a + (b - a) * u + (c - a) * v
+        }
+    }
+}
+
+/// Rays at a surface, their origins away by the size of its part in view.
+fn surface_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    outlines: &Outlines,
+    aim: impl Fn(&mut Random, &Outlines) -> Aim,
+) -> Result<Round<S>, PrimitiveError> {
+    let surface = Surface::new(outlines);
+    let magnitude = surface.magnitude();
+    let model = Model::mixed(|set| {
+        wound(random, outlines).iter().try_for_each(|outline| set.polygon(outline))
+    })?;
+    let mut round = Round::new(model);
+    let first = outlines[0][0];
+    let size = outlines.iter().flatten().map(|p| p.distance(first)).fold(0.0, f64::max);
+    while round.rays.len() < rays {
+        let Aim { target, from } = aim(random, outlines);
+        let origin = single(target + from * size);
+        // farther origins are brought near before they are asked
+        if origin.abs().max_element() > 7.0 * magnitude {
+            continue;
+        }
+        push(&mut round, &surface, ray(origin, target - origin));
+    }
+    round.rays.truncate(rays);
+    round.expected.truncate(rays);
+    Ok(round)
+}
+
+/// Adds the ray and the chain of its hits, or what is wrong with the hits of polygons tested alone.
+fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
+    if !ray.is_traceable() {
+        return;
+    }
+    let hits = every_hit(&round.model, &ray);
+    let fault = surface.fault(&ray, &hits);
+    match fault.or_else(|| out_of_padded_box(&round.model, &ray, &hits)) {
+        Some(fault) => round.push(ray, Expected::Broken(fault)),
+        None => push_chain(round, ray, &hits, LINKS),
+    }
+}
+
+/// One polygon in a plane of any slant: the arrow whose fan of triangles is nine times too large, a
+/// star, a square with collinear and repeated vertices; some with vertices 10^-4 off the plane.
+fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+    let square = [(0., 0.), (1., 0.), (2., 0.), (2., 0.), (2., 2.), (1.5, 2.), (0., 2.), (0., 1.)];
+    let outline: Vec<DVec2> = match random.below(3) {
+        0 => vec![dvec2(0.0, 0.0), dvec2(2.0, 0.0), dvec2(0.2, 0.2), dvec2(0.0, 2.0)],
+        1 => star(random),
+        _ => square.map(|(x, y)| dvec2(x, y)).to_vec(),
+    };
+    let bend = one_of(random, &[0.0, 1e-4]);
+    let outline: Vec<DVec3> =
+        outline.iter().map(|p| p.extend(bend * signed(random))).map(single).collect();
+    outline_round(random, rays, outline)
+}
+
+fn tangled_alone<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+) -> Result<Round<S>, PrimitiveError> {
+    let outline = tangled(random);
+    outline_round(random, rays, outline)
+}
+
+fn outline_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    outline: Vec<DVec3>,
+) -> Result<Round<S>, PrimitiveError> {
+    let outlines = placed(random, &vec![outline], 1.0);
+    surface_round(random, rays, &outlines, |random, outlines| {
+        let aim = at_edge(random, outlines);
+        let outline = &outlines[0];
+        let away = outline[random.below(outline.len())] - aim.target;
+        // mostly anywhere around it
+        let across = if random.below(4) > 0 { unit(random) } else { 0.0 };
+        Aim { target: aim.target + away * across, ..aim }
+    })
+}
+
+/// A star of many points around (1, 1).
+fn star(random: &mut Random) -> Vec<DVec2> {
+    let points = 5 + random.below(12);
+    let corner = |i: usize| {
+        let turn = i as f64 / (2 * points) as f64 * std::f64::consts::TAU;
+        let radius = if i.is_multiple_of(2) { 1.0 } else { 0.3 + 0.3 * unit(random) };
+        dvec2(1.0, 1.0) + dvec2(turn.cos(), turn.sin()) * radius
+    };
+    (0..2 * points).map(corner).collect()
+}
