@@ -34,7 +34,8 @@ struct Bvh {
     uint32_t leaf;
     std::string fault;
     std::vector<char> hoard = {};
-    bool ignores_t_min = fault == "t-min", drops = fault == "drop";
+    bool ignores_t_min = fault == "t-min", drops = fault == "drop", leaks = fault == "edges";
+    bool is_coarse = fault == "last-bits";
 
     const float *corners(uint32_t id) const { return scene->positions + 9 * size_t(id); }
 
@@ -74,7 +75,8 @@ struct Bvh {
         if (!(u >= 0 && v >= 0 && u + v <= 1)) return false;
         if (!(found >= (ignores_t_min ? -INFINITY : ray.t_min) && found <= t_max)) return false;
         if (drops && id % 7 == 3) return false;
-        t = found;
+        if (leaks && std::min({u, v, 1 - u - v}) < 1e-6f) return false;
+        t = is_coarse ? std::clamp(std::nextafter(found, 0.0f), ray.t_min, ray.t_max) : found;
         return true;
     }
 
@@ -163,7 +165,7 @@ void destroy(void *built) { delete static_cast<Bvh *>(built); }
 const rtbench_setting settings[] = {
     {"leaf", "most triangles of a leaf", "4", RTBENCH_INTEGER, 1, 64, nullptr},
     {"fault", "a planted mistake, for tests", "none", RTBENCH_CHOICE, 0, 0,
-     "none drop id t-min occlusion hang crash wild-write exit memory spin"},
+     "none drop id t-min occlusion last-bits edges hang crash wild-write exit memory spin"},
 };
 
 const rtbench_plugin plugin = {

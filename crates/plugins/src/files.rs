@@ -224,6 +224,23 @@ fn record(numbers: [f32; 8]) -> [u8; 32] {
     record
 }
 
+/// A hit as a record.
+pub fn hit_record(hit: &abi::Hit) -> [u8; 8] {
+    let [[a, b, c, d], [e, f, g, h]] = [hit.t.to_le_bytes(), hit.id.to_le_bytes()];
+    [a, b, c, d, e, f, g, h]
+}
+
+/// The rays behind the header of a file, which [`About::read`] has read.
+pub fn rays<'a>(about: &About, bytes: &'a [u8]) -> impl Iterator<Item = abi::Ray> + use<'a> {
+    let records = bytes.get(about.header_bytes()..).unwrap_or_default().as_chunks::<32>().0;
+    records.iter().map(|record| {
+        let mut numbers = record.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+        let [x, y, z, t_min, a, b, c, t_max] =
+            std::array::from_fn(|_| numbers.next().unwrap_or_default());
+        abi::Ray { origin: [x, y, z], t_min, direction: [a, b, c], t_max }
+    })
+}
+
 /// The hits behind the header of a file, which [`About::read`] has read.
 pub fn hits<'a>(about: &About, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
     let records = bytes.get(about.header_bytes()..).unwrap_or_default().chunks_exact(8);
@@ -264,6 +281,9 @@ mod tests {
         assert_eq!(all, [abi::Hit { t: 1.0, id: 4 }; 3]);
         let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
         assert_eq!(ray_record(&ray)[28..], 3.0f32.to_le_bytes());
+        let file = [about().header(Content::Rays), ray_record(&ray).to_vec()].concat();
+        assert_eq!(rays(&about(), &file).collect::<Vec<_>>(), [ray]);
+        assert_eq!(hit_record(&abi::Hit { t: 1.0, id: 4 }), [0, 0, 128, 63, 4, 0, 0, 0]);
         assert_eq!(triangle_record(&[[1.0; 3]; 3], true)[36..], [1, 0, 0, 0]);
     }
 

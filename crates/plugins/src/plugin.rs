@@ -43,8 +43,9 @@ impl Plugin {
         let found = self.waiting().remove(row);
         match found {
             Some(remote) => match remote.failure().map(str::to_owned) {
+                Some(_) if self.launch.restarts => Remote::start(&self.launch),
                 Some(how) => {
-                    // a row that ended its process is not tried again
+                    // in a run a row that ended its process is not tried again
                     self.keep(row, remote);
                     Err(how)
                 }

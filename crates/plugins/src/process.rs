@@ -12,6 +12,8 @@ pub struct Launch {
     pub file: PathBuf,
     /// Longest time of a build, and of a call that answers rays.
     pub limit: Duration,
+    /// A row whose process ended gets a new one.
+    pub restarts: bool,
 }
 
 /// What is to be built.

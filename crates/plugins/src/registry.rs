@@ -32,6 +32,8 @@ pub struct Options {
     pub limit: Duration,
     /// In this process: no limit, and what ends the plugin ends the run.
     pub in_process: bool,
+    /// A row whose process ended is asked again in a new one.
+    pub restarts: bool,
 }
 
 /// All of them, by name.
@@ -54,8 +56,8 @@ pub fn entry(
 ) -> Result<Entry, PluginError> {
     let file = &std::path::absolute(file)
         .map_err(|source| PluginError::Read { file: file.into(), source })?;
-    let Options { program, limit, in_process } = options.clone();
-    let launch = Launch { program, file: file.clone(), limit };
+    let Options { program, limit, in_process, restarts } = options.clone();
+    let launch = Launch { program, file: file.clone(), limit, restarts };
     let (description, library) = if in_process {
         let library = Arc::new(Library::load(file)?);
         (library.description.clone(), Some(library))

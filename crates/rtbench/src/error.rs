@@ -8,6 +8,7 @@ use presentation::drawing::ImageError;
 
 use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
+use measurement::rays::text::RayTextError;
 use measurement::record::file::RecordError;
 use measurement::record::machines::MachinesError;
 use measurement::record::merge::MergeError;
@@ -68,6 +69,9 @@ pub enum Error {
     /// A file of hits cannot be used.
     #[error(transparent)]
     HitsFile(#[from] FileError),
+    /// Rays cannot be read.
+    #[error(transparent)]
+    RayText(#[from] RayTextError),
     /// Results take no foreign row.
     #[error(transparent)]
     ForeignRow(#[from] ForeignRowError),

@@ -244,7 +244,9 @@ fn with_plugins(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     };
     let occluders = context.occluders.iter().map(|entry| entry.info.name);
     let program = context.environment.program.as_ref();
-    let (plugins, registry) = Plugins::load(args, context.registry, occluders, program)?;
+    // a crash in one hard case says nothing of the next
+    let restarts = matches!(cli.command, Command::Verify(_));
+    let (plugins, registry) = Plugins::load(args, context.registry, occluders, program, restarts)?;
     let mut within = context.over(&registry, plugins);
     let code = dispatched(&mut within, cli);
     let annotations = std::mem::take(&mut within.annotations);
@@ -274,6 +276,7 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Hits(args) => match &args.action {
             HitsAction::Check(args) => commands::by_files::check_hits(context, args, cli.color),
         },
+        Command::Trace(args) => commands::trace::run(context, args).map(|()| SUCCESS),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),

@@ -24,7 +24,8 @@ pub struct Plugins {
 
 impl Plugins {
     /// Loads the plugins that a command line names; also the structures there are with theirs after
-    /// `ours`. No name is one of `taken`, or of ours. Their processes are started with `program`.
+    /// `ours`. No name is one of `taken`, or of ours. Their processes are started with `program`; rows whose
+    /// process ended get a new one where that is asked for.
     ///
     /// # Errors
     /// [`PluginError`] for the first that cannot be used.
@@ -33,6 +34,7 @@ impl Plugins {
         ours: &[Entry],
         taken: impl Iterator<Item = &'static str> + Clone,
         program: Option<&PathBuf>,
+        restarts: bool,
     ) -> Result<(Self, Vec<Entry>), PluginError> {
         let mut registry = ours.to_vec();
         let program = || match program {
@@ -48,6 +50,7 @@ impl Plugins {
                 program: program().map_err(read)?,
                 limit: args.plugin_limit,
                 in_process: args.in_process,
+                restarts,
             };
             let bytes = std::fs::read(file).map_err(read)?;
             let sha256 = sha256_of_bytes(&bytes);

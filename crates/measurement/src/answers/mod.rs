@@ -6,4 +6,5 @@ pub mod edges;
 pub mod fault;
 pub mod judge;
 pub mod oracle;
+mod own_test;
 pub mod reference;

@@ -201,12 +201,7 @@ impl<S: Buildable> Built<'_, S> {
 
     /// How far its answers must agree with those expected.
     pub fn exactness(&self) -> Exactness {
-        match self.foreign().map(|foreign| foreign.origin().has_own_test) {
-            Some(true) => Exactness::OwnTest,
-            Some(false) => Exactness::OurTest,
-            None if self.batches() == Batches::Library => Exactness::Library,
-            None => Exactness::Bits,
-        }
+        Exactness::of(self.foreign(), self.batches())
     }
 
     /// What is to be known of it where its code is not of this program.

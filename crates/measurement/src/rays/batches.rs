@@ -114,7 +114,9 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
-    fn len(&self) -> usize {
+    /// How many there are.
+    #[allow(clippy::len_without_is_empty)]
+    pub fn len(&self) -> usize {
         match self {
             Self::Hits(hits) => hits.len(),
             Self::Blocked(blocked) => blocked.len(),
@@ -155,9 +157,7 @@ impl<S: Buildable> Batch<'_, S> {
         exactness: Exactness,
     ) -> Box<dyn Iterator<Item = usize> + 'b> {
         match (answers, &self.expected) {
-            (Answers::Hits(own), Answers::Hits(expected))
-                if matches!(exactness, Exactness::Library | Exactness::OwnTest) =>
-            {
+            (Answers::Hits(own), Answers::Hits(expected)) if exactness.has_own_test() => {
                 let pairs = own.iter().zip(expected).zip(self.rays.iter());
                 indices(pairs.map(move |((own, expected), ray)| {
                     is_apart(own, expected, ray)

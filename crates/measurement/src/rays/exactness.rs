@@ -1,10 +1,12 @@
 //! How far answers must agree.
 
+use accel_core::query::tracer::Foreign;
+use accel_core::structure::Batches;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 
 /// What rounding may do to the parameter of a hit, in parts of it and of the distance from the
 /// world's origin to that of the ray: 256 epsilons of f32.
-const ROUNDING: f64 = 1.0 / 65_536.0;
+pub const ROUNDING: f64 = 1.0 / 65_536.0;
 
 /// How far answers must agree with those expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,6 +20,23 @@ pub enum Exactness {
     OwnTest,
     /// A plugin that uses our test: to the last bit.
     OurTest,
+}
+
+impl Exactness {
+    /// Of a structure, by where its code is from and how it answers batches.
+    pub fn of(foreign: Option<&dyn Foreign>, batches: Batches) -> Self {
+        match foreign.map(|foreign| foreign.origin().has_own_test) {
+            Some(true) => Self::OwnTest,
+            Some(false) => Self::OurTest,
+            None if batches == Batches::Library => Self::Library,
+            None => Self::Bits,
+        }
+    }
+
+    /// Whether the structure decides by a primitive test that is not ours.
+    pub fn has_own_test(self) -> bool {
+        matches!(self, Self::Library | Self::OwnTest)
+    }
 }
 
 /// Whether two hits of a ray are more than rounding apart, or only one is a hit.

@@ -4,3 +4,4 @@ pub mod batches;
 pub mod exactness;
 pub mod order;
 pub mod reordered;
+pub mod text;

@@ -26,6 +26,7 @@ mod scenes;
 pub mod show;
 mod sweep;
 mod tables;
+mod trace;
 mod trial;
 mod verify;
 mod view;
@@ -57,6 +58,7 @@ pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use show::ShowArgs;
 pub use sweep::SweepArgs;
 pub use tables::TableArgs;
+pub use trace::TraceArgs;
 pub use trial::TrialArgs;
 pub use verify::VerifyArgs;
 pub use view::ViewArgs;
@@ -154,6 +156,11 @@ pub enum Command {
     Rays(RaysArgs),
     /// Check what another program answered
     Hits(HitsArgs),
+    /// Trace rays from a file, and print or write the hits
+    #[command(
+        after_help = "Examples:\n  rtbench trace case.obj --rays case.rays -s brute-force,wide-bvh\n  rtbench trace kitchen --rays kitchen.rays -s wide-bvh -o kitchen.hits"
+    )]
+    Trace(TraceArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
     #[command(after_help = "Examples:\n  rtbench verify -s kd-tree --rays 1000")]
     Verify(VerifyArgs),
@@ -199,6 +206,7 @@ impl Command {
         Some(match self {
             Self::Run(args) => &args.plugins,
             Self::Verify(args) => &args.plugins,
+            Self::Trace(args) => &args.plugins,
             Self::Check(args) => &args.plugins,
             Self::Child(args) => &args.plugins,
             Self::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. }) => {

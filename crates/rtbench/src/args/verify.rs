@@ -40,6 +40,10 @@ pub struct VerifyArgs {
     /// Repeat one trial: a line that an earlier run printed
     #[arg(long, value_name = "LINE")]
     pub replay: Option<String>,
+    /// Reduce the first failure of each structure, case and precision to the fewest triangles and one
+    /// ray, and write it there: OBJ, rays for `trace`, and a C program over rtbench.h
+    #[arg(long, value_name = "DIR")]
+    pub shrink: Option<PathBuf>,
     /// Write one CSV row per case, precision and structure, anew after each case
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,

@@ -198,7 +198,7 @@ fn no_triangles(loaded: &LoadedScene) -> Error {
     Error::NotOfTriangles { scene: loaded.scene.name.clone() }
 }
 
-fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+pub(super) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
     files::put(path, bytes).map_err(|source| WriteError { path: path.into(), source }.into())
 }
 
@@ -207,7 +207,7 @@ fn file_name(args: &CheckHitsArgs) -> String {
 }
 
 /// The bytes of a SHA-256 in hexadecimal.
-fn digest(hexadecimal: &str) -> [u8; 32] {
+pub(super) fn digest(hexadecimal: &str) -> [u8; 32] {
     let mut bytes = [0; 32];
     for (byte, i) in bytes.iter_mut().zip((0..).step_by(2)) {
         let digits = hexadecimal.get(i..i + 2).unwrap_or_default();

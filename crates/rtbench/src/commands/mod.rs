@@ -31,5 +31,6 @@ pub mod scene_pictures;
 pub mod scenes;
 pub mod show;
 pub mod sweep;
+pub mod trace;
 mod trial_build;
 pub mod verify;

@@ -44,6 +44,7 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
             cloned(&[&args.output, &args.triangles])
         }
         Command::Render(args) => cloned(&[&args.output]),
+        Command::Trace(args) => cloned(&[&args.output]),
         Command::Show(args) => cloned(&[&args.output]),
         Command::Cost(args) => within(&args.heat_maps, &cost::MAPS.map(str::to_owned)),
         Command::Man(args) => within(&args.output, &printed::page_names()),

@@ -1,5 +1,6 @@
 //! `rtbench verify`: the hard cases against every structure.
 
+use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
@@ -7,10 +8,12 @@ use crate::args::{Color, VerifyArgs};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
+use crate::exports::occupied::refuse_files;
 use crate::exports::outputs::write_file;
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
-use measurement::system::created::create;
+use measurement::system::created::{Created, create};
+use measurement::system::files::write_text;
 use measurement::system::interrupt;
 use measurement::system::machine;
 use measurement::system::pools::deep_pool;
@@ -22,6 +25,7 @@ use studies::verify::check::{CheckPlan, PRECISIONS, Replayed, replay};
 use studies::verify::registry::Case;
 use studies::verify::replay::{Replay, precision_name};
 use studies::verify::report::Report;
+use studies::verify::shrink::shrink;
 use studies::verify::subject::Subject;
 use studies::verify::watch::{Cut, Watch};
 
@@ -32,7 +36,7 @@ use studies::verify::watch::{Cut, Watch};
 /// [`Error`] for what is asked and not there, and for outputs that cannot be written.
 pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result<u8, Error> {
     if let Some(line) = &args.replay {
-        return repeat(context, &Replay::parse(line)?);
+        return repeat(context, args, &Replay::parse(line)?);
     }
     let mut structures = args.structures.clone();
     context.plugins.add_rows(&mut structures);
@@ -51,6 +55,13 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     write_table(context.out, &report.table(), colors)?;
     for example in report.examples() {
         writeln!(context.out, "{}", line(&example.to_string()))?;
+    }
+    if let Some(folder) = &args.shrink {
+        writeln!(context.out)?;
+        let failures = report.lines.iter().filter_map(|line| line.examples.first());
+        for example in failures {
+            shrink_failure(context, folder, &Replay::parse(&example.replay)?)?;
+        }
     }
     context.out.flush()?;
     Ok(match report.cut {
@@ -116,8 +127,37 @@ fn save(args: &VerifyArgs, report: &Report) -> Result<(), Error> {
     Ok(write_file(args.export_json.as_deref(), || report.to_json())?)
 }
 
+/// Reduces a failure, prints it, and writes its files.
+fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> Result<(), Error> {
+    let (_, case) = find(&replay.case)?;
+    let subject = Subject::parse(context.registry, &replay.subject)?;
+    let pool = deep_pool(1)?;
+    let Some(shrunk) = pool.install(|| shrink(case, replay, &subject)) else {
+        writeln!(
+            context.out,
+            "{replay}: not reduced: it has other primitives than triangles, or \
+                               only the oracle of its case sees it"
+        )?;
+        return Ok(());
+    };
+    writeln!(context.out, "{}", shrunk.text())?;
+    let mut created = Created::default();
+    created.folder(folder)?;
+    created.keep();
+    let path = |ending: &str| folder.join(format!("{}.{ending}", shrunk.name()));
+    let files = shrunk.files();
+    if !context.overwrite {
+        refuse_files(files.iter().map(|(ending, _)| path(ending)))?;
+    }
+    for (ending, text) in files {
+        write_text(&path(ending), &text)?;
+        writeln!(context.out, "  {}", line(&path(ending).display().to_string()))?;
+    }
+    Ok(context.out.flush()?)
+}
+
 /// Repeats one trial and says what comes of it.
-fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
+fn repeat(context: &mut Context<'_>, args: &VerifyArgs, line: &Replay) -> Result<u8, Error> {
     let (_, case) = find(&line.case)?;
     let subject = Subject::parse(context.registry, &line.subject)?;
     let scene = || format!("{} round {}", case.id, line.round);
@@ -133,6 +173,9 @@ fn repeat(context: &mut Context<'_>, line: &Replay) -> Result<u8, Error> {
     let verdict = refused.map(|why| format!("refused: {why}")).or_else(|| wrong.clone());
     writeln!(out, "{}: {}", subject.label(), verdict.as_deref().unwrap_or("right"))?;
     out.flush()?;
+    if let (Some(folder), Some(_)) = (&args.shrink, &wrong) {
+        shrink_failure(context, folder, line)?;
+    }
     let is_failure = wrong.is_some() && subject.known_defect().is_none();
     Ok(if is_failure { WRONG_HITS } else { SUCCESS })
 }

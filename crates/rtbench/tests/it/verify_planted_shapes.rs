@@ -14,8 +14,9 @@ use measurement::plan::rows::Row;
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
 use statistics::random::Random;
+use studies::verify::catalogue::find;
 use studies::verify::judge::{Judge, Judged};
-use studies::verify::registry::{Ask, Draw, find};
+use studies::verify::registry::{Ask, Draw};
 use studies::verify::subject::Subject;
 
 use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};

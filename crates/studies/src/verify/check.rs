@@ -107,11 +107,11 @@ impl CheckPlan<'_> {
 
 /// What the rays and scenes of a round are drawn from.
 #[derive(Debug, Clone, Copy)]
-struct Drawing<'c> {
-    id: &'c str,
-    seed: u64,
-    number: u64,
-    rays: usize,
+pub(super) struct Drawing<'c> {
+    pub(super) id: &'c str,
+    pub(super) seed: u64,
+    pub(super) number: u64,
+    pub(super) rays: usize,
 }
 
 impl Drawing<'_> {
@@ -119,7 +119,7 @@ impl Drawing<'_> {
         Random::new(self.seed, &format!("verify {} {}", self.id, self.number))
     }
 
-    fn drawn<S: Buildable>(&self, draw: Draw<S>) -> Result<Round<S>, String> {
+    pub(super) fn drawn<S: Buildable>(&self, draw: Draw<S>) -> Result<Round<S>, String> {
         draw(&mut self.random(), self.rays).map_err(|e| e.to_string())
     }
 
@@ -208,7 +208,7 @@ fn asked<S: Buildable>(
 }
 
 fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {
-    all.into_iter().find(|m| m.ray == ray).map(|m| m.what)
+    all.into_iter().find(|m| m.ray == ray && m.is_wrong).map(|m| m.what)
 }
 
 fn told<S: Buildable>(ray: &Ray<S>) -> String {

@@ -13,16 +13,18 @@ use accel_core::{Hit, MISS, Ray, Scalar};
 use super::company::Company;
 use super::digest::Digest;
 use super::metamorphic::{MetamorphicPair, Same};
-pub use super::mismatch::Mismatch;
+pub use super::mismatch::{Difference, Mismatch};
 use super::model::Model;
+use super::own_test::OwnTestJudge;
 use super::round::{Expected, Near, Round};
 use super::subject::{Subject, with_brute_force};
 use measurement::plan::rows::Row;
+use measurement::rays::exactness::Exactness;
 
 /// What came of a round.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Judged {
-    /// All rays were asked: what is wrong, and what stands for all answers.
+    /// All rays were asked: what differs, and what stands for all answers.
     Asked(Vec<Mismatch>, Digest),
     /// The scene was refused with a typed error.
     Refused(String),
@@ -100,6 +102,31 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
+    /// The closest hits of a ray, however it was asked.
+    fn hits_of(&self, ray: usize) -> impl Iterator<Item = Hit<S>> {
+        let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
+        let of = |hits: &[Hit<S>], i: usize| hits.get(i).copied();
+        let company = some.and_then(|i| Some(self.in_company.get(i)?.0));
+        let asked = [
+            of(&self.closest, ray),
+            some.and_then(|i| of(&self.counted, i)),
+            some.and_then(|i| of(&self.alone, i)),
+            company,
+        ];
+        asked.into_iter().flatten()
+    }
+
+    /// Whether it is blocked, likewise.
+    fn occlusions_of(&self, ray: usize) -> impl Iterator<Item = bool> {
+        let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
+        let asked = [
+            self.blocked.get(ray).copied(),
+            some.and_then(|i| self.counted_blocked.get(i).copied()),
+            some.and_then(|i| Some(self.in_company.get(i)?.1)),
+        ];
+        asked.into_iter().flatten()
+    }
+
     fn digest(&self) -> Digest {
         let mut digest = Digest::default();
         self.closest.iter().for_each(|hit| digest.hit(hit));
@@ -127,6 +154,15 @@ fn closest<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
     let mut hits = vec![unwritten(); rays.len()];
     tracer.closest_hits(rays, &mut hits);
     hits
+}
+
+/// The answers of brute force to the rays of a round, in f64: hits, and which of them are blocked.
+pub(super) fn brute_force_answers<S: Buildable>(
+    round: &Round<S>,
+) -> Option<(Vec<Hit<f64>>, Vec<bool>)> {
+    let Answers { closest, blocked, .. } = Judge::new(round).ok()?.reference;
+    let wide = |hit: &Hit<S>| Hit { t: hit.t.to_f64(), id: hit.id };
+    Some((closest.iter().map(wide).collect(), blocked))
 }
 
 /// Stands where no hit was written: of no primitive, at no parameter, and so no answer.
@@ -166,18 +202,17 @@ impl<'a, S: Buildable> Judge<'a, S> {
         Ok(Self { round, reference, pairs: pairs.collect::<Result<_, _>>()? })
     }
 
-    /// Asks a subject. A panic is a mismatch of the first ray.
+    /// Asks a subject. A panic, or the end of a plugin's process, is a mismatch of the first ray.
     pub fn judge(&self, subject: &Subject<'_>) -> Judged {
         let ask = || match subject {
             Subject::Structure(_) => self.of_structure(subject),
             Subject::Control => self.of_control(subject),
             Subject::Occluder(row) => self.of_occluder(row),
         };
-        let panicked = |_| {
-            Judged::Asked(vec![Mismatch { ray: 0, what: "panicked".into() }], Digest::default())
-        };
-        match catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|e| Ok(panicked(e))) {
+        let ended = |how| Judged::Asked(vec![Mismatch::wrong(0, None, how)], Digest::default());
+        match catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|_| Ok(ended("panicked".into()))) {
             Ok(judged) => judged,
+            Err(BuildError::Died(how)) => ended(how),
             Err(error) => Judged::Refused(error.to_string()),
         }
     }
@@ -202,16 +237,28 @@ impl<'a, S: Buildable> Judge<'a, S> {
 
     /// Of a structure that is built, or taken from the frame before.
     fn of_built(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
-        let ask = |tracer: &dyn Tracer<S>| Answers::of(tracer, &self.round.rays);
+        let ask = |tracer: &dyn Tracer<S>| {
+            let exactness = Exactness::of(tracer.foreign(), tracer.batches());
+            let answers = Answers::of(tracer, &self.round.rays);
+            (exactness, answers, tracer.foreign().and_then(|foreign| foreign.failure()))
+        };
         let model = &self.round.model;
-        let answers = match &self.round.before {
+        let asked = match &self.round.before {
             Some(before) => subject.taken_over(before, model, ask)?,
             None => subject.over(model, ask)?,
         };
-        let Some(answers) = answers else { return Ok(Judged::NotAsked) };
+        let Some((exactness, answers, failure)) = asked else { return Ok(Judged::NotAsked) };
+        if let Some(how) = failure {
+            return Err(BuildError::Died(how));
+        }
         let mut pairs = Vec::new();
         for pair in &self.round.pairs {
             pairs.extend(subject.over(&pair.model, |t| closest(t, &pair.rays))?);
+        }
+        if exactness.has_own_test()
+            && let Some(judged) = self.judged_by_oracle(&answers, &pairs)
+        {
+            return Ok(judged);
         }
         Ok(self.judged(&answers, &pairs))
     }
@@ -235,20 +282,77 @@ impl<'a, S: Buildable> Judge<'a, S> {
             let all = [("", &together), (" alone", &alone), (" when counting", &counted)];
             let (how, _) = all.into_iter().find(|(_, said)| said.get(ray) != Some(&right))?;
             let what = format!("blocked{how}: said {}, the oracle {right}", !right);
-            Some(Mismatch { ray, what })
+            Some(Mismatch::wrong(ray, None, what))
         };
         Ok(Judged::Asked((0..rays.len()).filter_map(complaint).collect(), digest))
     }
 
-    fn judged(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Judged {
+    /// Judges answers by another primitive test than ours; none where there are no exact triangles.
+    fn judged_by_oracle(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<Judged> {
+        let exact = |model: &Model<S>| Model::<f64>::triangles(&model.corners()?).ok();
+        let model = exact(&self.round.model)?;
+        let judge = OwnTestJudge::new(&model);
+        let of_pairs: Option<Vec<Model<f64>>> =
+            self.round.pairs.iter().map(|pair| exact(&pair.model)).collect();
+        let of_pairs = of_pairs?;
+        let pair_judges: Vec<_> = of_pairs.iter().map(OwnTestJudge::new).collect();
+        let different = |(i, ray): (usize, &Ray<S>)| {
+            let (right, blocked) =
+                (self.reference.closest.get(i)?, *self.reference.blocked.get(i)?);
+            let hits = answers.hits_of(i).map(|said| {
+                let words = || format!("said {}, brute force {}", told(&said), told(right));
+                (judge.hit(ray, &said, right), words())
+            });
+            let occlusions = answers.occlusions_of(i).map(|said| {
+                let words = format!("blocked: said {said}, brute force {blocked}");
+                (judge.occlusion(ray, said, blocked), words)
+            });
+            let paired =
+                pair_judges.iter().zip(&self.round.pairs).zip(pairs.iter().zip(&self.pairs));
+            let paired = paired.filter_map(|((judge, pair), (said, right))| {
+                let (ray, said, right) = (pair.rays.get(i)?, said.get(i)?, right.get(i)?);
+                let name = &pair.name;
+                let words = format!("{name}: said {}, brute force {}", told(said), told(right));
+                Some((judge.hit(ray, said, right), words))
+            });
+            let all = hits.chain(occlusions).chain(paired);
+            let all = all.filter_map(|(found, words)| Some((found?, words)));
+            let ((difference, is_wrong), words) = all.max_by_key(|((_, is_wrong), _)| *is_wrong)?;
+            Some(match is_wrong {
+                true => Mismatch::wrong(i, Some(difference), words),
+                false => Mismatch::tolerated(i, difference),
+            })
+        };
+        let different = self.round.rays.iter().enumerate().filter_map(different).collect();
+        Some(Judged::Asked(different, self.digest(answers, pairs)))
+    }
+
+    /// Stands for all answers.
+    fn digest(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Digest {
         let mut digest = answers.digest();
         pairs.iter().flatten().for_each(|hit| digest.hit(hit));
+        digest
+    }
+
+    fn judged(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Judged {
         let complaint = |ray| {
             let what = self.complaint(ray, answers);
             let what = what.or_else(|| self.of_pairs(ray, answers, pairs))?;
-            Some(Mismatch { ray, what })
+            Some(Mismatch::wrong(ray, self.difference(ray, answers), what))
         };
-        Judged::Asked((0..self.round.rays.len()).filter_map(complaint).collect(), digest)
+        let wrong = (0..self.round.rays.len()).filter_map(complaint).collect();
+        Judged::Asked(wrong, self.digest(answers, pairs))
+    }
+
+    /// How the answers to a ray differ from those of brute force; none where only the oracle or a
+    /// pair finds fault with them.
+    fn difference(&self, ray: usize, answers: &Answers<S>) -> Option<Difference> {
+        let right = self.reference.closest.get(ray)?;
+        let blocked = *self.reference.blocked.get(ray)?;
+        let hit = answers.hits_of(ray).find(|hit| !is_same(hit, right));
+        let of_hit = hit.map(|hit| Difference::of_hits(&self.round.rays[ray], &hit, right));
+        let said = answers.occlusions_of(ray).find(|said| *said != blocked);
+        of_hit.or_else(|| said.map(Difference::of_occlusion))
     }
 
     /// Only the oracle judges the control: its answers are its own.
@@ -260,7 +364,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let answers = self.round.expected.iter().zip(&hits).enumerate();
         let wrong = answers
             .filter(|(_, (expected, hit))| !expected.admits(hit))
-            .map(|(ray, (expected, hit))| Mismatch { ray, what: unexpected(hit, expected) });
+            .map(|(ray, (expected, hit))| Mismatch::wrong(ray, None, unexpected(hit, expected)));
         let mut digest = Digest::default();
         hits.iter().for_each(|hit| digest.hit(hit));
         Ok(Judged::Asked(wrong.collect(), digest))

@@ -4,7 +4,7 @@
 //! The way of a check: [`catalogue`] (one line per case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
-//! [`replay::Replay`] names one trial.
+//! [`replay::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
 
 pub mod cases;
 pub mod catalogue;
@@ -23,12 +23,15 @@ pub mod metamorphic;
 mod mismatch;
 pub mod model;
 mod own_bounds;
+mod own_test;
 mod polygons;
 mod rays;
 pub mod registry;
 pub mod replay;
 pub mod report;
+mod reproducer;
 pub mod round;
+pub mod shrink;
 pub mod subject;
 pub mod surface;
 pub mod watch;

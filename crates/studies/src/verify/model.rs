@@ -1,7 +1,8 @@
 //! The scene of a round: triangles alone, or primitives of any kind.
 
-use accel_core::primitives::{MixedSet, MixedSetBuilder, PrimitiveError, TriangleSet};
-use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::primitives::{
+    MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, PrimsRef, TriangleSet,
+};
 use accel_core::{Aabb, Scalar};
 use glam::DVec3;
 
@@ -53,6 +54,26 @@ impl<S: Scalar> Model<S> {
             Self::Triangles(set) => set.bounds(id),
             Self::Mixed(set) => set.bounds(id),
         }
+    }
+
+    /// The corners of its triangles, which f64 holds exactly; none where it has other primitives.
+    pub fn corners(&self) -> Option<Vec<Corners>> {
+        let Self::Triangles(set) = self else { return None };
+        let exact = |point: &[S; 3]| DVec3::from_array(point.map(S::to_f64));
+        Some(set.triangles().iter().map(|triangle| triangle.each_ref().map(exact)).collect())
+    }
+
+    /// How many primitives there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Triangles(set) => set.len(),
+            Self::Mixed(set) => set.len(),
+        }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 
     /// The primitives, for a structure to be built over.

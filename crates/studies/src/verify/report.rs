@@ -1,14 +1,15 @@
 //! What a check found: tallies, the table, and the exported record.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::digest::Digest;
-use super::judge::{Judged, Mismatch};
+use super::judge::{Difference, Judged, Mismatch};
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
 use super::watch::Cut;
+use measurement::answers::edges::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::format_error::FormatError;
@@ -23,6 +24,8 @@ const SHOWN: usize = 3;
 pub struct Tally {
     trials: u64,
     mismatches: u64,
+    /// By [`Difference::ALL`].
+    differences: [u64; Difference::ALL.len()],
     refused: u64,
     /// Rounds that were asked.
     rounds: u64,
@@ -39,13 +42,17 @@ impl Tally {
         match judged {
             Judged::Asked(wrong, answers) => Self {
                 trials: rays as u64,
-                mismatches: wrong.len() as u64,
+                mismatches: wrong.iter().filter(|m| m.is_wrong).count() as u64,
+                differences: Difference::ALL.map(|(difference, _)| {
+                    wrong.iter().filter(|m| m.difference == Some(difference)).count() as u64
+                }),
                 rounds: 1,
                 answers: answers.of_round(round),
                 first: wrong
                     .into_iter()
+                    .filter(|m| m.is_wrong)
                     .take(SHOWN)
-                    .map(|Mismatch { ray, what }| (round, ray, what))
+                    .map(|Mismatch { ray, what, .. }| (round, ray, what))
                     .collect(),
                 ..Self::default()
             },
@@ -68,6 +75,7 @@ impl Tally {
     pub fn add(&mut self, other: Self) {
         self.trials += other.trials;
         self.mismatches += other.mismatches;
+        self.differences.iter_mut().zip(other.differences).for_each(|(sum, n)| *sum += n);
         self.refused += other.refused;
         self.rounds += other.rounds;
         self.answers.add(other.answers);
@@ -104,6 +112,9 @@ pub struct Line {
     pub trials: u64,
     /// Rays answered wrongly.
     pub mismatches: u64,
+    /// Answers that differ from those of brute force, by how they do.
+    #[serde(flatten)]
+    pub differences: BTreeMap<&'static str, u64>,
     /// Rounds whose scene was refused with a typed error.
     pub refused: u64,
     /// Why the first of them was.
@@ -138,12 +149,21 @@ impl Line {
             known_defect: subject.known_defect(),
             trials: tally.trials,
             mismatches: tally.mismatches,
+            differences: Difference::ALL
+                .map(|(_, name)| name)
+                .into_iter()
+                .zip(tally.differences)
+                .collect(),
             refused: tally.refused,
             reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
             rounds: tally.rounds,
             answers: format!("{:016x}", tally.answers.0),
             examples: tally.first.iter().map(example).collect(),
         }
+    }
+
+    fn count(&self, difference: &str) -> Value {
+        Value::Count(self.differences.get(difference).copied().unwrap_or_default())
     }
 
     /// Whether it fails the check.
@@ -251,8 +271,30 @@ impl Report {
         if self.is_powerless() {
             notes.push("the negative control missed nothing: this run proves nothing".into());
         }
+        notes.extend(self.by_own_tests());
         notes.extend(self.refusals());
         notes
+    }
+
+    /// How the answers of each row with a primitive test of its own differ from ours.
+    fn by_own_tests(&self) -> impl Iterator<Item = String> {
+        let mut rows: BTreeMap<&str, [u64; Difference::ALL.len()]> = BTreeMap::new();
+        let is_tolerant = |line: &&Line| line.differences.values().sum::<u64>() > line.mismatches;
+        let names: BTreeSet<&str> =
+            self.lines.iter().filter(is_tolerant).map(|line| line.structure.as_str()).collect();
+        for line in self.lines.iter().filter(|line| names.contains(line.structure.as_str())) {
+            let sums = rows.entry(&line.structure).or_default();
+            for (sum, (_, name)) in sums.iter_mut().zip(Difference::ALL) {
+                *sum += line.differences.get(name).copied().unwrap_or_default();
+            }
+        }
+        rows.into_iter().map(|(row, [bits, edges, lost, invented, ids])| {
+            format!(
+                "{row} has a primitive test of its own: {bits} last bits of t, {edges} at edges \
+                 (within {EDGE_ULPS} ulps of the scene's largest coordinate), which are not wrong; \
+                 {lost} lost, {invented} invented, {ids} wrong ids"
+            )
+        })
     }
 
     /// One note for all that were refused for the same reason: brute force refuses for all, a plugin all
@@ -316,7 +358,7 @@ impl Report {
 
 /// The columns of the CSV file.
 #[rustfmt::skip]
-fn columns() -> [Column<Line>; 12] {
+fn columns() -> [Column<Line>; 17] {
     use Unit::None;
     use Value::{Count, Text};
     let c = Column::new;
@@ -335,6 +377,11 @@ fn columns() -> [Column<Line>; 12] {
         c(&["rounds"], "", None, |line| Count(line.rounds)),
         c(&["answers"], "", None, |line| Text(line.answers.clone())),
         c(&["replay"], "", None, |line| Value::of(line.examples.first().map(|e| e.replay.clone()), Text)),
+        c(&["last_bits"], "", None, |line| line.count("last_bits")),
+        c(&["at_edges"], "", None, |line| line.count("at_edges")),
+        c(&["lost"], "", None, |line| line.count("lost")),
+        c(&["invented"], "", None, |line| line.count("invented")),
+        c(&["wrong_id"], "", None, |line| line.count("wrong_id")),
     ]
 }
 

@@ -193,13 +193,21 @@ pub fn with_brute_force<S: Buildable, R>(
     brute_force(prims, &[], ask)
 }
 
+/// The reference's line of the registry.
+///
+/// # Errors
+/// [`BuildError`] where the program has none.
+pub(super) fn brute_force_entry() -> Result<&'static Entry, BuildError> {
+    find("brute-force")
+        .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })
+}
+
 fn brute_force<S: Buildable, R>(
     prims: PrimsRef<'_, S>,
     settings: &[(&str, &str)],
     ask: impl FnOnce(&dyn Tracer<S>) -> R,
 ) -> Result<R, BuildError> {
-    let entry = find("brute-force")
-        .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })?;
+    let entry = brute_force_entry()?;
     let tracer = entry.build(prims, &entry.params(settings.iter().copied())?)?;
     Ok(ask(&*tracer))
 }

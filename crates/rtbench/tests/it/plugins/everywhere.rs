@@ -77,25 +77,6 @@ fn baselines_have_rows_of_plugins() {
 }
 
 #[test]
-fn hard_cases_are_put_to_plugins() {
-    let folder = Folder::new();
-    let Some(exact) = compiled(&folder, "peers/brute-c/brute.c", &[]) else { return };
-    let Some(own) = minimal(&folder) else { return };
-    let verify = |plugin: &Path, row: &str, cases: &str| {
-        let plugin = plugin.to_str().unwrap();
-        let arguments = ["verify", "--cases", cases, "--rays", "400", "-j", "2"];
-        let ended = rtbench(&[&arguments[..], &["-s", row, "--plugin", plugin]].concat());
-        let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
-        (ended.status.code().unwrap(), said)
-    };
-    // far rays, and what is no ray, are not asked as they are
-    let (code, said) = verify(&exact, "brute-c", "G1,ray");
-    assert!(code == 0 && said.contains("brute-c"), "{said}");
-    let (code, said) = verify(&own, "minimal-cpp:fault=drop", "G1");
-    assert_eq!(code, 4, "{said}");
-}
-
-#[test]
 #[cfg(target_os = "linux")]
 fn a_plugin_takes_no_more_memory_than_it_may() {
     let folder = Folder::new();

@@ -5,6 +5,8 @@ mod by_files;
 mod everywhere;
 mod foreign;
 mod in_turns;
+mod trace;
+mod verify;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

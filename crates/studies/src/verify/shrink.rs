@@ -1,0 +1,287 @@
+//! Reduces a failure to few triangles and, if possible, one ray with short coordinates.
+//!
+//! A. Zeller and R. Hildebrandt, "Simplifying and Isolating Failure-Inducing Input", 2002: parts of
+//! the input are left out while the rest still fails in the same way. Then each number is replaced
+//! by a shorter one likewise. The work is bounded by a count, not by time, so that results repeat.
+
+use std::cell::Cell;
+
+use accel_core::registry::Buildable;
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use glam::DVec3;
+
+use super::check::Drawing;
+use super::judge::{Difference, Judge, Judged, Mismatch, brute_force_answers};
+use super::model::{Corners, Model};
+use super::registry::Case;
+use super::replay::Replay;
+use super::round::{Expected, Round};
+use super::subject::Subject;
+use measurement::settings::Precision;
+
+/// Trials, each of a build and a few rays, and triangles and rays of all trials together.
+const MOST_TRIALS: u32 = 3000;
+const MOST_WORK: usize = 5_000_000;
+
+/// Trials that may end the process of a plugin.
+const MOST_DEATHS: usize = 300;
+
+/// Numbers of a triangle and of a ray.
+const PER_TRIANGLE: usize = 9;
+const PER_RAY: usize = 8;
+
+/// A failure, reduced.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shrunk {
+    /// What was reduced.
+    pub replay: Replay,
+    /// Triangles and rays of the round.
+    pub from: [usize; 2],
+    /// The triangles.
+    pub triangles: Vec<Corners>,
+    /// The rays: more than one only if no single ray fails alone.
+    pub rays: Vec<Ray<f64>>,
+    /// What is wrong, in words.
+    pub what: String,
+    /// The answers of brute force to the rays: hits, and which of them are blocked.
+    pub right: (Vec<Hit<f64>>, Vec<bool>),
+}
+
+/// Reduces the failure of one trial; none where it has no triangles, where only the case's oracle
+/// sees it, or where it does not repeat.
+pub fn shrink(case: &Case, replay: &Replay, subject: &Subject<'_>) -> Option<Shrunk> {
+    let &Replay { seed, round: number, rays, .. } = replay;
+    let drawing = Drawing { id: case.id, seed, number, rays };
+    match replay.precision {
+        Precision::F32 => reduced(&drawing.drawn(case.ask.single).ok()?, replay, subject),
+        Precision::F64 => reduced(&drawing.drawn(case.ask.double).ok()?, replay, subject),
+    }
+}
+
+fn reduced<S: Buildable>(
+    round: &Round<S>,
+    replay: &Replay,
+    subject: &Subject<'_>,
+) -> Option<Shrunk> {
+    let search = Search {
+        ask: &|triangles, rays| wrong::<S>(triangles, rays, subject),
+        trials: Cell::new(MOST_TRIALS),
+        work: Cell::new(MOST_WORK),
+    };
+    let widened = |rays: &[Ray<S>]| rays.iter().map(Ray::widened).collect::<Vec<_>>();
+    let pairs = round.pairs.iter().map(|pair| (&pair.model, widened(&pair.rays)));
+    let scenes: Vec<_> = [(&round.model, widened(&round.rays))].into_iter().chain(pairs).collect();
+    let alone =
+        scenes.iter().filter_map(|(model, rays)| Some((model, vec![*rays.get(replay.ray)?])));
+    let all = scenes.iter().map(|(model, rays)| (model, rays.clone()));
+    let (mut triangles, mut rays, first) = alone.chain(all).find_map(|(model, rays)| {
+        let triangles = model.corners()?;
+        let first = search.failure(&triangles, &rays)?;
+        Some((triangles, rays, first))
+    })?;
+    let from = [triangles.len(), round.rays.len()];
+    let kind = first.difference;
+    rays = minimal(rays, |some| search.fails(&triangles, some, kind));
+    triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
+    (triangles, rays) = search.simplified(triangles, rays, kind);
+    triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
+    let what = wrong::<S>(&triangles, &rays, subject)?.what;
+    let right = brute_force_answers(&round_of::<S>(&triangles, &rays)?)?;
+    Some(Shrunk { replay: replay.clone(), from, triangles, rays, what, right })
+}
+
+/// What is asked about a scene: the first wrong answer, if any.
+type Question<'a> = &'a dyn Fn(&[Corners], &[Ray<f64>]) -> Option<Mismatch>;
+
+/// The trials of a search, which end when the work is done.
+struct Search<'a> {
+    ask: Question<'a>,
+    trials: Cell<u32>,
+    work: Cell<usize>,
+}
+
+impl Search<'_> {
+    /// What is wrong; nothing once there were enough trials.
+    fn failure(&self, triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Mismatch> {
+        self.trials.set(self.trials.get().checked_sub(1)?);
+        self.work.set(self.work.get().checked_sub(triangles.len() + rays.len())?);
+        let found = (self.ask)(triangles, rays);
+        if found.as_ref().is_some_and(|found| found.difference.is_none()) {
+            self.work.set(self.work.get().saturating_sub(MOST_WORK / MOST_DEATHS));
+        }
+        found
+    }
+
+    fn fails(&self, triangles: &[Corners], rays: &[Ray<f64>], kind: Option<Difference>) -> bool {
+        self.failure(triangles, rays).is_some_and(|found| found.difference == kind)
+    }
+
+    /// The same with shorter numbers where that fails as well.
+    fn simplified(
+        &self,
+        triangles: Vec<Corners>,
+        rays: Vec<Ray<f64>>,
+        kind: Option<Difference>,
+    ) -> (Vec<Corners>, Vec<Ray<f64>>) {
+        let (count, most_flat) = (triangles.len(), flat(&triangles));
+        let mut numbers = numbers_of(&triangles, &rays);
+        let mut is_changed = true;
+        while is_changed {
+            is_changed = false;
+            for i in (0..numbers.len()).rev() {
+                let is_end = i >= PER_TRIANGLE * count && (i - PER_TRIANGLE * count) % PER_RAY == 7;
+                for shorter in shorter(numbers[i], is_end) {
+                    let before = std::mem::replace(&mut numbers[i], shorter);
+                    let (triangles, rays) = scene_of(&numbers, count);
+                    // another fault may begin where triangles have no area
+                    let is_flat = flat(&triangles) > most_flat;
+                    if !is_flat && self.fails(&triangles, &rays, kind) {
+                        is_changed = true;
+                        break;
+                    }
+                    numbers[i] = before;
+                }
+            }
+        }
+        scene_of(&numbers, count)
+    }
+}
+
+/// The items that are needed for a failure: none can be left out alone, as far as trials last.
+fn minimal<T: Clone>(mut items: Vec<T>, fails: impl Fn(&[T]) -> bool) -> Vec<T> {
+    let mut parts = 2;
+    while items.len() > 1 {
+        let size = items.len().div_ceil(parts);
+        let mut rests = (0..items.len()).step_by(size).map(|at| {
+            let after = items.len().min(at + size);
+            [&items[..at], &items[after..]].concat()
+        });
+        match rests.find(|rest| fails(rest)) {
+            Some(rest) => {
+                items = rest;
+                parts = (parts - 1).max(2);
+            }
+            None if size == 1 => break,
+            None => parts = (2 * parts).min(items.len()),
+        }
+    }
+    items
+}
+
+fn numbers_of(triangles: &[Corners], rays: &[Ray<f64>]) -> Vec<f64> {
+    let corners = triangles.as_flattened().iter().flat_map(|p| p.to_array());
+    let of_ray = |ray: &Ray<f64>| {
+        let ([x, y, z], [a, b, c]) = (ray.origin.to_array(), ray.direction.to_array());
+        [x, y, z, ray.t_min, a, b, c, ray.t_max]
+    };
+    corners.chain(rays.iter().flat_map(of_ray)).collect()
+}
+
+fn scene_of(numbers: &[f64], triangles: usize) -> (Vec<Corners>, Vec<Ray<f64>>) {
+    let (corners, rays) = numbers.split_at(PER_TRIANGLE * triangles);
+    let corners = corners.chunks_exact(PER_TRIANGLE);
+    let corners = corners.map(|c| [0, 3, 6].map(|i| DVec3::from_slice(&c[i..])));
+    let rays = rays.chunks_exact(PER_RAY).map(|r| {
+        let ray = Ray::new(DVec3::from_slice(r), DVec3::from_slice(&r[4..]));
+        Ray { t_min: r[3], t_max: r[7], ..ray }
+    });
+    (corners.collect(), rays.collect())
+}
+
+/// How many triangles have no area.
+fn flat(triangles: &[Corners]) -> usize {
+    let is_flat = |[a, b, c]: &&Corners| (*b - *a).cross(*c - *a) == DVec3::ZERO;
+    triangles.iter().filter(is_flat).count()
+}
+
+/// Numbers near `x` that take fewer characters, the shortest first; the end of an interval may be
+/// infinite.
+fn shorter(x: f64, is_end: bool) -> Vec<f64> {
+    let sign = 1f64.copysign(x);
+    let bits = [0, 1, 2, 3, 5, 8, 12, 16, 20].map(|bits| rounded(x, bits));
+    let ends = is_end.then_some(f64::INFINITY);
+    let mut all: Vec<f64> = [0.0, sign, x.round()].into_iter().chain(ends).chain(bits).collect();
+    all.retain(|other| length(*other) < length(x));
+    all.sort_by_key(|x| length(*x));
+    all.dedup();
+    all
+}
+
+/// Rounded to so many bits behind the first.
+fn rounded(x: f64, bits: u32) -> f64 {
+    let dropped = 52 - bits;
+    let half = 1_u64 << (dropped - 1);
+    f64::from_bits((x.to_bits() + half) & !((1 << dropped) - 1))
+}
+
+/// How long a number is: its bits, and those of its exponent and sign.
+fn length(x: f64) -> u32 {
+    if x == 0.0 || x == f64::INFINITY {
+        return u32::from(x.is_sign_negative());
+    }
+    let exponent = (x.abs().to_bits() >> 52) as i32 - 1023;
+    let fraction = x.to_bits() << 12;
+    let bits = if fraction == 0 { 0 } else { 64 - fraction.trailing_zeros() };
+    2 + 2 * bits + (32 - exponent.unsigned_abs().leading_zeros()) + u32::from(x < 0.0)
+}
+
+/// The first wrong answer of the subject over these triangles.
+fn wrong<S: Buildable>(
+    triangles: &[Corners],
+    rays: &[Ray<f64>],
+    subject: &Subject<'_>,
+) -> Option<Mismatch> {
+    let round = round_of::<S>(triangles, rays)?;
+    match Judge::new(&round).ok()?.judge(subject) {
+        Judged::Asked(all, _) => all.into_iter().find(|mismatch| mismatch.is_wrong),
+        Judged::Refused(_) | Judged::NotAsked => None,
+    }
+}
+
+fn round_of<S: Scalar>(triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Round<S>> {
+    let mut round = Round::new(Model::triangles(triangles).ok()?);
+    for ray in rays {
+        let vector = Vec3::<S>::from_dvec3;
+        let (t_min, t_max) = (S::from_f64(ray.t_min), S::from_f64(ray.t_max));
+        let ray = Ray { t_min, t_max, ..Ray::new(vector(ray.origin), vector(ray.direction)) };
+        round.push(ray, Expected::Anything);
+    }
+    Some(round)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_needed_stays() {
+        let needed = |some: &[u32]| [3, 40, 41].iter().all(|n| some.contains(n));
+        assert_eq!(minimal((0..100).collect(), needed), [3, 40, 41]);
+        // at least one stays, whatever fails
+        assert_eq!(minimal(vec![1, 2, 3], |_| true).len(), 1);
+        assert_eq!(minimal(vec![1, 2, 3], |_| false), [1, 2, 3]);
+    }
+
+    #[test]
+    fn numbers_get_shorter_only() {
+        for x in [0.1, -7.3e-12, 1e30, 0.75, 3.0, -0.0, f64::from(f32::MAX)] {
+            for other in shorter(x, true) {
+                assert!(length(other) < length(x), "{x} {other}");
+            }
+        }
+        assert!(shorter(0.1, false).contains(&0.0) && shorter(5.0, true).contains(&f64::INFINITY));
+        assert_eq!(shorter(-0.0, false), [0.0]);
+        assert!(shorter(0.0, false).is_empty());
+        assert_eq!(rounded(0.7, 1), 0.75);
+    }
+
+    #[test]
+    fn scenes_come_back_from_their_numbers() {
+        let triangles = vec![[DVec3::X, DVec3::Y, DVec3::Z]];
+        let rays = vec![Ray { t_max: 3.0, ..Ray::new(DVec3::ONE, DVec3::NEG_X) }];
+        let numbers = numbers_of(&triangles, &rays);
+        assert_eq!(flat(&triangles), 0);
+        assert_eq!(scene_of(&numbers, 1), (triangles, rays));
+        assert_eq!(flat(&[[DVec3::X, DVec3::X * 2.0, DVec3::X * 5.0]]), 1);
+    }
+}
