@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Builds rtbench for a target and an instruction set, tries it, and packs it with its licences and manual pages:
-# OUT/rtbench-NAME.tar.gz (.zip for Windows) and a .sha256 beside it. NAME is what docs/installing.md lists.
+# OUT/rtbench-NAME.tar.gz (.zip for Windows) and a .sha256 beside it. NAME is what docs/running.md lists.
 # usage: scripts/package.sh TARGET LEVEL NAME OUT, as in
 #        scripts/package.sh x86_64-unknown-linux-gnu x86-64-v3 linux-x86-64-v3 dist
 # LEVEL is what rustc's target-cpu takes, or `default`. BINARY=FILE packs that file and builds none.

@@ -28,8 +28,8 @@ mod tests {
     use scene_loading::scene_file::SceneFile;
 
     const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/");
-    /// The page on scene files.
-    const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scene-file.md");
+    /// The chapter on scenes.
+    const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md");
 
     fn schema<T: JsonSchema>(settings: SchemaSettings, file: &str, title: &str) -> Value {
         let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
