@@ -289,7 +289,12 @@ impl Error {
             | Self::Animate(_)
             | Self::SetOptions(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
-            Self::Outputs(OutputError::OneStdout) => USAGE,
+            Self::Outputs(
+                OutputError::OneStdout
+                | OutputError::SameFile(_)
+                | OutputError::IsRead(_)
+                | OutputError::NothingSelected(..),
+            ) => USAGE,
             Self::Reproduce(
                 ReproduceError::UnknownScene(_)
                 | ReproduceError::UnknownStructure(_)

@@ -55,11 +55,11 @@ use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command, HitsAction, RaysAction};
-use crate::commands::named_files::named_files;
+use crate::commands::named_files::{files_of_folder, files_read, named_files};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::occupied::{self, OccupiedError};
+use crate::exports::{occupied, places};
 use crate::given_view::GivenView;
 use crate::plugin_rows::Plugins;
 use crate::set_options::{added_by_set, join};
@@ -225,16 +225,19 @@ fn run_guarded(
     };
     let ended = match refuse_files(&cli) {
         Ok(()) => with_plugins(context, &cli),
-        Err(error) => Err(error.into()),
+        Err(error) => Err(error),
     };
     let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
     outer.annotations = std::mem::take(&mut context.annotations);
     code
 }
 
-/// Refuses to write over what is there, unless that is asked for.
-fn refuse_files(cli: &Cli) -> Result<(), OccupiedError> {
-    if cli.overwrite { Ok(()) } else { occupied::refuse_files(named_files(&cli.command)) }
+/// Refuses to write two outputs to one file, or over what is there unless that is asked for.
+fn refuse_files(cli: &Cli) -> Result<(), Error> {
+    let named = named_files(&cli.command);
+    let all = [files_of_folder(&cli.command), named.clone()].concat();
+    places::refuse_shared(&all, &files_read(&cli.command))?;
+    if cli.overwrite { Ok(()) } else { Ok(occupied::refuse_files(named)?) }
 }
 
 /// Does what the command line says, with the plugins that it names.

@@ -64,9 +64,6 @@ pub enum MergeProblem {
         /// The difference: `settings.seed: was 1, is 2`.
         difference: String,
     },
-    /// The results would be written over a part.
-    #[error("{}: one of the parts is there; write the whole to another folder", folder.display())]
-    Overwrites { folder: PathBuf },
     /// A part lacks rows that it should have, or has others.
     #[error("{}: scene {scene}: expected the rows {expected}; it has {found}", path.display())]
     Rows {

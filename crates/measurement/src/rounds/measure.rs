@@ -1,5 +1,6 @@
 //! Timing the rows of a scene: interleaved rounds, each row built and asked anew in each.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::time::Duration;
 
@@ -20,6 +21,7 @@ use crate::rounds::row_log::RowLog;
 use crate::rounds::schedule::round_order;
 use crate::rounds::scope::Scope;
 use crate::system::clock::timed;
+use crate::system::interrupt;
 use crate::system::panics::{Panicked, caught};
 
 /// Most rounds that a time budget buys.
@@ -83,8 +85,20 @@ pub fn measure<S: Buildable>(
     let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();
     let (seed, scene) = (plan.seed, &scope.stage.scene.name);
     let first = plan.process.first_round;
-    let goes_on = |round| round - first < at_least || goes_on(scope, round - first, deadline);
+    // the round that a signal interrupted: some rows lack it
+    let interrupted = Cell::new(None);
+    let goes_on = |round| {
+        if round > first && plan.processes == 1 {
+            interrupt::let_rounds_end();
+        }
+        interrupted.get().is_none()
+            && (round - first < at_least || goes_on(scope, round - first, deadline))
+    };
     interleaved_from(first, rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
+        if interrupt::is_stopping() {
+            interrupted.set(interrupted.get().or(Some(round)));
+            return;
+        }
         of_reference.resize_with(round + 1, BTreeMap::new);
         let row = rows[row];
         let Some(stride) = strides[row].filter(|_| timed[row].is_alive()) else { return };
@@ -114,6 +128,12 @@ pub fn measure<S: Buildable>(
         out.samples.push(seen.sample(plan.process.number, round as u32, position as u32));
         scope.progress.step(scope.clock.now());
     });
+    interrupt::rounds_ended();
+    if let Some(interrupted) = interrupted.get() {
+        for row in &mut timed {
+            row.samples.retain(|sample| (sample.round as usize) < interrupted);
+        }
+    }
     for &row in &rows {
         let of_row =
             |round: u32| strides[row].and_then(|s| of_reference.get(round as usize)?.get(&s));
@@ -133,11 +153,12 @@ pub fn measure<S: Buildable>(
     let order = round_order(plan.seed, &scope.stage.scene.name, rounds, rows.len());
     for i in order {
         let row = rows[i];
-        let cheap = checked[row].as_ref().is_some_and(|c| {
-            let seconds = c.full_pass_s / plan.threads as f64;
-            // an image would be timed with the way to its process and back
-            seconds <= plan.limits.render_pass && c.plugin.is_none()
-        });
+        let cheap = interrupted.get().is_none()
+            && checked[row].as_ref().is_some_and(|c| {
+                let seconds = c.full_pass_s / plan.threads as f64;
+                // an image would be timed with the way to its process and back
+                seconds <= plan.limits.render_pass && c.plugin.is_none()
+            });
         if cheap && !plan.rows[row].is_sampled() && timed[row].is_alive() {
             log.row_begins(&plan.rows[row].label());
             match caught(|| render_once(scope, &plan.rows[row])) {

@@ -25,6 +25,62 @@ pub const GRACE: Duration = Duration::from_millis(500);
 /// Held while a file is written.
 static WRITING: Mutex<()> = Mutex::new(());
 
+/// Whether the scene being measured has whole rounds that a signal must not lose.
+static HAS_ROUNDS: AtomicBool = AtomicBool::new(false);
+/// Whether a signal waits until they are kept.
+static IS_STOPPING: AtomicBool = AtomicBool::new(false);
+/// Whether their scene is written.
+static IS_SCENE_KEPT: AtomicBool = AtomicBool::new(false);
+
+/// How long the row that a signal interrupts may still take; after that the rounds are lost.
+#[cfg(unix)]
+const LAST_ROW: Duration = Duration::from_secs(5);
+/// How long the scene may take to be written after a signal. Slurm kills 30 seconds after it.
+#[cfg(unix)]
+const LAST_SCENE: Duration = Duration::from_secs(20);
+
+/// From here to [`rounds_ended`] a signal ends the rounds of the scene, and the program when the scene
+/// is written.
+pub fn let_rounds_end() {
+    HAS_ROUNDS.store(true, SeqCst);
+}
+
+/// The rounds of a scene are over.
+pub fn rounds_ended() {
+    HAS_ROUNDS.store(false, SeqCst);
+}
+
+/// Whether a signal waits for the scene being measured.
+pub fn is_stopping() -> bool {
+    IS_STOPPING.load(SeqCst)
+}
+
+/// Ends the program if a signal waits for the scene that was just written.
+pub fn end_if_stopping() {
+    if is_stopping() {
+        IS_SCENE_KEPT.store(true, SeqCst);
+        loop {
+            std::thread::park();
+        }
+    }
+}
+
+/// Waits until the scene is written, at most as long as [`LAST_ROW`] and [`LAST_SCENE`] allow, or
+/// until the signal comes again.
+#[cfg(unix)]
+fn wait_for_scene(signals: &mut signal_hook::iterator::Signals) {
+    let (begin, mut requests) = (Instant::now(), Requests::default());
+    requests.next(begin);
+    while !IS_SCENE_KEPT.load(SeqCst) {
+        let limit = if HAS_ROUNDS.load(SeqCst) { LAST_ROW } else { LAST_SCENE };
+        let is_again = signals.pending().any(|_| requests.next(Instant::now()) == Request::Again);
+        if begin.elapsed() >= limit || is_again {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// Set by the program itself: a library that takes over signals would surprise.
 static IS_ARMED: AtomicBool = AtomicBool::new(false);
 
@@ -85,6 +141,10 @@ pub fn watch(unfinished: InterruptedOutput) -> std::io::Result<()> {
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         if let Some(signal) = signals.forever().next() {
+            if HAS_ROUNDS.load(SeqCst) {
+                IS_STOPPING.store(true, SeqCst);
+                wait_for_scene(&mut signals);
+            }
             end(unfinished, signal);
         }
     })?;

@@ -125,7 +125,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     writeln!(context.out, "\nThe whole took {}.", tables::took(record.took_s))?;
     context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
-    Ok(if study.failures > 0 || has_faults { FAILURE } else { SUCCESS })
+    // a scene may not serve one axis of several; one that serves none was asked for in vain
+    let is_vain = study.unfit > 0 && record.axes.iter().all(|axis| axis.scenes.is_empty());
+    Ok(if study.failures > 0 || has_faults || is_vain { FAILURE } else { SUCCESS })
 }
 
 /// Times the variants of an axis in fresh processes, one after the other.
@@ -182,6 +184,8 @@ struct Study {
     named: Vec<String>,
     /// Scenes and axes that failed.
     failures: usize,
+    /// Axes that a scene does not serve.
+    unfit: usize,
 }
 
 impl Study {
@@ -203,6 +207,7 @@ impl Study {
             scenes: Scenes { size, seed: args.seed, prepared: BTreeMap::new() },
             named: args.scenes.clone(),
             failures: 0,
+            unfit: 0,
         })
     }
 
@@ -252,10 +257,15 @@ impl Study {
                         show(context, &of_axis, &outcome)?;
                         of_axis.scenes.push(outcome);
                     }
+                    // what a scene lacks, it lacks for all subjects
+                    Err(Error::Study(error)) if matches!(*error, StudyError::UnfitScene { .. }) => {
+                        self.unfit += 1;
+                        context.warn(&error);
+                        break;
+                    }
                     Err(error) => {
                         self.failures += 1;
                         context.error(&error);
-                        // what a scene lacks, it lacks for all subjects
                         break;
                     }
                 }

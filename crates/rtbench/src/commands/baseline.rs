@@ -98,6 +98,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     }
     let mut plan = plan_of(context, &settings)?;
     plan.has_copy = true;
+    run_outputs::refuse_unselected(&args.run.exports, &plan)?;
     run_outputs::refuse_occupied(context, &args.run.exports, None)?;
     let mut outputs = run_outputs::of_run(&args.run.exports)?;
     let watch = Watch::begin(context.environment.cpu_pressure.as_deref());

@@ -29,6 +29,7 @@ use measurement::rounds::error::MeasureError;
 use measurement::rounds::scene_run::{Equipment, run_scene};
 use measurement::scenes::KnownScene;
 use measurement::settings::{Lights, Precision};
+use measurement::system::interrupt;
 use measurement::system::panics::caught;
 use measurement::system::pools::Pools;
 use measurement::system::world::World;
@@ -157,7 +158,7 @@ pub fn measure_rest(
         };
         let scene = match measured {
             Ok(mut scene) => {
-                let others = processes.as_mut().filter(|_| is_new);
+                let others = processes.as_mut().filter(|_| is_new && !interrupt::is_stopping());
                 let joined = others.map_or(Ok(()), |processes| {
                     let own = plan.of_scene(i);
                     let own = own.as_ref().unwrap_or(plan);
@@ -212,6 +213,7 @@ pub fn measure_rest(
             progress.suspend(|| show(context, &record, scene))?;
         }
         disturbed |= progress.suspend(|| saved(context, kept_well, outputs, &record))?;
+        interrupt::end_if_stopping();
     }
     progress.finish();
     if !is_summed_up {

@@ -1,14 +1,14 @@
 //! `rtbench merge`: joins the parts of a run, and prints and exports it like a run.
 
-use std::path::Path;
-
 use crate::args::{Color, MergeArgs};
 use crate::commands::measuring::{Measured, exit_code, warn_of};
 use crate::commands::{merge_machines, run_outputs};
 use crate::context::Context;
 use crate::error::Error;
+use crate::exports::measures::{self, Measure};
+use crate::exports::outputs::OutputError;
 use measurement::record::file;
-use measurement::record::merge::{MergeError, MergeProblem, Part, merge};
+use measurement::record::merge::{Part, merge};
 use studies::run::conclusions::conclude;
 use studies::run::text;
 
@@ -24,14 +24,16 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     for path in &args.parts {
         parts.push(Part { record: file::read(path)?, path: path.clone() });
     }
-    if let Some(folder) = &args.exports.output
-        && args.parts.iter().any(|part| is_in(part, folder))
-    {
-        let problems = vec![MergeProblem::Overwrites { folder: folder.clone() }];
-        return Err(MergeError { problems }.into());
-    }
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
+    if let Some(select) = &args.exports.export_select
+        && measures::costs(&record, Some(select)).is_empty()
+        && measures::rates(&record, Some(select)).is_empty()
+    {
+        let example = measures::costs(&record, None).first().map(Measure::series);
+        let (select, example) = (select.as_str().to_owned(), example.unwrap_or_default());
+        return Err(OutputError::NothingSelected(select, example).into());
+    }
     conclude(&mut record);
     record.command_line = context.command_line.clone();
     // not before: parts that do not fit leave no empty files
@@ -50,11 +52,4 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     }
     context.out.flush()?;
     Ok(exit_code(&Measured { record, failures: 0, disturbed: false }))
-}
-
-/// Whether a part, a file or its folder, lies in that folder.
-fn is_in(part: &Path, folder: &Path) -> bool {
-    let place = |path: &Path| path.canonicalize().ok();
-    let part = if part.is_dir() { place(part) } else { part.parent().and_then(place) };
-    part.is_some() && part == place(folder)
 }

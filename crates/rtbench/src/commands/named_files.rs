@@ -1,9 +1,10 @@
 //! The files that a command line names to be written.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::args::{BaselineAction, Command, ExportArgs, Publication, RaysAction, RaysArgs};
-use crate::commands::{cost, printed};
+use crate::commands::{cost, printed, run_outputs};
+use measurement::record::file;
 
 /// The files that a command is asked for by name, `-` among them; what folders are filled with is asked for by the
 /// commands that fill them. A run that is resumed writes files of its own.
@@ -51,6 +52,44 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
         _ => Vec::new(),
     };
     named.into_iter().flatten().collect()
+}
+
+/// The files that a command writes to the folder of `-o`; of a run that is resumed also its exports,
+/// which [`named_files`] leaves out.
+pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
+    let folder = match command {
+        Command::Run(args) => args.resume.as_ref().or(args.exports.output.as_ref()),
+        Command::Merge(args) if !args.machines => args.exports.output.as_ref(),
+        Command::Check(args) => args.output.as_ref(),
+        Command::Baseline(args) => match &args.action {
+            BaselineAction::Save(args) => args.run.exports.output.as_ref(),
+            _ => None,
+        },
+        _ => None,
+    };
+    let mut files = folder.map(|folder| run_outputs::files_in(folder)).unwrap_or_default();
+    if let Command::Run(args) = command
+        && args.resume.is_some()
+    {
+        files.extend(exports(&args.exports).into_iter().flatten());
+    }
+    files
+}
+
+/// Results, rays and programs that a command reads.
+pub fn files_read(command: &Command) -> Vec<PathBuf> {
+    let read: Vec<&Path> = match command {
+        Command::Merge(args) => args.parts.iter().map(PathBuf::as_path).collect(),
+        Command::Compare(args) => args.results.iter().map(PathBuf::as_path).collect(),
+        Command::Check(args) => {
+            let baseline = args.baseline.as_deref().map(Path::new);
+            let others = args.results.iter().chain(&args.against).chain(&args.against_plugin);
+            others.map(PathBuf::as_path).chain(baseline).collect()
+        }
+        Command::Trace(args) => vec![&args.rays],
+        _ => Vec::new(),
+    };
+    read.into_iter().map(file::path_of).collect()
 }
 
 fn cloned(paths: &[&Option<PathBuf>]) -> Vec<Option<PathBuf>> {

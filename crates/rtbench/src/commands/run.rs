@@ -35,6 +35,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
         exports: run_outputs::named(&args.exports),
         ..manifest(context, &plan, &record)
     };
+    run_outputs::refuse_unselected(&args.exports, &plan)?;
     run_outputs::refuse_occupied(context, &args.exports, Some(&manifest))?;
     // the outputs first: where one of them is refused, no run has begun
     let outputs = run_outputs::of_run(&args.exports)?;

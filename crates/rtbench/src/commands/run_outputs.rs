@@ -1,8 +1,10 @@
 //! The files that `rtbench run` writes: one line a format.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use measurement::journal;
 use measurement::journal::lines::Manifest;
+use measurement::plan::Plan;
 use measurement::record::{RunRecord, file};
 use presentation::format_error::FormatError;
 use presentation::json;
@@ -11,7 +13,7 @@ use studies::run::{csv, markdown};
 
 use crate::args::ExportArgs;
 use crate::context::Context;
-use crate::exports::measures::Select;
+use crate::exports::measures::{self, Select};
 use crate::exports::occupied::{OccupiedError, Wanted};
 use crate::exports::outputs::{OutputError, Outputs};
 use crate::exports::{bencher, github_action_benchmark};
@@ -63,6 +65,28 @@ pub fn refuse_occupied(
     let names: Vec<&str> = EXPORTERS.iter().filter_map(|e| e.in_folder).collect();
     let (command_line, overwrite) = (&*context.command_line, context.overwrite);
     Wanted { names: &names, command_line, manifest, overwrite }.check(folder)
+}
+
+/// What is written to a folder of `-o`, the journal of a run among it.
+pub fn files_in(folder: &Path) -> Vec<PathBuf> {
+    let names = EXPORTERS.iter().filter_map(|exporter| exporter.in_folder);
+    names.chain([journal::NAME]).map(|name| folder.join(name)).collect()
+}
+
+/// Refuses a selection of series that finds none of those that a plan will have.
+///
+/// # Errors
+/// [`OutputError::NothingSelected`].
+pub fn refuse_unselected(args: &ExportArgs, plan: &Plan<'_>) -> Result<(), OutputError> {
+    let Some(select) = &args.export_select else { return Ok(()) };
+    let all = measures::series_of(plan);
+    match all.iter().any(|series| select.is_match(series)) {
+        true => Ok(()),
+        false => {
+            let example = all.first().cloned().unwrap_or_default();
+            Err(OutputError::NothingSelected(select.as_str().to_owned(), example))
+        }
+    }
 }
 
 /// The files that a run is begun with, beside those in its folder.

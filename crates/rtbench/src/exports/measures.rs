@@ -4,6 +4,8 @@
 //! all; `run` ends with exit code 4 or 1 for them. Ratios that are to another row than the run's
 //! reference are left out, too: they would be another series under the same name.
 
+use measurement::plan::Plan;
+use measurement::rays::order::batch_name;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::record::ratios::series;
 use measurement::record::{RowRecord, RunRecord, reference};
@@ -92,6 +94,22 @@ pub fn rates(run: &RunRecord, select: Select<'_>) -> Vec<Measure> {
     }
     measures.retain(|m| m.is_selected(select));
     measures
+}
+
+/// The series that a plan will have, but for rows that are wrong or not built.
+pub fn series_of(plan: &Plan<'_>) -> Vec<String> {
+    let costs = METRICS.iter().filter(|m| m.is_cost && !matches!(m.reading, Reading::RatioOf(_)));
+    let rates = plan.kinds.iter().flat_map(|kind| {
+        let orders = plan.orders.orders().iter();
+        orders.map(|order| format!("mrays-{}", batch_name(kind.name(), *order)))
+    });
+    let names: Vec<String> = costs.map(|metric| metric.name.to_owned()).chain(rates).collect();
+    let rows = plan
+        .scenes
+        .iter()
+        .flat_map(|scene| plan.rows.iter().map(|row| format!("{}: {}", scene.name(), row.label())));
+    rows.flat_map(|row| names.iter().map(move |name| format!("{row} / {name}")).collect::<Vec<_>>())
+        .collect()
 }
 
 fn name_of(scene: &str, row: &RowRecord) -> String {

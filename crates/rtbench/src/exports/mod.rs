@@ -6,3 +6,4 @@ pub mod github_action_benchmark;
 pub mod measures;
 pub mod occupied;
 pub mod outputs;
+pub mod places;

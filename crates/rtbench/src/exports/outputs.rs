@@ -25,6 +25,18 @@ pub enum OutputError {
     /// Two outputs would be mixed up.
     #[error("more than one output is to go to standard output (-); name files for the others")]
     OneStdout,
+    /// One would overwrite the other.
+    #[error("{}: two outputs go to this file; name another one for one of them", .0.display())]
+    SameFile(PathBuf),
+    /// An output would overwrite an input.
+    #[error("{}: this file is read by the same command; write to another one", .0.display())]
+    IsRead(PathBuf),
+    /// The pattern of `--export-select`, and the name of a series that there is.
+    #[error(
+        "--export-select '{0}' matches no series; their names are SCENE: STRUCTURE SETTINGS / NAME, \
+         like '{1}'"
+    )]
+    NothingSelected(String, String),
     #[error("cannot write to standard output: {0}")]
     Stdout(#[from] io::Error),
 }

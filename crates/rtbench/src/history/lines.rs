@@ -8,7 +8,7 @@ use measurement::record::metrics::{Concerns, METRICS, Reading};
 use measurement::record::{Machine, RowRecord, SceneRecord, reference};
 use statistics::change_points::{Sensitivity, change_points};
 use statistics::estimate::Estimate;
-use statistics::series::ratio_of;
+use statistics::verdict;
 
 /// Quantity of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -234,7 +234,8 @@ fn changes(points: &[Point], sensitivity: &Sensitivity, seed: u64) -> Vec<Change
     let change = |ends: &[usize]| {
         let [from, place, to] = *ends else { return None };
         let (before, after) = (medians.get(from..place)?, medians.get(place..to)?);
-        let times = ratio_of(&after.to_vec().into(), &before.to_vec().into())?;
+        let change = verdict::Change::of_series(&before.to_vec().into(), &after.to_vec().into())?;
+        let times = change.ratio?;
         Some(Change { place, times })
     };
     ends.windows(3).filter_map(change).collect()

@@ -20,6 +20,7 @@ use crate::report::material::Material;
 use measurement::system::progress::Progress;
 use presentation::html::Html;
 use presentation::page::{BEGINNING, begun, finished};
+use studies::run::few::Few;
 
 /// A part of the page.
 pub struct Section {
@@ -141,7 +142,9 @@ pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> Fi
     }
     let Page { plots, progress, .. } = page;
     progress.finish();
-    FinishedPage { html: finished(html), plots }
+    let html = finished(html);
+    let few = if let [run] = runs { Few::of(&run.run) } else { None };
+    FinishedPage { html: few.map_or_else(|| html.clone(), |few| few.page(&html)), plots }
 }
 
 /// Answers of all runs, the runs side by side, and each by itself in a part that is folded.

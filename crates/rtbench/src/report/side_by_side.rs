@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::comparison::pairing::row_like;
 use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::Page;
@@ -70,7 +71,7 @@ fn same<'r>(run: &'r Material, scene: &SceneRecord) -> Option<&'r SceneRecord> {
 
 /// The same row in each run.
 fn in_runs<'r>(row: &RowRecord, of: &[Option<&'r SceneRecord>]) -> Vec<Option<&'r RowRecord>> {
-    let find = |scene: &Option<&'r SceneRecord>| (*scene)?.rows.iter().find(|r| r.is_same(row));
+    let find = |scene: &Option<&'r SceneRecord>| row_like((*scene)?, row);
     of.iter().map(find).collect()
 }
 

@@ -345,6 +345,32 @@ fn k2_signals_mark_the_run_and_end_it() {
     }
 }
 
+/// Rounds of a scene are kept as far as every row has them.
+#[test]
+fn k2_a_signal_keeps_the_rounds_of_the_scene_that_it_interrupts() {
+    for seconds in [2, 10, 40] {
+        let folder = tempfile::tempdir().unwrap();
+        let arguments = "run tetra:4 --size 64 --time-budget 120s -s uniform-grid,obvhs-cwbvh -o";
+        let child = program(&format!("{arguments} {}", show(folder.path()))).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_secs(seconds));
+        signal(&child, "-INT");
+        let (code, _, err) = ended(child);
+        assert_eq!(code, Some(130), "{err}");
+        if err.contains("0 of 1 scenes") {
+            // no round was over on this machine
+            continue;
+        }
+        assert!(err.contains("1 of 1 scenes are finished and kept"), "{err}");
+        let scene = &record(folder.path()).scenes[0];
+        let rounds: Vec<usize> = scene.rows.iter().map(|row| row.samples.len()).collect();
+        assert!(rounds[0] > 0 && rounds.iter().all(|n| *n == rounds[0]), "{rounds:?}");
+        assert!(scene.rows.iter().all(|row| row.ratio.is_some()));
+        assert_eq!(journal(folder.path()).finished.len(), 1, "{err}");
+        return;
+    }
+    panic!("no round in 40 s");
+}
+
 /// The folder is gone, and Ctrl-C comes before the next scene would make it again.
 #[test]
 fn k2_a_signal_makes_a_folder_again_that_was_removed() {

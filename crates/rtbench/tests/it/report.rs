@@ -93,7 +93,7 @@ fn the_page_is_whole_accessible_and_asks_nobody_for_anything() {
     assert_eq!(images, 2, "a picture of each scene");
     for tr in by_name(section(&tree, "scenes"), "thead") {
         let heads: Vec<String> = by_name(tr, "th").map(text).take(5).collect();
-        assert_eq!(heads, ["#", "structure", "ratio [95%]", "build ms", "verdict"]);
+        assert_eq!(heads, ["#", "structure", "ratio [range]", "build ms", "verdict"]);
     }
     for node in tree.descendants() {
         for attribute in node.attributes() {

@@ -38,7 +38,8 @@ pub fn columns<'a>() -> [Column<VariantRow<'a>>; 19] {
         c(&["axis"], "", None, |of: &VariantRow<'a>| Text(of.axis.axis.clone())),
         c(&["scene"], "", None, |of| Text(of.scene.scene.clone())),
         c(&["subject"], "", None, |of| Text(of.scene.subject.clone())),
-        c(&["variant"], "variant", None, |of| Text(of.row.variant.clone())),
+        c(&["variant"], "variant", None, |of| Text(of.row.variant.clone()))
+            .or(|of| of.row.is_without.then(|| format!("({})", of.row.variant).into())),
         c(&["setting"], "", None, |of| Text(of.row.setting.clone())),
         c(&["metric"], "", None, |of| Text(of.axis.metric.clone())),
         c(&["reference"], "", None, |of| Text(of.axis.reference.clone())),

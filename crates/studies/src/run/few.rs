@@ -20,9 +20,10 @@ const HEADS: [(&str, &str, &str); 5] = [
 ];
 
 /// Words of certainty, and what stands in their place.
-const WORDS: [(&str, &str); 5] = [
+const WORDS: [(&str, &str); 6] = [
     ("95% bootstrap interval", "range of the rounds"),
-    ("medians with 95% intervals", "medians with their ranges"),
+    ("95% intervals", "ranges of the rounds"),
+    ("95% interval", "range of the rounds"),
     ("not significantly different", "not told apart"),
     ("takes significantly more", "takes more in every round"),
     ("no significant difference", "not told apart"),
@@ -72,6 +73,12 @@ impl Few {
         let own = lines.lines.into_iter();
         let lines_of = own.map(|line| Line { text: self.text(&line.text), ..line });
         Lines { lines: lines_of.collect(), ..lines }
+    }
+
+    /// A page likewise, which says so below its title.
+    pub fn page(self, html: &str) -> String {
+        let heading = format!("</h1><p class=\"notes\">{}</p>", self.heading());
+        self.text(html).replace("[95%]", "[range]").replacen("</h1>", &heading, 1)
     }
 
     /// A text without words of certainty; of one round without brackets around one figure.
@@ -130,6 +137,13 @@ mod tests {
         assert_eq!(shown.header, ["structure", "ratio [range]"]);
         assert_eq!(shown.rows[0][1].text, "0.51 [0.50, 0.52]");
         assert_eq!(shown.notes, ["; not told apart: b"]);
+    }
+
+    #[test]
+    fn a_page_says_it_below_its_title() {
+        let page = few(3).unwrap().page("<h1>run</h1><th>ratio [95%]</th><h1>more</h1>");
+        assert!(page.starts_with("<h1>run</h1><p class=\"notes\">3 rounds: brackets"), "{page}");
+        assert!(page.ends_with("<th>ratio [range]</th><h1>more</h1>"), "{page}");
     }
 
     #[test]

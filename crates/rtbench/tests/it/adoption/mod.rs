@@ -4,6 +4,7 @@
 mod documents;
 mod exports;
 mod printed;
+mod recorded;
 mod set_files;
 mod shards;
 mod widths;

@@ -175,8 +175,8 @@ fn a_folder_with_a_part_is_not_written_over() {
     let folder = Folder::new();
     let parts = parts(SHARED, 1, &folder);
     let ended = run_stepping(&format!("merge {0} -o {0}", parts[0]));
-    assert_eq!(ended.code, 1, "{}", ended.err);
-    assert!(ended.err.contains("one of the parts"), "{}", ended.err);
+    assert_eq!(ended.code, 2, "{}", ended.err);
+    assert!(ended.err.contains("results.json: this file is read"), "{}", ended.err);
     assert_eq!(read(&parts[0])["shard"]["index"], 1);
 }
 

@@ -11,6 +11,7 @@ mod outside;
 mod places;
 mod printed;
 mod seeds;
+mod shared;
 
 use std::ffi::OsString;
 use std::path::Path;

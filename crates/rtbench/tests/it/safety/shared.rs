@@ -1,0 +1,73 @@
+//! Two outputs that are one file, and an output that is a result that is read: refused before anything is measured.
+
+use crate::common::{Folder, run_stepping};
+
+#[test]
+fn two_outputs_to_one_file_are_refused_before_measuring() {
+    let folder = Folder::new();
+    let path = folder.path();
+    let run = "run tetra:1 --size 8 -s obvhs-cwbvh";
+    for outputs in [
+        "--export-csv DIR/x --export-json DIR/x",
+        "--export-csv DIR/x --export-json DIR/./x",
+        "--export-csv DIR/new/x --export-github-smaller DIR/new/x",
+        "-o DIR/out --export-csv DIR/out/results.json",
+        "-o DIR/out --export-json DIR/out/results.json",
+        "-o DIR/out --export-markdown DIR/out/run.jsonl",
+    ] {
+        for more in ["", " --overwrite"] {
+            let ended = run_stepping(&format!("{run} {}{more}", outputs.replace("DIR", &path)));
+            assert_eq!((ended.code, ended.out.as_str()), (2, ""), "{outputs}: {}", ended.err);
+            assert!(ended.err.contains("two outputs"), "{outputs}: {}", ended.err);
+            assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0, "{outputs}");
+        }
+    }
+    let devices = run_stepping(&format!("{run} --export-csv /dev/null --export-json /dev/null"));
+    assert_eq!(devices.code, 0, "{}", devices.err);
+}
+
+#[test]
+fn no_output_destroys_a_record() {
+    let folder = Folder::new();
+    let path = folder.path();
+    let of = |arguments: &str| run_stepping(&arguments.replace("DIR", &path));
+    for name in ["a", "b"] {
+        let ended = of(&format!("run tetra:1 --size 8 -s obvhs-cwbvh -o DIR/{name}"));
+        assert_eq!(ended.code, 0, "{}", ended.err);
+    }
+    let record = folder.text("a/results.json");
+    #[cfg(unix)]
+    std::os::unix::fs::symlink("a/results.json", format!("{path}/link")).unwrap();
+    let mut refused = vec![
+        "compare DIR/a DIR/b --export-json DIR/a/results.json",
+        "run --resume DIR/a --export-csv DIR/a/results.json",
+        "check --baseline DIR/b/results.json --results DIR/a --export-json DIR/a/results.json",
+        "check --baseline DIR/a --results DIR/b --export-csv DIR/a/results.json",
+    ];
+    if cfg!(unix) {
+        refused.push("compare DIR/a DIR/b --export-json DIR/link");
+    }
+    for arguments in refused {
+        let ended = of(&format!("{arguments} --overwrite"));
+        assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);
+        assert!(ended.err.contains("this file"), "{arguments}: {}", ended.err);
+        assert_eq!(folder.text("a/results.json"), record, "{arguments}");
+    }
+}
+
+#[test]
+fn a_selection_of_no_series_is_an_error_before_measuring() {
+    let folder = Folder::new();
+    let path = folder.path();
+    let run = |select: &str| {
+        run_stepping(&format!(
+            "run tetra:1 --size 8 -s obvhs-cwbvh --export-select {select} --export-bencher {path}/x"
+        ))
+    };
+    let nothing = run("kd-tere");
+    assert_eq!((nothing.code, nothing.out.as_str()), (2, ""), "{}", nothing.err);
+    assert!(nothing.err.contains("'kd-tere' matches no series"), "{}", nothing.err);
+    assert!(nothing.err.contains("tetra:1: obvhs-cwbvh / "), "{}", nothing.err);
+    assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0);
+    assert_eq!(run("cwbvh./.mrays-primary").code, 0);
+}
