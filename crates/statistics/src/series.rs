@@ -22,6 +22,10 @@ use crate::mann_whitney;
 use crate::normal::{student_95, student_tails};
 use crate::ratio_of_medians::{geometric_mean_of_ratios, log_median_variance, ratio_of_medians};
 
+/// Rounds of one process from which their least and largest hold the median in 94 of 100 cases. With
+/// fewer nothing is significant.
+pub const FEWEST_ROUNDS: usize = 5;
+
 /// Values of rounds, each with the process that it is of.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Series {
@@ -83,7 +87,8 @@ impl Series {
         groups
     }
 
-    fn has_levels(&self) -> bool {
+    /// Whether the values are of several processes.
+    pub fn has_levels(&self) -> bool {
         self.processes.windows(2).any(|pair| pair[0] != pair[1])
     }
 
@@ -130,13 +135,15 @@ impl Series {
         Levels::of(&medians.collect::<Option<Vec<_>>>()?)
     }
 
-    /// As [`Series::levels`]; of one process from its rounds.
+    /// As [`Series::levels`]; of one process from its rounds, whose variance is as uncertain as so few
+    /// of them are: taken as known, it made means of two scenes of three rounds different in 27 of 400
+    /// pairs of equal runs.
     fn levels_or_rounds(&self) -> Option<Levels> {
         self.levels().or_else(|| {
             Some(Levels {
                 log: median(&self.values)?.ln(),
                 variance: log_median_variance(&self.values)?,
-                degrees: f64::INFINITY,
+                degrees: self.values.len() as f64 - 1.0,
             })
         })
     }

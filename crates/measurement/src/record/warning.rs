@@ -13,8 +13,6 @@ pub const QUIET_SPREAD: f64 = 0.15;
 /// Largest change of the reference's times from the first to the second half of the rounds that is
 /// not called drift, and the probability of chance below which it is.
 pub const STEADY: (f64, f64) = (0.1, 0.01);
-/// Fewest rounds that are not too few: 5 hold the median in 94% of all cases, 4 in 88%.
-pub const ENOUGH_ROUNDS: usize = 5;
 /// Largest part of the machine's processors that others may keep busy.
 pub const SPARE: f64 = 0.25;
 /// Most bytes of the process that may be in swap, and that all may read back during the run.
@@ -30,8 +28,8 @@ pub enum Warning {
         /// Their interquartile range, as a part of the median.
         spread: f64,
     },
-    /// The intervals rest on fewer than [`ENOUGH_ROUNDS`] rounds; not said of a quick run, which is
-    /// a first look.
+    /// The intervals rest on fewer rounds than [`statistics::series::FEWEST_ROUNDS`]; not said of a
+    /// quick run, which is a first look.
     TooFewRounds {
         /// How many there were.
         rounds: u64,

@@ -7,14 +7,13 @@
 use std::collections::BTreeMap;
 
 use crate::record::reference::elsewhere;
-use crate::record::warning::{ENOUGH_ROUNDS, QUIET_SPREAD, SPARE, STEADY, SWAP_BYTES};
+use crate::record::warning::{QUIET_SPREAD, SPARE, STEADY, SWAP_BYTES};
 use crate::record::{Load, RunRecord, SceneRecord, Warning};
 use statistics::estimate::median;
 use statistics::mann_whitney;
 use statistics::outliers::quantile;
+use statistics::series::FEWEST_ROUNDS;
 
-/// Rounds from which the spread and the drift of a scene are judged.
-const FEWEST_ROUNDS: usize = 5;
 /// Shortest time that others' work is judged over: ticks of a processor, a second on Linux.
 const FEWEST_TICKS: u64 = 100;
 /// Bytes of a page of memory on x86-64; elsewhere pages are larger.
@@ -55,7 +54,7 @@ fn noise(run: &RunRecord) -> Option<Warning> {
 fn rounds(run: &RunRecord) -> Option<Warning> {
     let rows = run.scenes.iter().flat_map(|s| &s.rows).filter(|r| !r.samples.is_empty());
     let fewest = rows.map(|r| r.samples.len()).min()?;
-    let is_too_few = fewest < ENOUGH_ROUNDS && !run.settings.quick;
+    let is_too_few = fewest < FEWEST_ROUNDS && !run.settings.quick;
     is_too_few.then_some(Warning::TooFewRounds { rounds: fewest as u64 })
 }
 

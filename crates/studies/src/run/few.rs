@@ -3,12 +3,10 @@
 
 use measurement::record::RunRecord;
 use presentation::table::{Cell, Table};
+use statistics::series::FEWEST_ROUNDS;
 
 use crate::run::columns::RATIO;
 use crate::run::lines::{Line, Lines};
-
-/// Rounds from which the least and the largest hold the median in 94 of 100 cases.
-const ENOUGH: usize = 5;
 
 /// Heads of figures with an interval, and the same of ranges.
 const HEADS: [(&str, &str, &str); 5] = [
@@ -40,7 +38,7 @@ impl Few {
     pub fn of(run: &RunRecord) -> Option<Self> {
         let rows = run.scenes.iter().flat_map(|scene| &scene.rows);
         let rounds = rows.map(|row| row.samples.len()).max().unwrap_or(0);
-        let is_few = (1..ENOUGH).contains(&rounds) && run.settings.processes < 2;
+        let is_few = (1..FEWEST_ROUNDS).contains(&rounds) && run.settings.processes < 2;
         is_few.then_some(Self { rounds })
     }
 

@@ -59,6 +59,12 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
          corrected for all): there a figure is worth no more than its range.",
         of_scenes().count()
     ));
+    if let Some(needed) = record.rounds_needed {
+        notes.push(format!(
+            "No ratio of a scene can differ significantly with so few rounds in one process: run --rounds {needed}, or \
+             --processes 3."
+        ));
+    }
     for [one, other] in record.perhaps_one() {
         notes.push(format!(
             "{one} and {other} may be one machine: the records tell of no difference. Then what differs is the day."
