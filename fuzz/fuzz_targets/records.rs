@@ -51,7 +51,7 @@ fn compared(record: &RunRecord) {
 }
 
 fn exported(record: &RunRecord) {
-    let _ = studies::run::csv::to_string(record);
+    let _ = studies::run::columns::to_string(record);
     let _ = studies::run::markdown::exported(record);
     let _ = github_action_benchmark::smaller(record, None);
     let _ = github_action_benchmark::bigger(record, None);

@@ -1,18 +1,17 @@
 //! A structure that a plugin built, in this process.
 
+use std::collections::HashMap;
 use std::ffi::{CString, c_char, c_int, c_void};
 use std::ops::Deref;
 use std::sync::Arc;
 
+use crate::abi;
+use crate::library::Library;
+use crate::stopwatch::{CallTime, Stopwatch};
 use accel_core::Ray;
 use accel_core::primitives::{PrimSet, Shear, TriangleSet};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-
-use crate::abi;
-use crate::indexed::IndexedMesh;
-use crate::library::Library;
-use crate::stopwatch::{CallTime, Stopwatch};
 
 /// Rays that one thread traces at a time when there are several.
 const CHUNK: usize = 4096;
@@ -279,5 +278,73 @@ unsafe extern "C" fn intersect(
             1
         }
         None => 0,
+    }
+}
+
+/// Vertices, each once, and three of them for each triangle.
+#[derive(Debug, Default, PartialEq)]
+struct IndexedMesh {
+    pub(crate) vertices: Vec<[f32; 3]>,
+    pub(crate) indices: Vec<[u32; 3]>,
+}
+
+impl IndexedMesh {
+    /// Vertices that agree in all bits are one; in the order in which triangles have them first.
+    pub(crate) fn of(triangles: &[[[f32; 3]; 3]]) -> Self {
+        let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(triangles.len());
+        let mut vertices = Vec::new();
+        let mut index = |corner: &[f32; 3]| {
+            *places.entry(corner.map(f32::to_bits)).or_insert_with(|| {
+                vertices.push(*corner);
+                (vertices.len() - 1) as u32
+            })
+        };
+        let indices = triangles.iter().map(|[a, b, c]| [index(a), index(b), index(c)]).collect();
+        Self { vertices, indices }
+    }
+}
+
+impl abi::Hit {
+    /// An answer as ours: of a miss nothing but that is read.
+    pub(crate) fn as_ours(&self, ray: &accel_core::Ray<f32>) -> accel_core::Hit<f32> {
+        match self.id {
+            abi::MISS => accel_core::Hit { t: ray.t_max, id: accel_core::MISS },
+            id => accel_core::Hit { t: self.t, id },
+        }
+    }
+}
+
+impl From<&accel_core::Ray<f32>> for abi::Ray {
+    fn from(ray: &accel_core::Ray<f32>) -> Self {
+        Self {
+            origin: ray.origin.to_array(),
+            t_min: ray.t_min,
+            direction: ray.direction.to_array(),
+            t_max: ray.t_max,
+        }
+    }
+}
+
+impl From<&abi::Ray> for accel_core::Ray<f32> {
+    fn from(ray: &abi::Ray) -> Self {
+        Self {
+            t_min: ray.t_min,
+            t_max: ray.t_max,
+            ..Self::new(ray.origin.into(), ray.direction.into())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shared_vertices_are_one() {
+        let [a, b, c, d] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 0.0, 0.0]];
+        let both = IndexedMesh::of(&[[a, b, c], [c, b, d]]);
+        // zeros of both signs are two
+        assert_eq!(both.vertices.len(), 4);
+        assert_eq!(both.indices, [[0, 1, 2], [2, 1, 3]]);
     }
 }

@@ -14,11 +14,9 @@
 )]
 
 pub mod abi;
-mod conversions;
 pub mod description;
 pub mod error;
 pub mod files;
-mod indexed;
 pub mod instance;
 pub mod library;
 #[cfg(unix)]

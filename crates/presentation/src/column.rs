@@ -6,7 +6,7 @@ use std::borrow::Borrow;
 use statistics::estimate::Estimate;
 
 use crate::csv::{number, written};
-use crate::format_error::FormatError;
+use crate::json::FormatError;
 use crate::numbers;
 use crate::table::{Cell, Table, dash};
 

@@ -2,7 +2,7 @@
 
 use csv::{ReaderBuilder, Writer};
 
-use crate::format_error::FormatError;
+use crate::json::FormatError;
 use crate::outside::field;
 use statistics::estimate::Estimate;
 

@@ -2,8 +2,6 @@
 
 use serde::Serialize;
 
-use crate::format_error::FormatError;
-
 /// Anything, with a line break behind it.
 ///
 /// # Errors
@@ -12,4 +10,13 @@ pub fn written(value: &impl Serialize) -> Result<String, FormatError> {
     serde_json::to_string_pretty(value)
         .map(|text| text + "\n")
         .map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+}
+
+/// Results could not be turned into text.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("cannot write the results as {format}: {message}")]
+pub struct FormatError {
+    pub format: &'static str,
+    /// What the library said.
+    pub message: String,
 }

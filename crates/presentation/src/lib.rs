@@ -17,7 +17,6 @@ pub mod column;
 pub mod csv;
 pub mod drawing;
 pub mod fitted;
-pub mod format_error;
 pub mod html;
 pub mod json;
 pub mod markdown;

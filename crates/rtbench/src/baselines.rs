@@ -13,7 +13,7 @@ use crate::context::Environment;
 use measurement::callgrind::Counts;
 use measurement::record::RunRecord;
 use measurement::record::file::{self, RecordError};
-use measurement::settings::suggest;
+use measurement::settings::choice;
 use measurement::system::files::put;
 use measurement::system::interrupt::undisturbed;
 
@@ -150,7 +150,7 @@ impl Store {
         Err(BaselineError::Unknown {
             name: name.to_owned(),
             folder: self.0.clone(),
-            hint: suggest::hint(name, names.iter().map(String::as_str)),
+            hint: choice::hint(name, names.iter().map(String::as_str)),
             valid: if names.is_empty() {
                 "there is none yet: `rtbench baseline save NAME`".into()
             } else {

@@ -13,7 +13,7 @@ use measurement::system::clock::Clock;
 use measurement::system::program_copy::{CopyError, ProgramCopy};
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
-use measurement::system::{instruction_set, pressure};
+use measurement::system::{pressure, world};
 use presentation::outside::{self, Annotation};
 use presentation::text::Screen;
 
@@ -198,10 +198,10 @@ impl Context<'_> {
     /// Warns where the program was compiled for less than the processor has.
     pub fn warn_of_instructions(&mut self) {
         let compiled = self.world.compiler().target_features;
-        let unused = instruction_set::unused(&self.world.processor_features(), &compiled);
+        let unused = world::unused(&self.world.processor_features(), &compiled);
         if !unused.is_empty() {
             let unused = unused.join(", ");
-            let advice = instruction_set::ADVICE;
+            let advice = world::ADVICE;
             self.warn(format_args!("compiled without {unused}, which this processor has: times are those of a slower program; {advice}"));
         }
     }

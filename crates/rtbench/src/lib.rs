@@ -26,7 +26,6 @@ pub mod commands;
 pub mod comparison;
 pub mod context;
 pub mod doctor;
-pub mod effect_table;
 pub mod error;
 pub mod exit_code;
 pub mod exports;
@@ -67,7 +66,7 @@ use crate::usage::usage;
 use measurement::plan::error::PlanError;
 use measurement::scenes::{Installed, LoadError};
 use measurement::system::clock::SystemClock;
-use measurement::system::{file_limit, interrupt, panics};
+use measurement::system::{files, interrupt, panics};
 use presentation::outside::{Guard, line};
 
 pub use accel_core;
@@ -111,7 +110,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
     panics::keep_quiet();
     interrupt::arm();
     // without the signal a write beyond the limit ends the process: nothing is lost that was kept before
-    let _ = file_limit::refuse_writes_beyond();
+    let _ = files::refuse_writes_beyond();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let mut out = io::stdout().lock();

@@ -10,7 +10,7 @@ use measurement::plan::strides::FixedStrides;
 use measurement::rays::order::Orders;
 use measurement::record::{RunRecord, SceneRecord};
 use measurement::settings::choice::Choice;
-use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, suggest};
+use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, choice};
 
 use crate::args::overrides_in;
 use crate::context::Context;
@@ -108,7 +108,7 @@ fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> LikeError {
     LikeError::Unknown {
         what,
         name: name.to_owned(),
-        hint: suggest::hint(name, valid.iter().copied()),
+        hint: choice::hint(name, valid.iter().copied()),
         valid: valid.join(", "),
     }
 }

@@ -13,7 +13,7 @@ use serde_json::Value;
 use crate::args::Cli;
 use measurement::plan::error::PlanError;
 use measurement::scenes::SceneSource;
-use measurement::settings::suggest;
+use measurement::settings::choice;
 
 /// Options that a set file may not have: scenes are the set's own, output files the user's, and
 /// plugins are code.
@@ -151,7 +151,7 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
     let Some(known) = run.get_arguments().find(|a| long_of(a) == name) else {
         let options = run.get_arguments().filter(|a| !NOT_IN_SETS.contains(&a.get_id().as_str()));
         let valid: Vec<String> = options.map(long_of).collect();
-        let hint = suggest::hint(name, valid.iter().map(String::as_str));
+        let hint = choice::hint(name, valid.iter().map(String::as_str));
         return Err(format!("unknown option '{name}'{hint}; valid: {}", valid.join(", ")));
     };
     let id = known.get_id().to_string();
@@ -191,7 +191,7 @@ fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, Set
     Ok(PlanError::UnknownName {
         what: "set with options of its own",
         name: set.to_owned(),
-        hint: suggest::hint(set, valid.iter().map(String::as_str)),
+        hint: choice::hint(set, valid.iter().map(String::as_str)),
         valid: valid.join(", "),
     })
 }

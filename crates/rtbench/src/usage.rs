@@ -8,7 +8,7 @@ use crate::args::Cli;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, USAGE};
-use measurement::settings::suggest;
+use measurement::settings::choice;
 use presentation::outside::line;
 
 /// Help and version on standard output, usage errors on standard error.
@@ -51,7 +51,7 @@ fn suggest_command(error: &mut clap::Error) {
     let (typed, known) = (ContextKind::InvalidSubcommand, ContextKind::SuggestedSubcommand);
     if let (Some(ContextValue::String(typed)), None) = (error.get(typed), error.get(known)) {
         let cli = Cli::command();
-        let meant = suggest::nearest(typed, cli.get_subcommands().map(clap::Command::get_name));
+        let meant = choice::nearest(typed, cli.get_subcommands().map(clap::Command::get_name));
         if let Some(meant) = meant.map(str::to_owned) {
             error.insert(known, ContextValue::Strings(vec![meant]));
         }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 use renderer::{GeometryError, ImageError};
 
 /// Why a study ended early.

@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 
 use crate::journal::lines::Line;
 use crate::journal::seal::Seal;
+use crate::system::files;
 use crate::system::files::put;
-use crate::system::kept_folder;
 
 pub struct LastLine {
     pub(super) file: File,
@@ -41,7 +41,7 @@ impl LastLine {
             }
         }
         let within = self.temporary.ok_or(io::ErrorKind::NotFound)?;
-        let folder = kept_folder::create(&within)?;
+        let folder = files::create(&within)?;
         put(&folder.join(self.path.file_name().unwrap_or_default()), &bytes)?;
         Ok(Some(folder))
     }

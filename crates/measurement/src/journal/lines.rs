@@ -15,7 +15,7 @@ use serde_json::Value;
 use crate::journal::seal::Seal;
 use crate::record::{Compiler, Machine, RowRecord, SCHEMA_VERSION, SceneRecord, Settings, Tool};
 use crate::settings::RunSettings;
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 
 /// Identity of a run: runs whose manifests agree may be parts of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -13,7 +13,7 @@ pub use crate::journal::last_line::LastLine;
 use crate::journal::lines::{Line, LineError, Manifest, RecoveredRun, read};
 use crate::journal::seal::Seal;
 use crate::system::interrupt::undisturbed;
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 
 /// The journal's name in the output folder.
 pub const NAME: &str = "run.jsonl";

@@ -17,7 +17,7 @@ use crate::plan::rows::{self, Row};
 use crate::rays::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
 use crate::rays::exactness::Exactness;
 use crate::record::query::Query;
-use crate::settings::suggest;
+use crate::settings::choice;
 use crate::system::clock::{Clock, timed};
 
 /// A row of a run.
@@ -306,7 +306,7 @@ fn known(name: &str, registry: &[Entry], occluders: &[occluders::Entry]) -> Resu
         return Ok(());
     }
     Err(PlanError::UnknownStructure {
-        hint: suggest::hint(name, names.iter().copied()),
+        hint: choice::hint(name, names.iter().copied()),
         name: name.to_owned(),
         valid: names.join(", "),
     })

@@ -24,7 +24,7 @@ use crate::rays::order::Orders;
 use crate::rounds::trial::BuildLimits;
 use crate::scenes::{KnownScene, SceneSource, ViewOptions};
 use crate::settings::shard::PlannedPart;
-use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, duration, suggest};
+use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, choice, duration};
 use crate::system::memory_limit;
 use renderer::{RayKind, RaySettings, ShadowRays};
 
@@ -380,7 +380,7 @@ fn kinds(names: &[String]) -> Result<Vec<RayKind>, PlanError> {
             let valid = RayKind::ALL.map(|k| k.name());
             PlanError::UnknownRays {
                 name: name.clone(),
-                hint: suggest::hint(name, valid),
+                hint: choice::hint(name, valid),
                 valid: valid.join(", "),
             }
         })?;

@@ -4,7 +4,7 @@ use renderer::RaySettings;
 use renderer::ray_offset::OffsetRule;
 
 use crate::plan::error::PlanError;
-use crate::settings::suggest;
+use crate::settings::choice;
 
 /// Name that `--set` takes instead of a structure.
 pub const NAME: &str = "rays";
@@ -38,7 +38,7 @@ pub fn apply(overrides: &[String], settings: &mut RaySettings) -> Result<Vec<Str
         }
         let rule = RULES.iter().find(|(rule, _)| *rule == value);
         let (_, rule) = rule.ok_or_else(|| PlanError::UnknownOffset {
-            hint: suggest::hint(value, RULES.map(|(rule, _)| rule)),
+            hint: choice::hint(value, RULES.map(|(rule, _)| rule)),
             name: value.to_owned(),
             valid: RULES.map(|(rule, _)| rule).join(", "),
         })?;

@@ -6,7 +6,7 @@ use accel_core::structures::Traceable;
 use accel_core::variants::chosen_tests;
 
 use crate::plan::error::PlanError;
-use crate::settings::suggest;
+use crate::settings::choice;
 
 /// A structure (or occluder) with settings.
 pub struct Row<'r, L: RegistryItem = Traceable> {
@@ -222,7 +222,7 @@ pub fn find<'r, L: RegistryItem>(
     registry.iter().find(|e| e.info.name == name).ok_or_else(|| {
         let names: Vec<_> = registry.iter().map(|e| e.info.name).collect();
         PlanError::UnknownStructure {
-            hint: suggest::hint(name, names.iter().copied()),
+            hint: choice::hint(name, names.iter().copied()),
             name: name.to_owned(),
             valid: names.join(", "),
         }
@@ -248,7 +248,7 @@ pub fn find_param<L: RegistryItem>(
 fn param_error<L: RegistryItem>(error: ParamError, entry: &Entry<L>) -> PlanError {
     let params = || entry.info.params.iter().chain(L::COMMON);
     let hint = match &error {
-        ParamError::Unknown { name, .. } => suggest::hint(name, params().map(|p| p.name)),
+        ParamError::Unknown { name, .. } => choice::hint(name, params().map(|p| p.name)),
         ParamError::Invalid { .. } => String::new(),
     };
     PlanError::Param { error, hint }

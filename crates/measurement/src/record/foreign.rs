@@ -1,8 +1,7 @@
 //! A program outside, as a row of a scene: `rtbench hits check --into`.
 
-use statistics::estimate::Estimate;
-
 use crate::record::{ForeignRecord, RowRecord, Verdict};
+use statistics::estimate::Estimate;
 
 /// Results that an external program reports.
 #[derive(Debug, Clone, PartialEq)]

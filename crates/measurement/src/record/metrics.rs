@@ -6,7 +6,7 @@
 use crate::plan::error::PlanError;
 use crate::record::ratios::{build_ratios, kind_ratios, series, trace_ratios};
 use crate::record::{RowRecord, SceneRecord, StatsRecord, WorkRecord};
-use crate::settings::suggest::hint;
+use crate::settings::choice::hint;
 use statistics::series::Series;
 
 /// A metric of a row.

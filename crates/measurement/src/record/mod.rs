@@ -1,18 +1,15 @@
 //! The record of a run: everything that tables, CSV and plots are made from, and what JSON holds.
 
 pub mod conclusion;
-mod figures;
 pub mod file;
 pub mod floor;
 pub mod foreign;
-pub mod label;
 pub mod machines;
 #[cfg(any(test, feature = "testing"))]
 #[allow(clippy::unwrap_used)]
 pub mod made_up;
 pub mod merge;
 pub mod metrics;
-mod plugin;
 pub mod query;
 pub mod ratios;
 pub mod reference;
@@ -21,9 +18,7 @@ pub mod scale;
 mod scene;
 pub mod settings;
 pub mod summary;
-mod summary_row;
 pub mod surroundings;
-mod verdict;
 pub mod warning;
 pub mod warnings;
 mod work;
@@ -34,15 +29,13 @@ use crate::settings::shard::ShardRecord;
 
 pub use conclusion::{Conclusion, Defective, LeastTime, Next, Question};
 pub use floor::FloorRecord;
-pub use label::label;
-pub use plugin::{ForeignRecord, PluginRecord};
-pub use row::{Answered, Outliers, RowRecord, Sample};
+pub use row::{
+    Answered, ForeignRecord, Outliers, PluginRecord, RowRecord, Sample, Verdict, label, with_query,
+};
 pub use scale::ScaleRecord;
-pub use scene::{OracleRecord, SceneRecord};
+pub use scene::{OracleRecord, SceneRecord, SummaryRow};
 pub use settings::Settings;
-pub use summary_row::SummaryRow;
 pub use surroundings::{Compiler, Load, Machine, Ticks, Tool};
-pub use verdict::Verdict;
 pub use warning::Warning;
 pub use work::{StatsRecord, WorkRecord};
 

@@ -1,7 +1,7 @@
 //! Times of a row over those of the reference row, round by round.
 
-use crate::record::{RowRecord, Sample, SceneRecord};
-use statistics::series::Series;
+use crate::record::{Outliers, RowRecord, Sample, SceneRecord};
+use statistics::series::{Series, two_levels};
 
 /// Trace time over the reference's, round by round.
 pub fn trace_ratios(row: &RowRecord) -> Series {
@@ -50,4 +50,31 @@ pub(crate) fn builds_by_round(row: &RowRecord) -> impl Iterator<Item = (u32, f64
 /// The seconds of a round.
 pub(crate) fn seconds_of(round: u32, seconds: &[(u32, f64)]) -> Option<f64> {
     seconds.iter().find(|(r, _)| *r == round).map(|(_, seconds)| *seconds)
+}
+
+impl RowRecord {
+    /// Makes all medians, intervals, rates and ratios anew from the samples.
+    pub fn figure(&mut self, seed: u64) {
+        let of = |read: fn(&Sample) -> f64| series(self, |s| Some(read(s))).estimate(seed);
+        let build_s = of(|s| s.build_s);
+        // an occluder in a scene without shadow rays has nothing to trace
+        let trace_s = of(Sample::total_trace_s).filter(|_| !self.rays_by_kind.is_empty());
+        let rate = |(kind, rays): (&String, &u64)| {
+            let seconds = series(self, |s| s.trace_s.get(kind).copied()).middle();
+            Some((kind.clone(), *rays as f64 / seconds.filter(|s| *s > 0.0)? / 1e6))
+        };
+        let mrays = self.rays_by_kind.iter().filter_map(rate).collect();
+        let ratio = |kind: &String| Some((kind.clone(), kind_ratios(self, kind).estimate(seed)?));
+        let ratio_by_kind = self.rays_by_kind.keys().filter_map(ratio).collect();
+        let ratio = trace_ratios(self).estimate(seed);
+        let build_ratio = ratios_of_builds(self, &[]).estimate(seed);
+        (self.build_s, self.trace_s, self.mrays) = (build_s, trace_s, mrays);
+        (self.ratio, self.ratio_by_kind, self.build_ratio) = (ratio, ratio_by_kind, build_ratio);
+        self.levels = two_levels(&if self.is_reference {
+            series(self, |s| Some(s.total_trace_s()))
+        } else {
+            trace_ratios(self)
+        });
+        self.outliers = Outliers::of(&self.samples);
+    }
 }

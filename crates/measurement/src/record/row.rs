@@ -2,13 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use serde::{Deserialize, Serialize};
-
-use crate::record::label::{label, with_query};
-use crate::record::plugin::{ForeignRecord, PluginRecord};
 use crate::record::query::Query;
-use crate::record::verdict::Verdict;
 use crate::record::work::{StatsRecord, WorkRecord};
+use accel_core::query::tracer::Foreign;
+use serde::{Deserialize, Serialize};
 use statistics::estimate::Estimate;
 use statistics::outliers::outliers;
 use statistics::series::TwoLevels;
@@ -231,4 +228,116 @@ impl RowRecord {
     pub fn label_with_query(&self) -> String {
         with_query(self.label(), self.query == Query::Batch)
     }
+}
+
+/// Structure and settings as printed.
+pub fn label(structure: &str, settings: &str) -> String {
+    format!("{structure} {settings}").trim_end().to_owned()
+}
+
+/// The same with a word where it answers batches.
+pub fn with_query(label: String, answers_batches: bool) -> String {
+    if answers_batches { format!("{label} (batch)") } else { label }
+}
+
+/// What is said of a row.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub enum Verdict {
+    /// Every answer agrees.
+    #[serde(rename = "ok")]
+    Ok,
+    /// Some answer is wrong: its times are not shown.
+    #[serde(rename = "wrong")]
+    Wrong,
+    /// Some answer is wrong, by a defect that the setting keeps on purpose.
+    #[serde(rename = "wrong (as shipped)")]
+    WrongAsShipped,
+    /// It refused to be built over this scene.
+    #[serde(rename = "not built")]
+    NotBuilt,
+    /// It panicked while it was built, checked or timed, or ended the program.
+    #[serde(rename = "panicked")]
+    Panicked,
+    /// Building it takes more time or memory than it may, at this size or at a smaller one.
+    #[serde(rename = "over limit")]
+    OverLimit,
+    /// It would take more memory than there is for it, by `--max-memory` or by the system.
+    #[serde(rename = "out of memory")]
+    OutOfMemory,
+}
+
+impl Verdict {
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ok => "ok",
+            Self::Wrong => "wrong",
+            Self::WrongAsShipped => "wrong (as shipped)",
+            Self::NotBuilt => "not built",
+            Self::Panicked => "panicked",
+            Self::OverLimit => "over limit",
+            Self::OutOfMemory => "out of memory",
+        }
+    }
+
+    /// True when there was something to judge; else `error` says why not.
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Ok | Self::Wrong | Self::WrongAsShipped)
+    }
+
+    /// True when its times may be shown.
+    pub fn is_timed(self) -> bool {
+        matches!(self, Self::Ok | Self::WrongAsShipped)
+    }
+}
+
+/// The plugin that a row is of.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct PluginRecord {
+    /// Name of the file, without folders.
+    pub file: String,
+    /// SHA-256 of the file.
+    pub sha256: String,
+    /// Its version, as it says.
+    pub version: String,
+    /// It answered in a process of its own; else in that of the run.
+    pub own_process: bool,
+    /// Its own triangle test decided; else that of this program, and answers are compared bit by bit.
+    pub own_test: bool,
+    /// Seconds of a call that asks for nothing, to its process and back. Part of no time.
+    pub empty_call_s: f64,
+    /// With one thread, the part of its time that threads other than the one that asked had, while its answers
+    /// were checked. It counts.
+    #[serde(default)]
+    pub other_threads: f64,
+    /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.
+    pub edge_mismatches: u64,
+}
+
+impl PluginRecord {
+    /// Of a row that answered so many rays otherwise at edges.
+    pub fn new(foreign: &dyn Foreign, edge_mismatches: u64) -> Self {
+        let origin = foreign.origin();
+        Self {
+            file: origin.file.clone(),
+            sha256: origin.sha256.clone(),
+            version: origin.version.clone(),
+            own_process: origin.own_process,
+            own_test: origin.has_own_test,
+            empty_call_s: origin.empty_call_s,
+            other_threads: foreign.share_of_other_threads(),
+            edge_mismatches,
+        }
+    }
+}
+
+/// What is known of a row whose times its program told.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
+pub struct ForeignRecord {
+    /// SHA-256 of the file of its answers.
+    pub hits_sha256: String,
+    /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.
+    pub edge_mismatches: u64,
 }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::label::label;
+use crate::record::row::label;
 
 /// A scene in several sizes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

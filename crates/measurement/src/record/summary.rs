@@ -4,8 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::record::query::Query;
 use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
-use crate::record::reference;
-use crate::record::{RowRecord, SceneRecord, Settings, SummaryRow, Verdict};
+use crate::record::{RowRecord, SceneRecord, Settings, SummaryRow, Verdict, reference};
 use statistics::series::{Series, geometric_mean_of};
 
 /// One row for each row of the scenes, in their order; a part of a run may have rows in some of its

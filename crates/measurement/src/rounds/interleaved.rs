@@ -1,8 +1,8 @@
 //! The loop of all timing: rounds, each of which visits every row once in a seeded order of its own
 //! (see [`crate::rounds::schedule`]). What drifts while it runs falls on all rows alike.
 
-use crate::rounds::schedule::round_order;
 use crate::system::clock::Clock;
+use statistics::random::Random;
 
 /// One visit of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,13 +65,23 @@ pub fn timed(
     seconds
 }
 
+/// The order of one round over `rows` rows of a scene.
+pub fn round_order(seed: u64, scene: &str, round: usize, rows: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..rows).collect();
+    let even = round - round % 2;
+    Random::new(seed, &format!("schedule/{scene}/{even}")).shuffle(&mut order);
+    if round % 2 == 1 {
+        order.reverse();
+    }
+    order
+}
+
 #[cfg(test)]
 mod tests {
-    use std::cell::RefCell;
-    use std::time::Duration;
-
     use super::*;
     use crate::system::clock::SteppingClock;
+    use std::cell::RefCell;
+    use std::time::Duration;
 
     #[test]
     fn every_round_visits_every_row_once_in_its_own_order() {
@@ -97,5 +107,34 @@ mod tests {
         drop(works);
         assert_eq!(seconds, vec![vec![0.005; 3]; 2]);
         assert_eq!(*runs.borrow(), [4, 4]);
+    }
+
+    #[test]
+    fn a_seed_fixes_the_schedule() {
+        assert_eq!(round_order(1, "balls", 0, 21), round_order(1, "balls", 0, 21));
+        assert_ne!(round_order(1, "balls", 0, 21), round_order(2, "balls", 0, 21));
+        assert_ne!(round_order(1, "balls", 0, 21), round_order(1, "balls", 1, 21));
+        assert_ne!(round_order(1, "balls", 0, 21), round_order(1, "gears", 0, 21));
+    }
+
+    #[test]
+    fn of_two_rows_each_is_before_the_other_equally_often() {
+        let place = |order: &[usize], row| order.iter().position(|r| *r == row);
+        for (a, b) in [(0, 1), (3, 20), (7, 6)] {
+            let before = (0..10).filter(|&round| {
+                let order = round_order(5, "tetra", round, 21);
+                place(&order, a) < place(&order, b)
+            });
+            assert_eq!(before.count(), 5);
+        }
+    }
+
+    #[test]
+    fn a_round_visits_each_row_once() {
+        for rows in [0, 1, 2, 21] {
+            let mut order = round_order(3, "tree", 4, rows);
+            order.sort_unstable();
+            assert_eq!(order, (0..rows).collect::<Vec<_>>());
+        }
     }
 }

@@ -1,29 +1,17 @@
 //! One scene from loading to its record.
 
-use std::collections::BTreeMap;
-use std::time::Duration;
-
-use accel_core::registry::Buildable;
-use accel_core::structure::BuildError;
-use glam::DVec3;
-use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
-use scene_loading::{Light, Scene};
-
 use crate::answers::check::{Checked, check};
 use crate::answers::edges::Edges;
 use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
-use crate::plan::Plan;
 use crate::plan::measured_row::MeasuredRow;
+use crate::plan::{Plan, default_rank};
 use crate::rays::batches::BatchSet;
 use crate::record::ratios::{builds_by_round, seconds_of};
 use crate::record::{Answered, RowRecord, SceneRecord, Verdict};
 use crate::rounds::error::MeasureError;
-use crate::rounds::laps::Laps;
 use crate::rounds::measure::{Timed, measure, measure_laps};
-use crate::rounds::row_log::RowLog;
-use crate::rounds::scope::Scope;
-use crate::rounds::stand_in;
+use crate::rounds::scope::{Laps, RowLog, Scope};
 use crate::rounds::trial::Outcome;
 use crate::scenes::LoadedScene;
 use crate::settings::Precision;
@@ -32,6 +20,13 @@ use crate::system::panics::{Panicked, caught};
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
 use crate::system::world::World;
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use glam::DVec3;
+use renderer::{Geometry, RayKind, RaySettings, ShadowRays};
+use scene_loading::{Light, Scene};
+use std::collections::BTreeMap;
+use std::time::Duration;
 
 /// What a scene is measured with.
 pub struct Equipment<'a> {
@@ -113,7 +108,7 @@ pub fn run_scene<S: Buildable>(
     }
     equipment.log.rows_passed();
     progress.message(format!("{}: timing", scene.name));
-    let baseline = stand_in::baseline(plan, &checked);
+    let baseline = baseline(plan, &checked);
     let timed = match equipment.laps {
         None => measure(&scope, &checked, baseline, deadline, equipment.log),
         Some(laps) => {
@@ -285,4 +280,26 @@ fn compare_with_baseline(rows: &mut [RowRecord], baseline: usize, seed: u64) {
         }
         row.figure(seed);
     }
+}
+
+/// Index of the row, given what is known of each before it is timed. Where the planned one was not
+/// built or is wrong without being known to be: the default references, the best first, else the
+/// first row, of those that are right and answer all rays; others with known defects, and those
+/// that are measured on a sample only, come last. The planned one if there is none, and where the
+/// plan keeps it.
+pub fn baseline(plan: &Plan<'_>, checked: &[Option<Checked>]) -> usize {
+    let serves = |row: usize| {
+        let checked = checked.get(row).and_then(Option::as_ref);
+        checked.is_some_and(|checked| checked.verdict.is_timed())
+    };
+    if plan.keeps_baseline || serves(plan.baseline) {
+        return plan.baseline;
+    }
+    let others = plan.rows.iter().enumerate().filter(|(i, row)| serves(*i) && !row.is_occluder());
+    let next = others.min_by_key(|(i, row)| {
+        let rank = default_rank(row.structure(), &row.settings());
+        let is_last = rank.is_none() && row.known_defect().is_some();
+        (is_last, row.is_sampled(), rank.unwrap_or(usize::MAX), *i)
+    });
+    next.map_or(plan.baseline, |(i, _)| i)
 }

@@ -1,15 +1,15 @@
-//! Context of the measurement of one scene.
-
-use accel_core::registry::Buildable;
-use glam::DVec3;
+//! Context of the measurement of one scene, and who is told how it goes on.
 
 use crate::answers::edges::EdgeJudge;
 use crate::answers::reference::Stage;
 use crate::plan::Plan;
 use crate::rays::batches::BatchSet;
+use crate::record::Sample;
 use crate::system::clock::Clock;
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
+use accel_core::registry::Buildable;
+use glam::DVec3;
 
 /// Everything that the measurement of one scene works with.
 pub struct Scope<'a, 'r, S: Buildable> {
@@ -26,4 +26,21 @@ pub struct Scope<'a, 'r, S: Buildable> {
     pub pools: &'a Pools,
     pub clock: &'a dyn Clock,
     pub progress: &'a Progress,
+}
+
+/// Who says which row is next.
+pub trait Laps: Sync {
+    /// Waits for the label of the next row; none where no more is wanted.
+    fn next(&self) -> Option<String>;
+
+    /// Takes what the row took; none of a row that is not timed.
+    fn made(&self, sample: Option<&Sample>);
+}
+
+/// Who is told how far the rows of a scene are, for the case that one of them ends the program.
+pub trait RowLog {
+    /// The row with that label is begun: built and checked, timed for the first time, or rendered.
+    fn row_begins(&self, label: &str);
+    /// The rows begun so far ended well.
+    fn rows_passed(&self);
 }

@@ -4,7 +4,6 @@ pub mod choice;
 pub mod duration;
 pub mod quantity;
 pub mod shard;
-pub mod suggest;
 mod typed;
 
 use std::time::Duration;

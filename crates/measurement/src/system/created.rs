@@ -3,9 +3,8 @@
 //! taken back.
 
 use std::fs::{self, File, OpenOptions};
+use std::io;
 use std::path::{Path, PathBuf};
-
-use crate::system::write_error::WriteError;
 
 /// Files and folders that were not there before. Dropped, it removes those that are still empty;
 /// what was there, empty or not, stays as it was.
@@ -83,6 +82,15 @@ pub fn create<'p>(
         created.file(path)?;
     }
     Ok(created)
+}
+
+/// A file or folder cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {}: {source}", path.display())]
+pub struct WriteError {
+    /// The file or folder.
+    pub path: PathBuf,
+    pub source: io::Error,
 }
 
 #[cfg(test)]

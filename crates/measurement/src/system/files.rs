@@ -1,14 +1,13 @@
-//! Files that are written whole, or not at all.
+//! Files that are written whole, or not at all; folders for what cannot be kept where it belongs.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, DirBuilder, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use crate::system::created::Created;
+use crate::system::created::{Created, WriteError};
 use crate::system::interrupt::undisturbed;
-pub use crate::system::write_error::WriteError;
 
 /// Writes a finished file in one step, or a pipe or a device.
 ///
@@ -117,6 +116,44 @@ fn is_running(process: u32) -> bool {
 fn is_locked(path: &Path) -> bool {
     let open = OpenOptions::new().write(true).open(path);
     open.is_ok_and(|file| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)))
+}
+
+/// Makes a folder that was not there, which others cannot read or write.
+///
+/// # Errors
+/// The system's.
+pub fn create(within: &Path) -> io::Result<PathBuf> {
+    let mut builder = DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    let mut number = 0;
+    loop {
+        let path = within.join(format!("rtbench-kept-{}-{number}", std::process::id()));
+        match builder.create(&path) {
+            Ok(()) => return Ok(path),
+            Err(e) if e.kind() == io::ErrorKind::AlreadyExists && number < 1000 => number += 1,
+            Err(e) => return Err(e),
+        }
+    }
+}
+
+/// From here on a write beyond the limit is an error.
+///
+/// # Errors
+/// The system's, when the signal cannot be had.
+#[cfg(unix)]
+pub fn refuse_writes_beyond() -> std::io::Result<()> {
+    let was_reached = std::sync::Arc::default();
+    signal_hook::flag::register(signal_hook::consts::SIGXFSZ, was_reached).map(|_| ())
+}
+
+/// Elsewhere than on Unix there is none.
+///
+/// # Errors
+/// None.
+#[cfg(not(unix))]
+pub fn refuse_writes_beyond() -> std::io::Result<()> {
+    Ok(())
 }
 
 #[cfg(test)]

@@ -3,11 +3,8 @@
 pub mod child_process;
 pub mod clock;
 pub mod created;
-pub mod file_limit;
 pub mod files;
-pub mod instruction_set;
 pub mod interrupt;
-pub mod kept_folder;
 pub mod machine;
 pub mod memory_layout;
 pub mod memory_limit;
@@ -17,4 +14,3 @@ pub mod pressure;
 pub mod program_copy;
 pub mod progress;
 pub mod world;
-pub mod write_error;

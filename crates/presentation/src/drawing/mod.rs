@@ -9,16 +9,14 @@ mod canvas;
 mod heat_maps;
 mod item;
 mod letters;
-mod png;
 mod raster;
-mod scale;
 mod svg;
 
 pub use image::ImageError;
 
+pub use heat_maps::{Classes, ramp};
 pub use heat_maps::{HeatMap, heat_maps};
 pub use item::{Color, Drawing, Item, Paint, color, wrapped};
-pub use scale::{Classes, ramp};
 
 pub use crate::svg_plot::pen::{Font, PLAIN};
 
@@ -37,7 +35,7 @@ impl Drawing {
     /// [`image::ImageError`] for a drawing that is too large.
     pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
         let (width, pixels) = raster::drawn(self, 2.0);
-        png::encoded(width, &pixels)
+        raster::encoded(width, &pixels)
     }
 }
 

@@ -1,10 +1,11 @@
 //! A drawing as pixels.
 
-use super::canvas::Canvas;
-use super::item::{Color, Drawing, Item, Paint, color};
-use super::letters;
+use crate::drawing::canvas::Canvas;
+use crate::drawing::item::{Color, Drawing, Item, Paint, color};
+use crate::drawing::letters;
 use crate::svg_plot::palette::PAPER;
 use crate::svg_plot::pen::Font;
+use image::ImageEncoder;
 
 /// Thickness of letters, as a part of their size.
 const THIN: f64 = 0.085;
@@ -129,4 +130,16 @@ impl ScaledImage {
             self.lines(&line, false, &paint);
         }
     }
+}
+
+pub fn encoded(width: u32, pixels: &[Color]) -> Result<Vec<u8>, image::ImageError> {
+    let mut bytes = Vec::new();
+    let height = pixels.len() as u32 / width.max(1);
+    image::codecs::png::PngEncoder::new(&mut bytes).write_image(
+        pixels.as_flattened(),
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
 }

@@ -6,10 +6,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use super::item::{Color, Drawing, Item, Paint};
-use super::png::encoded;
-use crate::svg_plot::document::document_of;
+use crate::drawing::raster::encoded;
 use crate::svg_plot::palette::dark_rules;
 use crate::svg_plot::pen::Pen;
+use crate::svg_plot::xml::document_of;
 
 /// A number in as few letters as it needs, to a hundredth.
 fn short(x: f64) -> String {

@@ -6,8 +6,6 @@
 
 mod axis;
 pub mod bars;
-pub(crate) mod document;
-mod flags;
 mod format;
 pub mod palette;
 mod panel;
@@ -21,7 +19,7 @@ pub use format::Format;
 pub use plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series};
 
 use bars::BarChart;
-use document::document_of;
+use xml::document_of;
 
 /// What can be drawn in every format.
 #[derive(Debug, Clone, PartialEq)]

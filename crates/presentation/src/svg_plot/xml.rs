@@ -1,6 +1,7 @@
 //! Text inside XML.
 
 use crate::outside::is_hidden;
+use crate::svg_plot::palette::PAPER;
 
 /// Text that may stand in an element or an attribute; what XML 1.0 cannot hold is replaced.
 pub fn escaped(text: &str) -> String {
@@ -19,6 +20,18 @@ pub fn escaped(text: &str) -> String {
         }
     }
     out
+}
+
+/// A picture of that size, and what it is for those who cannot see it.
+pub fn document_of(body: &str, [width, height]: [f64; 2], alternative: &str) -> String {
+    let height = f64::max(height, 1.0);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+         viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" \
+         role=\"img\" aria-label=\"{}\">\n<rect width=\"100%\" height=\"100%\" \
+         fill=\"{PAPER}\"/>\n{body}</svg>\n",
+        escaped(alternative)
+    )
 }
 
 #[cfg(test)]

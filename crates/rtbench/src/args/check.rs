@@ -3,13 +3,11 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use clap::{Args, Subcommand};
-
 use crate::args::baseline::FolderArgs;
 use crate::args::parsers::{choice, percent, scene_name};
 use crate::args::plugins::{PluginArgs, ServeArgs};
-use crate::args::trial::TrialArgs;
 use crate::gate::thresholds::Thresholds;
+use clap::{Args, Subcommand};
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 
 /// `rtbench check`.
@@ -221,6 +219,23 @@ pub enum ChildAction {
     Build(TrialArgs),
     /// Answer rays with a plugin, as a run asks over a socket; ends when standard input ends
     Plugin(ServeArgs),
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct TrialArgs {
+    /// Scene
+    #[arg(long, value_parser = scene_name())]
+    pub scene: String,
+    /// Structure with its settings
+    #[arg(long)]
+    pub row: String,
+    /// Threads that build
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Arithmetic of primitives
+    #[arg(long, value_parser = choice::<Precision>(),
+          default_value = Precision::default().name())]
+    pub precision: Precision,
 }
 
 #[cfg(test)]

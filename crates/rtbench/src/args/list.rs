@@ -1,6 +1,10 @@
 //! `rtbench list`.
 
-use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+use crate::args::parsers::scene_name;
+use clap::{Args, Subcommand, ValueEnum};
+use clap_complete::Shell;
 
 #[derive(Debug, Clone, Args)]
 pub struct ListArgs {
@@ -59,4 +63,74 @@ pub enum Format {
     Text,
     /// For programs
     Json,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct DoctorArgs {
+    /// As text or as JSON
+    #[arg(long, value_enum, default_value_t = Format::Text)]
+    pub format: Format,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct ScenesArgs {
+    /// What to do with them.
+    #[command(subcommand)]
+    pub action: ScenesAction,
+}
+
+/// What to do with scenes.
+#[derive(Debug, Clone, Subcommand)]
+pub enum ScenesAction {
+    /// Say what scenes consist of
+    Info(SceneNames),
+    /// Load scenes and report everything that is wrong with them
+    Validate(SceneNames),
+    /// Bring scenes that come inside packages to this machine
+    Fetch(SceneNames),
+}
+
+/// Names of scenes.
+#[derive(Debug, Clone, Args)]
+pub struct SceneNames {
+    /// Scenes, sets or files [default: all scenes]
+    #[arg(value_name = "NAME", value_parser = scene_name())]
+    pub names: Vec<String>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct SchemaArgs {
+    /// Of which format
+    #[arg(value_enum, default_value_t = SchemaOf::RunRecord)]
+    pub what: SchemaOf,
+}
+
+/// The formats that have a schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum SchemaOf {
+    /// results.json, what --export-json writes
+    RunRecord,
+    /// What --export-github-smaller and --export-github-bigger write
+    GithubActionBenchmark,
+    /// What --export-bencher writes
+    BencherMetricFormat,
+    /// JSON scene files, which are read
+    Scene,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct ManArgs {
+    /// The page of this command [default: that of rtbench]
+    #[arg(value_name = "COMMAND", conflicts_with = "output")]
+    pub command: Option<String>,
+    /// Write the pages of all commands into this folder
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }

@@ -2,11 +2,10 @@
 
 use std::time::Duration;
 
+use crate::args::parsers::choice;
 use clap::Args;
 use measurement::rays::order::Orders;
-use measurement::settings::{Lights, MeasuringSettings, Precision};
-
-use crate::args::parsers::choice;
+use measurement::settings::{Lights, MeasuringSettings, Precision, quantity};
 
 /// What all commands that measure have in common.
 #[derive(Debug, Clone, Args)]
@@ -75,4 +74,13 @@ impl MeasuringArgs {
             max_memory: None,
         }
     }
+}
+
+/// How much memory a structure may take.
+#[derive(Debug, Clone, Args)]
+pub struct MemoryArgs {
+    /// Most memory of a structure; a row that would take more is shown as `out of memory` [default:
+    /// half of the machine's memory, or of the control group's limit if that is less]
+    #[arg(long, value_name = "BYTES", value_parser = quantity::bytes)]
+    pub max_memory: Option<u64>,
 }

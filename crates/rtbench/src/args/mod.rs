@@ -1,69 +1,55 @@
 //! The command line as typed: syntax only. What it means is decided in [`measurement::plan`].
 
-mod accuracy;
-mod animate;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use scene_loading::ViewOptions;
+use scene_loading::view_options::{CameraOption, LightOption, UpOption};
+
 mod baseline;
 mod check;
-mod compare;
-mod compare_tracers;
-mod doctor;
-mod explain;
-mod exports;
 mod files;
-mod history;
 mod list;
 mod measuring;
-mod memory;
-mod merge;
 mod parsers;
 mod plugins;
-mod printed;
 mod render;
-mod report;
-mod reproduce;
+mod results;
 mod run;
-mod scenes;
 pub mod show;
+mod studies;
 mod sweep;
 mod tables;
-mod trace;
-mod trial;
 mod verify;
-mod view;
 
-pub use accuracy::AccuracyArgs;
-pub use animate::AnimateArgs;
 pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
+pub use check::TrialArgs;
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
-pub use compare::{CompareArgs, CompareFormat, CompareSort};
-pub use compare_tracers::CompareTracersArgs;
-pub use doctor::DoctorArgs;
-pub use explain::ExplainArgs;
-pub use exports::ExportArgs;
+pub use files::TraceArgs;
 pub use files::{
     CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
     settings_of,
 };
-pub use history::HistoryArgs;
+pub use list::DoctorArgs;
+pub use list::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use list::{Format, ListArgs, Listed};
+pub use list::{SceneNames, ScenesAction, ScenesArgs};
 pub use measuring::MeasuringArgs;
-pub use merge::MergeArgs;
 pub use plugins::{PluginArgs, ServeArgs};
-pub use printed::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
-pub use report::ReportArgs;
-pub use reproduce::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
+pub use results::HistoryArgs;
+pub use results::MergeArgs;
+pub use results::ReportArgs;
+pub use results::{CompareArgs, CompareFormat, CompareSort};
 pub use run::RunArgs;
-pub use scenes::{SceneNames, ScenesAction, ScenesArgs};
 pub use show::ShowArgs;
+pub use studies::AccuracyArgs;
+pub use studies::AnimateArgs;
+pub use studies::CompareTracersArgs;
+pub use studies::ExplainArgs;
+pub use studies::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use sweep::SweepArgs;
+pub use tables::ExportArgs;
 pub use tables::TableArgs;
-pub use trace::TraceArgs;
-pub use trial::TrialArgs;
 pub use verify::VerifyArgs;
-pub use view::ViewArgs;
-
-use clap::{Parser, Subcommand, ValueEnum};
 
 /// The head of options that every command has.
 const GLOBAL: &str = "Every command";
@@ -257,5 +243,29 @@ pub fn overrides_in(command_line: &[String]) -> Vec<String> {
             _ => Vec::new(),
         },
         _ => Vec::new(),
+    }
+}
+
+/// The view and the lights that scenes are given from the command line, of every command that loads
+/// scenes.
+#[derive(Debug, Clone, Default, Args)]
+#[command(next_help_heading = "View and lights")]
+pub struct ViewArgs {
+    /// Camera instead of the scenes' own, in world units and degrees: 1,2,3:0,0,0:45 [default: the
+    /// scene's, or one that frames it]
+    #[arg(long, global = true, value_name = "FROM:AT[:FOV]", allow_hyphen_values = true)]
+    pub camera: Option<CameraOption>,
+    /// Up direction of the camera [default: the scene's, or 0,1,0]
+    #[arg(long, global = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    pub up: Option<UpOption>,
+    /// Point light instead of the scenes' own, repeatable: 0,10,0 or 0,10,0:1,0.9,0.8 [default: the
+    /// scene's, or one at the eye]
+    #[arg(long, global = true, value_name = "POS[:COLOR]", allow_hyphen_values = true)]
+    pub light: Vec<LightOption>,
+}
+
+impl ViewArgs {
+    pub fn options(&self) -> ViewOptions {
+        ViewOptions { camera: self.camera, up: self.up, lights: self.light.clone() }
     }
 }

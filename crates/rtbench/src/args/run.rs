@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use measurement::settings::{MeasuringSettings, RunSettings};
 
-use crate::args::exports::ExportArgs;
 use crate::args::measuring::MeasuringArgs;
-use crate::args::memory::MemoryArgs;
+use crate::args::measuring::MemoryArgs;
 use crate::args::parsers::scene_name;
 use crate::args::plugins::PluginArgs;
+use crate::args::tables::ExportArgs;
 use crate::args::tables::TableArgs;
 
 #[derive(Debug, Clone, Args)]

@@ -23,7 +23,7 @@ use presentation::json;
 use presentation::text::Screen;
 use studies::animate::measure::{Equipment, Measured, measure};
 use studies::animate::record::AnimationRecord;
-use studies::animate::{Animate, csv, plot, table};
+use studies::animate::{Animate, plot, table};
 use studies::error::{StudyError, UnsavedImage};
 
 /// The files of `-o`.
@@ -160,7 +160,7 @@ fn write_all(folder: &Path, record: &AnimationRecord) -> Result<(), Error> {
     let write = |name: &str, text: String| write_text(&folder.join(name), &text);
     let [json_name, frames, markdown, svg, _] = NAMES;
     write(json_name, json::written(record)?)?;
-    write(frames, csv::frames(record)?)?;
+    write(frames, table::frames(record)?)?;
     write(markdown, table::to_markdown(record))?;
     Ok(write(svg, plot::to_svg(record))?)
 }

@@ -4,28 +4,34 @@
 
 use std::io::{Read, Write};
 
-use serde::de::DeserializeOwned;
-
-use crate::args::{ChildAction, ChildArgs};
+use crate::args::{ChildAction, ChildArgs, TrialArgs};
+use crate::commands::accuracy;
 use crate::commands::measuring::{measure_one, measure_scenes};
 use crate::commands::row_deaths::RowJournal;
-use crate::commands::{accuracy, trial_build};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::outputs::Outputs;
 use crate::gate::lap::Lap;
 use crate::like::{self, Narrowed};
+use accel_core::registry::Buildable;
 use measurement::callgrind::counted::count_all;
+use measurement::plan::error::PlanError;
+use measurement::plan::measured_row::{self, MeasuredRow};
 use measurement::plan::strides::FixedStrides;
 use measurement::plan::{OneProcess, Plan};
 use measurement::record::{RunRecord, Sample};
-use measurement::rounds::laps::Laps;
-use measurement::rounds::scene_run::Equipment;
-use measurement::system::memory_layout;
-use measurement::system::pools::Pools;
+use measurement::rounds::scene_run::{Equipment, light_positions};
+use measurement::rounds::scope::Laps;
+use measurement::rounds::trial::Event;
+use measurement::scenes::LoadedScene;
+use measurement::settings::Precision;
+use measurement::system::pools::{self, Pools};
 use measurement::system::progress::Progress;
-use presentation::format_error::FormatError;
+use measurement::system::{machine, memory_layout};
+use presentation::json::FormatError;
+use renderer::Geometry;
+use serde::de::DeserializeOwned;
 
 /// Where few answers are checked, one ray in that many of those that would be.
 const LIGHTLY: usize = 16;
@@ -54,9 +60,9 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     // until the answer is made, all else lies elsewhere
     let _held = times.then(memory_layout::draw);
     let (answer, failures) = match &args.action {
-        ChildAction::Build(build) => return trial_build::run(context, build).map(|()| SUCCESS),
+        ChildAction::Build(build) => return trial_build(context, build).map(|()| SUCCESS),
         ChildAction::Plugin(args) => {
-            trial_build::end_with_parent();
+            end_with_parent();
             plugins::serve(&args.file, &args.socket)?;
             return Ok(SUCCESS);
         }
@@ -135,4 +141,67 @@ fn laps(context: &Context<'_>) -> Result<(), Error> {
         measure_one(&plan, &**known, &equipment, None)?;
     }
     Ok(())
+}
+
+/// Builds a row over a scene and says what that took.
+///
+/// # Errors
+/// [`Error`] for a scene that cannot be loaded or a row that there is not.
+fn trial_build(context: &mut Context<'_>, args: &TrialArgs) -> Result<(), Error> {
+    end_with_parent();
+    let names = [args.row.clone()];
+    let (structures, occluding) =
+        measured_row::select(context.registry, context.occluders, &names, &[])?;
+    let rows = structures.into_iter().map(MeasuredRow::from);
+    let mut rows = rows.chain(occluding.into_iter().map(MeasuredRow::Occluder));
+    let row = rows.next().ok_or(PlanError::NoRows)?;
+    let scenes = context.scenes.resolve(std::slice::from_ref(&args.scene))?;
+    for scene in scenes {
+        let loaded = scene.load()?;
+        let event = match args.precision {
+            Precision::F32 => built::<f32>(context, &loaded, &row, args.threads)?,
+            Precision::F64 => built::<f64>(context, &loaded, &row, args.threads)?,
+        };
+        say(context, &event)?;
+    }
+    Ok(())
+}
+
+fn built<S: Buildable>(
+    context: &mut Context<'_>,
+    loaded: &LoadedScene,
+    row: &MeasuredRow<'_>,
+    threads: u16,
+) -> Result<Event, Error> {
+    let geometry = Geometry::<S>::of(&loaded.scene)?;
+    let lights = light_positions(&loaded.scene);
+    let pool = pools::pool(usize::from(threads))?;
+    say(context, &Event::Loaded)?;
+    let before = machine::resident("self");
+    let is_new = machine::reset_peak_rss();
+    let build = row.prepare();
+    let start = context.clock.now();
+    let built = pool.install(|| build(geometry.prims(), &lights));
+    let build_s = context.clock.seconds_since(start);
+    let process_bytes = machine::peak_rss().filter(|_| is_new);
+    let peak_bytes = process_bytes.zip(before).map(|(peak, before)| peak.saturating_sub(before));
+    Ok(match built {
+        Ok(_) => Event::Built { peak_bytes, process_bytes, build_s },
+        Err(_) => Event::Refused,
+    })
+}
+
+fn say(context: &mut Context<'_>, event: &Event) -> Result<(), Error> {
+    let format = |e: serde_json::Error| FormatError { format: "JSON", message: e.to_string() };
+    writeln!(context.out, "{}", serde_json::to_string(event).map_err(format)?)?;
+    Ok(context.out.flush()?)
+}
+
+/// Ends this process when its standard input ends: whoever wanted the answer is gone, interrupted
+/// or killed, and a build can go on for long.
+fn end_with_parent() {
+    std::thread::spawn(|| {
+        let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
+        std::process::exit(i32::from(FAILURE));
+    });
 }

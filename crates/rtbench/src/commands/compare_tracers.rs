@@ -24,18 +24,18 @@ use crate::exports::occupied::Wanted;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
-use measurement::settings::suggest;
+use measurement::settings::choice;
 use measurement::system::created::Created;
-use measurement::system::files::WriteError;
+use measurement::system::created::WriteError;
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::text::write_table;
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
 use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
-use studies::tracer_comparison::reference::{Sampled, converged};
 use studies::tracer_comparison::report::Report;
 use studies::tracer_comparison::{KINDS, Question, compare, without};
+use studies::tracer_comparison::{Sampled, converged};
 
 /// Samples per pixel: those of the full comparison, and those of a first look.
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
@@ -172,7 +172,7 @@ fn known<const N: usize>(
 fn unknown(what: &'static str, name: &str, valid: &[&'static str]) -> PlanError {
     PlanError::UnknownName {
         what,
-        hint: suggest::hint(name, valid.iter().copied()),
+        hint: choice::hint(name, valid.iter().copied()),
         name: name.to_owned(),
         valid: valid.join(", "),
     }

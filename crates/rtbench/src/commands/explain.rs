@@ -9,7 +9,7 @@ use crate::exports::outputs::{OutputError, Outputs};
 use measurement::record::file;
 use presentation::json;
 use studies::explain::Explain;
-use studies::explain::{csv, table};
+use studies::explain::table;
 
 /// The files of `-o`.
 const NAMES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
@@ -56,7 +56,7 @@ fn outputs<'e>(args: &ExplainArgs, explain: &'e Explain<'_>) -> Result<Outputs<'
         outputs.folder(folder)?;
     }
     for path in [csv_name.as_ref(), args.export_csv.as_ref()] {
-        outputs.add(path, |run| csv::to_string(explain, run))?;
+        outputs.add(path, |run| table::to_csv(explain, run))?;
     }
     for path in [markdown_name.as_ref(), args.export_markdown.as_ref()] {
         outputs.add(path, |run| Ok(table::to_markdown(explain, run)))?;

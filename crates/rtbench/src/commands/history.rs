@@ -9,7 +9,8 @@ use crate::error::Error;
 use crate::exports::occupied::refuse_files;
 use crate::history::{History, site, visits};
 use crate::report::is_page;
-use measurement::system::files::{WriteError, write_text};
+use measurement::system::created::WriteError;
+use measurement::system::files::write_text;
 use statistics::change_points::Sensitivity;
 
 /// Reads what is there, writes every page, and says what changed.

@@ -14,7 +14,7 @@ use crate::args::{Format, ListArgs, Listed};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::error::PlanError;
-use measurement::settings::suggest;
+use measurement::settings::choice;
 use presentation::json;
 use studies::accuracy::axes::AXES;
 
@@ -109,7 +109,7 @@ fn named(mut items: Vec<Value>, args: &ListArgs) -> Result<Vec<Value>, PlanError
             return Err(PlanError::UnknownName {
                 what: args.what.singular(),
                 name: name.clone(),
-                hint: suggest::hint(name, names()),
+                hint: choice::hint(name, names()),
                 valid: names().collect::<Vec<_>>().join(", "),
             });
         }

@@ -2,15 +2,20 @@
 
 use crate::args::{Color, MergeArgs};
 use crate::commands::measuring::{Measured, exit_code, warn_of};
-use crate::commands::{merge_machines, run_outputs};
+use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
+use crate::exit_code::SUCCESS;
 use crate::exports::measures::{self, Measure};
-use crate::exports::outputs::OutputError;
+use crate::exports::outputs::{OutputError, write_file};
 use measurement::record::file;
+use measurement::record::machines::over_machines;
 use measurement::record::merge::{Part, merge};
+use measurement::system::created::{Created, create};
+use presentation::json;
+use presentation::text::write_table;
 use studies::run::conclusions::conclude;
-use studies::run::text;
+use studies::run::{machines, text};
 
 /// Merges and returns the exit code: that of the whole run.
 ///
@@ -18,7 +23,7 @@ use studies::run::text;
 /// [`Error`] for parts that cannot be read or joined, and for outputs.
 pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
     if args.machines {
-        return merge_machines::run(context, args, color);
+        return machines_of(context, args, color);
     }
     let mut parts = Vec::with_capacity(args.parts.len());
     for path in &args.parts {
@@ -52,4 +57,44 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     }
     context.out.flush()?;
     Ok(exit_code(&Measured { record, failures: 0, disturbed: false }))
+}
+
+/// The record's file in the folder of `-o`, where `rtbench report` finds it.
+pub const NAME: &str = "machines.json";
+
+/// Joins, prints and writes; returns the exit code.
+///
+/// # Errors
+/// [`Error`] for runs that cannot be read or are not the same, and for outputs.
+fn machines_of(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
+    let read = |path: &std::path::PathBuf| {
+        Ok::<_, Error>(Part { record: file::read(path)?, path: path.clone() })
+    };
+    let runs = args.parts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let record = over_machines(&runs, &context.command_line)?;
+    let mut folders = Created::default();
+    let exports = &args.exports;
+    if let Some(folder) = &exports.output {
+        folders.folder(folder)?;
+    }
+    let in_folder = |name: &str| exports.output.as_ref().map(|folder| folder.join(name));
+    let wanted = [
+        [in_folder(NAME), exports.export_json.clone()],
+        [in_folder("machines.csv"), exports.export_csv.clone()],
+        [in_folder("machines.md"), exports.export_markdown.clone()],
+    ];
+    let _created = create(wanted.iter().flatten())?;
+    for (format, paths) in wanted.iter().enumerate() {
+        for path in paths.iter().flatten() {
+            write_file(Some(path), || match format {
+                0 => json::written(&record),
+                1 => machines::csv(&record),
+                _ => machines::markdown(&record),
+            })?;
+        }
+    }
+    let colors = context.terminal.colors(color);
+    write_table(context.out, &machines::table(&record), colors)?;
+    context.out.flush()?;
+    Ok(SUCCESS)
 }

@@ -8,8 +8,8 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::schema;
 use measurement::plan::error::PlanError;
-use measurement::settings::suggest;
-use measurement::system::files::WriteError;
+use measurement::settings::choice;
+use measurement::system::created::WriteError;
 
 /// Prints a schema.
 ///
@@ -78,7 +78,7 @@ pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
             PlanError::UnknownName {
                 what: "command",
                 name: name.clone(),
-                hint: suggest::hint(name, names.iter().copied()),
+                hint: choice::hint(name, names.iter().copied()),
                 valid: names.join(", "),
             }
         })?,

@@ -3,29 +3,33 @@
 use std::path::Path;
 use std::time::Duration;
 
+use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
+use crate::context::Context;
+use crate::error::Error;
 use accel_core::occluders;
 use accel_core::occluders::shadow_path::ShadowPath;
 use accel_core::query::tracer::Tracer;
 use accel_core::structures::Entry;
-use renderer::{Geometry, ImageFormat, RenderSettings, render_watched};
-use scene_loading::SampleWishes;
-
-use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
-use crate::context::Context;
-use crate::effect_table;
-use crate::error::Error;
 use measurement::plan::DEFAULT_TRACER;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::rounds::scene_run::light_positions;
 use measurement::scenes::{KnownScene, SceneSource};
-use measurement::settings::suggest;
+use measurement::settings::choice;
 use measurement::system::created::Created;
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use measurement::system::progress::Progress;
+use presentation::numbers::short;
+use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
+use renderer::effects::EFFECTS;
+use renderer::{
+    Effect, EffectPlan, Geometry, ImageFormat, RayCounts, RenderSettings, render_plan,
+    render_watched,
+};
+use scene_loading::{SampleWishes, Scene};
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
 use studies::run::lines::seconds;
@@ -74,7 +78,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
                     Box::new(ShadowPath::new(structure, shadows, &lights))
                 }
             };
-            let table = args.plan.then(|| effect_table::of(&loaded.scene, &*tracer, &plan));
+            let table = args.plan.then(|| of(&loaded.scene, &*tracer, &plan));
             progress.message(format!("{name}: rendering {width} x {height} pixels"));
             let row_done = || progress.step(Duration::ZERO);
             let image = output
@@ -161,11 +165,69 @@ fn shadows<'r>(
             let occluders = context.occluders.iter().map(|e| e.info.name);
             let names: Vec<_> = std::iter::once(STRUCTURE_SHADOWS).chain(occluders).collect();
             PlanError::UnknownStructure {
-                hint: suggest::hint(&name, names.iter().copied()),
+                hint: choice::hint(&name, names.iter().copied()),
                 name,
                 valid: names.join(", "),
             }
         }
         other => other,
     })
+}
+
+/// Pixels of the image that rays are counted on, an axis: enough for two digits.
+const PROBE: u32 = 64;
+
+/// One row an effect, called for or not.
+pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
+    let probe = RenderSettings { resolution: [PROBE; 2], ..*plan.settings() };
+    let plan = EffectPlan::of(scene, &probe);
+    let counted = |plan: &EffectPlan| render_plan(scene, tracer, plan).counts;
+    let all = counted(&plan);
+    let mut table = Table {
+        title: format!("{}: what it calls for", scene.name),
+        header: vec!["effect", "samples", "rays/pixel", "called for by"],
+        ..Table::default()
+    };
+    for info in EFFECTS {
+        let row = match plan.called.iter().find(|c| c.info.effect == info.effect) {
+            Some(called) => {
+                let rays = added(info.effect, &all, || counted(&plan.clone().without(info.effect)));
+                let samples = plan.factor(info.effect).to_string();
+                vec![info.name.to_owned(), samples, per_pixel(rays), called.by.clone()]
+            }
+            None => vec![info.name.to_owned(), "-".into(), "0".into(), "nothing".into()],
+        };
+        let style = if plan.calls_for(info.effect) { Style::Plain } else { Style::Dim };
+        table.rows.push(row.into_iter().map(|text| Cell { text, style }).collect());
+    }
+    table.notes = vec![
+        format!(
+            "all rays: {} per pixel, counted on {PROBE} x {PROBE} pixels",
+            per_pixel(all.total())
+        ),
+        "rays/pixel: of shadows, mirrors and refraction their own; of what is sampled, all rays \
+         that there would not be without it"
+            .to_owned(),
+    ];
+    table
+}
+
+/// The rays an effect adds to an image.
+fn added(effect: Effect, all: &RayCounts, without: impl FnOnce() -> RayCounts) -> u64 {
+    match effect {
+        Effect::HardShadows
+        | Effect::Mirror
+        | Effect::Refraction
+        | Effect::SmoothNormals
+        | Effect::Textures => all.effect(effect),
+        Effect::SoftShadows
+        | Effect::Gloss
+        | Effect::Focus
+        | Effect::Motion
+        | Effect::Supersampling => all.total().saturating_sub(without().total()),
+    }
+}
+
+fn per_pixel(rays: u64) -> String {
+    short(rays as f64 / f64::from(PROBE * PROBE))
 }

@@ -12,7 +12,7 @@ use crate::exports::occupied::refuse_files;
 use crate::report::material::Material;
 use crate::report::{is_page, page};
 use measurement::record::file;
-use measurement::system::files::WriteError;
+use measurement::system::created::WriteError;
 use measurement::system::files::write_text;
 use measurement::system::progress::Progress;
 

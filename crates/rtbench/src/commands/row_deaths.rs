@@ -8,7 +8,7 @@ use measurement::journal::Journal;
 use measurement::journal::lines::{Deaths, Line};
 use measurement::plan::Plan;
 use measurement::rounds::error::MeasureError;
-use measurement::rounds::row_log::RowLog;
+use measurement::rounds::scope::RowLog;
 use measurement::rounds::trial::Outcome;
 
 /// The journal, as the rows of a scene see it.

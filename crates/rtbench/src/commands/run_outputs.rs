@@ -6,10 +6,10 @@ use measurement::journal;
 use measurement::journal::lines::Manifest;
 use measurement::plan::Plan;
 use measurement::record::{RunRecord, file};
-use presentation::format_error::FormatError;
 use presentation::json;
+use presentation::json::FormatError;
 use scene_loading::source_names::name_of_path;
-use studies::run::{csv, markdown};
+use studies::run::markdown;
 
 use crate::args::ExportArgs;
 use crate::context::Context;
@@ -33,11 +33,11 @@ pub(super) struct Exporter {
 /// program is killed between the first two.
 static EXPORTERS: [Exporter; 6] = [
     exporter(|args| args.export_json.as_ref(), Some(file::NAME), |run, _| json::written(run)),
-    exporter(|args| args.export_csv.as_ref(), Some("results.csv"), |run, _| csv::to_string(run)),
+    exporter(|args| args.export_csv.as_ref(), Some("results.csv"), |run, _| markdown::to_csv(run)),
     exporter(
         |args| args.export_markdown.as_ref(),
         Some("results.md"),
-        |run, _| markdown::exported(run),
+        |run, _| Ok(markdown::to_string(run)),
     ),
     exporter(|args| args.export_github_smaller.as_ref(), None, github_action_benchmark::smaller),
     exporter(|args| args.export_github_bigger.as_ref(), None, github_action_benchmark::bigger),

@@ -13,7 +13,7 @@ use presentation::json;
 use presentation::text::Screen;
 use studies::sweep::sizes::targets::Sizes;
 use studies::sweep::sizes::{self, SizeSweep};
-use studies::sweep::{Sweep, csv, plot, table};
+use studies::sweep::{Sweep, plot, table};
 
 /// Sweeps and returns the exit code.
 ///
@@ -39,7 +39,7 @@ fn over_values(
     let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
     context.warn_of_instructions();
     let mut outputs = Outputs::default();
-    outputs.add(args.export_csv.as_ref(), |run| csv::to_string(&sweep, run))?;
+    outputs.add(args.export_csv.as_ref(), |run| table::to_csv(&sweep, run))?;
     outputs.add(args.export_svg.as_ref(), |run| Ok(plot::to_svg(&sweep, run)))?;
     outputs.add(args.export_markdown.as_ref(), |run| Ok(table::to_markdown(&sweep, run)))?;
     outputs.add(args.export_json.as_ref(), json::written)?;
@@ -69,8 +69,8 @@ fn over_sizes(
     let sweep = SizeSweep::new(&settings, context.registry, context.occluders, context.scenes)?;
     context.warn_of_instructions();
     let mut outputs = Outputs::default();
-    outputs.add(args.export_csv.as_ref(), sizes::csv::sizes)?;
-    outputs.add(args.export_slopes.as_ref(), sizes::csv::slopes)?;
+    outputs.add(args.export_csv.as_ref(), sizes::table::sizes_csv)?;
+    outputs.add(args.export_slopes.as_ref(), sizes::table::slopes_csv)?;
     outputs.add(args.export_svg.as_ref(), |run| Ok(sizes::plot::to_svg(run)))?;
     outputs.add(args.export_markdown.as_ref(), |run| Ok(sizes::table::to_markdown(run)))?;
     outputs.add(args.export_json.as_ref(), json::written)?;

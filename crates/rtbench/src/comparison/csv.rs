@@ -3,7 +3,7 @@
 
 use crate::comparison::Comparison;
 use presentation::csv::{number, written};
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 use statistics::estimate::Estimate;
 use statistics::verdict::Change;
 

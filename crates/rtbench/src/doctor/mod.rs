@@ -11,8 +11,8 @@ use serde::Serialize;
 
 use crate::doctor::noise::Noise;
 use measurement::system::clock::Clock;
-use measurement::system::instruction_set;
 use measurement::system::machine::{kibibytes, value};
+use measurement::system::world;
 use measurement::system::world::World;
 
 pub mod noise;
@@ -218,7 +218,7 @@ const CHECKS: [Check; 10] = [
     Check {
         name: "instructions",
         meaning: "the program is slower than it could be, some structures more than others",
-        advice: instruction_set::ADVICE,
+        advice: world::ADVICE,
         look: |system| {
             let unused = system.unused.join(", ");
             Some(if unused.is_empty() {
@@ -234,7 +234,7 @@ impl System {
     /// The machine of a world.
     pub fn of(world: &dyn World) -> Self {
         let compiled = world.compiler().target_features;
-        let unused = instruction_set::unused(&world.processor_features(), &compiled);
+        let unused = world::unused(&world.processor_features(), &compiled);
         Self { root: world.system_root(), threads: world.machine().threads, unused }
     }
 

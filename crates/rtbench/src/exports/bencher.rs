@@ -8,8 +8,8 @@ use serde::Serialize;
 
 use crate::exports::measures::{Select, costs, rates};
 use measurement::record::RunRecord;
-use presentation::format_error::FormatError;
 use presentation::json;
+use presentation::json::FormatError;
 
 #[derive(Debug, Serialize)]
 struct Metric {

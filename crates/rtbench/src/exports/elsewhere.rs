@@ -6,9 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use measurement::record::{RunRecord, file};
+use measurement::system::files;
 use measurement::system::files::put;
 use measurement::system::interrupt::undisturbed;
-use measurement::system::kept_folder;
 use presentation::json;
 
 /// Writes the record to a new folder in `within`, and says where.
@@ -17,7 +17,7 @@ use presentation::json;
 /// The system's; nothing is left then.
 pub fn keep(within: Option<&Path>, record: &RunRecord) -> io::Result<PathBuf> {
     let text = json::written(record).map_err(io::Error::other)?;
-    let folder = kept_folder::create(within.ok_or(io::ErrorKind::NotFound)?)?;
+    let folder = files::create(within.ok_or(io::ErrorKind::NotFound)?)?;
     let path = folder.join(file::NAME);
     undisturbed(|| put(&path, text.as_bytes())).inspect_err(|_| {
         let _ = fs::remove_dir(&folder);

@@ -7,8 +7,8 @@ use serde::Serialize;
 
 use crate::exports::measures::{Measure, Select, costs, rates};
 use measurement::record::RunRecord;
-use presentation::format_error::FormatError;
 use presentation::json;
+use presentation::json::FormatError;
 
 /// One number over time.
 #[derive(Debug, Serialize)]

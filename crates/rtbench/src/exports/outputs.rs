@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use measurement::record::RunRecord;
 use measurement::system::created::Created;
-use measurement::system::files::{WriteError, open, replace, write_text};
+use measurement::system::created::WriteError;
+use measurement::system::files::{open, replace, write_text};
 use measurement::system::interrupt::undisturbed;
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]

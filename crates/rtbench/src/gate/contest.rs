@@ -20,7 +20,7 @@ use crate::gate::against::{Contest, Program};
 use crate::gate::lap::{Lap, Runner};
 use crate::gate::pace::is_look;
 use measurement::record::{FloorRecord, RunRecord};
-use measurement::rounds::schedule::round_order;
+use measurement::rounds::interleaved::round_order;
 use measurement::system::child_process::ChildError;
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;

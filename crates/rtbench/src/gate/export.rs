@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::gate::columns::columns;
 use crate::gate::report::{GLOSSARY, Report};
 use presentation::column;
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
 
 /// Verdict, tables, remarks.

@@ -1,18 +1,17 @@
 //! Input of a page: the record of a run, and the results of other commands beside it.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
-
-use scene_loading::source_hash::sha256_of_bytes;
-use serde::de::DeserializeOwned;
+use std::{fs, io};
 
 use crate::report::date::utc;
-use crate::report::records::{LectureRow, ReproducedFigure};
 use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
+use scene_loading::source_hash::sha256_of_bytes;
+use serde::Deserialize;
+use serde::de::DeserializeOwned;
+use statistics::estimate::Estimate;
 use studies::accuracy::record::AccuracyRecord;
 use studies::run::conclusions::conclude;
 use studies::run::costs::{Profile, profiles};
@@ -270,6 +269,47 @@ fn size_of_png(bytes: &[u8]) -> Option<[u32; 2]> {
         |from: usize| Some(u32::from_be_bytes(header.get(from..from + 4)?.try_into().ok()?));
     (header.get(4..8)? == b"IHDR").then_some(())?;
     Some([number(8)?, number(12)?])
+}
+
+/// A figure as `rtbench reproduce havran1999 --export-csv` writes it.
+#[derive(Debug, Clone, Deserialize)]
+pub struct ReproducedFigure {
+    pub(super) scene: String,
+    pub(super) structure: String,
+    pub(super) params: String,
+    pub(super) counter: String,
+    pub(super) published: String,
+    pub(super) ours: f64,
+    pub(super) verdict: String,
+}
+
+/// A row as `rtbench reproduce zachmann2007 --export-csv` writes it.
+#[derive(Debug, Clone, Deserialize)]
+pub struct LectureRow {
+    pub(super) scene: String,
+    pub(super) lecture: String,
+    pub(super) ours: String,
+    pub(super) verdict: String,
+    pub(super) build_then: Option<f64>,
+    pub(super) build_now: Option<f64>,
+    pub(super) build_low: Option<f64>,
+    pub(super) build_high: Option<f64>,
+    pub(super) run_then: Option<f64>,
+    pub(super) run_now: Option<f64>,
+    pub(super) run_low: Option<f64>,
+    pub(super) run_high: Option<f64>,
+}
+
+impl LectureRow {
+    pub(super) fn build(&self) -> Option<Estimate> {
+        let (median, low, high) = (self.build_now?, self.build_low?, self.build_high?);
+        Some(Estimate { median, low, high })
+    }
+
+    pub(super) fn run(&self) -> Option<Estimate> {
+        let (median, low, high) = (self.run_now?, self.run_low?, self.run_high?);
+        Some(Estimate { median, low, high })
+    }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! The results in a folder, or in several, as an HTML report: no network, no font of others.
 //!
-//! A section is a file and a line in [`SECTIONS`]. One that the folder has nothing for is left out;
+//! A section is a function and a line in [`SECTIONS`]. One that the folder has nothing for is left out;
 //! the end of the page names the command that makes it.
 
 mod date;
@@ -8,7 +8,6 @@ mod glossary;
 pub mod material;
 pub mod page;
 mod plots;
-mod records;
 mod sections;
 mod side_by_side;
 
@@ -38,16 +37,16 @@ const BY_RUN: &str = "rtbench run -o DIR";
 
 /// All parts, in their order on the page.
 pub static SECTIONS: &[Section] = &[
-    section("headlines", "Answers", BY_RUN, sections::headlines::write),
-    section("all-scenes", "All scenes together", BY_RUN, sections::summary::write),
-    section("scenes", "Each scene", BY_RUN, sections::scenes::write),
+    section("headlines", "Answers", BY_RUN, sections::run::headlines),
+    section("all-scenes", "All scenes together", BY_RUN, sections::run::summary),
+    section("scenes", "Each scene", BY_RUN, sections::run::scenes),
     section(
         "heat-maps",
         "Where in the image the work is",
         "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE",
-        sections::heat_maps::write,
+        sections::studies::heat_maps,
     ),
-    section("by-kind", "Each kind of ray", BY_RUN, sections::by_kind::write),
+    section("by-kind", "Each kind of ray", BY_RUN, sections::run::by_kind),
     section(
         "break-even",
         "Which structure wins for how many rays",
@@ -64,29 +63,29 @@ pub static SECTIONS: &[Section] = &[
         "lecture",
         "Zachmann 2007 against now",
         "rtbench reproduce zachmann2007 --export-csv DIR/zachmann2007.csv",
-        sections::lecture::write,
+        sections::studies::lecture,
     ),
     section(
         "accuracy",
         "What accuracy costs in time",
         "rtbench accuracy -o DIR/accuracy",
-        sections::accuracy::write,
+        sections::studies::accuracy,
     ),
     section(
         "tracers",
         "Samples, cones and beams",
         "rtbench compare-tracers SCENE -o DIR/tracers/SCENE",
-        sections::tracers::write,
+        sections::studies::tracers,
     ),
     section(
         "sweeps",
         "Parameters over their values",
         "rtbench sweep SCENE -s STRUCTURE -p PARAM --from A --to B --export-svg DIR/sweep-PARAM.svg",
-        sections::sweeps::write,
+        sections::studies::sweeps,
     ),
     section("warnings", "Warnings and outliers", BY_RUN, sections::warnings::write),
     section("machine", "How to repeat it", BY_RUN, sections::machine::write),
-    section("glossary", "What the symbols mean", BY_RUN, sections::glossary::write),
+    section("glossary", "What the symbols mean", BY_RUN, glossary::glossary),
 ];
 
 const fn section(

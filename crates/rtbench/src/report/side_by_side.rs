@@ -10,7 +10,7 @@ use crate::comparison::pairing::row_like;
 use crate::report::glossary::look;
 use crate::report::material::Material;
 use crate::report::page::Page;
-use crate::report::sections::headlines;
+use crate::report::sections::run::list;
 use measurement::record::{RowRecord, SceneRecord, reference};
 use presentation::numbers::{ratio, short};
 use presentation::page::tables;
@@ -34,7 +34,7 @@ pub fn answers(runs: &[Material], page: &mut Page) {
         let html = &mut page.html;
         html.element("h3", &[], &format!("Run {number}: {}", run.in_words()));
         if let Some(lines) = lines::of_run(&run.run) {
-            headlines::list(html, &lines);
+            list(html, &lines);
         }
     }
     page.html.element("p", &[("class", "notes")], lines::NOTE);

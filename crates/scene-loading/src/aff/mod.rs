@@ -17,13 +17,10 @@
 //!   with a warning.
 //! - What is not visible is drawn together in a point, so that ids stay.
 
-mod lights;
-mod looks;
 mod motion;
 mod read;
 mod shapes;
 mod spline;
-mod tracks;
 mod world;
 
 use std::path::Path;

@@ -3,19 +3,17 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use glam::DAffine3;
-
-use crate::aff::looks;
 use crate::aff::motion::{Motion, Motions, brace, rotation};
 use crate::aff::world::{Branch, Part, Step, World};
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::read::{confined, read_at_most};
 use crate::input::text::text_of;
-use crate::limits::{self, MAX_BYTES, MAX_NAME};
+use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::{FaceCounts, Tally};
 use crate::nff::tokens::{Word, Words};
 use crate::nff::{cone, surface, view};
-use crate::scene::Scene;
+use crate::scene::{Light, Material, Scene};
+use glam::DAffine3;
 
 /// How deep files may include others, and how many inclusions there may be.
 const MAX_DEPTH: usize = 16;
@@ -145,7 +143,7 @@ impl Reader<'_> {
                 self.material(material, place)?;
             }
             "fm" => {
-                let material = looks::extended(words)?;
+                let material = extended(words)?;
                 self.material(material, place)?;
             }
             "a" => {
@@ -308,4 +306,47 @@ pub(super) fn name(words: &mut Words<'_>) -> Result<String, LoadError> {
     let word = words.any("a name")?;
     limits::check(word.text.len(), MAX_NAME, "the length of a name", || words.place(word.line))?;
     Ok(word.text.to_owned())
+}
+
+/// What stands behind an `fm`: ambient, diffuse and specular colour, exponent, transmittance, index
+/// of refraction.
+pub(super) fn extended(words: &mut Words<'_>) -> Result<Material, LoadError> {
+    words.vector("ambient colour")?;
+    let diffuse = words.vector("diffuse colour")?;
+    let specular = words.vector("specular colour")?;
+    let share = diffuse.max_element();
+    Ok(Material {
+        color: if share > 0.0 { (diffuse / share).to_array() } else { [0.0; 3] },
+        diffuse: share,
+        specular: specular.max_element(),
+        shine: words.number("shine")?,
+        transmittance: words.number("transmittance T")?,
+        refraction_index: words.number("index of refraction")?,
+        ..Material::default()
+    })
+}
+
+impl Reader<'_> {
+    pub fn light(&mut self, words: &mut Words<'_>, place: FilePlace) -> Result<(), LoadError> {
+        let position = words.vector("light position")?;
+        let color = if words.peek().is_some_and(|word| word.looks_numeric()) {
+            Some(words.vector("light colour")?.to_array())
+        } else {
+            None
+        };
+        self.world.lights.push((self.branch, Light::Point { position, color }));
+        limits::check(self.world.lights.len(), MAX_LIGHTS, "the number of lights", || place)
+    }
+
+    pub fn material(&mut self, material: Material, place: FilePlace) -> Result<(), LoadError> {
+        self.material = Some(self.world.rest.push_material(material));
+        let count = self.world.rest.materials.len();
+        limits::check(count, MAX_MATERIALS, "the number of materials", || place)
+    }
+
+    /// The current material, or a grey one where a primitive comes before the first.
+    pub fn current_material(&mut self) -> u32 {
+        let scene = &mut self.world.rest;
+        *self.material.get_or_insert_with(|| scene.push_material(Material::default()))
+    }
 }

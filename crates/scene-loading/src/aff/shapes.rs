@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use crate::aff::motion::AnimatedPatch;
 use crate::aff::read::{Reader, name};
-use crate::aff::tracks::AnimatedPatch;
 use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::Mesh;

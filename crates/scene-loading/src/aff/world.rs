@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
+use crate::aff::motion::AnimatedPatch;
 use crate::aff::motion::Motions;
-use crate::aff::tracks::AnimatedPatch;
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::vectors::cofactor;
 use crate::pbrt::state::uniform_scale;

@@ -6,14 +6,13 @@ mod files;
 pub(crate) mod frames;
 #[allow(clippy::indexing_slicing)]
 mod generated;
-mod rebased;
 
 use crate::aff;
 use std::path::Path;
 
 pub use crate::animation::frames::Animation;
+use crate::animation::frames::Rebased;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
-use crate::animation::rebased::Rebased;
 use crate::error::{FilePlace, LoadError};
 use crate::gltf;
 use crate::input::read::{extension, read_file};

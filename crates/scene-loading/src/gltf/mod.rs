@@ -12,29 +12,9 @@
 //! touches; and a panic inside the crate is caught and becomes [`LoadError::Parser`] (the command
 //! line keeps the panic's own message from stderr).
 
-pub(crate) mod animated;
-pub(crate) mod buffers;
-mod clip;
-mod container;
-mod counts;
-mod deform;
-pub(crate) mod extensions;
-mod far_nodes;
-pub(crate) mod instancing;
-mod keys;
-mod materials;
-mod meshes;
-mod nodes;
-mod pose;
-mod rules;
-mod textures;
-mod tree;
-pub(crate) mod vectors;
-
+use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-
-use ::gltf::Document;
 
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
@@ -44,6 +24,25 @@ use crate::gltf::nodes::Walker;
 use crate::gltf::rules::parser_error;
 use crate::input::read::{read_file, scene_name};
 use crate::scene::Scene;
+use ::gltf::Document;
+use ::gltf::json::Root;
+use glam::DVec3;
+use serde::Deserialize;
+
+pub(crate) mod animated;
+pub(crate) mod buffers;
+mod clip;
+mod container;
+mod deform;
+pub(crate) mod extensions;
+pub(crate) mod instancing;
+mod meshes;
+mod nodes;
+mod pose;
+mod rules;
+mod textures;
+mod tree;
+pub(crate) mod vectors;
 
 /// Loads a `.gltf` or `.glb` file, and the buffer files below its folder.
 ///
@@ -94,7 +93,7 @@ impl Opened {
         extensions::check(path, &json)?;
         rules::check(path, &json)?;
         let mut extensions = NodeExtensions::read(path, container.json)?;
-        extensions.translations = far_nodes::translations(path, container.json, &json)?;
+        extensions.translations = translations(path, container.json, &json)?;
         let document = Document::from_json_without_validation(json);
         let buffers = Buffers::load(path, &document, container.binary)?;
         Ok(Self { path: path.to_path_buf(), document, buffers, extensions })
@@ -114,4 +113,41 @@ impl Opened {
         let scene = Scene::new(scene_name(&self.path));
         Walker::new(&self.path, &self.document, &self.buffers, &self.extensions, scene)
     }
+}
+
+/// Beyond this f32 rounds to a thousandth and more. Below it, nothing is read again.
+const FAR: f32 = 16_384.0;
+
+/// By node, where one of a file is far away; else none. What f64 cannot hold is left to the crate.
+pub(super) fn translations(
+    path: &Path,
+    json: &[u8],
+    root: &Root,
+) -> Result<BTreeMap<usize, DVec3>, LoadError> {
+    #[derive(Deserialize)]
+    struct Document {
+        #[serde(default)]
+        nodes: Vec<Node>,
+    }
+    #[derive(Deserialize)]
+    struct Node {
+        translation: Option<[f64; 3]>,
+        matrix: Option<[f64; 16]>,
+    }
+    let is_far = |x: &f32| x.abs() > FAR;
+    let is_far_node = |node: &::gltf::json::Node| {
+        node.translation.is_some_and(|t| t.iter().any(is_far))
+            || node.matrix.is_some_and(|m| m.iter().skip(12).any(is_far))
+    };
+    if !root.nodes.iter().any(is_far_node) {
+        return Ok(BTreeMap::new());
+    }
+    let document: Document =
+        serde_json::from_slice(json).map_err(|error| parser_error(path, error.to_string()))?;
+    let exact = |node: Node| match (node.translation, node.matrix) {
+        (_, Some([.., x, y, z, _])) => Some(DVec3::new(x, y, z)),
+        (translation, None) => translation.map(DVec3::from_array),
+    };
+    let all = document.nodes.into_iter().enumerate();
+    Ok(all.filter_map(|(i, node)| Some((i, exact(node)?))).collect())
 }

@@ -3,22 +3,20 @@
 
 use std::path::Path;
 
-use ::gltf::Document;
-use ::gltf::camera::Projection;
-use ::gltf::khr_lights_punctual::Kind;
-use glam::{DMat4, DVec3};
-
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
-use crate::gltf::counts::Counts;
 use crate::gltf::deform::Deformer;
 use crate::gltf::extensions::{self, NodeExtensions};
-use crate::gltf::materials::material_of;
 use crate::gltf::pose::Pose;
 use crate::gltf::textures::Textures;
 use crate::gltf::tree::{self, Placed};
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
-use crate::scene::{Camera, Light, Scene, Warning};
+use crate::scene::{Camera, Light, Material, Scene, Warning};
+use ::gltf::Document;
+use ::gltf::camera::Projection;
+use ::gltf::khr_lights_punctual::Kind;
+use ::gltf::material::AlphaMode;
+use glam::{DMat4, DVec3, Vec4};
 
 /// Height in pixels of images from glTF cameras, which state only a ratio of the sides.
 const HEIGHT: u32 = 512;
@@ -206,5 +204,64 @@ impl<'a> Walker<'a> {
         self.scene.camera = converted;
         self.has_camera = true;
         Ok(())
+    }
+}
+
+/// How many of each kind.
+#[derive(Debug, Default)]
+pub(super) struct Counts {
+    pub without_area: usize,
+    pub points_and_lines: usize,
+    pub empty: usize,
+    pub without_positions: usize,
+    pub incomplete: usize,
+    pub hidden: usize,
+    pub unused_vertices: usize,
+    pub normals: usize,
+    pub texcoords: usize,
+    pub coloured: usize,
+}
+
+impl Counts {
+    /// A text for each kind of which there is any.
+    pub fn warnings(&self) -> impl Iterator<Item = String> + use<> {
+        [
+            (self.without_area, "triangles without area left out"),
+            (self.points_and_lines, "meshes of points or lines left out"),
+            (self.empty, "primitives without a triangle left out"),
+            (self.without_positions, "primitives without positions left out"),
+            (self.incomplete, "primitives whose last triangle lacks corners, which is left out"),
+            (self.hidden, "meshes that are scaled to nothing or not visible left out"),
+            (self.unused_vertices, "vertices are not finite; no triangle uses them"),
+            (self.normals, "normals that are not finite left out"),
+            (self.texcoords, "texture coordinates that are not finite are taken as 0"),
+            (self.coloured, "primitives with vertex colours (COLOR_0), which are not shown"),
+        ]
+        .into_iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, what)| format!("{count} {what}"))
+    }
+}
+
+/// The nearest of our materials.
+fn material_of(material: &::gltf::Material<'_>) -> Material {
+    let pbr = material.pbr_metallic_roughness();
+    let base = Vec4::from_array(pbr.base_color_factor())
+        .as_dvec4()
+        .clamp(glam::DVec4::ZERO, glam::DVec4::ONE);
+    let roughness = f64::from(pbr.roughness_factor()).clamp(0.0, 1.0);
+    let metallic = f64::from(pbr.metallic_factor()).clamp(0.0, 1.0);
+    let specular = metallic * (1.0 - roughness);
+    let blended = material.alpha_mode() == AlphaMode::Blend;
+    Material {
+        name: material.name().unwrap_or_default().to_string(),
+        color: base.truncate().to_array(),
+        diffuse: 1.0 - specular,
+        specular,
+        shine: (2.0 / roughness.powi(4).max(1e-5) - 2.0).max(0.0),
+        transmittance: if blended { 1.0 - base.w } else { 0.0 },
+        refraction_index: 1.0,
+        texture: None,
+        roughness: 0.0,
     }
 }

@@ -23,7 +23,6 @@ mod maps;
 mod material;
 mod rows;
 mod scan;
-mod textures;
 
 use std::path::Path;
 
@@ -36,9 +35,9 @@ use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Tally, push_all};
 use crate::obj::contents::{FaceLine, ObjScan};
 use crate::obj::libraries::Materials;
+use crate::obj::maps::FaceTexcoords;
 use crate::obj::material::parse_mtl;
 use crate::obj::scan::scan;
-use crate::obj::textures::FaceTexcoords;
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{Outline, area_vector};
 use crate::scene::{Material, Primitive, Scene, Shape, Warning};

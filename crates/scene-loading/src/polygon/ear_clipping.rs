@@ -7,8 +7,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::orientation::orientation;
 use super::point_tree::PointTree;
+use crate::polygon::plane::orientation;
 use crate::progress;
 
 /// The most vertices of a polygon that is cut up.

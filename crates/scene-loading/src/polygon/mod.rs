@@ -4,7 +4,6 @@
 mod crossing;
 #[allow(clippy::indexing_slicing)]
 pub(crate) mod ear_clipping;
-mod orientation;
 mod plane;
 #[allow(clippy::indexing_slicing)]
 mod point_tree;

@@ -1,6 +1,6 @@
 //! The plane of an outline: its area vector, and whether all corners lie in it.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Corners may lie off the plane of their polygon by this share of its extent.
 const FLATNESS: f64 = 1e-4;
@@ -35,4 +35,9 @@ pub(crate) fn is_flat(corners: &[DVec3], area: DVec3) -> bool {
         off = off.max((*corner - center).dot(normal).abs());
     }
     off <= FLATNESS * extent
+}
+
+/// Positive when the three points turn to the left: twice the triangle's area.
+pub(super) fn orientation(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    (b - a).perp_dot(c - a)
 }

@@ -7,7 +7,7 @@
 
 use glam::DVec2;
 
-use super::orientation::orientation;
+use crate::polygon::plane::orientation;
 
 /// The most points of a leaf.
 const LEAF: usize = 4;

@@ -19,7 +19,6 @@
 //! `shutter` for motion blur; `effects` says how finely they are sampled.
 
 mod json;
-mod numbers;
 pub mod set;
 pub mod shapes;
 
@@ -33,8 +32,8 @@ use crate::error::{FilePlace, LoadError};
 use crate::fetch::PackageAsset;
 use crate::limits::{self, MAX_LIGHTS, MAX_MATERIALS};
 use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene};
+use crate::scene_file::json::{above_0, at_least_0, samples, share};
 use crate::scene_file::json::{check_name, from_json, unknown_material};
-use crate::scene_file::numbers::{above_0, at_least_0, samples, share};
 use crate::scene_file::shapes::{ShapeEntry, push_all};
 
 /// A scene file. Keys that are not listed here are errors.

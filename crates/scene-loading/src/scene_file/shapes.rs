@@ -17,8 +17,8 @@ use serde::Deserialize;
 use crate::error::{FilePlace, LoadError};
 use crate::mesh::{FaceCounts, push_outline};
 use crate::scene::{Cone, Scene};
+use crate::scene_file::json::at_least_0;
 use crate::scene_file::json::unknown_material;
-use crate::scene_file::numbers::at_least_0;
 
 /// A shape with its material and, if it moves, its velocity in world units per unit of time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

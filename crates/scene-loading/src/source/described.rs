@@ -9,8 +9,8 @@ use crate::input::read::{confined, read_file};
 use crate::scene::{Scene, Warning};
 use crate::scene_file::{SceneFile, Source};
 use crate::source::embedded::ASSETS;
+use crate::source::embedded::{generate, tessellate};
 use crate::source::formats::{ReadOptions, parse_scene};
-use crate::source::generated::{generate, tessellate};
 use crate::source::hash::sha256_of_bytes;
 
 /// A scene description and where it was found.

@@ -1,6 +1,11 @@
 //! The scene files, sets and small assets of the folder `scenes/`, compiled in so that the
 //! program works from any folder.
 
+use crate::error::LoadError;
+use crate::procedural;
+use crate::scene::Scene;
+use crate::tessellate::{TessellationOptions, tessellate as into_triangles};
+
 macro_rules! embed {
     ($($path:literal),* $(,)?) => {
         &[$((concat!("scenes/", $path), include_str!(concat!("../../scenes/", $path)))),*]
@@ -47,3 +52,23 @@ pub(crate) static ASSETS: &[(&str, &[u8])] = &[
         include_bytes!("../../scenes/effects/effect-textures.gltf"),
     ),
 ];
+
+/// The names of the generators.
+pub(crate) fn families() -> Vec<&'static str> {
+    procedural::generators().map(|entry| entry.name).collect()
+}
+
+/// Generates `balls` or `balls:5`.
+pub(crate) fn generate(spec: &str) -> Result<Scene, LoadError> {
+    procedural::generate(spec).map_err(|e| error(spec, e.to_string()))
+}
+
+/// Turns spheres, cones and polygons into triangles.
+pub(crate) fn tessellate(scene: &Scene, resolution: u32) -> Result<Scene, LoadError> {
+    into_triangles(scene, &TessellationOptions { resolution })
+        .map_err(|e| error(&scene.name, e.to_string()))
+}
+
+fn error(spec: &str, message: String) -> LoadError {
+    LoadError::Procedural { spec: spec.to_string(), message }
+}

@@ -4,7 +4,6 @@ mod catalogue;
 mod described;
 mod embedded;
 pub mod formats;
-mod generated;
 pub mod hash;
 pub mod names;
 mod scene_ref;

@@ -9,8 +9,8 @@ use crate::scene::Scene;
 use crate::scene_file::{SceneFile, Source};
 use crate::second_opinion::{SecondOpinion, second_opinion};
 use crate::source::described::Described;
+use crate::source::embedded::generate;
 use crate::source::formats::{ReadOptions, parse_scene};
-use crate::source::generated::generate;
 use crate::source::hash::sha256_of_scene;
 use crate::view_options::{ViewOptions, light_if_dark};
 

@@ -1,7 +1,7 @@
 //! The columns of variants on scenes: one line each, from which tables and CSV come.
 
 use presentation::column::{self, Column, Unit, Value};
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 use presentation::numbers::short;
 use presentation::table::{Cell, Style};
 

@@ -30,4 +30,3 @@ pub mod tables;
 #[cfg(test)]
 pub(crate) mod test_records;
 pub mod timing;
-pub mod work;

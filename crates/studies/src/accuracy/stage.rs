@@ -2,22 +2,19 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use accel_core::occluders;
+use crate::error::StudyError;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::Entry;
-use accel_core::{Hit, Ray, Scalar};
-use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
-use scene_loading::Scene;
-
-use crate::accuracy::work::Work;
-use crate::error::StudyError;
+use accel_core::{Hit, Ray, Scalar, occluders};
 use measurement::plan::rows::Row;
 use measurement::rays::batches::{Answers, trace};
 use measurement::rounds::error::MeasureError;
 use measurement::system::clock::Clock;
+use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
+use scene_loading::Scene;
 use statistics::random::Random;
 
 /// Who traces what is not itself varied.
@@ -275,4 +272,21 @@ pub fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
         }
     }
     hasher.finish()
+}
+
+/// What is timed of a variant.
+pub trait Work {
+    /// Undoes what the last run left, so that it cannot pass for this one's.
+    fn prepare(&mut self) {}
+    fn run(&mut self);
+    /// Names of the parts that are timed one by one, in order; none where it is timed as a whole.
+    fn parts(&self) -> Vec<String> {
+        Vec::new()
+    }
+    /// The part of that number; all parts together are the work itself.
+    fn run_part(&mut self, _part: usize) {
+        self.run();
+    }
+    /// A number that changes with any answer of the last run.
+    fn fingerprint(&self) -> u64;
 }

@@ -5,7 +5,7 @@ use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{PartTime, SceneOutcome, VariantRecord, VariantStanding};
 use crate::accuracy::stage::Stage;
-use crate::accuracy::work::Work;
+use crate::accuracy::stage::Work;
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};

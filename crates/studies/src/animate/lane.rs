@@ -1,5 +1,8 @@
 //! A row with a number of threads, from frame to frame.
 
+use crate::animate::quality::{SurfacePoint, quality};
+use crate::animate::record::{LaneFrame, LaneRecord};
+use crate::error::StudyError;
 use accel_core::params::Params;
 use accel_core::query::tracer::{Before, KeptStructure};
 use accel_core::registry::Buildable;
@@ -14,10 +17,8 @@ use measurement::record::WorkRecord;
 use measurement::rounds::scope::Scope;
 use measurement::system::clock::timed;
 use rayon::ThreadPool;
-
-use crate::animate::frame::Frame;
-use crate::animate::quality::{SurfacePoint, quality};
-use crate::animate::record::{LaneFrame, LaneRecord};
+use renderer::Geometry;
+use scene_loading::Scene;
 
 /// Rays of a kind that a first look takes.
 const LOOK_RAYS: usize = 1024;
@@ -200,4 +201,39 @@ fn first_look<S: Buildable>(
     };
     let seconds: f64 = few.batches.iter().map(of_batch).sum();
     stride_for(seconds * few.stride as f64, on.scope.plan.limits.timed_pass)
+}
+
+pub struct Frame<S: Buildable> {
+    pub number: u32,
+    /// The scene at rest.
+    pub scene: Scene,
+    /// What structures are over.
+    pub geometry: Geometry<S>,
+    /// What the oracle is over.
+    pub exact: Geometry<f64>,
+    /// Ids of the primitives that are others than in the frame before, ascending; none in the
+    /// first, and where there are not the same primitives in both.
+    pub moved: Option<Vec<u32>>,
+}
+
+impl<S: Buildable> Frame<S> {
+    /// Of a scene. `first` and `before` are the primitives of the first frame measured and of the
+    /// one before.
+    ///
+    /// # Errors
+    /// [`StudyError`] for primitives that cannot be used.
+    pub fn new(
+        number: u32,
+        scene: Scene,
+        first: Option<&Geometry<S>>,
+        before: Option<&Geometry<S>>,
+    ) -> Result<Self, StudyError> {
+        let exact = Geometry::<f64>::of(&scene)?;
+        let mut geometry = Geometry::<S>::of(&scene)?;
+        if let Some(first) = first {
+            geometry.keep_rigid(first);
+        }
+        let moved = before.and_then(|before| geometry.moved_since(before));
+        Ok(Self { number, scene, geometry, exact, moved })
+    }
 }

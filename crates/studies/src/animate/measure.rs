@@ -7,8 +7,8 @@ use measurement::answers::oracle::Oracle;
 use measurement::answers::reference::{Reference, Stage};
 use measurement::rays::batches::BatchSet;
 use measurement::rounds::error::MeasureError;
+use measurement::rounds::interleaved::round_order;
 use measurement::rounds::scene_run::lights_asked;
-use measurement::rounds::schedule::round_order;
 use measurement::rounds::scope::Scope;
 use measurement::system::clock::Clock;
 use measurement::system::panics::caught;
@@ -17,7 +17,7 @@ use measurement::system::progress::Progress;
 use scene_loading::{LoadError, Scene};
 
 use crate::animate::Animate;
-use crate::animate::frame::Frame;
+use crate::animate::lane::Frame;
 use crate::animate::lane::{FrameInput, Lane};
 use crate::animate::quality::surface_points;
 use crate::animate::record::{FrameRecord, LaneRecord};

@@ -6,9 +6,7 @@
 //! so that a frame is loaded and its right answers are found once. All answers of all frames are
 //! checked.
 
-pub mod csv;
 pub mod figures;
-pub mod frame;
 pub mod lane;
 pub mod measure;
 pub mod plot;

@@ -1,13 +1,14 @@
-//! Tables of an animation: one per number of threads, rows with the most frames per second first.
+//! Tables of an animation, one per number of threads, rows with the most frames per second first; and its CSV.
 
+use crate::animate::record::{AnimationRecord, LaneRecord};
+use crate::animate::verdict;
 use measurement::record::Verdict;
+use presentation::csv::{number, written};
+use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
 use statistics::estimate::median;
-
-use crate::animate::record::{AnimationRecord, LaneRecord};
-use crate::animate::verdict;
 
 /// Columns of most weight.
 pub const FIRST: [&str; 5] = ["frames/s", "verdict", "update ms", "trace ms", "worst ms"];
@@ -174,3 +175,65 @@ pub const GLOSSARY: &[&str] = &[
      of the first. overlap: cost of the cells around a point of the scene's surface that do not hold it (end-point \
      overlap), of random points.",
 ];
+
+/// Everything of each frame.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
+    written(|writer| {
+        writer.write_record([
+            "scene",
+            "frame",
+            "primitives",
+            "moved",
+            "rays",
+            "structure",
+            "settings",
+            "threads",
+            "rounds",
+            "updated",
+            "update_s",
+            "trace_s",
+            "every_nth_ray",
+            "bytes",
+            "n_it",
+            "n_ts",
+            "expected_cost",
+            "overlap",
+            "mismatches_of_all_frames",
+        ])?;
+        for lane in &run.lanes {
+            for frame in &lane.frames {
+                let of = run.frames.iter().find(|f| f.frame == frame.frame);
+                let count = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
+                let shown = |samples: &[f64]| number(median(samples).filter(|_| lane.is_timed()));
+                let a_ray = |of: fn(&measurement::record::WorkRecord) -> u64| {
+                    number(frame.work.as_ref().map(|w| of(w) as f64 / w.rays.max(1) as f64))
+                };
+                writer.write_record([
+                    run.scene.clone(),
+                    frame.frame.to_string(),
+                    count(of.map(|f| f.primitives)),
+                    count(of.and_then(|f| f.moved)),
+                    count(of.map(|f| f.rays)),
+                    lane.structure.clone(),
+                    lane.settings.clone(),
+                    lane.threads.to_string(),
+                    frame.update_s.len().to_string(),
+                    frame.updated.to_string(),
+                    shown(&frame.update_s),
+                    shown(&frame.trace_s),
+                    lane.stride.to_string(),
+                    frame.bytes.to_string(),
+                    a_ray(|work| work.intersection_tests),
+                    a_ray(|work| work.traversal_steps),
+                    number(frame.expected_cost),
+                    number(frame.overlap),
+                    lane.mismatches.to_string(),
+                ])?;
+            }
+        }
+        Ok(())
+    })
+}

@@ -1,4 +1,4 @@
-//! An explanation as tables: the factors, and structure by kernel for each kind of ray.
+//! An explanation as tables and CSV: the factors, and structure by kernel for each kind of ray.
 
 use std::io::{self, Write};
 
@@ -7,9 +7,10 @@ use crate::run::kind_tables::kinds;
 use crate::run::markdown;
 use crate::run::tables::scene_title;
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
-use presentation::numbers;
+use presentation::csv::{estimate, written};
+use presentation::json::FormatError;
 use presentation::table::{Cell, Style, Table, dash};
-use presentation::text;
+use presentation::{numbers, text};
 
 /// The crafts across, as [`Craft::name`](crate::explain::craft::CodeDifferences::name) has them.
 const COLUMNS: [&str; 6] =
@@ -140,3 +141,52 @@ const GLOSSARY: &[&str] = &[
      otherwise. adapter: what right answers cost: padded boxes, robust setup of rays, our test. A factor \
      that can be had before and after another one is the geometric mean of both.",
 ];
+
+const CSV_COLUMNS: [&str; 10] = [
+    "scene",
+    "rays",
+    "part",
+    "name",
+    "structure",
+    "craft",
+    "ratio",
+    "ratio_low",
+    "ratio_high",
+    "verdict",
+];
+
+/// All finished scenes: of each kind of ray the rows, the factors and the whole.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatError> {
+    written(|writer| {
+        writer.write_record(CSV_COLUMNS)?;
+        for scene in &run.scenes {
+            let explanation = Explanation::of(explain, run, scene);
+            for rays in rays_of(run, scene) {
+                let mut write = |words: [&str; 4], ratio, verdict: &str| {
+                    let words = [scene.name.as_str(), rays.name()].into_iter().chain(words);
+                    let [median, low, high] = estimate(ratio);
+                    let numbers = [&*median, &*low, &*high, verdict];
+                    writer.write_record(words.chain(numbers))
+                };
+                for (row, variant) in scene.rows.iter().zip(&explanation.variants) {
+                    let Some(variant) = variant else { continue };
+                    let words = ["row", &row.label(), &variant.structure, variant.craft.name()];
+                    write(words, rays.ratio(row), row.verdict.name())?;
+                }
+                for factor in &explanation.factors {
+                    let ratio = explanation.factor(factor, rays);
+                    write(["factor", &factor.name, "", ""], ratio, "")?;
+                }
+                let whole = scene.rows.get(explain.row).filter(|_| !explanation.factors.is_empty());
+                if let Some(row) = whole {
+                    let words = ["whole", &row.label(), "", ""];
+                    write(words, rays.ratio(row), row.verdict.name())?;
+                }
+            }
+        }
+        Ok(())
+    })
+}

@@ -12,7 +12,7 @@ use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, genera
 use scene_loading::Scene;
 use scene_loading::procedural::{SpecError, generate_as_printed};
 
-use measurement::settings::suggest::hint;
+use measurement::settings::choice::hint;
 /// A name that is not among those that are valid.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UnknownName {

@@ -3,7 +3,7 @@
 use measurement::record::{
     Answered, Outliers, RowRecord, SceneRecord, StatsRecord, Verdict, WorkRecord, reference,
 };
-use presentation::column::{Column, Unit, Value};
+use presentation::column::{self, Column, Unit, Value};
 use presentation::numbers;
 use presentation::table::{Cell, Style, dash};
 
@@ -149,4 +149,14 @@ fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
         n => format!("{text}; edges {}", rate(n, row.checked_rays)),
     };
     Cell { text, style }
+}
+
+/// The names of [`columns`].
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    column::keys(&columns()).collect::<Vec<_>>().into_iter()
+}
+
+/// The fields of a row, one for each of [`keys`].
+pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
+    column::fields(&columns(), &RowOf { scene, row, all_rays: 0 }).collect()
 }

@@ -6,8 +6,8 @@
 
 use std::collections::BTreeSet;
 
-use measurement::record::label::with_query;
 use measurement::record::query::Query;
+use measurement::record::with_query;
 use measurement::record::{
     Answered, Conclusion, Defective, LeastTime, Next, Question, RowRecord, RunRecord, SceneRecord,
     Verdict,

@@ -3,7 +3,7 @@
 use measurement::record::label;
 use measurement::record::machines::{MachineRatio, MachinesRecord};
 use presentation::csv::{estimate, written};
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 use presentation::markdown::push_table;
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};

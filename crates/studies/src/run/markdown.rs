@@ -1,25 +1,19 @@
-//! A run in Markdown.
+//! A run in Markdown and CSV.
 
 use std::fmt::Write;
 
 use crate::run::few::Few;
 use crate::run::lines::{self, Line, Lines};
 use crate::run::tables::GLOSSARY;
-use crate::run::{foreign, kind_tables, tables};
+use crate::run::time_to_image::TimesToImage;
+use crate::run::{columns, foreign, kind_tables, tables};
 use measurement::rays::order::Orders;
 use measurement::record::{RunRecord, Settings};
 use measurement::settings::Lights;
-use presentation::format_error::FormatError;
+use presentation::csv::written;
+use presentation::json::FormatError;
 use presentation::markdown::{code, escaped, push_table};
 use presentation::table::Table;
-
-/// [`to_string`] as an exporter.
-///
-/// # Errors
-/// None.
-pub fn exported(run: &RunRecord) -> Result<String, FormatError> {
-    Ok(to_string(run))
-}
 
 /// The whole run: where and how it was measured, one table per scene, the summary, the symbols.
 pub fn to_string(run: &RunRecord) -> String {
@@ -164,4 +158,24 @@ fn facts(run: &RunRecord) -> Vec<String> {
     }
     let command = format!("command: {}", code(&run.command_line.join(" ")));
     std::iter::once(command).chain(facts.iter().map(|fact| escaped(fact))).collect()
+}
+
+/// All finished scenes: [`columns::columns`], and behind them those of [`kind_tables::csv_columns`].
+///
+/// # Errors
+/// [`FormatError`].
+pub fn to_csv(run: &RunRecord) -> Result<String, FormatError> {
+    written(|writer| {
+        let kinds = kind_tables::kinds(run);
+        let more = kind_tables::csv_columns(&kinds);
+        writer.write_record(columns::keys().map(str::to_owned).chain(more))?;
+        for scene in &run.scenes {
+            let times = TimesToImage::of(scene);
+            for row in scene.rows.iter().chain(&scene.foreign) {
+                let more = kind_tables::csv_fields(&kinds, row, &times);
+                writer.write_record(columns::fields(scene, row).into_iter().chain(more))?;
+            }
+        }
+        Ok(())
+    })
 }

@@ -4,7 +4,6 @@ pub mod break_even;
 pub mod columns;
 pub mod conclusions;
 pub mod costs;
-pub mod csv;
 pub mod few;
 pub mod foreign;
 pub mod kind_tables;

@@ -3,7 +3,7 @@
 use measurement::plan::error::PlanError;
 use measurement::record::{Answered, RowRecord, SummaryRow};
 use measurement::settings::choice::Choice;
-use measurement::settings::suggest::hint;
+use measurement::settings::choice::hint;
 use presentation::fitted::{fitted, with_columns};
 use presentation::table::Table;
 

@@ -6,7 +6,6 @@
 //! the rules of thumb for the number of voxels where the parameter decides it, and the row that
 //! ratios are taken to.
 
-pub mod csv;
 pub mod judgement;
 pub mod plot;
 mod rules;

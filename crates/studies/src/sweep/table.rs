@@ -1,15 +1,17 @@
-//! A sweep as a table: the columns of a run's table that vary, values down.
+//! A sweep as a table and CSV: the columns of a run that vary, values down.
+
+use std::io::{self, Write};
 
 use crate::run::columns::RATIO;
-use crate::run::markdown;
-use crate::run::tables;
+use crate::run::{columns as run_columns, markdown, tables};
 use crate::sweep::judgement::{Judgement, ValueStanding, judge};
 use crate::sweep::{Line, Sweep};
 use measurement::record::{RunRecord, SceneRecord, Verdict};
+use presentation::csv::{self, written};
+use presentation::json::FormatError;
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
 use presentation::text::Screen;
-use std::io::{self, Write};
 
 /// Columns taken from the table of a run.
 #[rustfmt::skip]
@@ -149,3 +151,31 @@ const GLOSSARY: &[&str] = &[
      rules regular, woo and heterogeneous at one voxel per primitive; regular is the cube root of N \
      on each axis).",
 ];
+
+/// The columns before those of a run.
+const OWN: [&str; 5] = ["parameter", "value", "marks", "cells_per_primitive", "to_best"];
+
+/// All finished scenes: the parameter, its value and the marks, then the columns of a run.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn to_csv(sweep: &Sweep<'_>, run: &RunRecord) -> Result<String, FormatError> {
+    written(|writer| {
+        writer.write_record(OWN.into_iter().chain(run_columns::keys()))?;
+        for scene in &run.scenes {
+            let judgements = judge(sweep, scene);
+            for ((row, line), judgement) in scene.rows.iter().zip(&sweep.lines).zip(judgements) {
+                let mut fields = vec![
+                    sweep.parameter.name.to_owned(),
+                    line.value.clone().unwrap_or_default(),
+                    judgement.marks.join("; "),
+                    csv::number(judgement.cells_per_primitive),
+                    csv::number(judgement.to_best),
+                ];
+                fields.extend(run_columns::fields(scene, row));
+                writer.write_record(fields)?;
+            }
+        }
+        Ok(())
+    })
+}

@@ -5,31 +5,28 @@
 //! expensive" (G. Zachmann, "Computer Graphics", Bremen 2007). Samples are traced in f32 through
 //! the fastest structure, as their users would; cones and beams in f64, where areas need it.
 
+use std::collections::BTreeMap;
+
+use crate::accuracy::pareto::{FrontPoint, standings};
+use crate::accuracy::record::VariantStanding;
+use crate::image_error::{ConvergedImage, edge_rmse, edges, rmse};
+use accel_core::query::region::FrustumWork;
+use accel_core::query::tracer::Tracer;
+use equal_error::{AtError, SampledImage, at_error};
+use measurement::rounds::interleaved::{Visit, interleaved};
+use measurement::system::clock::{Clock, timed};
+use renderer::tracers::{DrawnImage, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
+use renderer::{EffectPlan, Image, RenderSettings, render_plan};
+use scene_loading::{SampleWishes, Scene, Shape};
+use statistics::estimate::Estimate;
+use statistics::series::Series;
+
 mod columns;
 pub mod equal_error;
 pub mod plot;
 pub mod queries;
 pub mod record;
-pub mod reference;
 pub mod report;
-
-use std::collections::BTreeMap;
-
-use accel_core::query::region::FrustumWork;
-use accel_core::query::tracer::Tracer;
-use renderer::tracers::{DrawnImage, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
-use renderer::{Image, render_plan};
-use scene_loading::{Scene, Shape};
-
-use crate::accuracy::pareto::{FrontPoint, standings};
-use crate::accuracy::record::VariantStanding;
-use crate::image_error::{ConvergedImage, edge_rmse, edges, rmse};
-use equal_error::{AtError, SampledImage, at_error};
-use measurement::rounds::interleaved::{Visit, interleaved};
-use measurement::system::clock::{Clock, timed};
-use reference::Sampled;
-use statistics::estimate::Estimate;
-use statistics::series::Series;
 
 /// A way to draw with cones or beams.
 pub struct DrawingMethod {
@@ -293,6 +290,43 @@ pub fn without(mut scene: Scene, kinds: &[String]) -> Scene {
         scene.name = format!("{} without {}", scene.name, kinds.join(" and "));
     }
     scene
+}
+
+/// The converged image of a scene: two images of `samples` a pixel, in the current rayon pool.
+/// The seeds are none that a measured image has.
+pub fn converged(
+    scene: &Scene,
+    tracer: &dyn Tracer<f32>,
+    frame: Sampled,
+    samples: u32,
+) -> ConvergedImage {
+    let image = |seed| frame.image(scene, tracer, samples, seed);
+    let first = image(frame.seed ^ 0x5265_6665_7265_6e63);
+    ConvergedImage::of(&first, &image(frame.seed ^ 0x6552_6665_7265_6e63))
+}
+
+/// An image by samples: size, depth, and the seed of its patterns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sampled {
+    /// Width and height in pixels.
+    pub resolution: [u32; 2],
+    /// Longest chain of rays.
+    pub max_depth: u32,
+    pub seed: u64,
+}
+
+impl Sampled {
+    /// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a
+    /// light with an extent has one sample of each for every eye ray.
+    pub fn plan(&self, scene: &Scene, samples: u32, seed: u64) -> EffectPlan {
+        let samples = SampleWishes { supersamples: Some(samples), ..SampleWishes::ONE_OF_EACH };
+        let (resolution, max_depth) = (self.resolution, self.max_depth);
+        EffectPlan::of(scene, &RenderSettings { resolution, max_depth, samples, seed })
+    }
+
+    fn image(&self, scene: &Scene, tracer: &dyn Tracer<f32>, samples: u32, seed: u64) -> Image {
+        render_plan(scene, tracer, &self.plan(scene, samples, seed)).image
+    }
 }
 
 #[cfg(test)]

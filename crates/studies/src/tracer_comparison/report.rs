@@ -13,7 +13,7 @@ use super::{Measured, TracerRow};
 use crate::image_error::ConvergedImage;
 use measurement::record::Machine;
 use presentation::column;
-use presentation::format_error::FormatError;
+use presentation::json::FormatError;
 use presentation::markdown::{code, push_table};
 use presentation::numbers::{ratio, short};
 use presentation::svg_plot::figure;

@@ -3,7 +3,7 @@
 use super::cases;
 use super::registry::{Case, Group};
 use measurement::plan::error::PlanError;
-use measurement::settings::suggest;
+use measurement::settings::choice;
 
 pub static GROUPS: &[&Group] = &[
     &cases::ray::GROUP,
@@ -49,7 +49,7 @@ pub fn find(id: &str) -> Result<Listed, PlanError> {
 fn unknown(name: &str) -> PlanError {
     let valid: Vec<&str> = GROUPS.iter().map(|g| g.name).chain(all().map(|(_, c)| c.id)).collect();
     PlanError::UnknownCase {
-        hint: suggest::hint(name, valid.iter().copied()),
+        hint: choice::hint(name, valid.iter().copied()),
         name: name.to_owned(),
         valid: valid.join(", "),
     }

@@ -12,8 +12,8 @@ use super::watch::Cut;
 use measurement::answers::edges::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
-use presentation::format_error::FormatError;
 use presentation::json;
+use presentation::json::FormatError;
 use presentation::table::{Cell, Style, Table};
 
 /// Mismatches of a subject and case that are shown.

@@ -4,8 +4,8 @@
 
 use crate::report::glossary::look;
 use crate::report::material::Material;
+use crate::report::material::ReproducedFigure;
 use crate::report::page::{Page, SectionOutcome};
-use crate::report::records::ReproducedFigure;
 use presentation::numbers::short;
 use presentation::page::tables::{self, words};
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};

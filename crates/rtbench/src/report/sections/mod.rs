@@ -1,18 +1,10 @@
-//! The parts of the page, one per file; their order is that of [`crate::report::SECTIONS`].
+//! The parts of the page; their order is that of [`crate::report::SECTIONS`].
 
-pub mod accuracy;
 pub mod break_even;
-pub mod by_kind;
 pub mod counters;
-pub mod glossary;
-pub mod headlines;
-pub mod heat_maps;
-pub mod lecture;
 pub mod machine;
-pub mod scenes;
-pub mod summary;
-pub mod sweeps;
-pub mod tracers;
+pub mod run;
+pub mod studies;
 pub mod warnings;
 
 /// The places of rows among all, from 1: their numbers, however they are sorted.

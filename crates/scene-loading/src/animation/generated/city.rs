@@ -3,10 +3,10 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::chance;
-use crate::animation::generated::clock::{Frames, seconds};
 use crate::animation::generated::mesh::Mesh;
+use crate::animation::generated::stage;
 use crate::animation::generated::stage::Stage;
+use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{View, ground, matte, stage};
 
 /// From one street to the next, and the side of a building's plot, units.
@@ -40,7 +40,7 @@ pub(super) fn frames(size: u32) -> Frames {
     stage.part_of(Mesh::quadrangle(ground(reach + BLOCK, 0.0)), floor);
     for (kind, wall) in WALLS.into_iter().enumerate() {
         let material = stage.material(matte(wall));
-        let of_kind = |i: &u64| chance::whole(4, *i, 0) == kind as u64;
+        let of_kind = |i: &u64| stage::whole(4, *i, 0) == kind as u64;
         let buildings = (0..u64::from(size).pow(2)).filter(of_kind);
         let mesh = buildings.fold(Mesh::default(), |all, i| with_building(all, i, size, reach));
         if !mesh.triangles.is_empty() {
@@ -62,15 +62,15 @@ pub(super) fn frames(size: u32) -> Frames {
 
 /// Storeys of building `i`: a few are towers.
 fn storeys(i: u64) -> u64 {
-    let tower = if chance::whole(8, i, 1) == 0 { 12 } else { 0 };
-    5 + chance::whole(12, i, 2) + tower
+    let tower = if stage::whole(8, i, 1) == 0 { 12 } else { 0 };
+    5 + stage::whole(12, i, 2) + tower
 }
 
 /// Adds a building: a slab and a somewhat narrower block for each storey.
 fn with_building(mut mesh: Mesh, i: u64, size: u32, reach: f64) -> Mesh {
     let [column, row] = [i % u64::from(size), i / u64::from(size)].map(|k| k as f64 + 0.5);
     let middle = DVec3::new(column * BLOCK - reach, row * BLOCK - reach, 0.0);
-    let half = [3, 4].map(|what| 0.5 * PLOT * chance::between(0.6, 1.0, i, what));
+    let half = [3, 4].map(|what| 0.5 * PLOT * stage::between(0.6, 1.0, i, what));
     for storey in 0..storeys(i) {
         let z = STOREY * storey as f64;
         for (share, from, to) in [(1.0, 0.0, 0.2), (0.93, 0.2, 1.0)] {
@@ -96,13 +96,13 @@ fn car() -> Mesh {
 fn car_at(i: u32, size: u32, reach: f64, time: f64) -> DAffine3 {
     let number = u64::from(i);
     let street = f64::from(i % size) * BLOCK - reach;
-    let speed = chance::between(0.4, 1.2, number, 6);
+    let speed = stage::between(0.4, 1.2, number, 6);
     let length = 2.0 * reach;
     // it stays in the city: 60 frames are 2.4 seconds
     let room = (length - 3.0 * speed).max(0.0);
-    let along = -reach + room * chance::unit(number, 5) + speed * time;
+    let along = -reach + room * stage::unit(number, 5) + speed * time;
     let turn = DMat3::from_rotation_z(if i < size { 0.0 } else { std::f64::consts::FRAC_PI_2 });
-    let back = chance::whole(2, number, 7) == 1;
+    let back = stage::whole(2, number, 7) == 1;
     let around = DMat3::from_rotation_z(if back { std::f64::consts::PI } else { 0.0 });
     let lane = if back { 0.08 } else { -0.08 };
     let place = DVec3::new(if back { -along } else { along }, lane, 0.0);

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use crate::animation::generated::clock::{Frames, seconds};
+use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{View, matte, stage};
 use crate::scene::{Primitive, Scene, Shape};
 

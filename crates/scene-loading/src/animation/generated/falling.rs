@@ -8,7 +8,7 @@
 
 use glam::{DQuat, DVec3};
 
-use crate::animation::generated::chance;
+use crate::animation::generated::stage;
 
 /// Radius of the bowl, the lower half of a sphere around the origin, metres.
 pub(super) const BOWL: f64 = 1.0;
@@ -54,7 +54,7 @@ impl Balls {
                 if x * x + y * y <= across * across {
                     let i = positions.len() as u64;
                     let place = DVec3::new(x as f64, y as f64, f64::from(layer));
-                    positions.push((place + 0.04 * chance::vector(i, 0)) * pitch);
+                    positions.push((place + 0.04 * stage::vector(i, 0)) * pitch);
                 }
             }
             if positions.len() == count as usize {

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3};
 
-use crate::animation::generated::clock::Frames;
 use crate::animation::generated::mesh::Mesh;
+use crate::animation::generated::stage::Frames;
 use crate::animation::generated::stage::Stage;
 use crate::procedural::gears::{self, TEETH};
 use crate::procedural::parts::ground;

@@ -7,11 +7,11 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::clock::{Frames, RATE};
 use crate::animation::generated::falling::{BOWL, Balls, STEPS};
 use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::replay::Replay;
+use crate::animation::generated::stage::Replay;
 use crate::animation::generated::stage::Stage;
+use crate::animation::generated::stage::{Frames, RATE};
 use crate::procedural::parts::{View, glossy, ground, matte, stage};
 
 /// Rings of the bowl from its lowest point to its rim, and squares in each.

@@ -1,21 +1,18 @@
 //! Scenes that move, generated in code: the same on every run.
 
-mod chance;
 mod city;
-mod clock;
 mod cloth;
 mod falling;
 mod gears_turning;
 mod marbles;
 mod mesh;
 mod particles;
-mod replay;
 mod stage;
 mod walker;
 mod wall;
 
 use crate::animation::frames::{Animation, check_frame};
-use crate::animation::generated::clock::Frames;
+use crate::animation::generated::stage::Frames;
 use crate::error::LoadError;
 use crate::procedural::SpecError;
 use crate::scene::Scene;

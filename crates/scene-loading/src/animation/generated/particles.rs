@@ -7,9 +7,9 @@
 
 use glam::DVec3;
 
-use crate::animation::generated::chance;
-use crate::animation::generated::clock::Frames;
-use crate::animation::generated::replay::Replay;
+use crate::animation::generated::stage;
+use crate::animation::generated::stage::Frames;
+use crate::animation::generated::stage::Replay;
 use crate::procedural::parts::{View, matte, stage};
 use crate::scene::{Primitive, Shape};
 
@@ -70,7 +70,7 @@ fn start(size: u32) -> Vec<DVec3> {
     let n = u64::from(size);
     let place = |i: u64| {
         let cell = [i % n, i / n % n, i / n / n].map(|k| k as f64 + 0.5);
-        (DVec3::from_array(cell) + 0.4 * chance::vector(i, 0)) * (2.0 / n as f64) - DVec3::ONE
+        (DVec3::from_array(cell) + 0.4 * stage::vector(i, 0)) * (2.0 / n as f64) - DVec3::ONE
     };
     (0..n * n * n).map(place).collect()
 }

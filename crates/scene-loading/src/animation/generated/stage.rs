@@ -1,9 +1,8 @@
 //! Scenes of rigid parts: their meshes stay, their placements move.
 
-use glam::DAffine3;
-
 use crate::animation::generated::mesh::Mesh;
 use crate::scene::{Instance, Material, Primitive, Scene, Shape};
+use glam::{DAffine3, DVec3};
 
 /// A scene without primitives, and the parts that it will have.
 pub(super) struct Stage {
@@ -86,4 +85,68 @@ fn push(scene: &mut Scene, part: &Part, mesh: &Mesh, placement: DAffine3) {
     scene.primitives.extend(mesh.triangles.iter().map(|t| Primitive { shape: shape(t), material }));
     let count = mesh.triangles.len() as u32;
     scene.instances.push(Instance { object: part.mesh, first, count, placement });
+}
+
+/// Makes frames, in any order.
+pub(super) type Frames = Box<dyn FnMut(u32) -> Scene + Send>;
+
+/// Frames per second.
+pub(super) const RATE: u32 = 25;
+
+/// When a frame is, in seconds.
+pub(super) fn seconds(frame: u32) -> f64 {
+    f64::from(frame) / f64::from(RATE)
+}
+
+/// A number in [0, 1): of thing `i` the one called `what`.
+pub(super) fn unit(i: u64, what: u64) -> f64 {
+    (mixed(i.wrapping_mul(64).wrapping_add(what)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// A number in [low, high).
+pub(super) fn between(low: f64, high: f64, i: u64, what: u64) -> f64 {
+    low + (high - low) * unit(i, what)
+}
+
+/// Three numbers in [-1, 1): those called `what` and the two behind it.
+pub(super) fn vector(i: u64, what: u64) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|k| between(-1.0, 1.0, i, what + k)))
+}
+
+/// A whole number from 0 to `below` - 1.
+pub(super) fn whole(below: u64, i: u64, what: u64) -> u64 {
+    mixed(i.wrapping_mul(64).wrapping_add(what)) % below
+}
+
+fn mixed(i: u64) -> u64 {
+    let z = i.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// A state, where it began, and how many steps it took.
+pub(super) struct Replay<S> {
+    first: S,
+    state: S,
+    steps: u32,
+}
+
+impl<S: Clone> Replay<S> {
+    pub fn new(first: S) -> Self {
+        Self { state: first.clone(), first, steps: 0 }
+    }
+
+    /// The state after so many steps.
+    pub fn after(&mut self, steps: u32, step: impl Fn(&mut S)) -> &S {
+        if steps < self.steps {
+            self.state = self.first.clone();
+            self.steps = 0;
+        }
+        while self.steps < steps {
+            step(&mut self.state);
+            self.steps += 1;
+        }
+        &self.state
+    }
 }

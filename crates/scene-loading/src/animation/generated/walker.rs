@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::clock::{Frames, seconds};
 use crate::animation::generated::mesh::Mesh;
 use crate::animation::generated::stage::Stage;
+use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{View, ground, matte, stage};
 
 /// Metres per second, double steps per second.

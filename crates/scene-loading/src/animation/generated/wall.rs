@@ -5,10 +5,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::chance;
-use crate::animation::generated::clock::{Frames, seconds};
 use crate::animation::generated::mesh::Mesh;
+use crate::animation::generated::stage;
 use crate::animation::generated::stage::Stage;
+use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{View, ground, matte, stage};
 
 /// Where the wall is hit: above the middle of its foot, for a wall 2 wide and 1 high.
@@ -49,7 +49,7 @@ pub(super) fn frames(size: u32) -> Frames {
         .map(|i| Brick::new(u64::from(i), [i % size, i / size].map(f64::from), height))
         .collect();
     for i in 0..bricks.len() as u64 {
-        stage.part(brick, kinds[chance::whole(3, i, 0) as usize]);
+        stage.part(brick, kinds[stage::whole(3, i, 0) as usize]);
     }
     Box::new(move |frame| {
         let places = bricks.iter().map(|brick| brick.at(seconds(frame)));
@@ -78,9 +78,9 @@ impl Brick {
         let from = DVec3::new((column + shift) * 2.0 * height - 1.0, 0.0, (row + 0.5) * height);
         let off = from - HIT;
         let near = 1.0 / (1.0 + 6.0 * off.length_squared());
-        let strength = chance::between(0.7, 1.3, i, 1);
+        let strength = stage::between(0.7, 1.3, i, 1);
         let out = DVec3::new(1.6 * off.x, 0.3 + 2.4 * near, 0.4 + 1.2 * off.z + 0.6 * near);
-        let mut velocity = (out + 0.35 * chance::vector(i, 2)) * strength;
+        let mut velocity = (out + 0.35 * stage::vector(i, 2)) * strength;
         velocity.z = velocity.z.max(0.05);
         // until it lies on the ground
         let drop = from.z - 0.5 * height;
@@ -91,9 +91,9 @@ impl Brick {
             velocity,
             starts: HIT_AT + off.length() / SHOCK,
             flies,
-            axis: (chance::vector(i, 5) + DVec3::new(1.5, 0.0, 0.0)).normalize(),
-            turns: (flies * chance::between(0.5, 3.0, i, 8) * (0.4 + near)).round(),
-            yaw: chance::between(-PI, PI, i, 9),
+            axis: (stage::vector(i, 5) + DVec3::new(1.5, 0.0, 0.0)).normalize(),
+            turns: (flies * stage::between(0.5, 3.0, i, 8) * (0.4 + near)).round(),
+            yaw: stage::between(-PI, PI, i, 9),
         }
     }
 

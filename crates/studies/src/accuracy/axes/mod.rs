@@ -5,7 +5,6 @@ pub mod cell_insertion;
 pub mod chosen_tests;
 pub mod cone_and_beam;
 pub mod effects;
-pub mod gating;
 pub mod light_buffer;
 pub mod mailbox;
 pub mod precision;
@@ -28,7 +27,7 @@ pub mod voxel_traversal;
 
 use crate::accuracy::axis::Axis;
 use measurement::plan::error::PlanError;
-use measurement::settings::suggest;
+use measurement::settings::choice;
 
 /// Every axis: one line each.
 pub static AXES: &[&Axis] = &[
@@ -50,7 +49,7 @@ pub static AXES: &[&Axis] = &[
     &effects::MOTION,
     &effects::FOCUS,
     &time_segments::AXIS,
-    &gating::AXIS,
+    &effects::AXIS,
     #[cfg(feature = "compiled-tests")]
     &right_answers::AXIS,
 ];
@@ -63,7 +62,7 @@ pub fn select(names: &[String]) -> Result<Vec<&'static Axis>, PlanError> {
     if let Some(name) = names.iter().find(|name| AXES.iter().all(|axis| axis.name != *name)) {
         let valid: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
         return Err(PlanError::UnknownAxis {
-            hint: suggest::hint(name, valid.iter().copied()),
+            hint: choice::hint(name, valid.iter().copied()),
             name: name.clone(),
             valid: valid.join(", "),
         });

@@ -17,9 +17,9 @@ use super::secondary_rays::SecondaryRays;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::{ErrorOf, Tally};
 use crate::accuracy::record::SceneOutcome;
+use crate::accuracy::stage::Work;
 use crate::accuracy::stage::{Batches, Stage, count};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use measurement::plan::rows::Row;
 

@@ -10,8 +10,8 @@ use renderer::surface::SurfacePoint;
 
 use super::secondary_rays::{GAP, SecondaryRays, height};
 use crate::accuracy::parts::OFFSET_RAYS;
+use crate::accuracy::stage::Work;
 use crate::accuracy::stage::{Batches, fingerprint};
-use crate::accuracy::work::Work;
 use measurement::rays::batches::{Answers, trace};
 
 /// A tracer, its rays and its answers.

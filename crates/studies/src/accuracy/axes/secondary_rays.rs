@@ -10,9 +10,9 @@ use renderer::surface::{SurfacePoint, Surfaces};
 use renderer::{Geometry, RayKind};
 use scene_loading::{Scene, Shape};
 
+use crate::accuracy::stage::Work;
 use crate::accuracy::stage::{Stage, TRACER, fingerprint};
 use crate::accuracy::timing::Variant;
-use crate::accuracy::work::Work;
 use crate::error::StudyError;
 use crate::verify::draw::direction;
 use measurement::plan::rows::Row;

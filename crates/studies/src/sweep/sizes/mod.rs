@@ -7,8 +7,6 @@
 //! memory limits.
 
 pub mod admission;
-pub mod columns;
-pub mod csv;
 pub mod plot;
 pub mod quantities;
 pub mod table;

@@ -1,15 +1,16 @@
-//! A scene in several sizes as tables: one per size, and the slopes over all of them.
+//! A run over sizes as tables and CSV: the columns of a size, one table per size, and the slopes over all of them.
 
 use std::io::{self, Write};
 
-use crate::run::columns::{RATIO, RowOf, columns as run_columns};
+use crate::run::columns::{self as run, RATIO, RowOf};
 use crate::run::markdown;
 use crate::run::tables::{scene_notes, scene_title};
-use crate::sweep::sizes::columns::{SizeRow, asked, columns};
-use crate::sweep::sizes::quantities::{QUANTITIES, rows};
-use measurement::record::scale::SlopeRecord;
+use crate::sweep::sizes::quantities::{QUANTITIES, rows, trace_s_per_ray};
+use measurement::record::scale::{SizeRecord, SlopeRecord};
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
-use presentation::column::headed;
+use presentation::column::{self, Column, Unit, Value, headed};
+use presentation::csv::{number, written};
+use presentation::json::FormatError;
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
 use presentation::text::Screen;
@@ -53,7 +54,7 @@ const FIRST: [&str; 6] = [RATIO, "verdict", "build ms", "ns/ray", "MiB", "peak M
 fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
     let size = run.scale.as_ref().and_then(|scale| scale.size(&scene.name));
     let all_rays = scene.rays.values().sum();
-    let (own, of_run) = (columns(), run_columns());
+    let (own, of_run) = (columns(), run::columns());
     let rows = scene.rows.iter().map(|row| {
         let of = SizeRow { of: RowOf { scene, row, all_rays }, size };
         let cell = |head: &str| match (headed(&own, head), headed(&of_run, head)) {
@@ -132,3 +133,95 @@ const GLOSSARY: &[&str] = &[
     "over limit: the build took more time or memory than the limits allow; the row is not measured \
      there and not tried at larger sizes.",
 ];
+
+/// A row of a size.
+#[derive(Debug, Clone, Copy)]
+pub struct SizeRow<'a> {
+    /// As of a run.
+    pub of: RowOf<'a>,
+    /// The requested size.
+    pub size: Option<&'a SizeRecord>,
+}
+
+impl SizeRow<'_> {
+    fn each(&self, all: Option<f64>) -> Value {
+        Value::of(all.map(|x| x / self.of.scene.primitives.max(1) as f64), Value::Real)
+    }
+}
+
+/// The numbers of primitives that a size stands for.
+pub fn asked(size: Option<&SizeRecord>, between: &str) -> String {
+    let asked = size.iter().flat_map(|size| &size.asked).map(u64::to_string);
+    asked.collect::<Vec<_>>().join(between)
+}
+
+/// All of them, in the order of CSV files; behind them come those of a run.
+pub fn columns<'a>() -> [Column<SizeRow<'a>>; 6] {
+    let c = Column::new;
+    [
+        c(&["asked_primitives"], "", Unit::None, |row: &SizeRow<'a>| {
+            Value::Text(asked(row.size, "; "))
+        }),
+        c(&["build_ns_per_primitive"], "ns/prim", Unit::None, |row| {
+            row.each(row.of.row.build_s.map(|e| e.median * 1e9))
+        }),
+        c(&["trace_ns_per_ray"], "ns/ray", Unit::None, |row| {
+            Value::of(trace_s_per_ray(row.of.row).map(|e| e.median * 1e9), Value::Real)
+        }),
+        c(&["bytes_per_primitive"], "B/prim", Unit::None, |row| {
+            row.each(row.of.row.stats.as_ref().map(|stats| stats.memory_bytes as f64))
+        }),
+        c(&["peak_build_bytes"], "peak MiB", Unit::Bytes, |row| {
+            Value::of(row.of.row.peak_build_bytes, Value::Count)
+        }),
+        // why a row was not measured
+        c(&["reason"], "", Unit::None, |row| Value::of(row.of.row.error.clone(), Value::Text)),
+    ]
+}
+
+/// All finished sizes: their own columns, then those of a run.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn sizes_csv(run: &RunRecord) -> Result<String, FormatError> {
+    let columns = columns();
+    written(|writer| {
+        writer.write_record(column::keys(&columns).chain(run::keys()))?;
+        for scene in &run.scenes {
+            let size = run.scale.as_ref().and_then(|scale| scale.size(&scene.name));
+            for row in &scene.rows {
+                let of = SizeRow { of: RowOf { scene, row, all_rays: 0 }, size };
+                let own = column::fields(&columns, &of);
+                writer.write_record(own.chain(run::fields(scene, row)))?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// How each quantity of each row grows.
+///
+/// # Errors
+/// [`FormatError`].
+pub fn slopes_csv(run: &RunRecord) -> Result<String, FormatError> {
+    written(|writer| {
+        let columns =
+            ["scene", "structure", "settings", "quantity", "sizes", "slope", "low", "high"];
+        writer.write_record(columns)?;
+        if let Some(scale) = &run.scale {
+            for slope in &scale.slopes {
+                writer.write_record([
+                    scale.scene.clone(),
+                    slope.structure.clone(),
+                    slope.settings.clone(),
+                    slope.quantity.clone(),
+                    slope.sizes.to_string(),
+                    number(Some(slope.slope)),
+                    number(slope.low),
+                    number(slope.high),
+                ])?;
+            }
+        }
+        Ok(())
+    })
+}

@@ -1,31 +1,131 @@
-//! `rtbench reproduce zachmann2007`: the two tables of Zachmann 2007 as ratios, then and now.
+//! `rtbench reproduce`: published figures beside ours.
 
-use crate::args::ZachmannArgs;
+use std::io::Write;
+
+use crate::args::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
-use crate::commands::reproduce::chosen::chosen;
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::outputs::Outputs;
+use crate::exit_code::{FAILURE, SUCCESS};
+use crate::exports::outputs::{Outputs, write_file};
 use measurement::plan::Plan;
 use measurement::plan::rows::Row;
-use measurement::record::{RunRecord, Verdict};
+use measurement::record::{RunRecord, Verdict as RowVerdict};
 use measurement::settings::MeasuringSettings;
+use measurement::system::created::create;
 use presentation::column::{self, Column, Unit, Value};
-use presentation::format_error::FormatError;
+use presentation::csv;
+use presentation::json::FormatError;
 use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
 use renderer::RayKind;
-use studies::reproduce::ReproduceError;
 use studies::reproduce::lecture::{
-    Comparison, Line, MODERN, PublishedTimes, Ratios, SCENES, STRUCTURES, published,
+    self, Comparison, Line, MODERN, PublishedTimes, Ratios, STRUCTURES, published,
 };
+use studies::reproduce::published::{SCENES, figures};
+use studies::reproduce::verdict::Verdict;
+use studies::reproduce::{ReproduceError, ReproducedRow, UnknownName, reproduce_scene, structures};
+
+/// Reproduces the publication and returns the exit code.
+///
+/// # Errors
+/// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.
+pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error> {
+    match &args.publication {
+        Publication::Havran1999(args) => havran(context, args),
+        Publication::Zachmann2007(args) => zachmann(context, args),
+    }
+}
+
+/// The names asked for, in the publication's order; all when none is.
+fn chosen<'v>(
+    asked: &[String],
+    valid: &[&'v str],
+    unknown: fn(UnknownName) -> ReproduceError,
+) -> Result<Vec<&'v str>, ReproduceError> {
+    if let Some(name) = asked.iter().find(|name| !valid.contains(&name.as_str())) {
+        return Err(unknown(UnknownName::new(name, valid)));
+    }
+    Ok(valid
+        .iter()
+        .copied()
+        .filter(|v| asked.is_empty() || asked.iter().any(|name| name == v))
+        .collect())
+}
+
+/// Reproduces scene after scene, prints one line per figure as soon as a scene is done, and the
+/// sums; with `--strict` an unexplained difference is a failure.
+///
+/// # Errors
+/// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.
+fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
+    let scenes = chosen(&args.scenes, &SCENES, ReproduceError::UnknownScene)?;
+    let structures = chosen(&args.structures, &structures(), ReproduceError::UnknownStructure)?;
+    let _created = create([&args.export_csv])?;
+    let figures = figures().map_err(ReproduceError::from)?;
+    let mut rows = Vec::new();
+    write_header(context.out)?;
+    for scene in scenes {
+        context.say(format_args!("{scene}: counting"));
+        let of_scene = reproduce_scene(scene, &structures, &figures)?;
+        write_rows(context.out, &of_scene)?;
+        context.out.flush()?;
+        rows.extend(of_scene);
+    }
+    write_sums(context.out, &rows)?;
+    write_file(args.export_csv.as_deref(), || {
+        csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
+    })?;
+    let unexplained = rows.iter().any(|r| r.verdict == Verdict::Unexplained);
+    Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })
+}
+
+fn write_header(out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:<8} {:<15} {:<17} {:<15} {:>11} {:>13} {:>8}  verdict",
+        "scene", "structure", "params", "counter", "published", "ours", "ratio"
+    )
+}
+
+fn write_rows(out: &mut dyn Write, rows: &[ReproducedRow]) -> std::io::Result<()> {
+    for row in rows {
+        let decimals = if row.ours.fract() == 0.0 { 0 } else { 3 };
+        writeln!(
+            out,
+            "{:<8} {:<15} {:<17} {:<15} {:>11} {:>13.decimals$} {:>8.4}  {}",
+            row.scene,
+            row.structure,
+            row.params,
+            row.counter,
+            row.published,
+            row.ours,
+            row.ratio,
+            row.verdict
+        )?;
+    }
+    Ok(())
+}
+
+fn write_sums(out: &mut dyn Write, rows: &[ReproducedRow]) -> std::io::Result<()> {
+    let count = |of: fn(&Verdict) -> bool| rows.iter().filter(|r| of(&r.verdict)).count();
+    writeln!(
+        out,
+        "\n{} figures: {} exact, {} within tolerance, {} differ for a known reason, {} unexplained",
+        rows.len(),
+        count(|v| *v == Verdict::Exact),
+        count(|v| *v == Verdict::Within),
+        count(|v| matches!(v, Verdict::KnownReason(_))),
+        count(|v| *v == Verdict::Unexplained),
+    )
+}
 
 /// Measures the lecture's structures, prints one table per scene and all verdicts at the end.
 ///
 /// # Errors
 /// [`Error`] for unknown names, unwritable files and scenes that cannot be measured.
-pub fn run(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> {
-    let scenes = chosen(&args.scenes, &SCENES, ReproduceError::NotInLecture)?;
+fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> {
+    let scenes = chosen(&args.scenes, &lecture::SCENES, ReproduceError::NotInLecture)?;
     let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
     let mut outputs = Outputs::default();
@@ -103,7 +203,7 @@ fn columns<'a>() -> [Column<SceneLine<'a>>; 8] {
 
 /// In the place of the times of a row that is not right.
 fn bad((_, line): &SceneLine<'_>) -> Option<Cell> {
-    let is_bad = line.verdict != Verdict::Ok;
+    let is_bad = line.verdict != RowVerdict::Ok;
     is_bad.then(|| Cell { text: line.verdict.name().into(), style: Style::Bad })
 }
 

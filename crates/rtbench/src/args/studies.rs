@@ -1,0 +1,256 @@
+//! Arguments of the studies: `accuracy`, `animate`, `compare-tracers`, `explain`, `reproduce`.
+
+use std::path::PathBuf;
+
+use crate::args::measuring::MeasuringArgs;
+use crate::args::measuring::MemoryArgs;
+use crate::args::parsers::scene_name;
+use clap::{Args, Subcommand};
+use measurement::settings::{MeasuringSettings, RunSettings};
+use serde::{Deserialize, Serialize};
+use studies::animate::AnimateSettings;
+use studies::explain::ExplainSettings;
+
+#[derive(Debug, Clone, Args, Serialize, Deserialize)]
+pub struct AccuracyArgs {
+    /// Axes [default: all]
+    #[arg(value_name = "AXIS")]
+    pub axes: Vec<String>,
+    /// Scenes, sets or files [default: two of SPD and a modelled one, each axis its own]
+    #[arg(long = "scene", value_name = "SCENE|SET", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// Few rounds, rays and samples: a first look
+    #[arg(long)]
+    pub quick: bool,
+    /// Rounds: each times every variant of an axis once [default: 15, quick 5]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(3..=1000))]
+    pub rounds: Option<u32>,
+    /// Time the variants of each axis in so many fresh processes, one after the other
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = measurement::settings::quantity::count(1..=100))]
+    pub processes: u32,
+    /// Pixels across the image whose rays are traced, with as many more rays timed as it has pixels
+    /// [default: 96, quick 32]
+    #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(8..=2048))]
+    pub size: Option<u32>,
+    /// Trials of an exact oracle for each variant [default: 100000, quick 10000]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(100..=100_000_000))]
+    pub trials: Option<u32>,
+    /// Seed of rays, aims, schedules and intervals
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, one plot per axis and images there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct AnimateArgs {
+    /// A scene that moves, generated (marbles, city:2; see `rtbench list animations`) or of files:
+    /// walk.glb, 'frame%04d.obj'
+    #[arg(value_name = "ANIMATION", value_parser = scene_name())]
+    pub scene: String,
+    /// First and last frame, numbered from 0 [default: all]
+    #[arg(long, value_name = "A..B", value_parser = frames)]
+    pub frames: Option<[u32; 2]>,
+    /// Structures, each with its settings if any: wide-bvh:update=refit [default: each at its defaults, and
+    /// with each other way to update it]
+    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Overrides a default of a structure: uniform-grid.density=4
+    #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
+    pub overrides: Vec<String>,
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// How much memory a structure may take.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Print all columns [default: those that fit the terminal, or 120 characters]
+    #[arg(long)]
+    pub wide: bool,
+    /// Write animation.json, frames.csv, animate.md, animate.svg and strip.png there, after each frame anew
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+impl AnimateArgs {
+    /// What was typed, but for the scene and the files to write.
+    pub fn settings(&self) -> AnimateSettings {
+        AnimateSettings {
+            frames: self.frames,
+            structures: self.structures.clone(),
+            overrides: self.overrides.clone(),
+            measuring: MeasuringSettings {
+                max_memory: self.memory.max_memory,
+                ..self.measuring.settings()
+            },
+        }
+    }
+}
+
+/// `3..7` or `3`.
+fn frames(text: &str) -> Result<[u32; 2], String> {
+    let (first, last) = text.split_once("..").unwrap_or((text, text));
+    let number = |text: &str| text.trim_start_matches('=').parse::<u32>();
+    match (number(first), number(last)) {
+        (Ok(first), Ok(last)) if first <= last => Ok([first, last]),
+        _ => Err("expected the first and the last frame: 0..9".into()),
+    }
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct CompareTracersArgs {
+    /// A scene's name or file
+    #[arg(value_parser = scene_name())]
+    pub scene: String,
+    /// Tracers: whitted,cone,beam [default: all]
+    #[arg(long, value_name = "TRACER", value_delimiter = ',')]
+    pub tracers: Vec<String>,
+    /// Leave out primitives of these kinds, which a tracer may refuse: spheres,cones,polygons,
+    /// triangles,patches
+    #[arg(long, value_name = "KIND", value_delimiter = ',')]
+    pub without: Vec<String>,
+    /// Samples per pixel [default: 1,2,4,...,1024; with --quick 1,4,16,64,256]
+    #[arg(long, value_name = "N", value_delimiter = ',',
+          value_parser = measurement::settings::quantity::count(1..=65536))]
+    pub samples: Vec<u32>,
+    /// Samples per pixel of each of the reference's two images [default: 4096; with --quick 1024]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
+    pub reference_samples: Option<u32>,
+    /// The structure that rays are traced through [default: obvhs-cwbvh, or the first]
+    #[arg(short, long, value_name = "STRUCTURE")]
+    pub structure: Option<String>,
+    /// The structure that cones and beams ask for candidates: brute-force, uniform-grid,
+    /// hashed-grid, bricked-grid or kd-tree, with settings if any
+    #[arg(long, value_name = "STRUCTURE", default_value = "uniform-grid")]
+    pub through: String,
+    /// Width and height of the images [default: 64; with --quick 32]
+    #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(1..=4096))]
+    pub size: Option<u32>,
+    /// Longest chain of rays; eye rays have depth 1
+    #[arg(long, value_name = "N", default_value_t = 5,
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub depth: u32,
+    /// Rounds: each makes every image once [default: 5; with --quick 3]
+    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=10_000))]
+    pub rounds: Option<u32>,
+    /// Small images and fewer samples: a first look
+    #[arg(long)]
+    pub quick: bool,
+    /// Threads that trace
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: u16,
+    /// Seed of samples, schedules and intervals
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Write tracers.csv, tracers.json, tracers.md, tracers.svg and the images there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct ExplainArgs {
+    /// Scenes, scene sets or scene files
+    #[arg(value_name = "SCENE|SET", required = true, value_parser = scene_name())]
+    pub scenes: Vec<String>,
+    /// The row whose time is explained, with its settings if any: kd-tree:kernel=block
+    #[arg(short, long, value_name = "ROW", default_value = "uniform-grid")]
+    pub structure: String,
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// How much memory a structure may take.
+    #[command(flatten)]
+    pub memory: MemoryArgs,
+    /// Build and time each scene in that many processes, and take intervals over both levels
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=RunSettings::MOST_PROCESSES.into()))]
+    pub processes: u32,
+    /// Write one CSV row per scene, kind of ray and row or factor; - is standard output, instead of the
+    /// tables
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Write the tables in Markdown; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything, raw samples too, as JSON; or -
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
+    /// Write explain.csv, explain.md and results.json there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+}
+
+impl ExplainArgs {
+    /// What was typed, but for the files to write.
+    pub fn settings(&self) -> ExplainSettings {
+        ExplainSettings {
+            scenes: self.scenes.clone(),
+            structure: self.structure.clone(),
+            measuring: MeasuringSettings {
+                max_memory: self.memory.max_memory,
+                ..self.measuring.settings()
+            },
+            processes: self.processes,
+        }
+    }
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct ReproduceArgs {
+    #[command(subcommand)]
+    pub publication: Publication,
+}
+
+/// What can be reproduced.
+#[derive(Debug, Clone, Subcommand)]
+pub enum Publication {
+    /// Havran and Sixta, Comparison of Hierarchical Grids, 1999, and Havran's octrees: all counters
+    /// (about 20 minutes on two cores; `--structures uniform,recursive` takes three)
+    Havran1999(HavranArgs),
+    /// Zachmann's lecture, 2007: build and run times as ratios, who won then and who wins now
+    Zachmann2007(ZachmannArgs),
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct HavranArgs {
+    /// Scenes [default: all that the publication has]
+    #[arg(long, value_name = "SCENE", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// Structures as the publication names them, `invariants` among them [default: all]
+    #[arg(long, value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Write one CSV row per figure
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+    /// Exit with 1 when a figure differs and nobody knows why
+    #[arg(long)]
+    pub strict: bool,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct ZachmannArgs {
+    /// Scenes [default: all seven of the lecture]
+    #[arg(long, value_name = "SCENE", value_delimiter = ',')]
+    pub scenes: Vec<String>,
+    /// How to measure; the reference is always uniform D=1.
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// Write one CSV row per scene and structure
+    #[arg(long, value_name = "FILE")]
+    pub export_csv: Option<PathBuf>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::frames;
+
+    #[test]
+    fn frames_are_ranges_with_both_ends() {
+        assert_eq!(frames("3..7"), Ok([3, 7]));
+        assert_eq!(frames("3..=7"), Ok([3, 7]));
+        assert_eq!(frames("4"), Ok([4, 4]));
+        for wrong in ["", "7..3", "a..b", "-1..2", "1..2..3", "1.."] {
+            assert!(frames(wrong).is_err(), "{wrong}");
+        }
+    }
+}

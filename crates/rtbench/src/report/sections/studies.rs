@@ -1,0 +1,201 @@
+//! Sections from what studies left in the folder: sweeps, accuracy, tracers, costs, published times.
+
+use crate::report::glossary::look;
+use crate::report::material::LectureRow;
+use crate::report::material::Material;
+use crate::report::page::{Page, SectionOutcome};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use measurement::record::Verdict;
+use presentation::numbers::{milliseconds, ratio, short};
+use presentation::page::tables::{self, words};
+use presentation::table::{Cell, Style, Table};
+use statistics::estimate::Estimate;
+use studies::accuracy::{plot, summary, tables as axis_tables};
+use studies::tracer_comparison::plot::{PlottedImage, error_over_time};
+use studies::tracer_comparison::record::{Outcome, TracersRecord};
+
+pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
+    if material.sweeps.is_empty() {
+        return SectionOutcome::Missing;
+    }
+    let html = &mut page.html;
+    for sweep in &material.sweeps {
+        html.element("h3", &[], &sweep.name);
+        let source = format!("data:image/svg+xml;base64,{}", STANDARD.encode(&sweep.svg));
+        let text = format!("plot of times over the values of a parameter, {}", sweep.name);
+        html.open("figure", &[]);
+        html.open_scroll(&text);
+        html.void("img", &[("src", &source), ("alt", &text), ("class", "plot")]);
+        html.close();
+        html.close();
+    }
+    SectionOutcome::Yes
+}
+
+/// Axis by axis: in words, as a plot, as tables.
+pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
+    let Some(run) = &material.accuracy else { return SectionOutcome::Missing };
+    page.html.list(axis_tables::facts(run));
+    for axis in &run.axes {
+        page.html.element("h3", &[], &axis.axis);
+        let mut in_words: Vec<String> = Vec::new();
+        if let Some(cost) = summary::cost(axis, run.seed) {
+            let line = summary::line(axis, &cost);
+            let (first, scenes) = line.split_once(". ").unwrap_or((&line, ""));
+            page.html.paragraph(&format!("{}.", first.trim_end_matches('.')));
+            in_words = scenes.split("; ").map(str::to_owned).collect();
+        }
+        for scene in &axis.scenes {
+            let name = format!("accuracy-{}-{}", axis.axis, scene.scene);
+            page.plot(&name, plot::panel(axis, scene));
+        }
+        page.html.open("details", &[]);
+        page.html.element("summary", &[], &format!("{}: scene by scene", axis.axis));
+        page.html.list(in_words.into_iter().filter(|line| !line.is_empty()));
+        for scene in &axis.scenes {
+            tables::write(&mut page.html, &axis_tables::table(axis, scene), look());
+        }
+        page.html.close();
+    }
+    page.html.list(axis_tables::GLOSSARY.iter().map(|line| (*line).to_owned()));
+    SectionOutcome::Yes
+}
+
+/// Captions of the pictures.
+static CAPTIONS: &[(&str, &str)] = &[
+    ("tests", "intersection tests of each pixel"),
+    ("steps", "traversal steps of each pixel"),
+    ("time", "microseconds of each pixel"),
+];
+
+pub fn heat_maps(material: &Material, page: &mut Page) -> SectionOutcome {
+    if material.heat_maps.is_empty() {
+        return SectionOutcome::Missing;
+    }
+    let html = &mut page.html;
+    for (i, map) in material.heat_maps.iter().enumerate() {
+        let is_first =
+            i == 0 || material.heat_maps.get(i - 1).is_some_and(|before| before.scene != map.scene);
+        if is_first {
+            html.element("h3", &[], &map.scene);
+        }
+        let known = CAPTIONS.iter().find(|(name, _)| *name == map.name);
+        let caption = known.map_or(map.name.as_str(), |(_, caption)| caption);
+        let text = format!("{}: {caption}", map.scene);
+        let [width, height] = map.size.map(|n| n.to_string());
+        let source = format!("data:image/png;base64,{}", STANDARD.encode(&map.png));
+        html.open("figure", &[("class", "picture")]);
+        html.void(
+            "img",
+            &[("src", &source), ("alt", &text), ("width", &width), ("height", &height)],
+        );
+        html.element("figcaption", &[], &text);
+        html.close();
+    }
+    SectionOutcome::Yes
+}
+
+pub fn lecture(material: &Material, page: &mut Page) -> SectionOutcome {
+    let Some(rows) = material.lecture.as_deref().filter(|rows| !rows.is_empty()) else {
+        return SectionOutcome::Missing;
+    };
+    let now = |row: &LectureRow, estimate: Option<Estimate>| match estimate {
+        _ if row.verdict != Verdict::Ok.name() => {
+            Cell { text: row.verdict.clone(), style: Style::Bad }
+        }
+        Some(estimate) => ratio(&estimate).into(),
+        None => "-".to_owned().into(),
+    };
+    let then = |value: Option<f64>| Cell::from(value.map_or("-".to_owned(), short));
+    let lines = rows.iter().map(|row| {
+        let name = if row.lecture.is_empty() { &row.ours } else { &row.lecture };
+        vec![
+            row.scene.clone().into(),
+            name.clone().into(),
+            then(row.build_then),
+            now(row, row.build()),
+            then(row.run_then),
+            now(row, row.run()),
+        ]
+    });
+    let table = Table {
+        title: "Times over those of uniform D=1, in the lecture and now".to_owned(),
+        header: vec![
+            "scene",
+            "structure",
+            "build, lecture",
+            "build now [95%]",
+            "run, lecture",
+            "run now [95%]",
+        ],
+        rows: lines.collect(),
+        notes: Vec::new(),
+    };
+    tables::write(&mut page.html, &table, look());
+    SectionOutcome::Yes
+}
+
+pub fn tracers(material: &Material, page: &mut Page) -> SectionOutcome {
+    if material.tracers.is_empty() {
+        return SectionOutcome::Missing;
+    }
+    for record in &material.tracers {
+        page.html.element("h3", &[], &record.scene);
+        page.plot(&format!("tracers-{}", record.scene), tracer_plot(record));
+        tables::write(&mut page.html, &tracer_table(record), look());
+    }
+    SectionOutcome::Yes
+}
+
+fn tracer_table(record: &TracersRecord) -> Table {
+    let rows = record.images.iter().map(|image| {
+        let mut cells = vec![image.row.label()];
+        match &image.outcome {
+            Outcome::Refused { refused } => {
+                cells.extend(["-", "-", "-"].map(str::to_owned));
+                cells.push(format!("refused: {refused}"));
+            }
+            Outcome::Made { seconds, rmse, below_reference, standing, .. } => {
+                let below = if *below_reference { "< " } else { "" };
+                let time = record.time(seconds);
+                cells.push(time.map_or("-".to_owned(), |t| milliseconds(t.median)));
+                cells.push(time.map_or("-".to_owned(), |t| {
+                    format!("[{}, {}]", milliseconds(t.low), milliseconds(t.high))
+                }));
+                cells.push(format!("{below}{}", short(*rmse)));
+                cells.push(standing.name().to_owned());
+            }
+        }
+        cells
+    });
+    let header = vec!["tracer", "image, milliseconds", "95%", "RMSE", "stands"];
+    let mut table = words(format!("{}: images", record.scene), header, rows.collect());
+    table.notes.push(format!(
+        "Reference: the mean of two images of {} samples per pixel; its own error is {}; errors \
+         below ten times that are marked <.",
+        record.reference.samples,
+        short(record.reference.own_error)
+    ));
+    table
+}
+
+fn tracer_plot(record: &TracersRecord) -> presentation::svg_plot::Plot {
+    let placed = record.images.iter().filter_map(|image| {
+        let Outcome::Made { seconds, rmse, standing, .. } = &image.outcome else { return None };
+        Some(PlottedImage {
+            seconds: record.time(seconds)?.median,
+            error: *rmse,
+            samples: image.row.samples,
+            label: image.row.label(),
+            standing: *standing,
+        })
+    });
+    error_over_time(
+        &record.scene,
+        record.resolution,
+        record.threads,
+        record.reference.own_error,
+        placed.collect(),
+    )
+}
