@@ -15,15 +15,9 @@ pub trait KnownScene: Debug + Send + Sync {
     fn name(&self) -> &str;
 
     /// Loads or generates it.
-    ///
-    /// # Errors
-    /// [`LoadError`].
     fn load(&self) -> Result<LoadedScene, LoadError>;
 
     /// What another reader says of its file, line by line; nothing where there is none to ask.
-    ///
-    /// # Errors
-    /// [`LoadError`].
     fn second_opinion(&self) -> Result<Vec<String>, LoadError> {
         Ok(Vec::new())
     }
@@ -40,9 +34,6 @@ pub trait KnownScene: Debug + Send + Sync {
     }
 
     /// Brings what it needs to this machine; the path, or none when it needs nothing.
-    ///
-    /// # Errors
-    /// [`LoadError`].
     fn fetch(&self) -> Result<Option<PathBuf>, LoadError>;
 }
 

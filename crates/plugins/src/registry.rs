@@ -45,9 +45,6 @@ fn plugins() -> MutexGuard<'static, BTreeMap<&'static str, Arc<Plugin>>> {
 
 /// Loads a plugin and makes a line of the registry of it. `sha256` is that of the file. A name that is in
 /// `taken` is refused.
-///
-/// # Errors
-/// [`PluginError`].
 pub fn entry(
     file: &Path,
     sha256: String,

@@ -68,9 +68,6 @@ pub(crate) enum Reply {
 }
 
 /// Writes a line.
-///
-/// # Errors
-/// Those of the writer.
 pub(crate) fn send<T: Serialize>(to: &mut impl Write, message: &T) -> io::Result<()> {
     let mut line = serde_json::to_vec(message)?;
     line.push(b'\n');

@@ -140,9 +140,6 @@ pub fn headed<'c, R>(columns: &'c [Column<R>], head: &str) -> Option<&'c Column<
 }
 
 /// Rows as CSV, the keys above them.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn csv<R>(
     columns: &[Column<R>],
     rows: impl IntoIterator<Item: Borrow<R>>,

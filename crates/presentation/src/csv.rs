@@ -7,9 +7,6 @@ use crate::outside::field;
 use statistics::estimate::Estimate;
 
 /// The text that `fill` writes, its fields [defused](field).
-///
-/// # Errors
-/// [`FormatError`].
 pub fn written(
     fill: impl FnOnce(&mut Writer<Vec<u8>>) -> Result<(), csv::Error>,
 ) -> Result<String, FormatError> {

@@ -3,9 +3,6 @@
 use serde::Serialize;
 
 /// Anything, with a line break behind it.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn written(value: &impl Serialize) -> Result<String, FormatError> {
     serde_json::to_string_pretty(value)
         .map(|text| text + "\n")

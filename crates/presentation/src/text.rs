@@ -19,26 +19,17 @@ impl Screen {
     pub const WIDE: usize = 1 << 16;
 
     /// Prints lines of little weight.
-    ///
-    /// # Errors
-    /// Those of the writer.
     pub fn write_notes(self, out: &mut dyn Write, lines: &[&str]) -> io::Result<()> {
         write_notes_within(out, lines, self.colors, Some(self.width))
     }
 
     /// Prints a line of words.
-    ///
-    /// # Errors
-    /// Those of the writer.
     pub fn write_line(self, out: &mut dyn Write, text: &str) -> io::Result<()> {
         wrapped(&line(text), self.width, 2).iter().try_for_each(|part| writeln!(out, "{part}"))
     }
 
     /// Prints a table with those of its columns that fit, the heads of `first` before others, and
     /// names the columns that do not.
-    ///
-    /// # Errors
-    /// Those of the writer.
     pub fn write_fitted(
         self,
         out: &mut dyn Write,
@@ -56,17 +47,11 @@ impl Screen {
 }
 
 /// Prints lines of little weight.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Result<()> {
     write_notes_within(out, lines, colors, None)
 }
 
 /// The same in lines of so many characters.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_notes_within(
     out: &mut dyn Write,
     lines: &[&str],
@@ -82,17 +67,11 @@ pub fn write_notes_within(
 }
 
 /// Prints any table.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
     write_table_within(out, table, colors, None)
 }
 
 /// The same in lines of so many characters: names and words at the end go on in the next line.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_table_within(
     out: &mut dyn Write,
     table: &Table,

@@ -106,9 +106,6 @@ impl Store {
     }
 
     /// All names, sorted; none where there is no folder.
-    ///
-    /// # Errors
-    /// [`BaselineError::Io`].
     pub fn names(&self) -> Result<Vec<String>, BaselineError> {
         let files = match fs::read_dir(&self.0) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -126,9 +123,6 @@ impl Store {
     }
 
     /// Where the baseline of that name is, or would be.
-    ///
-    /// # Errors
-    /// [`BaselineError::Name`].
     pub fn path(&self, name: &str) -> Result<PathBuf, BaselineError> {
         if is_name(name) {
             Ok(self.0.join(format!("{name}.{EXTENSION}")))
@@ -160,9 +154,6 @@ impl Store {
     }
 
     /// The baseline of that name, or the record in that file or folder.
-    ///
-    /// # Errors
-    /// [`BaselineError`].
     pub fn open(&self, name_or_path: &str) -> Result<Baseline, BaselineError> {
         let path = Path::new(name_or_path);
         let is_path = !is_name(name_or_path) || path.extension().is_some_and(|e| e == EXTENSION);
@@ -191,9 +182,6 @@ impl Store {
     }
 
     /// The path of a baseline that is not there yet, or may be replaced.
-    ///
-    /// # Errors
-    /// [`BaselineError::Name`], [`BaselineError::Exists`].
     pub fn free(&self, name: &str, replace: bool) -> Result<PathBuf, BaselineError> {
         let path = self.path(name)?;
         if path.exists() && !replace {
@@ -204,9 +192,6 @@ impl Store {
     }
 
     /// Removes the baseline of that name.
-    ///
-    /// # Errors
-    /// [`BaselineError`].
     pub fn remove(&self, name: &str) -> Result<(), BaselineError> {
         let path = self.existing(name)?;
         fs::remove_file(&path).map_err(|e| self.io(&path, e))
@@ -218,9 +203,6 @@ impl Store {
 }
 
 /// Reads the record in a file or folder, and the counts beside it.
-///
-/// # Errors
-/// [`BaselineError`].
 pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
     let path = file::path_of(path);
     let text = file::bytes(&path)?;

@@ -67,9 +67,6 @@ pub struct Environment {
 
 impl Environment {
     /// A copy of a program's file among the temporary files.
-    ///
-    /// # Errors
-    /// [`CopyError`].
     pub fn copy_of(&self, program: &Path) -> Result<ProgramCopy, CopyError> {
         let temporary = self.temporary.clone().unwrap_or_else(std::env::temp_dir);
         ProgramCopy::of(program, &temporary)
@@ -173,9 +170,6 @@ impl Context<'_> {
     }
 
     /// Loads a scene and shows how far that is.
-    ///
-    /// # Errors
-    /// [`LoadError`].
     pub fn load(&self, scene: &dyn KnownScene) -> Result<LoadedScene, LoadError> {
         let progress = Progress::of_loading(self.shows_progress(), scene.name());
         let loaded = scene.load();

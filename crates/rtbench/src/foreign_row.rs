@@ -31,9 +31,6 @@ pub enum ForeignRowError {
 
 /// The results in a folder with a foreign row more, of the scene that is called `name` here and has
 /// this content. One of its name is replaced where `overwrite` is set.
-///
-/// # Errors
-/// [`ForeignRowError`].
 pub fn merged(
     folder: &Path,
     (name, sha256): (&str, &str),

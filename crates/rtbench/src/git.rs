@@ -67,9 +67,6 @@ impl Git {
     }
 
     /// The same by a program of the caller's choice.
-    ///
-    /// # Errors
-    /// [`GitError`].
     pub fn with(program: &Path, folder: &Path) -> Result<Self, GitError> {
         let git = Self { program: program.into(), folder: folder.into() };
         git.ask(["rev-parse", "--git-dir"])?;
@@ -77,9 +74,6 @@ impl Git {
     }
 
     /// What it prints, without the last line's end.
-    ///
-    /// # Errors
-    /// [`GitError`].
     fn ask<A: AsRef<OsStr>>(
         &self,
         arguments: impl IntoIterator<Item = A>,
@@ -105,9 +99,6 @@ impl Git {
     }
 
     /// The commit of that name.
-    ///
-    /// # Errors
-    /// [`GitError::UnknownCommit`].
     pub fn commit(&self, name: &str) -> Result<Commit, GitError> {
         let unknown =
             || GitError::UnknownCommit { commit: name.into(), folder: self.folder.clone() };

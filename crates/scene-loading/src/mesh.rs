@@ -216,9 +216,6 @@ impl Mesh {
 }
 
 /// Adds a polygon with vertices of its own: triangles where it is bent or crosses itself.
-///
-/// # Errors
-/// [`LoadError::Entangled`].
 pub(crate) fn push_outline(
     material: u32,
     outline: &[DVec3],

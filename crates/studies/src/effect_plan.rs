@@ -6,9 +6,6 @@ use renderer::{EffectPlan, RenderSettings};
 use scene_loading::Scene;
 
 /// The effect plan, unless its samples would fill the memory.
-///
-/// # Errors
-/// [`PlanError::Malformed`].
 pub fn plan_of(scene: &Scene, settings: &RenderSettings) -> Result<EffectPlan, PlanError> {
     let plan = EffectPlan::of(scene, settings);
     if plan.samples_per_pixel() > MOST_SAMPLES_PER_PIXEL {

@@ -98,9 +98,6 @@ pub struct CountedRow {
 }
 
 /// The version of the valgrind that is installed.
-///
-/// # Errors
-/// [`CallgrindError::NoValgrind`].
 pub fn version() -> Result<String, CallgrindError> {
     let missing = |why: String| CallgrindError::NoValgrind(why);
     let output = Command::new("valgrind").arg("--version").output();
@@ -114,9 +111,6 @@ pub fn version() -> Result<String, CallgrindError> {
 
 /// Counts what `program` takes for the rows of a record; sources of scene files may lie outside
 /// their folders where that is allowed.
-///
-/// # Errors
-/// [`CallgrindError`].
 pub fn count(
     program: Option<&Path>,
     record: &RunRecord,

@@ -83,9 +83,6 @@ pub enum Line {
 
 impl Line {
     /// Its text, before it is sealed.
-    ///
-    /// # Errors
-    /// [`FormatError`].
     pub fn text(&self) -> Result<String, FormatError> {
         let text = serde_json::to_string(self);
         text.map_err(|e| FormatError { format: "JSON", message: e.to_string() })
@@ -144,9 +141,6 @@ pub struct RecoveredRun {
 }
 
 /// Reads a journal. A last line without its line break is torn: it counts as never written.
-///
-/// # Errors
-/// [`LineError`].
 pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
     let whole = bytes.iter().rposition(|&b| b == b'\n').map_or(0, |last| last + 1);
     let text = bytes.get(..whole).unwrap_or_default();

@@ -94,9 +94,6 @@ impl Journal {
     }
 
     /// Opens the journal of a run that was begun; a torn last line is cut off.
-    ///
-    /// # Errors
-    /// [`JournalError`].
     pub fn resume(folder: &Path) -> Result<(Self, RecoveredRun), JournalError> {
         let mut journal = Self::open(folder, false)?;
         let found = read(&journal.bytes()?)
@@ -149,18 +146,12 @@ impl Journal {
     }
 
     /// Appends a line: whole, or, where the system refuses it (a full disk), not at all.
-    ///
-    /// # Errors
-    /// [`JournalError::Io`].
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
         self.append_text(&line.text()?)
     }
 
     /// The same for a line that only says how far the run is: it need not outlive the machine, and
     /// costs no more than a write.
-    ///
-    /// # Errors
-    /// [`JournalError::Io`].
     pub fn note(&mut self, line: &Line) -> Result<(), JournalError> {
         self.write_line(&line.text()?, |_| Ok(()))
     }
@@ -187,9 +178,6 @@ impl Journal {
 
     /// What writes the last line of a run that is interrupted. `temporary` is a folder for a
     /// journal whose own cannot be made again.
-    ///
-    /// # Errors
-    /// [`JournalError::Io`].
     pub fn last_line(&self, temporary: Option<PathBuf>) -> Result<LastLine, JournalError> {
         let fail = |source| JournalError::Io { path: self.path.clone(), source };
         let file = self.file.try_clone().map_err(fail)?;
@@ -200,9 +188,6 @@ impl Journal {
 
     /// Writes the journal anew where its file was removed; its folder must be there. Whether it
     /// was.
-    ///
-    /// # Errors
-    /// [`JournalError`].
     pub fn restore(&mut self) -> Result<bool, JournalError> {
         if self.path.exists() {
             return Ok(false);

@@ -43,9 +43,6 @@ impl Seal {
     }
 
     /// The text of a sealed line.
-    ///
-    /// # Errors
-    /// [`SealError`].
     pub fn opened<'l>(&self, line: &'l str) -> Result<&'l str, SealError> {
         let (check, text) = parts(line).ok_or(SealError::None)?;
         if check == self.check(text) { Ok(text) } else { Err(SealError::Differs) }

@@ -99,9 +99,6 @@ impl MeasuredRow<'_> {
     }
 
     /// Builds it for a scene with those lights.
-    ///
-    /// # Errors
-    /// [`BuildError`].
     pub fn build<'a, S: Buildable>(
         &self,
         prims: PrimsRef<'a, S>,

@@ -163,9 +163,6 @@ impl<'r> Plan<'r> {
     }
 
     /// Builds and times each scene in so many processes; 0 is 1.
-    ///
-    /// # Errors
-    /// [`PlanError::OutOfRange`].
     pub fn set_processes(&mut self, processes: u32) -> Result<(), PlanError> {
         let processes = processes.max(1);
         within("processes", processes.into(), RunSettings::MOST_PROCESSES.into())?;
@@ -286,18 +283,12 @@ impl<'r> Plan<'r> {
 }
 
 /// Refuses what the command line would.
-///
-/// # Errors
-/// [`PlanError::OutOfRange`].
 pub fn within(what: &'static str, value: u64, most: u64) -> Result<(), PlanError> {
     let error = PlanError::OutOfRange { what, value, most };
     if (1..=most).contains(&value) { Ok(()) } else { Err(error) }
 }
 
 /// The same of a time, in seconds.
-///
-/// # Errors
-/// [`PlanError::OutOfRange`].
 pub fn time_within(what: &'static str, time: Option<Duration>) -> Result<(), PlanError> {
     let most = u64::from(duration::LONGEST);
     match time.filter(|time| !duration::is_valid(*time)) {

@@ -31,9 +31,6 @@ impl<'r> Plan<'r> {
     }
 
     /// The part of the plan that a shard measures.
-    ///
-    /// # Errors
-    /// [`PlanError::TooManyShards`], [`PlanError::SameName`].
     pub fn part_of(mut self, shard: Shard) -> Result<Self, PlanError> {
         let matrix =
             Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.baseline };

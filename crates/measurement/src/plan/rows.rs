@@ -212,9 +212,6 @@ fn assignment<'t>(part: &'t str, whole: &str) -> Result<(&'t str, &'t str), Plan
 }
 
 /// The entry of that name.
-///
-/// # Errors
-/// [`PlanError::UnknownStructure`].
 pub fn find<'r, L: RegistryItem>(
     registry: &'r [Entry<L>],
     name: &str,

@@ -97,9 +97,6 @@ pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
 
 /// The length of a file, in bytes. A pipe that nobody writes to would never be read to its end, so
 /// whatever is no file is refused before it is opened.
-///
-/// # Errors
-/// [`RecordError::NotAFile`], [`RecordError::Io`].
 pub fn length(path: &Path) -> Result<u64, RecordError> {
     let found = std::fs::metadata(path)
         .map_err(|source| RecordError::Io { path: path.to_owned(), source })?;

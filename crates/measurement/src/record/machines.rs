@@ -110,9 +110,6 @@ pub struct MachineRatio {
 }
 
 /// Joins runs of several machines.
-///
-/// # Errors
-/// [`MachinesError`].
 pub fn over_machines(
     runs: &[Part],
     command_line: &[String],

@@ -24,9 +24,6 @@ pub mod as_typed {
     use crate::settings::choice::Choice;
 
     /// Writes it.
-    ///
-    /// # Errors
-    /// Those of the format.
     pub fn serialize<C: Choice, S: Serializer>(value: &C, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_str(value.as_typed())
     }

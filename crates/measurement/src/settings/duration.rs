@@ -8,9 +8,6 @@ const EXPECTED: &str = "expected a number with a unit: 500ms, 60s, 1.5m, 2h30m";
 pub const LONGEST: u32 = 10_000_000;
 
 /// Parses a duration for clap: numbers with units; a number alone is seconds.
-///
-/// # Errors
-/// A message that says what is valid.
 pub fn parse(text: &str) -> Result<Duration, String> {
     let seconds = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
     let duration = match seconds {

@@ -47,9 +47,6 @@ pub fn parse(text: &str) -> Option<u64> {
 }
 
 /// Parses a size of memory for clap: a number with a unit, `8GiB`, `1.5GB`, `512 MiB`.
-///
-/// # Errors
-/// A message that says what is valid.
 pub fn bytes(text: &str) -> Result<u64, String> {
     let expected = "expected a number with a unit: 8GiB, 1.5GB; units: TiB, GiB, MiB, KiB, TB, GB, \
                     MB, kB, B";

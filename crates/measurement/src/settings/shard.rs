@@ -23,9 +23,6 @@ const MOST: u32 = 10_000;
 
 impl Shard {
     /// Parses `2/8` for clap.
-    ///
-    /// # Errors
-    /// A message that says what is valid.
     pub fn parse(text: &str) -> Result<Self, String> {
         let expected = || format!("expected I/N, like 2/8: I from 1 to N, N from 1 to {MOST}");
         let (index, count) = text.split_once('/').ok_or_else(expected)?;

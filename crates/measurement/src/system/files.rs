@@ -38,18 +38,12 @@ pub fn open(path: &Path, created: &mut Created) -> Result<Option<File>, WriteErr
 
 /// Replaces a file's content in one step, so that a killed run, or a full disk, never leaves half a
 /// file; in place only where the folder does not take new files.
-///
-/// # Errors
-/// The system's.
 pub fn replace(path: &Path, content: &[u8]) -> io::Result<()> {
     // Links are followed: what they point to is replaced, not the link.
     put(&fs::canonicalize(path)?, content)
 }
 
 /// Writes a file's whole content in one step, whether it was there or not.
-///
-/// # Errors
-/// The system's.
 pub fn put(path: &Path, content: &[u8]) -> io::Result<()> {
     remove_left(path);
     let mut name = path.file_name().unwrap_or_default().to_owned();
@@ -119,9 +113,6 @@ fn is_locked(path: &Path) -> bool {
 }
 
 /// Makes a folder that was not there, which others cannot read or write.
-///
-/// # Errors
-/// The system's.
 pub fn create(within: &Path) -> io::Result<PathBuf> {
     let mut builder = DirBuilder::new();
     #[cfg(unix)]
@@ -148,9 +139,6 @@ pub fn refuse_writes_beyond() -> std::io::Result<()> {
 }
 
 /// Elsewhere than on Unix there is none.
-///
-/// # Errors
-/// None.
 #[cfg(not(unix))]
 pub fn refuse_writes_beyond() -> std::io::Result<()> {
     Ok(())

@@ -153,9 +153,6 @@ pub fn watch(unfinished: InterruptedOutput) -> std::io::Result<()> {
 
 /// Elsewhere than on Unix the system's own way of ending a process stays; the journal marks a run
 /// as unfinished until it is over.
-///
-/// # Errors
-/// None.
 #[cfg(not(unix))]
 pub fn watch(_: InterruptedOutput) -> std::io::Result<()> {
     Ok(())
@@ -224,9 +221,6 @@ impl Requests {
 }
 
 /// Elsewhere no signal is told.
-///
-/// # Errors
-/// None.
 #[cfg(not(unix))]
 pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
     Ok(Arc::default())

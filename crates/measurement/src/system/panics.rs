@@ -26,9 +26,6 @@ pub fn keep_quiet() {
 
 /// What `work` returns, or its panic. Whatever `work` was changing may be half changed then:
 /// callers throw it away.
-///
-/// # Errors
-/// [`Panicked`].
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
     panic::catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
         let latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner).take();

@@ -16,18 +16,12 @@ pub struct Pools {
 
 impl Pools {
     /// Starts them.
-    ///
-    /// # Errors
-    /// [`MeasureError::Threads`].
     pub fn new(threads: usize) -> Result<Self, MeasureError> {
         Ok(Self { measured: pool(threads)?, helper: pool(machine::threads())? })
     }
 }
 
 /// A pool of that many threads.
-///
-/// # Errors
-/// [`MeasureError::Threads`].
 pub fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
     started(ThreadPoolBuilder::new(), threads)
 }
@@ -37,9 +31,6 @@ const DEEP: usize = 256 << 20;
 
 /// The same with deep stacks: obvhs as shipped recurses once a level, and builds a level for each
 /// of ten thousand equal boxes. On a usual stack that ends the process.
-///
-/// # Errors
-/// [`MeasureError::Threads`].
 pub fn deep_pool(threads: usize) -> Result<ThreadPool, MeasureError> {
     started(ThreadPoolBuilder::new().stack_size(DEEP), threads)
 }

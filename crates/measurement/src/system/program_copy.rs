@@ -30,9 +30,6 @@ pub struct ProgramCopy {
 
 impl ProgramCopy {
     /// Copies the program, with its permissions, into a folder of its own within `temporary`.
-    ///
-    /// # Errors
-    /// [`CopyError`].
     pub fn of(program: &Path, temporary: &Path) -> Result<Self, CopyError> {
         let made = || {
             let folder = tempfile::Builder::new().prefix("rtbench-copy-").tempdir_in(temporary)?;

@@ -42,9 +42,6 @@ const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const QUICK_SAMPLES: [u32; 5] = [1, 4, 16, 64, 256];
 
 /// Compares, and returns the exit code.
-///
-/// # Errors
-/// [`Error`].
 pub fn run(
     context: &mut Context<'_>,
     args: &CompareTracersArgs,

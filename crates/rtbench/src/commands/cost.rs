@@ -34,9 +34,6 @@ const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 pub const MAPS: [&str; 3] = ["tests.png", "steps.png", "time.png"];
 
 /// Prints the table and draws the maps.
-///
-/// # Errors
-/// [`Error`].
 pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
     let named = |text: &String| structure(context.registry, Some(text));
     let mut structures: Vec<Row<'_>> =

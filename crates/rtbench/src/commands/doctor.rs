@@ -11,9 +11,6 @@ use presentation::table::Style;
 use presentation::text::painted;
 
 /// Looks and prints.
-///
-/// # Errors
-/// [`Error::Output`].
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
     let diagnosis = diagnose(&System::of(context.world), context.clock);
     match args.format {

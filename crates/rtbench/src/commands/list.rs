@@ -19,9 +19,6 @@ use presentation::json;
 use studies::accuracy::axes::AXES;
 
 /// Lists.
-///
-/// # Errors
-/// [`Error::Output`].
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
         Listed::Structures => {

@@ -290,9 +290,6 @@ fn saved(
 }
 
 /// Loads and measures a scene; a panic is its failure.
-///
-/// # Errors
-/// [`Error::Load`], [`Error::Measure`].
 pub fn measure_one(
     plan: &Plan<'_>,
     known: &dyn KnownScene,

@@ -12,9 +12,6 @@ use measurement::settings::choice;
 use measurement::system::created::WriteError;
 
 /// Prints a schema.
-///
-/// # Errors
-/// [`Error::Output`].
 pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error> {
     let text = match args.what {
         SchemaOf::RunRecord => schema::RUN_RECORD,
@@ -27,9 +24,6 @@ pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error>
 }
 
 /// Prints completions of commands and options.
-///
-/// # Errors
-/// [`Error::Output`].
 pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Error> {
     // the library takes no error of its writer
     let mut text = Vec::new();
@@ -59,9 +53,6 @@ pub fn page_names() -> Vec<String> {
 }
 
 /// Prints a manual page, or writes all of them.
-///
-/// # Errors
-/// [`PlanError::UnknownName`], [`Error::Write`], [`Error::Output`].
 pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
     let cli = built();
     if let Some(folder) = &args.output {

@@ -35,9 +35,6 @@ use studies::error::UnsavedImage;
 use studies::run::lines::seconds;
 
 /// Renders, or prints the plan, or both.
-///
-/// # Errors
-/// [`Error`].
 pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result<(), Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;

@@ -50,9 +50,6 @@ impl RowLog for RowJournal<'_> {
 const DEATHS: usize = 2;
 
 /// Refuses a scene that ended the program too often before its first row.
-///
-/// # Errors
-/// [`MeasureError::Deadly`].
 pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), Error> {
     match deaths.get(&(scene, None)) {
         Some(&times) if times >= DEATHS => {

@@ -53,9 +53,6 @@ const fn exporter(
 }
 
 /// Refuses a folder of `-o` that holds other results, unless they may be replaced.
-///
-/// # Errors
-/// [`OccupiedError`].
 pub fn refuse_occupied(
     context: &Context<'_>,
     args: &ExportArgs,
@@ -74,9 +71,6 @@ pub fn files_in(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// Refuses a selection of series that finds none of those that a plan will have.
-///
-/// # Errors
-/// [`OutputError::NothingSelected`].
 pub fn refuse_unselected(args: &ExportArgs, plan: &Plan<'_>) -> Result<(), OutputError> {
     let Some(select) = &args.export_select else { return Ok(()) };
     let all = measures::series_of(plan);

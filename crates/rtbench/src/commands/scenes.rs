@@ -12,9 +12,6 @@ use measurement::scenes::{KnownScene, LoadError, LoadedScene};
 use presentation::outside::line;
 
 /// Runs and returns the exit code.
-///
-/// # Errors
-/// [`Error`].
 pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error> {
     match action {
         ScenesAction::Info(names) => info(context, names),

@@ -41,9 +41,6 @@ pub enum Format {
 }
 
 /// Draws the picture, and lists the steps of a ray.
-///
-/// # Errors
-/// [`Error`].
 pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(), Error> {
     let rows: Vec<Row<'_>> =
         args.structures.iter().map(|text| row(context, text)).collect::<Result<_, _>>()?;

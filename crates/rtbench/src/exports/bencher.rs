@@ -21,9 +21,6 @@ struct Metric {
 }
 
 /// Times, ratios, counters and rays per second.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn to_string(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
     let mut benchmarks: BTreeMap<String, BTreeMap<String, Metric>> = BTreeMap::new();
     for m in costs(run, select).into_iter().chain(rates(run, select)) {

@@ -22,17 +22,11 @@ struct Entry {
 }
 
 /// Times, ratios and counters.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn smaller(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
     json::written(&entries(costs(run, select)))
 }
 
 /// Rays per second.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn bigger(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
     json::written(&entries(rates(run, select)))
 }

@@ -111,9 +111,6 @@ pub struct Wanted<'a> {
 
 impl Wanted<'_> {
     /// Refuses a folder that holds something else, or anything that is no file in the place of one.
-    ///
-    /// # Errors
-    /// [`OccupiedError`].
     pub fn check(&self, folder: &Path) -> Result<(), OccupiedError> {
         let journal = self.manifest.map(|_| journal::NAME);
         let mut sizes = Vec::new();

@@ -58,9 +58,6 @@ impl Inherited {
 
 impl Params {
     /// Reads parameters up to the next statement.
-    ///
-    /// # Errors
-    /// [`LoadError::Syntax`], [`LoadError::CountTooLarge`], [`LoadError::UnexpectedEnd`].
     pub fn read(tokens: &mut Tokens<'_>, line: usize) -> Result<Self, LoadError> {
         let mut all = Vec::new();
         while let Some(token) = tokens.peek()? {

@@ -82,9 +82,6 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token, which must be there.
-    ///
-    /// # Errors
-    /// [`LoadError::UnexpectedEnd`].
     pub fn expect(&mut self, expected: &str) -> Result<Token<'a>, LoadError> {
         self.next()?.ok_or_else(|| {
             let (place, expected) = (self.place(self.line), expected.to_owned());
@@ -93,9 +90,6 @@ impl<'a> Tokens<'a> {
     }
 
     /// The next token, which must be a quoted string.
-    ///
-    /// # Errors
-    /// [`LoadError::UnexpectedEnd`], [`LoadError::Syntax`].
     pub fn quoted(&mut self, expected: &str) -> Result<Token<'a>, LoadError> {
         let token = self.expect(expected)?;
         if token.kind == Kind::Quoted {

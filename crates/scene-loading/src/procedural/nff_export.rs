@@ -14,9 +14,6 @@ use crate::scene::{Material, Primitive, Scene, Shape};
 /// one before it is preceded by that material's `f` line. So the text of an SPD scene is that of
 /// the distributed file (but for the sign of zero). Triangles are written as polygons of three
 /// vertices. NFF has no place for names and warnings, nor for materials that nothing is made of.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_nff(scene: &Scene, out: &mut impl io::Write) -> io::Result<()> {
     let mut out = io::BufWriter::new(out);
     write_head(scene, &mut out)?;

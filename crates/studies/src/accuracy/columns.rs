@@ -66,9 +66,6 @@ pub fn columns<'a>() -> [Column<VariantRow<'a>>; 19] {
 }
 
 /// All finished axes as CSV.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn to_csv(run: &AccuracyRecord) -> Result<String, FormatError> {
     let scenes =
         run.axes.iter().flat_map(|axis| axis.scenes.iter().map(move |scene| (axis, scene)));

@@ -177,9 +177,6 @@ pub const GLOSSARY: &[&str] = &[
 ];
 
 /// Everything of each frame.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record([

@@ -23,9 +23,6 @@ pub fn rays_of<'k>(run: &RunRecord, scene: &SceneRecord) -> Vec<Rays<'k>> {
 }
 
 /// Prints the tables of a scene.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write(
     out: &mut dyn Write,
     explain: &Explain<'_>,
@@ -38,9 +35,6 @@ pub fn write(
 }
 
 /// Prints what the words mean.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_glossary(out: &mut dyn Write, colors: bool) -> io::Result<()> {
     text::write_notes(out, GLOSSARY, colors)
 }
@@ -156,9 +150,6 @@ const CSV_COLUMNS: [&str; 10] = [
 ];
 
 /// All finished scenes: of each kind of ray the rows, the factors and the whole.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record(CSV_COLUMNS)?;

@@ -48,9 +48,6 @@ pub fn structures() -> Vec<&'static str> {
 }
 
 /// Reproduces the figures of one scene for the structures asked for, in the paper's order.
-///
-/// # Errors
-/// [`ReproduceError`].
 pub fn reproduce_scene(
     scene: &str,
     structures: &[&str],

@@ -103,9 +103,6 @@ pub(crate) struct SceneWork {
 
 impl PublishedScene {
     /// Generates the scene and its rays.
-    ///
-    /// # Errors
-    /// [`ReproduceError`].
     pub fn new(name: &str) -> Result<Self, ReproduceError> {
         let scene: Scene = generate_as_printed(name)?;
         let geometry = Geometry::<f64>::of(&scene)?;

@@ -74,9 +74,6 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
 }
 
 /// The table as a document.
-///
-/// # Errors
-/// None.
 pub fn markdown(record: &MachinesRecord) -> Result<String, FormatError> {
     let mut text = "# rtbench: one run on several machines\n\n".to_owned();
     push_table(&mut text, &table(record));
@@ -84,9 +81,6 @@ pub fn markdown(record: &MachinesRecord) -> Result<String, FormatError> {
 }
 
 /// One row a ratio; means over all scenes have none.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn csv(record: &MachinesRecord) -> Result<String, FormatError> {
     written(|writer| {
         let mut header: Vec<String> =

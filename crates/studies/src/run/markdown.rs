@@ -161,9 +161,6 @@ fn facts(run: &RunRecord) -> Vec<String> {
 }
 
 /// All finished scenes: [`columns::columns`], and behind them those of [`kind_tables::csv_columns`].
-///
-/// # Errors
-/// [`FormatError`].
 pub fn to_csv(run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
         let kinds = kind_tables::kinds(run);

@@ -13,9 +13,6 @@ use presentation::table::{Style, Table};
 use presentation::text::{painted, write_notes_within, write_table_within};
 
 /// Prints the block of a scene, and where there are several what it says of this one.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_scene(
     out: &mut dyn Write,
     run: &RunRecord,
@@ -48,9 +45,6 @@ fn scene_table(run: &RunRecord, scene: &SceneRecord, view: &View) -> Table {
 }
 
 /// Prints the means where there are several scenes, what the symbols mean, and the answers.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Result<()> {
     let mut heads: Vec<&str> = Vec::new();
     let mut left_out: Vec<&str> = Vec::new();

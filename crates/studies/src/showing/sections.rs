@@ -67,9 +67,6 @@ fn drawn<T>(
 
 /// What a plane cuts of a structure's cells: all, or with a depth those at that depth and the
 /// leaves above; large ones first.
-///
-/// # Errors
-/// [`NoCells`].
 pub fn sections(
     tracer: &dyn Tracer<f32>,
     plane: &Plane,
@@ -90,9 +87,6 @@ pub fn sections(
 }
 
 /// The cells that hold primitives as boxes; with a depth as [`sections`].
-///
-/// # Errors
-/// [`NoCells`].
 pub fn bodies(tracer: &dyn Tracer<f32>, depth: Option<u32>) -> Result<Vec<Body>, NoCells> {
     let all = drawn(tracer, depth, |bounds| Some(*bounds))?;
     let body =

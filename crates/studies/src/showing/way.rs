@@ -43,9 +43,6 @@ pub struct PathThrough {
 }
 
 /// Follows a ray through a structure.
-///
-/// # Errors
-/// [`NoCells`].
 pub fn path_through(
     tracer: &dyn Tracer<f32>,
     ray: &Ray<f32>,

@@ -26,9 +26,6 @@ const FIRST: [&str; 9] =
     ["verdict", RATIO, "mark", "to best", "N_IT", "N_TS", "build ms", "trace ms", "MiB"];
 
 /// Prints the table of a scene.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write(
     out: &mut dyn Write,
     sweep: &Sweep<'_>,
@@ -41,9 +38,6 @@ pub fn write(
 }
 
 /// Prints what the columns mean.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
     screen.write_notes(out, GLOSSARY)
 }
@@ -156,9 +150,6 @@ const GLOSSARY: &[&str] = &[
 const OWN: [&str; 5] = ["parameter", "value", "marks", "cells_per_primitive", "to_best"];
 
 /// All finished scenes: the parameter, its value and the marks, then the columns of a run.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn to_csv(sweep: &Sweep<'_>, run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record(OWN.into_iter().chain(run_columns::keys()))?;

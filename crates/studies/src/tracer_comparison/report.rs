@@ -178,17 +178,11 @@ impl Report {
     }
 
     /// One row per image.
-    ///
-    /// # Errors
-    /// [`FormatError`].
     pub fn to_csv(&self) -> Result<String, FormatError> {
         column::csv(&columns(), self.image_rows())
     }
 
     /// Everything but the images, raw samples too.
-    ///
-    /// # Errors
-    /// [`FormatError`].
     pub fn to_json(&self) -> Result<String, FormatError> {
         serde_json::to_string_pretty(&self.record())
             .map_err(|e| FormatError { format: "JSON", message: e.to_string() })

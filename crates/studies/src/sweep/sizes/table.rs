@@ -16,9 +16,6 @@ use presentation::table::{Cell, Style, Table, dash};
 use presentation::text::Screen;
 
 /// Prints the table of a size.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_size(
     out: &mut dyn Write,
     run: &RunRecord,
@@ -29,9 +26,6 @@ pub fn write_size(
 }
 
 /// Prints the slopes, and what the columns of all tables mean.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write_slopes(out: &mut dyn Write, run: &RunRecord, screen: Screen) -> io::Result<()> {
     screen.write_fitted(out, &slope_table(run), &[])?;
     screen.write_notes(out, GLOSSARY)
@@ -180,9 +174,6 @@ pub fn columns<'a>() -> [Column<SizeRow<'a>>; 6] {
 }
 
 /// All finished sizes: their own columns, then those of a run.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn sizes_csv(run: &RunRecord) -> Result<String, FormatError> {
     let columns = columns();
     written(|writer| {
@@ -200,9 +191,6 @@ pub fn sizes_csv(run: &RunRecord) -> Result<String, FormatError> {
 }
 
 /// How each quantity of each row grows.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn slopes_csv(run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
         let columns =

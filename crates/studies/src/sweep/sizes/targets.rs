@@ -15,9 +15,6 @@ pub enum Sizes {
 
 impl Sizes {
     /// Parses them for clap.
-    ///
-    /// # Errors
-    /// A message that says what is valid.
     pub fn parse(text: &str) -> Result<Self, String> {
         let count = |text: &str| {
             let count = quantity::parse(text.trim()).filter(|n| *n > 0);
