@@ -4,6 +4,7 @@ use std::fmt::Debug;
 use std::path::PathBuf;
 
 use scene_loading::procedural::{SpecError, generators};
+pub use scene_loading::scene_set::SetThreshold;
 use serde_json::{Map, Value};
 
 pub use scene_loading::{
@@ -77,6 +78,14 @@ pub trait SceneSource {
     fn run_options(&self, _set: &str, _quick: bool) -> Result<Map<String, Value>, LoadError> {
         Ok(Map::new())
     }
+
+    /// The thresholds that a set has for `rtbench check`.
+    ///
+    /// # Errors
+    /// [`LoadError`] when the catalogue is damaged.
+    fn check_thresholds(&self, _set: &str) -> Result<Vec<SetThreshold>, LoadError> {
+        Ok(Vec::new())
+    }
 }
 
 /// The catalogue that the program carries, with `./scenes` where there is one. Read when asked
@@ -115,6 +124,12 @@ impl SceneSource for Installed {
             options.extend(set.quick.clone());
         }
         Ok(options)
+    }
+
+    fn check_thresholds(&self, set: &str) -> Result<Vec<SetThreshold>, LoadError> {
+        let catalogue = SceneCatalogue::open(None)?;
+        let found = catalogue.sets().find(|s| s.name == set);
+        Ok(found.map(|s| s.check.clone()).unwrap_or_default())
     }
 }
 

@@ -2,7 +2,9 @@
 
 use serde_json::{Map, Value};
 
-use measurement::scenes::{KnownScene, LoadError, SceneSizes, SceneSource, ViewOptions};
+use measurement::scenes::{
+    KnownScene, LoadError, SceneSizes, SceneSource, SetThreshold, ViewOptions,
+};
 
 /// A source whose scenes get the view of the command line instead of their own.
 pub struct GivenView<'a> {
@@ -48,5 +50,9 @@ impl SceneSource for GivenView<'_> {
 
     fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
         self.source.run_options(set, quick)
+    }
+
+    fn check_thresholds(&self, set: &str) -> Result<Vec<SetThreshold>, LoadError> {
+        self.source.check_thresholds(set)
     }
 }

@@ -42,6 +42,7 @@ mod recorded_command;
 pub mod report;
 pub mod schema;
 pub mod set_options;
+pub mod set_thresholds;
 mod usage;
 
 use std::ffi::OsString;

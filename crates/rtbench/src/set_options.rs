@@ -45,6 +45,15 @@ pub enum SetOptionsError {
         /// What is wrong, and what is valid.
         message: String,
     },
+    /// An entry of `check` is not valid.
+    #[error("scenes/sets/{set}.json: check, entry {entry}: {message}")]
+    Threshold {
+        set: String,
+        /// From 1.
+        entry: usize,
+        /// What is wrong, and what is valid.
+        message: String,
+    },
     /// It names something that is not there.
     #[error(transparent)]
     Plan(#[from] PlanError),

@@ -147,6 +147,8 @@ pub struct Plan<'r> {
     /// Where there is but one: a process of a copy of this program times each scene, too, for the
     /// floor below which nothing is claimed.
     pub has_copy: bool,
+    /// Answers and counters alone are wanted: nothing is warned of times.
+    pub is_untimed: bool,
     /// Limits of a build; `None` if builds are not tried in a process of their own first.
     pub build_limits: Option<BuildLimits>,
     /// The most memory of a structure; its rows know it.
@@ -276,6 +278,7 @@ impl<'r> Plan<'r> {
             processes: 1,
             process: OneProcess::default(),
             has_copy: false,
+            is_untimed: false,
             build_limits: None,
             memory,
         })

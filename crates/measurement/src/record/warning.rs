@@ -28,8 +28,7 @@ pub enum Warning {
         /// Their interquartile range, as a part of the median.
         spread: f64,
     },
-    /// The intervals rest on fewer rounds than [`statistics::series::FEWEST_ROUNDS`]; not said of a
-    /// quick run, which is a first look.
+    /// The intervals rest on fewer than five rounds; not said of a quick run, which is a first look.
     TooFewRounds {
         /// How many there were.
         rounds: u64,

@@ -41,6 +41,10 @@ pub struct CheckArgs {
     /// Judge times though the baseline is of another processor
     #[arg(long)]
     pub across_processors: bool,
+    /// Take thresholds of rows and kinds of rays from the file of that set [default: of the set that is the
+    /// only SCENE]
+    #[arg(long = "as", value_name = "SET")]
+    pub as_set: Option<String>,
     /// Rows, of those that the baseline has: a structure, or a label [default: all]
     #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
@@ -95,8 +99,8 @@ pub struct ThresholdArgs {
     /// More instructions than that are a regression [default: 0.5%]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub instruction_threshold: Option<f64>,
-    /// A time longer by more than that is one, where that is certain [default: 5%; 2% where programs or
-    /// plugins are measured in turns]
+    /// A time longer by more than that is one, where that is certain and the set has no threshold for it
+    /// [default: 5%; 2% where programs or plugins are measured in turns]
     #[arg(short = 't', long, value_name = "PERCENT", value_parser = percent)]
     pub time_threshold: Option<f64>,
     /// Probability of one false alarm in all times of a check [default: 0.05]
@@ -120,6 +124,7 @@ impl ThresholdArgs {
             busiest: self.busiest.unwrap_or(configured.busiest),
             significance: self.significance.unwrap_or(configured.significance),
             shortest: self.shortest.map_or(configured.shortest, |t| t.as_secs_f64()),
+            rows: configured.rows,
         }
     }
 }

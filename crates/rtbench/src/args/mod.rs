@@ -33,6 +33,7 @@ pub use list::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use list::{Format, ListArgs, Listed};
 pub use list::{SceneNames, ScenesAction, ScenesArgs};
 pub use measuring::MeasuringArgs;
+pub(crate) use parsers::percent;
 pub use plugins::{PluginArgs, ServeArgs};
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use results::HistoryArgs;

@@ -24,6 +24,7 @@ use crate::gate::{
     judge, wall_clock,
 };
 use crate::like::{self, LikeError, Narrowed};
+use crate::set_thresholds;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::measured_row::select;
 use measurement::plan::{Plan, Rounds};
@@ -47,6 +48,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     if args.takes_turns() {
         default.time = OF_TURNS;
     }
+    default.rows = set_thresholds::of_check(context, args.as_set.as_deref(), &args.scenes)?;
     let thresholds = args.thresholds.over(default).checked().map_err(GateError::from)?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
@@ -240,6 +242,7 @@ impl Check<'_> {
         };
         plan.limits.render_pass = 0.0;
         plan.rounds = Rounds::Fixed(1);
+        plan.is_untimed = true;
         let (now, failures) = self.measured(context, &plan)?;
         if now.scenes.is_empty() {
             return Err(GateError::from(LikeError::NothingMeasured).into());
@@ -271,6 +274,7 @@ impl Check<'_> {
             pace,
             allow_outside,
             matches: self.matches.clone(),
+            thresholds: self.thresholds.clone(),
         };
         let base = contest.record_of_old().map_err(GateError::from)?;
         refuse(&base, &now)?;
@@ -346,7 +350,8 @@ impl Check<'_> {
     /// Says before anything is measured that nothing can be significant.
     fn warn_of_rounds(&self, context: &mut Context<'_>, base: &RunRecord, asked: Option<u32>) {
         let rows = base.scenes.iter().flat_map(|scene| &scene.rows);
-        let tests = 2 * rows.filter(|row| !row.is_reference && row.verdict.is_timed()).count();
+        let rows = rows.filter(|row| !row.is_reference && row.verdict.is_timed());
+        let tests: usize = rows.map(|row| 2 + self.thresholds.kinds_of(&row.label()).len()).sum();
         let (Some(asked), of_base) = (asked, rounds(base)) else { return };
         let significance = self.thresholds.significance;
         let (rounds, fewest) = (asked as usize, asked.min(of_base as u32) as usize);
@@ -403,6 +408,9 @@ impl Check<'_> {
             true => "seconds".to_owned(),
             false => format!("ratios to {} in the same rounds", reference::in_words(now)),
         };
+        let mut remarks = comparable::remarks(base, now);
+        let of_rows = self.thresholds.rows.iter();
+        remarks.extend(of_rows.map(|own| format!("threshold of {own}")));
         let allowed: Vec<String> =
             self.args.allow_missing.iter().map(|name| name.replace(':', " ")).collect();
         missing.retain(|row| {
@@ -416,9 +424,9 @@ impl Check<'_> {
             baseline_tool: Some(base.tool.clone()),
             baseline_machine: base.machine.clone(),
             machine: now.machine.clone(),
-            thresholds: self.thresholds,
+            thresholds: self.thresholds.clone(),
             outcome: Report::worst(&findings),
-            remarks: comparable::remarks(base, now),
+            remarks,
             findings,
             missing,
             times,

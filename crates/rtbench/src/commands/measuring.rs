@@ -226,7 +226,7 @@ pub fn measure_rest(
     let kept_well =
         kept.append(|| Line::Complete).and_then(|()| kept.write(outputs, &record, true));
     disturbed |= saved(context, kept_well, outputs, &record)?;
-    for warning in &record.warnings {
+    for warning in record.warnings.iter().filter(|_| !plan.is_untimed) {
         context.warn(warning);
     }
     outputs.print(&record, context.out)?;

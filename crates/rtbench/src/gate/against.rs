@@ -9,6 +9,7 @@ use std::process::Command;
 use crate::comparison::pairing::Pairing;
 use crate::comparison::renamed::Renamed;
 use crate::gate::pace::Pace;
+use crate::gate::thresholds::Thresholds;
 use measurement::answers::check::stride_for;
 use measurement::record::RunRecord;
 use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
@@ -61,6 +62,8 @@ pub struct Contest {
     pub allow_outside: bool,
     /// Rows that the older calls otherwise.
     pub matches: Vec<Renamed>,
+    /// They name kinds of rays that are timed apart.
+    pub thresholds: Thresholds,
 }
 
 impl Contest {

@@ -40,7 +40,7 @@ pub struct Key {
     pub scene: String,
     /// Structure and settings.
     pub row: String,
-    /// `build` or `trace`.
+    /// `build`, `trace`, or a kind of rays that has a threshold.
     pub quantity: &'static str,
 }
 
@@ -165,6 +165,12 @@ impl Contest {
                     add(all, key("build"), process, [a.build_s, b.build_s, c.build_s]);
                     let traces = [a, b, c].map(|lap| lap.trace_s.values().sum());
                     add(all, key("trace"), process, traces);
+                    for kind in self.thresholds.kinds_of(&rows[row]) {
+                        let of_kind = [a, b, c].map(|lap| lap.trace_s.get(kind).copied());
+                        if let [Some(a), Some(b), Some(c)] = of_kind {
+                            add(all, key(kind), process, [a, b, c]);
+                        }
+                    }
                 }
             }
         }

@@ -6,6 +6,7 @@
 use crate::comparison::entry::exact_ratio;
 use crate::comparison::pairing::RowPair;
 use crate::gate::evidence::{Evidence, Finding, Instructions, Outcome, Stage};
+use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
 use measurement::record::label;
 
@@ -24,10 +25,9 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
             .iter()
             .map(|row| Finding::of(STAGE.name, row, "trace", Outcome::Inconclusive, why))
             .collect(),
-        Instructions::Counted { base, now } => rows
-            .iter()
-            .flat_map(|row| of_row(row, base, now, evidence.thresholds.instructions))
-            .collect(),
+        Instructions::Counted { base, now } => {
+            rows.iter().flat_map(|row| of_row(row, base, now, evidence.thresholds)).collect()
+        }
     }
 }
 
@@ -35,7 +35,7 @@ fn of_row(
     row: &RowPair<'_>,
     base: &[CountedRow],
     now: &[CountedRow],
-    threshold: f64,
+    thresholds: &Thresholds,
 ) -> Vec<Finding> {
     let of = |counted: &[CountedRow]| {
         let [scene, own] = [&row.scenes[1].name, &row.rows[1].label()];
@@ -49,6 +49,7 @@ fn of_row(
             return [("build", before.build, now.build), ("trace", before.trace, now.trace)]
                 .into_iter()
                 .filter_map(|(what, before, now)| {
+                    let threshold = thresholds.instructions_of(&row.rows[1].label(), what);
                     Some(compared(row, what, before? as f64, now? as f64, threshold))
                 })
                 .collect();

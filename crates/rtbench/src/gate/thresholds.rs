@@ -8,11 +8,16 @@
 //! day: 5%. Turns are of several processes of each program, a moment apart: 2%. What is slower by less is
 //! what instruction counts are for.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
+
+use serde::Serialize;
+
+use measurement::record::metrics::{METRICS, Reading};
+use measurement::settings::choice;
 
 /// Thresholds of a check.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub struct Thresholds {
     /// Instructions: the share by which there may be more.
     pub instructions: f64,
@@ -25,6 +30,79 @@ pub struct Thresholds {
     /// The share of a run in which some thread may wait for a processor. Beyond it ratios within
     /// the run say little: a long time is interrupted more often than a short one.
     pub busiest: f64,
+    /// Those that some rows and kinds of rays have instead; of several that fit the last.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<RowThreshold>,
+}
+
+/// Thresholds of some rows, of some times or of both.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RowThreshold {
+    /// A structure with all its rows, or the label of one row; none for all.
+    pub row: Option<String>,
+    /// `build`, `trace` or a kind of rays; none for build and trace.
+    pub of: Option<&'static str>,
+    /// The share by which times may be longer.
+    pub time: Option<f64>,
+    /// The share by which instructions may be more.
+    pub instructions: Option<f64>,
+}
+
+/// Times that are judged of every row.
+const OF_ALL: [&str; 2] = ["build", "trace"];
+
+/// Names of the times that can have a threshold.
+fn quantities() -> impl Iterator<Item = &'static str> {
+    let kinds = METRICS.iter().filter_map(|metric| match metric.reading {
+        Reading::RatioOf(kind) => Some(kind),
+        _ => None,
+    });
+    OF_ALL.into_iter().chain(kinds)
+}
+
+/// The time of that name.
+///
+/// # Errors
+/// What is valid.
+pub fn quantity_named(name: &str) -> Result<&'static str, String> {
+    quantities().find(|known| *known == name).ok_or_else(|| {
+        let hint = choice::hint(name, quantities());
+        let valid: Vec<&str> = quantities().collect();
+        format!("of: unknown '{name}'{hint}; valid: {}", valid.join(", "))
+    })
+}
+
+impl fmt::Display for RowThreshold {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.row.as_deref().unwrap_or("all rows"))?;
+        self.of.map_or(Ok(()), |of| write!(f, ", {of}"))?;
+        let shares = [("time", self.time), ("instructions", self.instructions)];
+        let given = shares.into_iter().filter_map(|(name, share)| Some((name, share?)));
+        for ((name, share), before) in given.zip([": ", ", "]) {
+            write!(f, "{before}{name} {}%", (share * 1e4).round() / 100.0)?;
+        }
+        Ok(())
+    }
+}
+
+impl RowThreshold {
+    /// The kind of rays that it is of.
+    pub fn kind(&self) -> Option<&'static str> {
+        self.of.filter(|of| !OF_ALL.contains(of))
+    }
+
+    fn is_of_row(&self, label: &str) -> bool {
+        let structure = label.split(' ').next();
+        self.row.as_deref().is_none_or(|row| row == label || Some(row) == structure)
+    }
+
+    fn is_of(&self, label: &str, quantity: &str) -> bool {
+        let is_of_quantity = match self.of {
+            Some(of) => of == quantity,
+            None => OF_ALL.contains(&quantity),
+        };
+        is_of_quantity && self.is_of_row(label)
+    }
 }
 
 /// The share of a longer time where programs are measured in turns.
@@ -32,7 +110,14 @@ pub const OF_TURNS: f64 = 0.02;
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self { instructions: 0.005, time: 0.05, significance: 0.05, shortest: 200e-6, busiest: 0.2 }
+        Self {
+            instructions: 0.005,
+            time: 0.05,
+            significance: 0.05,
+            shortest: 200e-6,
+            busiest: 0.2,
+            rows: Vec::new(),
+        }
     }
 }
 
@@ -46,6 +131,27 @@ pub struct ThresholdError {
 }
 
 impl Thresholds {
+    /// The share by which a time of a row may be longer.
+    pub fn time_of(&self, label: &str, quantity: &str) -> f64 {
+        let own = self.rows.iter().filter(|own| own.is_of(label, quantity));
+        own.filter_map(|own| own.time).next_back().unwrap_or(self.time)
+    }
+
+    /// The share by which instructions of a row's build or traversal may be more.
+    pub fn instructions_of(&self, label: &str, quantity: &str) -> f64 {
+        let own = self.rows.iter().filter(|own| own.is_of(label, quantity));
+        own.filter_map(|own| own.instructions).next_back().unwrap_or(self.instructions)
+    }
+
+    /// Kinds of rays that are judged apart, since a threshold for the row names them.
+    pub fn kinds_of(&self, label: &str) -> Vec<&'static str> {
+        let own = self.rows.iter().filter(|own| own.is_of_row(label));
+        let mut kinds: Vec<&'static str> = own.filter_map(RowThreshold::kind).collect();
+        kinds.sort_unstable();
+        kinds.dedup();
+        kinds
+    }
+
     /// These, where each is in its range.
     ///
     /// # Errors
@@ -84,11 +190,29 @@ mod tests {
     use super::*;
 
     #[test]
-    fn they_are_read_with_defaults_and_unknown_ones_are_errors() {
-        let read = |text: &str| serde_json::from_str::<Thresholds>(text);
-        let some = read(r#"{"time": 0.2}"#).unwrap();
-        assert_eq!(some, Thresholds { time: 0.2, ..Thresholds::default() });
-        assert!(read(r#"{"tiem": 0.2}"#).unwrap_err().to_string().contains("time"));
+    fn the_last_entry_that_fits_decides() {
+        let of = |row: Option<&str>, of, time| RowThreshold {
+            row: row.map(str::to_owned),
+            of,
+            time: Some(time),
+            instructions: None,
+        };
+        let rows = vec![
+            of(None, Some("shadow"), 0.2),
+            of(Some("grid"), None, 0.1),
+            of(Some("grid density=4"), Some("trace"), 0.3),
+        ];
+        let thresholds = Thresholds { rows, ..Thresholds::default() };
+        let time = |row, what| thresholds.time_of(row, what);
+        assert_eq!([time("bvh", "trace"), time("bvh", "shadow")], [0.05, 0.2]);
+        assert_eq!([time("grid", "trace"), time("grid", "build")], [0.1, 0.1]);
+        assert_eq!([time("grid density=4", "trace"), time("grid density=4", "build")], [0.3, 0.1]);
+        // a kind of rays is another quantity than those that an entry without one is of
+        assert_eq!(time("grid", "shadow"), 0.2);
+        assert_eq!(time("gridlock", "build"), 0.05);
+        assert_eq!(thresholds.kinds_of("grid"), ["shadow"]);
+        let error = quantity_named("shdow").unwrap_err();
+        assert!(error.contains("'shdow' (did you mean 'shadow'?); valid: build, trace"), "{error}");
     }
 
     #[test]

@@ -16,19 +16,37 @@ use crate::comparison::differences::{other_processor, other_reference};
 use crate::comparison::pairing::RowPair;
 use crate::gate::contest::{self, Key, PairedTimes};
 use crate::gate::evidence::{Evidence, Finding, Outcome, Stage, Times};
-use measurement::record::metrics::METRICS;
-use measurement::record::{RowRecord, SceneRecord};
+use measurement::record::metrics::{METRICS, Metric, Reading};
+use measurement::record::{RowRecord, Sample, ratios};
 use statistics::estimate::median;
-use statistics::series::Series;
 use statistics::verdict::{Change, Rule, Verdict, correct};
 
 /// Registry line.
 pub const STAGE: Stage =
     Stage { name: "times", summary: "build and trace times, as ratios measured together", judge };
 
-/// The quantities of a row: as printed, the metric of its ratio, that of its time.
-const QUANTITIES: [(&str, &str, &str); 2] =
-    [("build", "build-ratio", "build"), ("trace", "ratio", "trace")];
+/// The times of a row: as printed, and the metric of their ratio to the reference.
+fn quantities(evidence: &Evidence<'_>, row: &RowPair<'_>) -> Vec<(&'static str, &'static Metric)> {
+    let ratio_of = |kind: &str| {
+        let is_own = |m: &&Metric| matches!(m.reading, Reading::RatioOf(own) if own == kind);
+        METRICS.iter().find(is_own)
+    };
+    let kinds = evidence.thresholds.kinds_of(&row.rows[1].label());
+    let kinds = kinds.into_iter().filter_map(|kind| Some((kind, ratio_of(kind)?)));
+    let whole = [("build", "build-ratio"), ("trace", "ratio")].into_iter();
+    let named = |name| METRICS.iter().find(|m| m.name == name);
+    whole.filter_map(|(what, name)| Some((what, named(name)?))).chain(kinds).collect()
+}
+
+/// The median seconds of one of them.
+fn seconds(row: &RowRecord, what: &str) -> Option<f64> {
+    let of = |sample: &Sample| match what {
+        "build" => Some(sample.build_s),
+        "trace" => Some(sample.total_trace_s()),
+        kind => sample.trace_s.get(kind).copied(),
+    };
+    median(ratios::series(row, of).values())
+}
 
 /// Why nothing is tested.
 enum Untested {
@@ -41,9 +59,9 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let rows = evidence.rows();
     let mut tested: Vec<(&RowPair<'_>, &'static str, Result<Change, Untested>)> = Vec::new();
     for row in &rows {
-        for (what, ratio, time) in QUANTITIES {
+        for (what, ratio) in quantities(evidence, row) {
             let found = match evidence.times {
-                Times::InRun { .. } => in_run(evidence, row, ratio, time),
+                Times::InRun { .. } => in_run(evidence, row, what, ratio),
                 Times::Paired { pairs, .. } => {
                     let key = Key::of(row, what);
                     let own = pairs.iter().find(|pair| pair.key == key);
@@ -67,15 +85,16 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 /// What a change must be beyond.
-fn rule(evidence: &Evidence<'_>) -> Rule {
+fn rule(evidence: &Evidence<'_>, row: &RowPair<'_>, what: &str) -> Rule {
     let thresholds = evidence.thresholds;
+    let time = thresholds.time_of(&row.rows[1].label(), what);
     let (floor, looks) = match evidence.times {
         Times::Paired { pairs, looks } => (contest::floor(pairs), looks.max(1)),
         Times::InRun { .. } => (evidence.floor(), 1),
     };
     Rule {
-        margin: thresholds.time,
-        noise: thresholds.time.max(floor.map_or(0.0, |floor| floor.floor)),
+        margin: time,
+        noise: time.max(floor.map_or(0.0, |floor| floor.floor)),
         significance: thresholds.significance / f64::from(looks),
     }
 }
@@ -87,7 +106,7 @@ fn finding(
     what: &'static str,
     change: &Change,
 ) -> Finding {
-    let rule = rule(evidence);
+    let rule = rule(evidence, row, what);
     let (busy, units) = match evidence.times {
         Times::InRun { cpu_pressure, .. } => (cpu_pressure, "rounds"),
         Times::Paired { .. } => (None, "processes"),
@@ -120,12 +139,11 @@ fn finding(
 fn in_run(
     evidence: &Evidence<'_>,
     row: &RowPair<'_>,
-    ratio: &str,
-    time: &str,
+    what: &str,
+    ratio: &Metric,
 ) -> Result<Change, Untested> {
     let RowPair { scenes, rows } = *row;
     let [before, now] = rows;
-    let both = |metric: &str| [values(metric, scenes[0], before), values(metric, scenes[1], now)];
     let is_across = matches!(evidence.times, Times::InRun { across_processors: true, .. });
     let processors = other_processor(&evidence.base.machine, &evidence.now.machine);
     if let Some(processors) = processors.filter(|_| !is_across) {
@@ -137,18 +155,12 @@ fn in_run(
     if rows.iter().any(|row| row.is_reference) {
         return Err(Untested::Reference);
     }
-    let seconds = both(time).map(|series| median(series.values()));
-    long_enough(seconds, evidence.thresholds.shortest)?;
-    let [before, now] = both(ratio);
+    long_enough(rows.map(|row| seconds(row, what)), evidence.thresholds.shortest)?;
+    let (before, now) = (ratio.values(scenes[0], before), ratio.values(scenes[1], now));
     let change = Change::of_series(&before, &now).filter(|change| change.ratio.is_some());
     change.ok_or_else(|| {
         Untested::Because(format!("{} rounds against {} are too few", now.len(), before.len()))
     })
-}
-
-fn values(metric: &str, scene: &SceneRecord, row: &RowRecord) -> Series {
-    let metric = METRICS.iter().find(|m| m.name == metric);
-    metric.map(|m| m.values(scene, row)).unwrap_or_default()
 }
 
 /// Times that are short before and now are not judged: what became long is.

@@ -26,6 +26,21 @@ pub struct SceneSet {
     /// The same of a quick run, before those of `run`.
     #[serde(default)]
     pub quick: Map<String, Value>,
+    /// Thresholds of `rtbench check` for some rows and kinds of rays.
+    #[serde(default)]
+    pub check: Vec<SetThreshold>,
+}
+
+/// An entry of a set's `check`, as written.
+#[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+pub struct SetThreshold {
+    /// A structure or a row, as `-s` takes them; none for all rows.
+    pub row: Option<String>,
+    /// `build`, `trace` or a kind of rays; none for build and trace.
+    pub of: Option<String>,
+    pub time_threshold: Option<String>,
+    pub instruction_threshold: Option<String>,
 }
 
 impl SceneSet {
