@@ -118,6 +118,15 @@ fn half_a_percent_more_instructions_is_a_regression() {
     other[0].rays += 1;
     assert_eq!(trace(&other), Outcome::NotJudged);
     assert_eq!(trace(&counted(1_000_000)[1..]), Outcome::NotJudged);
+    let build = |instructions| {
+        let mut now = counted(1_000_000);
+        now[0].build = Some(instructions);
+        let findings = of(&record, &record, Instructions::Counted { base: &base, now: &now });
+        outcome(&findings, "instructions", "build")
+    };
+    // what the allocator does of itself, and more than that
+    assert_eq!([build(50_400), build(49_600)], [Outcome::Unchanged; 2]);
+    assert_eq!([build(51_000), build(49_000)], [Outcome::Regression, Outcome::Improved]);
     let findings = of(&record, &record, Instructions::Missing("no valgrind"));
     assert_eq!(Report::worst(&findings), Outcome::Inconclusive);
 }
