@@ -12,6 +12,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use crate::journal::lines::compare;
+use crate::record::file::RecordError;
 use crate::record::summary::summarize;
 use crate::record::{Machine, PartRecord, RowRecord, RunRecord, SceneRecord};
 use crate::settings::shard::ShardRecord;
@@ -19,6 +20,9 @@ use crate::settings::shard::ShardRecord;
 /// Reasons why parts cannot be merged.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MergeProblem {
+    /// The record of a part cannot be read.
+    #[error("{0}")]
+    Unreadable(String),
     /// It is the record of a whole run.
     #[error("{}: not a part of a run: expected one of `rtbench run --shard I/N`", path.display())]
     NotAPart {
@@ -129,15 +133,22 @@ struct CountedResults<'a> {
     answers_sha256: &'a Option<String>,
 }
 
-/// Joins parts, given in any order. `mixed` allows parts of different machines. The result has
+/// Joins parts, read or not, in any order. `mixed` allows parts of different machines. The result has
 /// everything but a command line of its own.
 ///
 /// # Errors
 /// [`MergeError`] with everything that is wrong with the parts.
-pub fn merge(parts: Vec<Part>, mixed: bool) -> Result<RunRecord, MergeError> {
+pub fn merge(parts: Vec<Result<Part, RecordError>>, mixed: bool) -> Result<RunRecord, MergeError> {
     let mut problems = Vec::new();
     let mut sharded: Vec<(ShardRecord, Part)> = Vec::new();
-    for mut part in parts {
+    for part in parts {
+        let mut part = match part {
+            Ok(part) => part,
+            Err(error) => {
+                problems.push(MergeProblem::Unreadable(error.to_string()));
+                continue;
+            }
+        };
         match part.record.shard.take() {
             Some(shard) => sharded.push((shard, part)),
             None => problems.push(MergeProblem::NotAPart { path: part.path }),

@@ -25,10 +25,9 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     if args.machines {
         return machines_of(context, args, color);
     }
-    let mut parts = Vec::with_capacity(args.parts.len());
-    for path in &args.parts {
-        parts.push(Part { record: file::read(path)?, path: path.clone() });
-    }
+    let parts = args.parts.iter();
+    let read = parts.map(|path| Ok(Part { record: file::read(path)?, path: path.clone() }));
+    let parts = read.collect();
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
     if let Some(select) = &args.exports.export_select

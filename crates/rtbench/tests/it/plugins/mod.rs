@@ -5,6 +5,8 @@ mod by_files;
 mod everywhere;
 mod foreign;
 mod in_turns;
+#[cfg(unix)]
+mod slurm;
 mod trace;
 mod verify;
 
