@@ -62,14 +62,13 @@ pub(crate) fn intersect_in<S: Scalar>(
     let depth = u * a[2] + v * b[2] + w * c[2];
     let t = depth * shear.shear[2] / det;
     let (terms, largest) = (terms(&[a, b, c]), largest(&[a, b, c]));
-    // NaN fails all comparisons
-    let is_begun = t >= t_min;
-    // also where the determinant is zero, or NaN; whatever was hit before, lest answers depend on
-    // order
+    // also where the determinant is zero, or NaN; whatever the interval is and whatever was hit
+    // before: a triangle has one parameter on a ray
     if !weights_suffice(terms, largest, det, shear.fine)
-        || is_begun && depth.abs() < shear.near * (largest * largest)
+        || depth.abs() < shear.near * (largest * largest)
     {
         return precisely();
     }
-    (is_begun && t <= t_max).then_some(t)
+    // NaN fails both comparisons
+    (t >= t_min && t <= t_max).then_some(t)
 }
