@@ -178,7 +178,9 @@ fn moved<S: Scalar>(ray: &Ray<S>, reach: S, factor: S) -> Option<(crate::Vec3<S>
         return None;
     }
     let by = S::from_f64((along - 1.5 * radius) / length);
-    Some((crate::Vec3::<S>::from_dvec3(o + d * by.to_f64()), by))
+    // one rounding: the product alone may be far larger than the scene
+    let moved = [0, 1, 2].map(|k| d[k].mul_add(by.to_f64(), o[k]));
+    Some((crate::Vec3::<S>::from_dvec3(moved.into()), by))
 }
 
 #[cfg(test)]
