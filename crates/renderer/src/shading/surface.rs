@@ -60,8 +60,7 @@ impl<'a> Surfaces<'a> {
             Shape::Patch { v, n } => self.patch_normal(v, n, position),
         };
         let material = &self.scene.materials[primitive.material as usize];
-        let mut refined = refined_hit(self.scene, &self.polygon_normals, id, position);
-        refined.magnitude = refined.magnitude.min(self.most);
+        let refined = refined_hit(self.scene, &self.polygon_normals, self.most, id, position);
         SurfacePoint { position, normal, material, color: material.color, refined }
     }
 
