@@ -7,6 +7,7 @@ pub mod cell_lists;
 pub mod cell_overlap;
 pub mod cell_traversal;
 pub(crate) mod changed_cells;
+pub(crate) mod copies;
 pub mod distance_field;
 pub mod driving_axis_traversal;
 pub(crate) mod nested_grids;

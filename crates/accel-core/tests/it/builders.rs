@@ -123,6 +123,13 @@ fn tiny_triangles_are_hit<S: Buildable>(sizes: &[f64]) {
         for (x, y, is_met) in [(0.1, 0.2, true), (0.0, 0.0, true), (0.6, 0.6, false)] {
             let ray = Ray::<S>::new(point(x, y, 0.0), direction);
             let setup = set.setup(&ray);
+            let outline = [[-1.0, -1.0], [0.5, -1.0], [2.0, -1.0], [-1.0, 2.0]];
+            let mut mixed = MixedSetBuilder::<S>::default();
+            mixed.polygon(&outline.map(|[x, y]| dvec3(x * size, y * size, 0.5))).unwrap();
+            mixed.triangle([DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
+            let mixed = mixed.finish();
+            let met = mixed.intersect(0, &ray, &mixed.setup(&ray), S::INFINITY).map(S::to_f64);
+            assert_eq!(met, is_met.then_some(0.5), "polygon {size:e} {x} {y}");
             let met = set.intersect(0, &ray, &setup, S::INFINITY).map(S::to_f64);
             assert_eq!(met, is_met.then_some(0.5), "{size:e} {x} {y}");
             for entry in REGISTRY {
@@ -141,5 +148,5 @@ fn tiny_triangles_are_hit<S: Buildable>(sizes: &[f64]) {
 #[test]
 fn triangles_whose_products_underflow_are_hit() {
     tiny_triangles_are_hit::<f32>(&[1e-12, 1e-18, 1e-21, 1e-23]);
-    tiny_triangles_are_hit::<f64>(&[1e-100, 1e-150, 1e-156]);
+    tiny_triangles_are_hit::<f64>(&[1e-100, 1e-150, 1e-156, 1e-170, 1e-220]);
 }

@@ -111,6 +111,23 @@ fn ten_thousand_duplicates() {
     all_build("duplicates", triangles);
 }
 
+/// Copies of one primitive take a structure no more than four times what they take a tree.
+#[test]
+fn duplicates_take_what_they_take_a_tree() {
+    let one = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [1.0, 1.0, 0.5]];
+    let set = set(vec![one; 100_000]);
+    let bytes = |entry: &Entry| build(entry, &set).unwrap();
+    let cap = 4 * bytes(find("wide-bvh").unwrap());
+    let over = REGISTRY.iter().map(|entry| (entry.info.name, bytes(entry)));
+    let over: Vec<_> = over.filter(|(_, bytes)| *bytes > cap).collect();
+    assert!(over.is_empty(), "{cap}: {over:?}");
+    // planted fault: a resolution that does not regard copies
+    let entry = find("uniform-grid").unwrap();
+    let params = entry.params([("resolution", "14x14x7")]).unwrap();
+    let fixed = entry.build(PrimsRef::Watertight(&set), &params).unwrap().stats().bytes;
+    assert!(fixed > cap, "{fixed}");
+}
+
 /// Every second cube of `n` a side, as on a checkerboard, each of 12 triangles; in the unit cube.
 fn blocks(n: i32) -> Vec<Corners> {
     let is_there = |c: &[i32; 3]| c.iter().sum::<i32>() % 2 == 0;

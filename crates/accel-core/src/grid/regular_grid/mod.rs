@@ -7,12 +7,11 @@ mod contents;
 mod frustum_traversal;
 mod side_by_side;
 
-use std::collections::HashSet;
-
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::TooManyReferences;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
+use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::ResolutionRule;
 use crate::grid::voxel_traversal::{GridFrame, IndexedCell};
 use crate::grid::voxel_traversal_lanes::MOST_CELLS;
@@ -255,32 +254,13 @@ const REFERENCES: Counted = Counted::references("references in voxels");
 /// scenes of 1999 no rule needs more than 12.
 const REFERENCES_A_PRIMITIVE: u64 = 64;
 
-/// The same where nearly all primitives lie where others do: voxels do not separate those, and a
-/// tree has each once.
-const REFERENCES_A_DUPLICATE: u64 = 3;
-
 /// How many references a computed resolution may have.
 fn soft_limit<S: Scalar, P: PrimSet<S>>(prims: &P) -> u64 {
-    let number = prims.len();
-    if !are_duplicates(prims) {
-        return (REFERENCES_A_PRIMITIVE * number as u64).max(1 << 20);
+    let number = prims.len() as u64;
+    if are_copies(prims) {
+        return MOST_REFERENCES_A_COPY * number;
     }
-    REFERENCES_A_DUPLICATE * number as u64
-}
-
-/// Whether a sample of many primitives has few boxes.
-fn are_duplicates<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
-    const SAMPLE: usize = 1024;
-    let step = prims.len() / SAMPLE;
-    if step < 4 {
-        return false;
-    }
-    let bits = |id: usize| {
-        let bounds = prims.bounds((id * step) as u32);
-        [bounds.min, bounds.max].map(|p| p.to_dvec3().to_array().map(f64::to_bits))
-    };
-    let distinct: HashSet<_> = (0..SAMPLE).map(bits).collect();
-    distinct.len() * 16 <= SAMPLE
+    (REFERENCES_A_PRIMITIVE * number).max(1 << 20)
 }
 
 /// Contents under the settings, and their storage. A resolution that is not given in

@@ -37,6 +37,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
+use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::Counted;
@@ -164,6 +165,10 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         };
         let top = resolve(ResolutionRule::Density, &input)
             .map_err(|needed| too_large("number of cells", needed, input.max_cells.into()))?;
+        // copies are in all cells that one of them is in
+        let are_copies = are_copies(prims);
+        let top = if are_copies { [1; 3] } else { top };
+        let most_growth = if are_copies { MOST_REFERENCES_A_COPY as f64 } else { f64::INFINITY };
         let padded = Padded(&boxes);
         let whole = |top| Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
         let mut lattice = whole(top);
@@ -180,7 +185,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             density: effort.density,
             step_cost: config.step_cost,
             max_references: limits.most(&REFERENCES, config.max_references),
-            max_growth: config.max_growth,
+            max_growth: config.max_growth.min(most_growth),
         };
         let mut cells = subdivide(&lattice, &padded, settings).map_err(
             |TooLarge { what, needed, limit }| match what == cells::REFERENCES {
