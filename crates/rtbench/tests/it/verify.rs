@@ -150,7 +150,6 @@ fn all_structures_pass_motion_copies_glass_lights_frames_and_crowds() {
 }
 
 #[test]
-#[ignore = "fails: 11 of 840, Q2slivers among them; polygons near their plane are not right yet"]
 fn all_structures_pass_polygons_slender_cones_and_far_intervals() {
     let cases = "Q1,Q2,Q2slivers,Q3,Q3flat,Q4,Q6";
     let ended = verify(REGISTRY, &format!("--cases {cases} --rays 60"));
@@ -219,7 +218,6 @@ fn what_is_not_there_is_an_error_that_names_what_is() {
 }
 
 #[test]
-#[ignore = "fails since polygons and cones are tested anew: 1 of 20,000 rays hits what it leaves"]
 fn an_offset_of_zero_hits_what_it_leaves() {
     let hits_with = |rule| {
         let mut random = Random::new(1, "offsets");

@@ -197,7 +197,6 @@ fn laws_that_need_no_other_structure_are_held() {
 }
 
 #[test]
-#[ignore = "fails: Q2slivers refutes brute force itself"]
 fn lost_and_farther_hits_of_polygons_and_slender_cones_are_refuted() {
     for id in ["Q1", "Q2", "Q2slivers", "Q3", "Q3flat", "Q6"] {
         assert_eq!(told(id, first), [""; 0], "{id}");

@@ -7,7 +7,7 @@
 use accel_core::{Ray, Scalar, Vector};
 use glam::DVec3;
 
-use super::double_double::DoubleDouble;
+use super::double_double::{DoubleDouble, difference, dot, vector};
 use super::round::Expected;
 
 /// Epsilons of the distance to the farthest point, or of the largest coordinate, by which the
@@ -139,18 +139,6 @@ pub fn first_of(all: impl Iterator<Item = (u32, Expected)>) -> Expected {
 
 fn ordered(a: f64, b: f64) -> (f64, f64) {
     (a.min(b), a.max(b))
-}
-
-fn vector(v: DVec3) -> [DoubleDouble; 3] {
-    v.to_array().map(DoubleDouble::from)
-}
-
-fn difference(a: DVec3, b: DVec3) -> [DoubleDouble; 3] {
-    [0, 1, 2].map(|k| DoubleDouble::from(a[k]) - DoubleDouble::from(b[k]))
-}
-
-fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

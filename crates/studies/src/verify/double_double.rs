@@ -5,6 +5,8 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use glam::DVec3;
+
 /// `high + low`, of which `low` is at most half an ulp of `high`.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct DoubleDouble {
@@ -79,6 +81,26 @@ impl Div for DoubleDouble {
         let rest = self - first * other;
         first + Self::from(rest.high / other.high)
     }
+}
+
+/// A vector in more digits.
+pub fn vector(v: DVec3) -> [DoubleDouble; 3] {
+    v.to_array().map(DoubleDouble::from)
+}
+
+/// `a - b`, exact.
+pub fn difference(a: DVec3, b: DVec3) -> [DoubleDouble; 3] {
+    [0, 1, 2].map(|k| DoubleDouble::from(a[k]) - DoubleDouble::from(b[k]))
+}
+
+/// The dot product.
+pub fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The cross product.
+pub fn cross(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> [DoubleDouble; 3] {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
 }
 
 #[cfg(test)]

@@ -2,12 +2,14 @@
 //!
 //! J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
 //! Predicates", 1997, through the crate `robust`. Edges and corners belong to the triangle; a
-//! triangle in the plane of the ray is not met.
+//! triangle in the plane of the ray is not met. Parameters and depths are computed in twice the
+//! digits of f64: from a far origin f64 has none left.
 
 use accel_core::{Ray, Scalar, Vector};
 use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
+use super::double_double::{cross, difference, dot, vector};
 use super::model::Corners;
 
 /// A triangle that the line of the ray meets, or passes closely.
@@ -111,29 +113,40 @@ impl ExactRay {
 
     /// Where the line crosses the plane; `None` when they are parallel.
     fn meeting(&self, id: u32, &[a, b, c]: &Corners) -> Option<Meeting> {
-        let side = |p: DVec3, q: DVec3| volume(self.from, self.to, p, q);
-        let sides = [side(b, c), side(c, a), side(a, b)];
-        let sum: f64 = sides.iter().sum();
-        let (low, high) = (volume(a, b, c, self.from), volume(a, b, c, self.to));
-        if sum == 0.0 || low == high {
+        let along = self.to - self.from;
+        let across = cross(difference(b, a), difference(c, a));
+        let slope = dot(across, vector(along));
+        if slope.high == 0.0 {
             return None;
         }
-        let depth = sides.iter().map(|s| s / sum).fold(f64::INFINITY, f64::min);
-        let length = (self.to - self.from).length();
-        let normal = (b - a).cross(c - a).length();
+        let depth = [(b, c), (c, a), (a, b)].map(|(p, q)| {
+            let (p, q) = (difference(p, self.from), difference(q, self.from));
+            (dot(cross(p, q), vector(along)) / slope).high
+        });
+        let depth = depth.into_iter().fold(f64::INFINITY, f64::min);
+        let depth = if self.is_met(&[a, b, c]) { depth.max(0.0) } else { depth.min(BELOW_ZERO) };
+        let t = (dot(across, difference(a, self.from)) / slope).high;
+        let normal = across.map(|x| x.high);
+        let normal = DVec3::from_array(normal).length();
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         // of the angle between line and plane
-        let sine = (low - high).abs() / (normal * length);
-        let blur = Blur { t: 1.0 / (sine * length), depth: longest / (normal * sine) };
-        Some(Meeting { id, t: low / (low - high), depth, blur })
+        let sine = slope.high.abs() / (normal * along.length());
+        let blur = Blur { t: 1.0 / (sine * along.length()), depth: longest / (normal * sine) };
+        Some(Meeting { id, t, depth, blur })
+    }
+
+    /// Whether the line passes within the triangle or through its border, by exact signs.
+    fn is_met(&self, [a, b, c]: &Corners) -> bool {
+        let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
+        let side =
+            |p: &DVec3, q: &DVec3| orient3d(coord(self.from), coord(self.to), coord(*p), coord(*q));
+        let sides = [side(b, c), side(c, a), side(a, b)];
+        sides.iter().all(|s| *s >= 0.0) || sides.iter().all(|s| *s <= 0.0)
     }
 }
 
-/// Six times the volume of a tetrahedron, its sign exact.
-fn volume(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
-    let coord = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
-    orient3d(coord(a), coord(b), coord(c), coord(d))
-}
+/// The largest number below zero.
+const BELOW_ZERO: f64 = -f64::from_bits(1);
 
 /// Rounding error of `a + b` (Knuth's two-sum).
 fn two_sum_error(a: f64, b: f64) -> f64 {

@@ -39,6 +39,8 @@ struct Face {
     /// How far its vertices are off its plane.
     bend: f64,
     radius: f64,
+    /// About its least width: what a bend tilts it over.
+    width: f64,
 }
 
 /// A polygon that a line meets, or may meet.
@@ -163,13 +165,14 @@ impl Surface {
                 return None;
             }
             let seen: Vec<DVec2> = face.outline.iter().map(across).collect();
-            let near = face.place(&seen, slack)?;
+            // as projected, an outline has no bend: neighbours must agree which edges are near
+            let near = face.place(&seen, shift)?;
             let sine = face.normal.dot(along);
             let middle = face.normal.dot(face.centre - origin) / sine;
             let reach = slack / sine.abs();
             // where a polygon is seen edge-on it is met anywhere in it
             let nearest = (face.centre - origin).dot(along);
-            let is_clear = sine.abs() * face.radius > 4.0 * slack;
+            let is_clear = sine.abs() * face.width > 4.0 * slack;
             let t = match is_clear {
                 true => [middle - reach, middle + reach],
                 false => [nearest - face.radius - slack, nearest + face.radius + slack],
@@ -184,11 +187,13 @@ impl Surface {
 impl Face {
     fn new(outline: &[DVec3], edges: Vec<Option<usize>>) -> Self {
         let centre = outline.iter().sum::<DVec3>() / outline.len() as f64;
-        let normal = normal(outline, centre);
+        let across = normal(outline, centre);
+        let normal = across.normalize_or_zero();
         let off = outline.iter().map(|p| (*p - centre).dot(normal).abs());
         let away = outline.iter().map(|p| p.distance(centre));
         let (bend, radius) = (off.fold(0.0, f64::max), away.fold(0.0, f64::max));
-        Self { outline: outline.to_vec(), edges, normal, centre, bend, radius }
+        let width = (across.length() / (4.0 * radius)).min(radius);
+        Self { outline: outline.to_vec(), edges, normal, centre, bend, radius, width }
     }
 
     /// The edges within `slack` of the origin, which is the line; none of them where it runs
@@ -216,8 +221,8 @@ fn key(p: DVec3) -> [u64; 3] {
     p.to_array().map(|x| (x + 0.0).to_bits())
 }
 
-/// The unit normal by Newell's method; where the parts of a crossing outline cancel, that of the
-/// two vertices which span the most.
+/// The normal by Newell's method, of twice the area's length; where the parts of a crossing outline
+/// cancel, that of the two vertices which span the most.
 fn normal(outline: &[DVec3], centre: DVec3) -> DVec3 {
     let at = |i: usize| outline[i % outline.len()] - centre;
     let many = 0..outline.len();
@@ -226,7 +231,7 @@ fn normal(outline: &[DVec3], centre: DVec3) -> DVec3 {
     let spans = pairs.map(|(i, k)| at(i).cross(at(k)));
     let widest = spans.fold(DVec3::ZERO, |a, b| if b.length() > a.length() { b } else { a });
     let is_crossed = newell.length() < 1e-6 * widest.length();
-    if is_crossed { widest } else { newell }.normalize_or_zero()
+    if is_crossed { widest } else { newell }
 }
 
 #[cfg(test)]

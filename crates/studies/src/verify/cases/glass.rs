@@ -28,7 +28,7 @@ fn glass<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     // glass and what is not in one place
     triangles.extend_from_within(..20);
     random.shuffle(&mut triangles);
-    let of = 1 + random.below(4);
+    let of = 2 + random.below(3);
     let is_glass = |id: u32| !(id as usize).is_multiple_of(of);
     let model = match random.below(2) {
         0 => {
