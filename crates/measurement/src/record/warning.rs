@@ -82,8 +82,8 @@ impl fmt::Display for Warning {
                 let held = 1.0 - 2.0 * 0.5f64.powf(*rounds as f64);
                 write!(
                     f,
-                    "too few rounds: intervals of {rounds} hold the median in {:.0}% of all cases, \
-                     not 95%; use --rounds 6 or more, or --time-budget",
+                    "too few rounds: the range of {rounds} holds the median in {:.0}% of all cases; \
+                     use --rounds 6 or more, or --time-budget",
                     100.0 * held
                 )
             }

@@ -137,7 +137,7 @@ mod tests {
     #[test]
     fn too_few_rounds_are_found_except_in_a_first_look() {
         let mut few = run(&[&QUIET, &[1.0, 1.0, 1.0]]);
-        assert!(only(&few).contains("intervals of 3 hold the median in 75% of all cases"));
+        assert!(only(&few).contains("the range of 3 holds the median in 75% of all cases"));
         few.settings.quick = true;
         assert_eq!(of(&few), []);
         assert_eq!(of(&run(&[&QUIET[..5]])), []);

@@ -127,6 +127,9 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
     // a scene may not serve one axis of several; one that serves none was asked for in vain
     let is_vain = study.unfit > 0 && record.axes.iter().all(|axis| axis.scenes.is_empty());
+    if is_vain {
+        context.error("nothing was measured: no axis fits a scene");
+    }
     Ok(if study.failures > 0 || has_faults || is_vain { FAILURE } else { SUCCESS })
 }
 

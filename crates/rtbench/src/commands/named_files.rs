@@ -54,8 +54,8 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
     named.into_iter().flatten().collect()
 }
 
-/// The files that a command writes to the folder of `-o`; of a run that is resumed also its exports,
-/// which [`named_files`] leaves out.
+/// Files that a command writes and that [`named_files`] leaves out: those in the folder of `-o`, the
+/// exports of a run that is resumed, and the page of a report.
 pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
     let folder = match command {
         Command::Run(args) => args.resume.as_ref().or(args.exports.output.as_ref()),
@@ -73,6 +73,9 @@ pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
     {
         files.extend(exports(&args.exports).into_iter().flatten());
     }
+    if let Command::Report(args) = command {
+        files.extend(args.output.clone());
+    }
     files
 }
 
@@ -81,6 +84,7 @@ pub fn files_read(command: &Command) -> Vec<PathBuf> {
     let read: Vec<&Path> = match command {
         Command::Merge(args) => args.parts.iter().map(PathBuf::as_path).collect(),
         Command::Compare(args) => args.results.iter().map(PathBuf::as_path).collect(),
+        Command::Report(args) => args.folders.iter().map(PathBuf::as_path).collect(),
         Command::Check(args) => {
             let baseline = args.baseline.as_deref().map(Path::new);
             let others = args.results.iter().chain(&args.against).chain(&args.against_plugin);

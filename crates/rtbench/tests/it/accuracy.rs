@@ -260,6 +260,11 @@ fn unknown_axes_and_unfit_scenes_are_errors() {
     let ended = run("accuracy triangle-test --scene balls:1 --quick --rounds 3");
     assert_eq!(ended.code, 1);
     assert!(ended.err.contains("surrounded by triangles"), "{}", ended.err);
+    assert!(ended.err.contains("error: nothing was measured"), "{}", ended.err);
+    // one axis of several
+    let ended = run("accuracy triangle-test mailbox --scene balls:1 --quick --rounds 3");
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    assert!(ended.err.contains("warning: triangle-test: scene balls:1"), "{}", ended.err);
 }
 
 #[test]

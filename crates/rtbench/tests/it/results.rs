@@ -318,9 +318,44 @@ fn warnings_are_printed_and_kept() {
         folder.path()
     ));
     assert_eq!(ended.code, 0);
-    assert!(ended.err.starts_with("warning: too few rounds: intervals of 3 hold"), "{}", ended.err);
+    assert!(
+        ended.err.starts_with("warning: too few rounds: the range of 3 holds"),
+        "{}",
+        ended.err
+    );
     assert_eq!(folder.record().warnings, [Warning::TooFewRounds { rounds: 3 }]);
     assert!(folder.text("results.md").contains("- warning: too few rounds: "));
     let quiet = run_stepping("run tetra:2 --size 8 -s obvhs-cwbvh");
     assert_eq!((quiet.code, quiet.err.as_str()), (0, ""));
+}
+
+/// Of one round and of three there is no interval of 95%, and nothing is significant: not on the screen,
+/// not in the tables, not in the report.
+#[test]
+fn few_rounds_claim_no_interval_and_nothing_significant() {
+    for (rounds, heading) in [
+        ("--rounds 1", "One round: figures without intervals."),
+        (
+            "--quick",
+            "3 rounds: brackets are the least and the largest of 3, no 95% intervals; nothing here is \
+             significant.",
+        ),
+    ] {
+        let folder = Folder::new();
+        let run = "run tetra:1 tetra:2 --size 8 -s uniform-grid,brute-force,obvhs-cwbvh";
+        let ended = run_stepping(&format!("{run} {rounds} -o {}", folder.path()));
+        assert_eq!(ended.code, 0, "{}", ended.err);
+        let report = run_stepping(&format!("report {} --no-pictures", folder.path()));
+        assert_eq!(report.code, 0, "{}", report.err);
+        for text in [ended.out, folder.text("results.md"), folder.text("report.html")] {
+            let words: Vec<&str> = text.split_whitespace().collect();
+            let text = words.join(" ");
+            assert!(text.contains(heading), "{rounds}: {text}");
+            let rest = text.replace(heading, "");
+            for claim in ["95%", "significant"] {
+                let place = rest.find(claim).map(|at| &rest[at.saturating_sub(80)..at + 20]);
+                assert_eq!(place, None, "{rounds}");
+            }
+        }
+    }
 }

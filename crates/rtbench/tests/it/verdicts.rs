@@ -9,6 +9,7 @@ use accel_core::{Ray, Scalar};
 use measurement::record::{Verdict, Warning};
 use measurement::scenes::Installed;
 use measurement::system::clock::SystemClock;
+use studies::run::lines::wrong_rays;
 
 use crate::common::{
     DECLARED, Folder, PLANTED, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows, WRONG_FIRST,
@@ -55,6 +56,12 @@ fn a_declared_defect_is_shown_and_is_no_failure() {
     assert_eq!(shipped.verdict, Verdict::WrongAsShipped);
     assert!(shipped.mismatches > 0 && shipped.trace_s.is_some());
     assert!(ended.out.contains("wrong (as shipped)") && ended.out.contains("forgets on purpose"));
+    // the plots of the report say of its bar how many rays are wrong
+    let report = run(DECLARED, &format!("report {} --no-pictures", folder.path()));
+    assert_eq!(report.code, 0, "{}", report.err);
+    let defect = format!("({})", wrong_rays(shipped.mismatches, shipped.checked_rays));
+    let page = folder.text("report.html");
+    assert!(page.matches(&defect).count() >= 4, "both charts, wide and narrow: {defect}");
 }
 
 #[test]

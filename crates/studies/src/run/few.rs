@@ -18,7 +18,12 @@ const HEADS: [(&str, &str, &str); 5] = [
 ];
 
 /// Words of certainty, and what stands in their place.
-const WORDS: [(&str, &str); 6] = [
+const WORDS: [(&str, &str); 7] = [
+    (
+        "Intervals are 95% bootstrap percentile intervals (expanded, Hesterberg 2015); of fewer than six \
+         rounds they reach from the least to the largest value.",
+        "Brackets are the least and the largest value.",
+    ),
     ("95% bootstrap interval", "range of the rounds"),
     ("95% intervals", "ranges of the rounds"),
     ("95% interval", "range of the rounds"),
@@ -76,7 +81,8 @@ impl Few {
     /// A page likewise, which says so below its title.
     pub fn page(self, html: &str) -> String {
         let heading = format!("</h1><p class=\"notes\">{}</p>", self.heading());
-        self.text(html).replace("[95%]", "[range]").replacen("</h1>", &heading, 1)
+        let html = self.text(html).replace("[95%]", "[range]").replace(">95%<", ">range<");
+        html.replacen("</h1>", &heading, 1)
     }
 
     /// A text without words of certainty; of one round without brackets around one figure.

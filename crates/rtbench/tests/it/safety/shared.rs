@@ -41,6 +41,7 @@ fn no_output_destroys_a_record() {
     let mut refused = vec![
         "compare DIR/a DIR/b --export-json DIR/a/results.json",
         "run --resume DIR/a --export-csv DIR/a/results.json",
+        "report DIR/a -o DIR/a/results.json",
         "check --baseline DIR/b/results.json --results DIR/a --export-json DIR/a/results.json",
         "check --baseline DIR/a --results DIR/b --export-csv DIR/a/results.json",
     ];
