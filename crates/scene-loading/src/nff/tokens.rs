@@ -51,16 +51,21 @@ impl<'a> Words<'a> {
     /// The next word, left in place.
     pub fn peek(&mut self) -> Option<Word<'a>> {
         loop {
-            let text = self.rest.trim_start_matches(|c: char| c.is_ascii_whitespace());
-            let (blank, _) = self.rest.split_at(self.rest.len() - text.len());
-            self.line += blank.bytes().filter(|&b| b == b'\n').count();
+            let (mut blanks, mut lines) = (0, 0);
+            for b in self.rest.bytes().take_while(u8::is_ascii_whitespace) {
+                blanks += 1;
+                lines += usize::from(b == b'\n');
+            }
+            self.line += lines;
+            let text = self.rest.get(blanks..).unwrap_or("");
             self.rest = text;
             if !text.starts_with(self.comments) {
                 break;
             }
             self.rest = text.find('\n').and_then(|end| text.get(end..)).unwrap_or("");
         }
-        let word = self.rest.split(|c: char| c.is_ascii_whitespace()).next()?;
+        let end = self.rest.bytes().position(|b| b.is_ascii_whitespace());
+        let word = self.rest.get(..end.unwrap_or(self.rest.len()))?;
         (!word.is_empty()).then_some(Word { text: word, line: self.line })
     }
 
