@@ -223,9 +223,9 @@ impl<S: Scalar> TriangleBlock<S> {
             & splat(S::LEAST_DETERMINANT).at_most(size);
         let depth = u * a[2] + v * b[2] + w * c[2];
         let t = depth * splat(shear.depth_scale()) / det;
-        let near = depth.absolute().below(from.near * square);
+        // NaN fails all comparisons
+        let near = zero.at_most(t) & depth.absolute().below(from.near * square);
         let doubts = (doubtful | near).high_bits() | !suffice.high_bits();
-        // NaN fails both comparisons
         let within = splat(t_min).at_most(t) & t.at_most(splat(t_max));
         Some((within.high_bits() & alike & !doubts, doubts & alike, t.to_array()))
     }

@@ -65,7 +65,7 @@ pub(crate) fn intersect_in<S: Scalar>(
     // also where the determinant is zero, or NaN; whatever the interval is and whatever was hit
     // before: a triangle has one parameter on a ray
     if !weights_suffice(terms, largest, det, shear.fine)
-        || depth.abs() < shear.near * (largest * largest)
+        || t >= S::ZERO && depth.abs() < shear.near * (largest * largest)
     {
         return precisely();
     }
