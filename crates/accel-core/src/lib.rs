@@ -49,6 +49,7 @@
 //!   structure of yours, for `rtbench::main_with`; [`prelude`] has what that one needs, and does
 //!   not change.
 
+mod capacity;
 pub mod geometry;
 pub mod grid;
 pub mod historical;
@@ -60,7 +61,6 @@ pub mod prelude;
 pub mod primitives;
 pub mod query;
 pub mod registry;
-mod room;
 pub mod structure;
 pub mod structures;
 pub mod tree;

@@ -1,5 +1,5 @@
-//! How much memory a structure may take: asked before it is taken, so that what does not fit is an
-//! error and no end of the program.
+//! Memory limit of a structure. It is checked before allocation, so that exceeding it is an error
+//! and does not end the program.
 //!
 //! A structure asks where its sizes come from settings and scenes:
 //! [`Settings::fits`](crate::params::config::Settings::fits) for a list of known length; a
@@ -15,7 +15,7 @@ const SMALL: u128 = 1 << 20;
 pub struct MemoryLimit(u64);
 
 impl MemoryLimit {
-    /// No limit but the system's.
+    /// No limit except the system's.
     pub const NONE: Self = Self(u64::MAX);
 
     /// So many bytes.
@@ -39,12 +39,12 @@ impl MemoryLimit {
         if self == Self::NONE { self } else { Self(self.0 / 2) }
     }
 
-    /// How many things of so many bytes each fit.
+    /// Number of items of this size that fit.
     pub fn count(self, bytes_each: u64) -> u64 {
         if self == Self::NONE { u64::MAX } else { self.0 / bytes_each.max(1) }
     }
 
-    /// Whether so many bytes may be taken.
+    /// Checks that this many bytes may be taken.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -57,7 +57,7 @@ impl MemoryLimit {
         }
     }
 
-    /// Whether so many bytes may be taken, and can be had now.
+    /// Checks that this many bytes may be taken, and can be had now.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -70,7 +70,7 @@ impl MemoryLimit {
     }
 }
 
-/// Whether the system grants so many bytes: they are asked for, and given back untouched.
+/// Returns whether the system grants so many bytes: they are asked for, and given back untouched.
 fn can_be_had(bytes: u128) -> bool {
     let mut room = Vec::<u8>::new();
     let granted = usize::try_from(bytes).is_ok_and(|n| room.try_reserve_exact(n).is_ok());
@@ -102,7 +102,7 @@ fn reason(limit: Option<u64>) -> String {
     }
 }
 
-/// Which structure is built, and how much memory it may take.
+/// The structure being built, and its memory limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     pub(crate) structure: &'static str,
@@ -110,7 +110,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Whether a part of so many bytes may be taken, and can be had now.
+    /// Checks that a part of this many bytes may be taken, and can be had now.
     ///
     /// # Errors
     /// [`OutOfMemory`].
@@ -119,20 +119,20 @@ impl Limits {
     }
 
     /// The most of what is counted that a setting allows and memory has room for.
-    pub(crate) fn most(&self, counted: &Counted, setting: u64) -> u64 {
+    pub(crate) fn most(&self, counted: &CountedItem, setting: u64) -> u64 {
         setting.min(self.memory.count(counted.bytes))
     }
 }
 
 /// Something that a structure has many of.
 #[derive(Debug, Clone, Copy)]
-pub struct Counted {
-    /// In errors: `number of cells`.
+pub struct CountedItem {
+    /// Name in errors, e.g. `number of cells`.
     pub what: &'static str,
     pub bytes: u64,
 }
 
-impl Counted {
+impl CountedItem {
     /// Cells of so many bytes each.
     pub const fn cells(what: &'static str, bytes: u64) -> Self {
         Self { what, bytes }

@@ -28,8 +28,8 @@ pub(crate) fn forks() -> u32 {
     }
 }
 
-/// Whether so many references are worth dividing among threads, of which there are several.
-pub(crate) fn is_worth_a_fork(references: usize) -> bool {
+/// Returns whether so many references are worth dividing among threads, of which there are several.
+pub(crate) fn should_parallelize(references: usize) -> bool {
     parts(references) > 1
 }
 
@@ -96,8 +96,7 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
     }
 }
 
-/// What `moved` makes of the values of each piece, with what it needs to know of that, one piece
-/// after the other.
+/// Concatenates the pieces, each mapped by `moved`.
 pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
     pieces: &[(&[T], M)],
     moved: &(dyn Fn(T, M) -> T + Sync),

@@ -1,4 +1,4 @@
-//! What a structure in a crate of its own needs.
+//! Items for a structure in a crate of its own.
 //!
 //! It stays: what is here changes only with a new minor version of this crate (a new major one from
 //! 1.0 on), and then `CHANGELOG.md` says how. Methods of traits with an implementation, fields of

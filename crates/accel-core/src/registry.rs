@@ -77,8 +77,8 @@ pub enum RegistryError {
     Param(#[from] ParamError),
 }
 
-/// Whether a registry can be used: names of structures are such and are there once, none of them
-/// among `taken`; all defaults and variants are valid.
+/// Checks a registry: names of structures are valid and unique, none of
+/// them among `taken`; all defaults and variants are valid.
 ///
 /// # Errors
 /// [`RegistryError`] for the first mistake.
@@ -116,7 +116,7 @@ pub trait Buildable: Scalar {
     /// The entry's builder for this scalar.
     fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<Self>;
     /// The function for this scalar.
-    fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<Self>;
+    fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<Self>;
 }
 
 impl Buildable for f32 {
@@ -124,7 +124,7 @@ impl Buildable for f32 {
         entry.build_f32
     }
 
-    fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<f32> {
+    fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<f32> {
         both.f32
     }
 }
@@ -134,7 +134,7 @@ impl Buildable for f64 {
         entry.build_f64
     }
 
-    fn of_both<F: PerScalar>(both: &Both<F>) -> F::In<f64> {
+    fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<f64> {
         both.f64
     }
 }
@@ -147,10 +147,8 @@ pub trait PerScalar {
 
 /// A function over a scalar, compiled for both where this stands and not again in each crate that
 /// calls it, with whatever that one is optimised for.
-pub struct Both<F: PerScalar> {
-    /// In f32.
+pub struct ScalarPair<F: PerScalar> {
     pub f32: F::In<f32>,
-    /// In f64.
     pub f64: F::In<f64>,
 }
 

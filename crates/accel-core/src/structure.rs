@@ -1,11 +1,11 @@
-//! What a structure is: the trait, what it says of itself, what was built, and why it could not be.
+//! The trait of structures, their registry lines, build statistics and build errors.
 
 #![warn(missing_docs)]
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
-use crate::memory::{Counted, OutOfMemory};
+use crate::memory::{CountedItem, OutOfMemory};
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
@@ -18,7 +18,7 @@ use crate::update::Change;
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small
 /// one in a crate of its own.
 pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
-    /// Whether a traversal may push an id more than once. Without duplicates a mailbox is of no
+    /// True if a traversal may push an id more than once. Without duplicates a mailbox is of no
     /// use, and none is compiled.
     const DUPLICATES: bool = true;
 
@@ -26,7 +26,7 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     /// its parameters.
     const HAS_LISTS: bool = false;
 
-    /// Whether its loop over single rays is compiled for AVX-512 too, where the set is of
+    /// True if its loop over single rays is compiled for AVX-512 too, where the set is of
     /// triangles: see [`batch`](crate::query::batch). For what takes eight boxes or triangles at
     /// once, and where it pays.
     const HAS_AVX512: bool = false;
@@ -133,7 +133,8 @@ pub enum Batches {
 }
 
 impl Batches {
-    /// Whether several rays are answered at a time, with the answers of [`Structure::traverse`].
+    /// Returns whether several rays are answered at a time, with the answers of
+    /// [`Structure::traverse`].
     #[inline(always)]
     pub fn are_together(self) -> bool {
         matches!(self, Self::Together | Self::Packets)
@@ -145,7 +146,7 @@ impl Batches {
 pub enum BatchAnswers<'a, S: Scalar> {
     /// Closest hits.
     Closest(&'a mut [Hit<S>]),
-    /// Whether an opaque primitive is in the way.
+    /// True if an opaque primitive is in the way.
     Occlusion(&'a mut [bool]),
 }
 
@@ -210,7 +211,7 @@ pub enum BuildError {
         structure: &'static str,
         /// Name of the quantity that is too large.
         what: &'static str,
-        /// How much was needed.
+        /// Bytes that would be needed.
         needed: u128,
         /// The limit.
         limit: u128,
@@ -223,7 +224,7 @@ pub enum BuildError {
     Library {
         /// Structure.
         structure: &'static str,
-        /// What it says.
+        /// The reason that it gives.
         message: String,
     },
     /// The process that was to build it, or to answer for it, ended or hung.
@@ -234,7 +235,7 @@ pub enum BuildError {
     Param(#[from] ParamError),
 }
 
-/// What a registry line says of a structure.
+/// Registry line of a structure.
 ///
 /// Fields may be added. What is written so goes on compiling:
 ///
@@ -252,7 +253,7 @@ pub struct StructureInfo {
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// Where it comes from.
+    /// The origin of the structure.
     pub paper: &'static str,
     /// Deviations from the paper.
     pub deviations: &'static str,
@@ -322,7 +323,12 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
 
 /// The error where something is more than [`Limits::most`] of it: out of memory, where its own
 /// limit would allow it.
-pub(crate) fn too_many(limits: Limits, counted: &Counted, limit: u64, needed: u64) -> BuildError {
+pub(crate) fn too_many(
+    limits: Limits,
+    counted: &CountedItem,
+    limit: u64,
+    needed: u64,
+) -> BuildError {
     let bytes = u128::from(needed) * u128::from(counted.bytes);
     match limits.fits(bytes) {
         Err(error) if needed <= limit => error.into(),

@@ -28,24 +28,23 @@ pub const INSTANCES: ParamSpec = ParamSpec::choice("update", REBUILD, &[REBUILD,
 
 const REBUILD: &str = "rebuild";
 
-/// Where boxes alone are to be made anew: by what factor the expected cost may grow until the tree
-/// is.
+/// With `update=refit`: the factor by which the expected cost may grow before the tree is rebuilt.
 pub(crate) fn refitted_until(params: &Params) -> Option<f64> {
     (params.get(REFIT.name) == Some("refit")).then(|| params.real(REBUILD_AT.name))
 }
 
-/// Whether the upper level alone is to be made anew.
+/// Returns whether the upper level alone is to be made anew.
 pub(crate) fn is_by_instances(params: &Params) -> bool {
     params.get(INSTANCES.name) == Some("instances")
 }
 
-/// Whether lists are to be changed cell by cell.
+/// Returns whether lists are to be changed cell by cell.
 pub(crate) fn is_incremental(params: &Params) -> bool {
     params.get(INCREMENTAL.name) == Some("incremental")
 }
 
-/// Whether lists are to be changed where so many of the primitives moved: of most, a build is no
-/// more work.
+/// Returns whether lists are to be changed where so many of the primitives moved: of most, a build
+/// is no more work.
 pub(crate) fn is_worth_changing(moved: usize, primitives: usize) -> bool {
     moved <= primitives / 2
 }
@@ -64,29 +63,28 @@ pub enum Change {
     Lists(ChangedLists),
 }
 
-/// Which of a structure's lists are others than before, by their numbers in the order of
+/// Lists that changed in an update, by their numbers in the order of
 /// [`Structure::lists`](crate::structure::Structure::lists).
 #[derive(Debug)]
 pub struct ChangedLists {
-    /// Where each list began in the one array of all of them, one after the other, and where the
-    /// last one ended.
+    /// Former start of each list in the array of all lists, and the end of the last one.
     pub(crate) before: Vec<u32>,
     /// Numbers of those that have lost or gained a primitive, or hold one that moved; ascending.
     pub(crate) changed: Vec<u32>,
 }
 
 impl ChangedLists {
-    /// Whether a list held a primitive before.
+    /// Returns whether a list held a primitive before.
     pub(crate) fn had_ids(&self, number: usize) -> bool {
         self.before.get(number + 1).is_some_and(|end| self.before[number] < *end)
     }
 }
 
-/// Which ids have moved.
+/// Set of the ids that moved.
 pub(crate) struct MovedIds(Vec<u64>);
 
 impl MovedIds {
-    /// Of ascending ids.
+    /// Set of these ascending ids.
     pub(crate) fn new(moved: &[u32]) -> Self {
         let words = moved.last().map_or(0, |&last| last as usize / 64 + 1);
         let mut bits = vec![0; words];

@@ -1,4 +1,4 @@
-//! Where scenes come from: the catalogue of `scene-loading`, or a test's own.
+//! Source of scenes: the catalogue of `scene-loading`, or a test's own.
 
 use std::fmt::Debug;
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub trait KnownScene: Debug + Send + Sync {
     /// Loads or generates it.
     fn load(&self) -> Result<LoadedScene, LoadError>;
 
-    /// What another reader says of its file, line by line; nothing where there is none to ask.
+    /// Report of another reader on its file, line by line; empty without such a reader.
     fn second_opinion(&self) -> Result<Vec<String>, LoadError> {
         Ok(Vec::new())
     }
@@ -45,7 +45,7 @@ pub trait SceneSource {
     /// [`LoadError::UnknownScene`] listing what is valid.
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError>;
 
-    /// Whether sources of scene files may lie outside their folders.
+    /// Returns whether sources of scene files may lie outside their folders.
     fn allows_outside(&self) -> bool {
         false
     }
@@ -91,9 +91,9 @@ pub trait SceneSource {
 /// The catalogue that the program carries, with `./scenes` where there is one. Read when asked
 /// for, so that a damaged file there is no obstacle to commands that need no scenes.
 #[derive(Debug, Clone, Copy)]
-pub struct Installed;
+pub struct InstalledScenes;
 
-impl SceneSource for Installed {
+impl SceneSource for InstalledScenes {
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
         let scenes = SceneCatalogue::open(None)?.resolve(names)?;
         scenes.iter().try_for_each(|scene| check_size(&scene.name))?;

@@ -36,14 +36,14 @@ pub struct SettingDescription {
     pub name: String,
     pub summary: String,
     pub initial: String,
-    /// Which values it takes.
+    /// Valid values of the setting.
     pub kind: SettingKind,
 }
 
-/// Which values a setting takes.
+/// Valid values of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SettingKind {
-    /// Whole numbers of a closed range.
+    /// Integers of a closed range.
     Integer(u64, u64),
     /// Numbers of a closed range.
     Real(f64, f64),

@@ -25,7 +25,7 @@ pub enum PluginError {
     /// It says something of itself that is not valid.
     #[error("{}: {what}", file.display())]
     Description { file: PathBuf, what: String },
-    /// Its process ended or hung while it was asked what it is.
+    /// Its process ended or hung while describing itself.
     #[error("{}: {how} while it was asked what it is", file.display())]
     Died { file: PathBuf, how: String },
     /// There are no processes of plugins on this system.

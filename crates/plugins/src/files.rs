@@ -41,14 +41,11 @@ const VERSION: u32 = 1;
 /// The version of headers with an origin.
 const WITH_ORIGIN: u32 = 2;
 
-/// What a file holds.
+/// Kind of content of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
-    /// Rays.
     Rays,
-    /// Triangles.
     Triangles,
-    /// Hits.
     Hits,
 }
 
@@ -71,9 +68,9 @@ impl Content {
     }
 }
 
-/// What rays a file is about.
+/// The rays that a file refers to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct About {
+pub struct FileSubject {
     /// Rays of each kind: primary, shadow, reflected, refracted, diffuse.
     pub rays: [u64; 5],
     /// Triangles of the scene.
@@ -94,15 +91,13 @@ pub struct About {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}: byte {offset}: {what}", file.display())]
 pub struct FileError {
-    /// The file.
     pub file: PathBuf,
-    /// Where.
     pub offset: usize,
-    /// What is wrong there.
+    /// Description of the fault.
     pub what: String,
 }
 
-impl About {
+impl FileSubject {
     /// Bytes of its header.
     pub fn header_bytes(&self) -> usize {
         HEADER + if self.has_origin() { ORIGIN } else { 0 }
@@ -230,8 +225,8 @@ pub fn hit_record(hit: &abi::Hit) -> [u8; 8] {
     [a, b, c, d, e, f, g, h]
 }
 
-/// The rays behind the header of a file, which [`About::read`] has read.
-pub fn rays<'a>(about: &About, bytes: &'a [u8]) -> impl Iterator<Item = abi::Ray> + use<'a> {
+/// The rays behind the header of a file, which [`FileSubject::read`] has read.
+pub fn rays<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = abi::Ray> + use<'a> {
     let records = bytes.get(about.header_bytes()..).unwrap_or_default().as_chunks::<32>().0;
     records.iter().map(|record| {
         let mut numbers = record.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
@@ -241,8 +236,8 @@ pub fn rays<'a>(about: &About, bytes: &'a [u8]) -> impl Iterator<Item = abi::Ray
     })
 }
 
-/// The hits behind the header of a file, which [`About::read`] has read.
-pub fn hits<'a>(about: &About, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
+/// The hits behind the header of a file, which [`FileSubject::read`] has read.
+pub fn hits<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
     let records = bytes.get(about.header_bytes()..).unwrap_or_default().chunks_exact(8);
     records.map(|record| {
         let number = |i: usize| {
@@ -259,8 +254,8 @@ mod tests {
 
     use super::*;
 
-    fn about() -> About {
-        About {
+    fn about() -> FileSubject {
+        FileSubject {
             rays: [2, 0, 0, 0, 1],
             triangles: 7,
             size: 9,
@@ -276,7 +271,7 @@ mod tests {
         let mut bytes = about().header(Content::Hits);
         assert_eq!(bytes.len(), HEADER);
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
-        assert_eq!(About::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
+        assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
         let all: Vec<_> = hits(&about(), &bytes).collect();
         assert_eq!(all, [abi::Hit { t: 1.0, id: 4 }; 3]);
         let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
@@ -289,19 +284,19 @@ mod tests {
 
     #[test]
     fn headers_of_rebased_scenes_have_the_origin() {
-        let about = About { origin: [448_000.0, 0.0, -1e-3], ..about() };
+        let about = FileSubject { origin: [448_000.0, 0.0, -1e-3], ..about() };
         let mut bytes = about.header(Content::Hits);
         assert_eq!((bytes.len(), bytes[8]), (152, 2));
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
-        assert_eq!(About::read(Path::new("f"), &bytes, Content::Hits).as_ref(), Ok(&about));
+        assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits).as_ref(), Ok(&about));
         assert_eq!(hits(&about, &bytes).count(), 3);
         // planted: a number that is none, no origin, a header that ends within it
         let mut bad = bytes.clone();
         bad[128..136].copy_from_slice(&f64::NAN.to_le_bytes());
-        assert_eq!(About::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
+        assert_eq!(FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
         bad[128..152].fill(0);
-        assert_eq!(About::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
-        let error = About::read(Path::new("f"), &bytes[..140], Content::Hits).unwrap_err();
+        assert_eq!(FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
+        let error = FileSubject::read(Path::new("f"), &bytes[..140], Content::Hits).unwrap_err();
         assert_eq!(error.offset, 140);
     }
 
@@ -314,17 +309,18 @@ mod tests {
         for (at, byte, offset) in planted {
             let mut bad = good.clone();
             bad[at] = byte;
-            let error = About::read(Path::new("f"), &bad, Content::Hits).unwrap_err();
+            let error = FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err();
             assert_eq!(error.offset, offset, "{error}");
         }
         for length in [0, 100, HEADER, HEADER + 23] {
-            let error = About::read(Path::new("f"), &good[..length], Content::Hits).unwrap_err();
+            let error =
+                FileSubject::read(Path::new("f"), &good[..length], Content::Hits).unwrap_err();
             assert_eq!(error.offset, length, "{error}");
         }
         // so many rays that their bytes are no number
         let mut bad = good.clone();
         bad[16..56].fill(255);
-        assert!(About::read(Path::new("f"), &bad, Content::Hits).is_err());
-        assert!(About::read(Path::new("f"), &good, Content::Rays).is_err());
+        assert!(FileSubject::read(Path::new("f"), &bad, Content::Hits).is_err());
+        assert!(FileSubject::read(Path::new("f"), &good, Content::Rays).is_err());
     }
 }

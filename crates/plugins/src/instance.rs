@@ -16,11 +16,10 @@ use serde::{Deserialize, Serialize};
 /// Rays that one thread traces at a time when there are several.
 const CHUNK: usize = 4096;
 
-/// Kind of query.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Query {
     Closest,
-    /// Whether an opaque triangle is in the way.
+    /// True if an opaque triangle is in the way.
     Occlusion,
 }
 
@@ -230,7 +229,6 @@ impl<H> Drop for Instance<H> {
     }
 }
 
-/// Data behind `rtbench_prepared`.
 struct PreparedPlugin {
     ray: Ray<f32>,
     shear: Shear<f32>,

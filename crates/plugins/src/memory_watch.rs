@@ -1,4 +1,4 @@
-//! How much memory a plugin's process takes while it builds.
+//! Watches the memory of a plugin's process during a build.
 //!
 //! Linux tells the private memory of a process (`RssAnon` in `/proc/PID/status`, proc(5)): what it
 //! shares with its parent, the scene and the rays, is not in it. Elsewhere nothing is told, and
@@ -55,7 +55,7 @@ impl MemoryWatch {
         Some(Self { ends, thread, excess, process, before, most })
     }
 
-    /// How many bytes it took, where those are more than it may; it may be over since.
+    /// Bytes that it took, if more than allowed; the process may have ended since.
     pub(crate) fn excess(self) -> Option<u64> {
         drop(self.ends);
         let _ = self.thread.join();

@@ -5,7 +5,7 @@
 use accel_core::geometry::far_ray::{self, Parameters, PlacedRay};
 use accel_core::{Hit, Ray};
 
-/// Those rays of a batch that are asked.
+/// Rays of a batch that are sent to the structure.
 pub(crate) struct NearRays {
     pub(crate) rays: Vec<Ray<f32>>,
     /// For each its place in the batch, and how its parameters become those of the ray there.
@@ -13,7 +13,7 @@ pub(crate) struct NearRays {
 }
 
 impl NearRays {
-    /// Of a batch; none where all can be asked as they are.
+    /// Moves far rays of a batch; `None` if no ray needs it.
     pub(crate) fn of(batch: &[Ray<f32>], reach: f32) -> Option<Self> {
         let place = |ray: &Ray<f32>| far_ray::place(ray, reach);
         let first = batch.iter().position(|ray| !matches!(place(ray), PlacedRay::Near))?;

@@ -1,13 +1,12 @@
-//! Where plugins have no processes of their own: nothing can be asked of one.
+//! Stub for systems on which plugins have no processes of their own.
 
 use accel_core::primitives::TriangleSet;
 use accel_core::{Hit, Ray};
 
 use crate::description::Description;
 use crate::instance::Stats;
-use crate::process::{BuiltOr, Launch, Order};
+use crate::process::{BuildReply, Launch, Order};
 
-/// There is none.
 pub(crate) enum Remote {}
 
 impl Remote {
@@ -23,7 +22,11 @@ impl Remote {
         match *self {}
     }
 
-    pub(crate) fn build(&mut self, _: &TriangleSet<f32>, _: &Order<'_>) -> Result<BuiltOr, String> {
+    pub(crate) fn build(
+        &mut self,
+        _: &TriangleSet<f32>,
+        _: &Order<'_>,
+    ) -> Result<BuildReply, String> {
         match *self {}
     }
 

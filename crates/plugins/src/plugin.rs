@@ -16,7 +16,6 @@ pub(crate) struct Plugin {
     pub(crate) info: &'static StructureInfo,
     pub(crate) description: Description,
     pub(crate) origin: Origin,
-    /// In this process.
     pub(crate) library: Option<Arc<Library>>,
     launch: Launch,
     /// Processes that wait, by the rows that they are of.

@@ -1,4 +1,4 @@
-//! What starts the process of a plugin, and what comes of a build in it.
+//! Starts the process of a plugin and runs builds in it.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -6,9 +6,7 @@ use std::time::Duration;
 /// How processes are started.
 #[derive(Debug, Clone)]
 pub struct Launch {
-    /// This program.
     pub program: PathBuf,
-    /// The plugin.
     pub file: PathBuf,
     /// Longest time of a build, and of a call that answers rays.
     pub limit: Duration,
@@ -16,7 +14,6 @@ pub struct Launch {
     pub restarts: bool,
 }
 
-/// What is to be built.
 pub(crate) struct Order<'a> {
     /// A value for each setting, in their order.
     pub(crate) values: &'a [String],
@@ -26,11 +23,10 @@ pub(crate) struct Order<'a> {
     pub(crate) most_bytes: Option<u64>,
 }
 
-/// What came of a build.
-pub(crate) enum BuiltOr {
+/// Result of a build.
+pub(crate) enum BuildReply {
     /// It took so many seconds.
     Built(f64),
-    /// The plugin refuses.
     Refused(String),
     /// It took so many bytes at least, more than it may; its process was ended.
     TooLarge(u64),

@@ -12,7 +12,7 @@ use accel_core::params::{ParamSpec, Params};
 use accel_core::primitives::PrimsRef;
 use accel_core::query::tracer::Origin;
 use accel_core::structure::{BuildError, StructureInfo, no_defect};
-use accel_core::structures::{COMMON, Entry, Prepared};
+use accel_core::structures::{COMMON, Entry, PreparedStructure};
 use accel_core::variants::chosen_tests;
 
 use crate::description::{Description, leak};
@@ -43,8 +43,8 @@ fn plugins() -> MutexGuard<'static, BTreeMap<&'static str, Arc<Plugin>>> {
     PLUGINS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Loads a plugin and makes a line of the registry of it. `sha256` is that of the file. A name that is in
-/// `taken` is refused.
+/// Loads a plugin and makes a line of the registry of it. `sha256` is that of the file. A name that
+/// is in `taken` is refused.
 pub fn entry(
     file: &Path,
     sha256: String,
@@ -104,7 +104,7 @@ pub fn entry(
     Ok(Entry::new(info, built, refused_f64))
 }
 
-/// What a plugin says of itself in a process of its own, which ends with that.
+/// Description that a plugin gives in a process of its own, which then ends.
 fn described(launch: &Launch) -> Result<Description, PluginError> {
     let file = || launch.file.clone();
     std::fs::metadata(&launch.file).map_err(|source| PluginError::Read { file: file(), source })?;
@@ -118,7 +118,7 @@ fn described(launch: &Launch) -> Result<Description, PluginError> {
 }
 
 /// The builder of every plugin's line, which builds anew whatever was before.
-fn built(params: &Params) -> Prepared<f32> {
+fn built(params: &Params) -> PreparedStructure<f32> {
     let (structure, row, memory) = (params.structure(), params.to_string(), params.memory());
     let refused =
         move |message: &str| BuildError::Library { structure, message: message.to_owned() };
@@ -145,7 +145,7 @@ fn file_name(file: &Path) -> String {
     file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-fn refused_f64(params: &Params) -> Prepared<f64> {
+fn refused_f64(params: &Params) -> PreparedStructure<f64> {
     let structure = params.structure();
     Box::new(move |_, _| {
         let message = "plugins serve f32 only: leave out --precision f64".to_owned();

@@ -16,10 +16,10 @@ use crate::abi;
 use crate::description::Description;
 use crate::instance::{Query, Stats};
 use crate::memory_watch::MemoryWatch;
-use crate::process::{BuiltOr, Launch, Order};
+use crate::process::{BuildReply, Launch, Order};
 use crate::shared::{SharedSegment, folder};
 use crate::stopwatch::CallTime;
-use crate::wire::{Part, Reply, Request, receive, send};
+use crate::wire::{Reply, Request, SegmentContent, receive, send};
 
 /// How long a process may take to start.
 const START: Duration = Duration::from_secs(20);
@@ -29,7 +29,7 @@ const POLL: Duration = Duration::from_millis(1);
 const LAST_WORDS: Duration = Duration::from_millis(50);
 /// Bytes of a triangle in the process's own copy: corners, flags and what a list has to spare.
 const COPY: usize = 48;
-/// How much is kept of what a plugin prints, bytes.
+/// Bytes kept of a plugin's output.
 const TAIL: usize = 500;
 
 /// A running process with a plugin.
@@ -113,9 +113,9 @@ impl Remote {
         &mut self,
         set: &TriangleSet<f32>,
         order: &Order<'_>,
-    ) -> Result<BuiltOr, String> {
+    ) -> Result<BuildReply, String> {
         let (triangles, values, threads) = (set.len(), order.values.to_vec(), order.threads);
-        let scene = self.part(Part::Scene, 37 * triangles)?;
+        let scene = self.part(SegmentContent::Scene, 37 * triangles)?;
         let (positions, flags) = scene.split_at_mut(36 * triangles);
         positions.copy_from_slice(bytemuck::cast_slice(set.triangles()));
         for (flag, id) in flags.iter_mut().take(triangles).zip(0..) {
@@ -132,11 +132,11 @@ impl Remote {
         let reply = self.ask(&Request::Build { triangles, values, threads }, &doing);
         self.is_watched = false;
         if let Some(bytes) = watch.and_then(MemoryWatch::excess) {
-            return Ok(BuiltOr::TooLarge(bytes.saturating_sub((COPY * triangles) as u64)));
+            return Ok(BuildReply::TooLarge(bytes.saturating_sub((COPY * triangles) as u64)));
         }
         match reply? {
-            Reply::Done(took) => Ok(BuiltOr::Built(took.seconds)),
-            Reply::Refused { message } => Ok(BuiltOr::Refused(message)),
+            Reply::Done(took) => Ok(BuildReply::Built(took.seconds)),
+            Reply::Refused { message } => Ok(BuildReply::Refused(message)),
             _ => Err(self.ends("its process sent an unexpected reply".into())),
         }
     }
@@ -149,13 +149,13 @@ impl Remote {
         hits: &mut [accel_core::Hit<f32>],
     ) -> Result<CallTime, String> {
         self.put(rays)?;
-        let answers = self.part(Part::Answers, 8 * hits.len())?;
+        let answers = self.part(SegmentContent::Answers, 8 * hits.len())?;
         let (answers, _) = answers.split_at_mut(8 * hits.len());
         for (answer, hit) in bytemuck::cast_slice_mut(answers).iter_mut().zip(&*hits) {
             *answer = abi::Hit { t: hit.t, id: hit.id };
         }
         let took = self.trace(Query::Closest, rays.len())?;
-        let answers = self.part(Part::Answers, 8 * hits.len())?;
+        let answers = self.part(SegmentContent::Answers, 8 * hits.len())?;
         let (answers, _) = answers.split_at(8 * hits.len());
         let answers: &[abi::Hit] = bytemuck::cast_slice(answers);
         for ((hit, answer), ray) in hits.iter_mut().zip(answers).zip(rays) {
@@ -171,16 +171,16 @@ impl Remote {
         blocked: &mut [bool],
     ) -> Result<CallTime, String> {
         self.put(rays)?;
-        let answers = self.part(Part::Answers, blocked.len())?;
+        let answers = self.part(SegmentContent::Answers, blocked.len())?;
         answers.iter_mut().zip(&*blocked).for_each(|(answer, blocked)| *answer = (*blocked).into());
         let took = self.trace(Query::Occlusion, rays.len())?;
-        let answers = self.part(Part::Answers, blocked.len())?;
+        let answers = self.part(SegmentContent::Answers, blocked.len())?;
         blocked.iter_mut().zip(&*answers).for_each(|(blocked, answer)| *blocked = *answer != 0);
         Ok(took)
     }
 
     fn put(&mut self, rays: &[accel_core::Ray<f32>]) -> Result<(), String> {
-        let part = self.part(Part::Rays, 32 * rays.len())?;
+        let part = self.part(SegmentContent::Rays, 32 * rays.len())?;
         let (part, _) = part.split_at_mut(32 * rays.len());
         for (to, ray) in bytemuck::cast_slice_mut(part).iter_mut().zip(rays) {
             *to = abi::Ray::from(ray);
@@ -227,7 +227,7 @@ impl Remote {
     }
 
     /// Memory of at least so many bytes that the process has mapped, too.
-    fn part(&mut self, part: Part, bytes: usize) -> Result<&mut [u8], String> {
+    fn part(&mut self, part: SegmentContent, bytes: usize) -> Result<&mut [u8], String> {
         let has = |parts: &[Option<SharedSegment>; 3]| {
             parts
                 .get(part as usize)

@@ -10,12 +10,12 @@ use crate::instance::{Instance, Query};
 use crate::library::Library;
 use crate::shared::SharedSegment;
 use crate::stopwatch::CallTime;
-use crate::wire::{Part, Reply, Request, receive, send};
+use crate::wire::{Reply, Request, SegmentContent, receive, send};
 
 /// A structure with the triangles it was built over, which are the child's own copy.
 type ServedInstance = Instance<Box<TriangleSet<f32>>>;
 
-/// What the child has.
+/// State of the child.
 #[derive(Default)]
 struct State {
     scene: Option<SharedSegment>,
@@ -63,12 +63,12 @@ impl State {
                 return Ok(Reply::Description(Box::new(library.description.clone())));
             }
             Request::Map { part, file } => {
-                let mapped =
-                    SharedSegment::of(&file, part == Part::Answers).map_err(|e| e.to_string())?;
+                let mapped = SharedSegment::of(&file, part == SegmentContent::Answers)
+                    .map_err(|e| e.to_string())?;
                 *match part {
-                    Part::Scene => &mut self.scene,
-                    Part::Rays => &mut self.rays,
-                    Part::Answers => &mut self.answers,
+                    SegmentContent::Scene => &mut self.scene,
+                    SegmentContent::Rays => &mut self.rays,
+                    SegmentContent::Answers => &mut self.answers,
                 } = Some(mapped);
             }
             Request::Build { triangles, values, threads } => {

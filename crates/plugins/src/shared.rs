@@ -11,10 +11,10 @@ use tempfile::NamedTempFile;
 /// Smallest part, bytes.
 const LEAST: usize = 1 << 16;
 
-/// Where files lie in memory on Linux.
+/// Folder in memory on Linux.
 const IN_MEMORY: &str = "/dev/shm";
 
-/// Where temporary files are best made.
+/// Best folder for temporary files.
 pub(crate) fn folder() -> PathBuf {
     let in_memory = Path::new(IN_MEMORY);
     if in_memory.is_dir() { in_memory.into() } else { std::env::temp_dir() }
@@ -27,7 +27,7 @@ pub(crate) struct SharedSegment {
 
 enum Map {
     Writable(MmapMut),
-    /// Whoever writes here ends its process.
+    /// A write here ends the process.
     ReadOnly(Mmap),
 }
 
@@ -42,7 +42,7 @@ impl SharedSegment {
         Ok((Self { map: Map::Writable(map) }, file))
     }
 
-    /// That of another process, to be written where `writes` is set.
+    /// Maps a segment of another process, writable if `writes`.
     pub(crate) fn of(file: &Path, writes: bool) -> io::Result<Self> {
         let map = if writes {
             let file = File::options().read(true).write(true).open(file)?;

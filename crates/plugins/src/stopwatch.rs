@@ -3,7 +3,7 @@
 //! A run of one thread times our structures by that thread's processor time, so that waiting for a
 //! processor does not count. A plugin may have threads of its own whatever it was asked for; its
 //! time is the processor time of the whole process, in which nothing else has work. What threads
-//! other than the one that called had of it is told apart: threads that only wait for work, and
+//! other than the one that called had of it is kept apart: threads that only wait for work, and
 //! spin, make a library look slow.
 
 use std::ops::AddAssign;
@@ -11,11 +11,11 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-/// What a call took.
+/// Time of a call.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct CallTime {
     pub seconds: f64,
-    /// Those of them that threads other than the one that called had; 0 where that is not known.
+    /// Seconds used by threads other than the caller; 0 if unknown.
     pub by_others: f64,
 }
 
@@ -41,7 +41,7 @@ impl Stopwatch {
         Self { by_processor, start, own }
     }
 
-    /// What has passed since, asked by the thread that started it.
+    /// Time since the start; must be called by the thread that started it.
     pub fn took(&self) -> CallTime {
         let [now, own] = read(self.by_processor);
         let seconds = now.saturating_sub(self.start).as_secs_f64();

@@ -14,11 +14,11 @@ use crate::abi;
 use crate::instance::{Instance, Stats};
 use crate::near_rays::NearRays;
 use crate::plugin::Plugin;
-use crate::process::{BuiltOr, Order};
+use crate::process::{BuildReply, Order};
 use crate::remote::Remote;
 use crate::stopwatch::CallTime;
 
-/// Where a structure is.
+/// Place of a structure.
 enum Host<'a> {
     Here(Box<Instance<&'a TriangleSet<f32>>>),
     /// The process is given back when the tracer is dropped.
@@ -27,7 +27,7 @@ enum Host<'a> {
 
 struct State<'a> {
     place: Host<'a>,
-    /// Of calls since they were asked for.
+    /// Seconds of calls since the last query of them.
     seconds: f64,
     all: CallTime,
     /// Origins within it are near.
@@ -67,24 +67,24 @@ impl<'a> PluginTracer<'a> {
             let mut remote = plugin.process(&row).map_err(BuildError::Died)?;
             let threads = rayon::current_num_threads();
             let order = Order { values, threads, most_bytes: memory.bytes() };
-            let mut ask = || -> Result<(BuiltOr, Stats), String> {
+            let mut ask = || -> Result<(BuildReply, Stats), String> {
                 let built = remote.build(set, &order)?;
-                if !matches!(built, BuiltOr::Built(_)) {
+                if !matches!(built, BuildReply::Built(_)) {
                     return Ok((built, Stats::default()));
                 }
                 origin.empty_call_s = remote.empty_call()?;
                 Ok((built, remote.stats()?))
             };
             match ask() {
-                Ok((BuiltOr::Built(seconds), stats)) => {
+                Ok((BuildReply::Built(seconds), stats)) => {
                     (Host::Elsewhere(Some(remote)), seconds, stats)
                 }
-                Ok((BuiltOr::Refused(message), _)) => {
+                Ok((BuildReply::Refused(message), _)) => {
                     plugin.keep(&row, remote);
                     return Err(refused(message));
                 }
                 // another scene may have room: its process is a new one
-                Ok((BuiltOr::TooLarge(bytes), _)) => {
+                Ok((BuildReply::TooLarge(bytes), _)) => {
                     let (needed, limit) = (bytes.into(), memory.bytes());
                     return Err(OutOfMemory { structure, needed, limit }.into());
                 }
@@ -165,7 +165,7 @@ impl State<'_> {
         self.took(took);
     }
 
-    /// What is asked while the plugin counts, and its work.
+    /// Calls `ask` while the plugin counts, and returns the work.
     fn counted(&mut self, ask: impl FnOnce(&mut Self)) -> WorkCounters {
         self.count(true);
         let before = self.work();

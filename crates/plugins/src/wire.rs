@@ -1,4 +1,4 @@
-//! What parent and child say to one another: a line of JSON each, request and reply in turns.
+//! Protocol between parent and child: requests and replies alternate, one line of JSON each.
 //! Triangles, rays and answers are in shared memory.
 
 use std::io::{self, BufRead, Write};
@@ -11,25 +11,24 @@ use crate::description::Description;
 use crate::instance::{Query, Stats};
 use crate::stopwatch::CallTime;
 
-/// What a part of the shared memory holds.
+/// Content of a segment of shared memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Part {
+pub(crate) enum SegmentContent {
     /// Nine f32 for each triangle, then a byte for each: not 0 where shadow rays pass.
     Scene,
-    /// [`crate::abi::Ray`]s.
     Rays,
     /// [`crate::abi::Hit`]s, or a byte for each ray. The child writes them.
     Answers,
 }
 
-/// What the parent asks.
+/// Request of the parent.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Request {
     /// Asks for the description of the plugin.
     Describe,
     /// To map a file, in place of the one before.
     Map {
-        part: Part,
+        part: SegmentContent,
         file: PathBuf,
     },
     /// To build over so many triangles.
@@ -53,7 +52,7 @@ pub(crate) enum Request {
     Destroy,
 }
 
-/// What the child replies.
+/// Reply of the child.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Reply {
     /// It is done, and what the call of the plugin took.
@@ -67,7 +66,6 @@ pub(crate) enum Reply {
     },
 }
 
-/// Writes a line.
 pub(crate) fn send<T: Serialize>(to: &mut impl Write, message: &T) -> io::Result<()> {
     let mut line = serde_json::to_vec(message)?;
     line.push(b'\n');

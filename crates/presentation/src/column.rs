@@ -10,14 +10,14 @@ use crate::json::FormatError;
 use crate::numbers;
 use crate::table::{Cell, Table, dash};
 
-/// What a row has in a column.
+/// Value of a row in a column.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Value {
     None,
     Text(String),
     Count(u64),
     Real(f64),
-    /// What is measured, with its interval.
+    /// A measurement with its interval.
     Measured(Estimate),
 }
 
@@ -50,9 +50,9 @@ pub struct Column<R> {
     /// In tables; empty for what is in none.
     pub head: &'static str,
     pub unit: Unit,
-    /// What a row has.
+    /// Reads the value from a row.
     pub of: fn(&R) -> Value,
-    /// What tables show in its place, for rows that have something else to say.
+    /// Text that tables show instead of the value, if any.
     pub instead: fn(&R) -> Option<Cell>,
     /// Numbers have all their digits in CSV.
     pub is_exact: bool,

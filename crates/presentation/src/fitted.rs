@@ -74,7 +74,7 @@ fn limits(table: &Table, natural: &[usize], width: usize) -> [usize; 2] {
     [name.min((width * 2 / 5).max(NARROWEST[0])), last.min(cut)]
 }
 
-/// Whether most cells of the last column begin with a letter.
+/// Returns whether most cells of the last column begin with a letter.
 fn ends_in_words(table: &Table) -> bool {
     let is_words = |cell: &&Cell| cell.text.starts_with(char::is_alphabetic);
     let last = || table.rows.iter().filter_map(|row| row.last());

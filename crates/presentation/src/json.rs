@@ -14,6 +14,6 @@ pub fn written(value: &impl Serialize) -> Result<String, FormatError> {
 #[error("cannot write the results as {format}: {message}")]
 pub struct FormatError {
     pub format: &'static str,
-    /// What the library said.
+    /// Message of the library.
     pub message: String,
 }

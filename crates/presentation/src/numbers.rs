@@ -16,12 +16,10 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// Seconds as milliseconds.
 pub fn milliseconds(seconds: f64) -> String {
     short(seconds * 1e3)
 }
 
-/// Bytes as mebibytes.
 pub fn mebibytes(bytes: u64) -> String {
     short(bytes as f64 / f64::from(1 << 20))
 }

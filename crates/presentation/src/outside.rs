@@ -13,13 +13,13 @@ use std::borrow::Cow;
 use std::fmt;
 use std::io::{self, Write};
 
-/// What ends a colour, and begins those that there are: bad, best, of little weight. Whatever else
-/// looks like an order to a terminal is text from outside.
+/// Escape sequences that end a colour and begin ours: bad, best, of little weight. Any other escape
+/// sequence is text from outside.
 pub const COLORS: [&str; 4] = ["\x1b[0m", "\x1b[31m", "\x1b[1m", "\x1b[2m"];
 
-/// Whether a character would be obeyed, not shown: control characters of both sets, line and
-/// paragraph separators, and what turns or hides text. No newer form of these lies beyond four hex
-/// digits.
+/// Returns whether a character would be obeyed, not shown: control characters of both sets, line
+/// and paragraph separators, and what turns or hides text. No newer form of these lies beyond four
+/// hex digits.
 pub fn is_hidden(c: char) -> bool {
     c.is_control()
         || matches!(
@@ -89,9 +89,9 @@ impl fmt::Display for Annotation {
     }
 }
 
-/// What a line holds so far.
+/// Content of a line so far.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Seen {
+enum LineContent {
     Blank,
     /// Blanks and a colon.
     Colon,
@@ -104,33 +104,33 @@ enum Seen {
 #[derive(Debug)]
 pub struct Guard<W> {
     to: W,
-    seen: Seen,
+    seen: LineContent,
 }
 
 impl<W: Write> Guard<W> {
     /// Guards what is written there, from the beginning of a line.
     pub fn new(to: W) -> Self {
-        Self { to, seen: Seen::Blank }
+        Self { to, seen: LineContent::Blank }
     }
 
     fn push(&mut self, c: char, out: &mut String) {
-        let seen = std::mem::replace(&mut self.seen, Seen::Signs(0));
+        let seen = std::mem::replace(&mut self.seen, LineContent::Signs(0));
         match (c, seen) {
             ('\n', _) => {
-                self.seen = Seen::Blank;
+                self.seen = LineContent::Blank;
                 out.push(c);
             }
-            (':', Seen::Colon) | ('[', Seen::Signs(2)) => {
+            (':', LineContent::Colon) | ('[', LineContent::Signs(2)) => {
                 out.push_str(if c == ':' { "\\u003a" } else { "\\u005b" });
             }
             (c, _) if c != '\t' && is_hidden(c) => push_escaped(out, c),
             (c, _) => {
                 self.seen = match (c, seen) {
-                    (':', Seen::Blank) => Seen::Colon,
-                    (c, Seen::Blank) if c.is_whitespace() => Seen::Blank,
-                    ('#', Seen::Signs(n)) => Seen::Signs(u8::min(n + 1, 2)),
-                    ('#', _) => Seen::Signs(1),
-                    _ => Seen::Signs(0),
+                    (':', LineContent::Blank) => LineContent::Colon,
+                    (c, LineContent::Blank) if c.is_whitespace() => LineContent::Blank,
+                    ('#', LineContent::Signs(n)) => LineContent::Signs(u8::min(n + 1, 2)),
+                    ('#', _) => LineContent::Signs(1),
+                    _ => LineContent::Signs(0),
                 };
                 out.push(c);
             }

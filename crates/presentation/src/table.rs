@@ -32,7 +32,7 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
-/// Where there is no value.
+/// Cell without a value.
 pub fn dash() -> Cell {
     Cell { text: "-".into(), style: Style::Dim }
 }

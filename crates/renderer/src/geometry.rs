@@ -4,7 +4,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
     Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
 };
-use accel_core::registry::{Both, Buildable, PerScalar};
+use accel_core::registry::{Buildable, PerScalar, ScalarPair};
 use accel_core::update;
 use accel_core::{Vec3, Vector};
 use glam::DVec3;
@@ -85,7 +85,7 @@ impl<S: Buildable> Geometry<S> {
         }
     }
 
-    /// Which primitives are copies of others.
+    /// Primitives that are copies of others.
     pub fn instances(&self) -> Option<&Instances> {
         match self {
             Self::Triangles(set) => set.instances(),
@@ -114,14 +114,14 @@ impl<S: Buildable> Geometry<S> {
     }
 }
 
-/// [`Geometry::of`], compiled here.
 struct GeometryOfScene;
 
 impl PerScalar for GeometryOfScene {
     type In<S: Buildable> = fn(&Scene) -> Result<Geometry<S>, GeometryError>;
 }
 
-static OF_SCENE: Both<GeometryOfScene> = Both { f32: Geometry::of_scene, f64: Geometry::of_scene };
+static OF_SCENE: ScalarPair<GeometryOfScene> =
+    ScalarPair { f32: Geometry::of_scene, f64: Geometry::of_scene };
 
 fn is_triangle(shape: Shape) -> bool {
     matches!(shape, Shape::Triangle { .. } | Shape::Patch { .. } | Shape::Polygon { count: 3, .. })

@@ -5,7 +5,7 @@ use accel_core::registry::Buildable;
 
 use crate::shading::ray_offset::OffsetRule;
 
-/// What a ray is for.
+/// Purpose of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RayKind {
     Primary,
@@ -32,7 +32,7 @@ impl RayKind {
         }
     }
 
-    /// What it is, one line.
+    /// Summary in one line.
     pub fn summary(self) -> &'static str {
         match self {
             Self::Primary => "from the eye; closest hit",
@@ -49,7 +49,7 @@ impl RayKind {
     }
 }
 
-/// Which shadow rays there are.
+/// Selection of shadow rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ShadowRays {
     /// From every hit to each light on the lit side, as an image needs them.
@@ -70,13 +70,13 @@ pub struct RaySettings {
     /// The rules of Havran and Sixta (1999) where they differ from ours: corner rays, normals not
     /// flipped to the viewer, their cone normal.
     pub historical: bool,
-    /// What keeps a ray off the surface it leaves.
+    /// Rule that keeps a ray off the surface it leaves.
     pub offset: OffsetRule,
     /// Also make the diffuse bounce set.
     pub diffuse: bool,
     /// Seed of the diffuse directions.
     pub seed: u64,
-    /// Which shadow rays there are.
+    /// Selection of shadow rays.
     pub shadows: ShadowRays,
 }
 

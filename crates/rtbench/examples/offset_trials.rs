@@ -12,7 +12,7 @@ use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
 use studies::verify::cases::secondary::{Draw, draws};
 use studies::verify::model::Model;
-use studies::verify::round::{Expected, Round};
+use studies::verify::round::{OracleAnswer, Round};
 use studies::verify::subject::with_brute_force;
 
 /// Rays of a round.
@@ -110,7 +110,7 @@ impl Found {
         {
             self.rays += 1;
             match expected {
-                Expected::Miss => self.false_hits += u64::from(hit.is_hit()),
+                OracleAnswer::Miss => self.false_hits += u64::from(hit.is_hit()),
                 _ => self.misses += u64::from(!expected.admits(hit)),
             }
             if is_near {

@@ -17,7 +17,7 @@ use measurement::settings::choice;
 use measurement::system::files::put;
 use measurement::system::interrupt::undisturbed;
 
-/// Where baselines are kept unless something else is said.
+/// Default folder of baselines.
 const FOLDER: &str = ".rtbench/baselines";
 /// How their files end.
 const EXTENSION: &str = "json";
@@ -34,7 +34,7 @@ pub enum BaselineError {
     #[error("no baseline '{name}' in {}{hint}; {valid}", folder.display())]
     Unknown {
         name: String,
-        /// Where it was looked for.
+        /// Folder that was searched.
         folder: PathBuf,
         /// ` (did you mean ...?)` or empty.
         hint: String,
@@ -43,7 +43,6 @@ pub enum BaselineError {
     /// It would overwrite one.
     #[error("there is a baseline '{0}' already; --force replaces it")]
     Exists(String),
-    /// `--resume` when saving.
     #[error(
         "a baseline cannot be resumed: finish the run with `rtbench run --resume DIR`, then \
              keep it with `rtbench baseline save NAME --from DIR`"
@@ -67,7 +66,7 @@ pub enum BaselineError {
 }
 
 impl BaselineError {
-    /// Whether the error is one of usage (exit code 2).
+    /// Returns whether the error is one of usage (exit code 2).
     pub fn is_usage(&self) -> bool {
         matches!(self, Self::Name(_) | Self::Unknown { .. } | Self::Exists(_) | Self::Resume)
     }
@@ -85,7 +84,7 @@ pub struct Baseline {
     pub cpu_pressure: Option<f64>,
 }
 
-/// What a file has beside a record.
+/// Data of a baseline file beside its record.
 #[derive(Deserialize)]
 struct BaselineMeta {
     #[serde(default)]
@@ -122,7 +121,7 @@ impl Store {
         Ok(names)
     }
 
-    /// Where the baseline of that name is, or would be.
+    /// Path of the baseline of this name, whether or not it exists.
     pub fn path(&self, name: &str) -> Result<PathBuf, BaselineError> {
         if is_name(name) {
             Ok(self.0.join(format!("{name}.{EXTENSION}")))

@@ -1,4 +1,4 @@
-//! What ends a command, and with which exit code.
+//! Errors that end a command, with exit codes.
 
 use std::io;
 use std::path::PathBuf;
@@ -34,7 +34,7 @@ use crate::exports::outputs::OutputError;
 use crate::foreign_row::ForeignRowError;
 use crate::gate::GateError;
 use crate::history::HistoryError;
-use crate::like::LikeError;
+use crate::replan::ReplanError;
 use crate::report::ReportError;
 use crate::set_options::SetOptionsError;
 
@@ -77,10 +77,7 @@ pub enum Error {
     ForeignRow(#[from] ForeignRowError),
     /// Only triangles are written to files.
     #[error("scene {scene}: not of triangles at rest alone; scenes named ...-tess are tessellated")]
-    NotOfTriangles {
-        /// Scene.
-        scene: String,
-    },
+    NotOfTriangles { scene: String },
     /// A study ended early.
     #[error(transparent)]
     Study(Box<StudyError>),
@@ -95,10 +92,7 @@ pub enum Error {
     Occupied(#[from] OccupiedError),
     /// Nothing was measured that a model of times could be made from.
     #[error("the images of {scenes} took no time that a prediction could be made from")]
-    NoModel {
-        /// The scenes.
-        scenes: String,
-    },
+    NoModel { scenes: String },
     /// Results could not be turned into text.
     #[error(transparent)]
     Format(#[from] FormatError),
@@ -114,7 +108,7 @@ pub enum Error {
     /// Runs are not compared.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// Nothing could be held against a baseline.
+    /// No row could be compared with the baseline.
     #[error(transparent)]
     Gate(Box<GateError>),
     /// The options of a set file cannot be used.
@@ -126,10 +120,10 @@ pub enum Error {
     /// Runs of several machines are not the same run.
     #[error(transparent)]
     Machines(#[from] MachinesError),
-    /// What a report is made from cannot be read.
+    /// The input of a report cannot be read.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// What a history is made from cannot be read.
+    /// The input of a history cannot be read.
     #[error(transparent)]
     History(#[from] HistoryError),
     /// The copy of this program that the floor is measured with.
@@ -137,20 +131,10 @@ pub enum Error {
     Copy(#[from] CopyError),
     /// A structure's cells cannot be drawn.
     #[error("structure {row}: {source}")]
-    NoCells {
-        /// Structure and settings.
-        row: String,
-        /// Why.
-        source: NoCells,
-    },
+    NoCells { row: String, source: NoCells },
     /// A picture cannot be encoded.
     #[error("cannot draw {}: {source}", path.display())]
-    Undrawn {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        source: ImageError,
-    },
+    Undrawn { path: PathBuf, source: ImageError },
     /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
@@ -159,7 +143,7 @@ pub enum Error {
     Output(#[from] io::Error),
 }
 
-/// What several subsystems may say is one error here, whoever says it.
+/// Maps equal errors of several subsystems to one.
 impl From<MeasureError> for Error {
     fn from(error: MeasureError) -> Self {
         match error {
@@ -235,10 +219,10 @@ impl From<GateError> for Error {
     }
 }
 
-impl From<LikeError> for Error {
-    fn from(error: LikeError) -> Self {
+impl From<ReplanError> for Error {
+    fn from(error: ReplanError) -> Self {
         match error {
-            LikeError::Plan(error) => Self::Plan(error),
+            ReplanError::Plan(error) => Self::Plan(error),
             other => GateError::from(other).into(),
         }
     }

@@ -1,8 +1,6 @@
 //! The exit codes.
 
-/// Fine.
 pub const SUCCESS: u8 = 0;
-/// Something failed.
 pub const FAILURE: u8 = 1;
 /// The command line makes no sense.
 pub const USAGE: u8 = 2;
@@ -10,8 +8,8 @@ pub const USAGE: u8 = 2;
 pub const REGRESSION: u8 = 3;
 /// A structure gave wrong hits.
 pub const WRONG_HITS: u8 = 4;
-/// Something was inconclusive, or a row was missing, and `--strict` was given; or `verify` ran out of
-/// time before it had asked everything.
+/// Something was inconclusive, or a row was missing, and `--strict` was given; or `verify` ran out
+/// of time before it had asked everything.
 pub const INCONCLUSIVE: u8 = 5;
 /// Nothing could be compared.
 pub const NOTHING_COMPARED: u8 = 6;

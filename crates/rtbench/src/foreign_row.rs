@@ -6,7 +6,7 @@ use measurement::rays::order::{distinct, kind_of};
 use measurement::record::file::{self, RecordError};
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use measurement::settings::Lights;
-use plugins::files::About;
+use plugins::files::FileSubject;
 use renderer::RayKind;
 
 /// Why results take no foreign row.
@@ -34,7 +34,7 @@ pub enum ForeignRowError {
 pub fn merged(
     folder: &Path,
     (name, sha256): (&str, &str),
-    about: &About,
+    about: &FileSubject,
     row: RowRecord,
     overwrite: bool,
 ) -> Result<RunRecord, ForeignRowError> {
@@ -66,8 +66,8 @@ pub fn merged(
     Ok(record)
 }
 
-/// What of the rays' settings differs.
-fn other_settings(record: &RunRecord, about: &About) -> Option<String> {
+/// Differences of the settings of rays.
+fn other_settings(record: &RunRecord, about: &FileSubject) -> Option<String> {
     let lights = if about.first_light { Lights::First } else { Lights::Each };
     let of = &record.settings;
     let pairs = [
@@ -81,7 +81,7 @@ fn other_settings(record: &RunRecord, about: &About) -> Option<String> {
 }
 
 /// A kind of which there are more or fewer rays.
-fn other_counts(scene: &SceneRecord, about: &About) -> Option<String> {
+fn other_counts(scene: &SceneRecord, about: &FileSubject) -> Option<String> {
     let asked = RayKind::ALL.into_iter().zip(about.rays).filter(|(_, n)| *n > 0);
     asked.into_iter().find_map(|(kind, n)| {
         let own = distinct(&scene.rays).find(|(name, _)| kind_of(name) == kind.name());

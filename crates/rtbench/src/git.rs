@@ -1,4 +1,4 @@
-//! What is asked of git: commits and when they were made.
+//! Queries to git: commits and their dates.
 
 use std::ffi::OsStr;
 use std::io;
@@ -16,25 +16,19 @@ pub enum GitError {
     UnknownCommit {
         /// As it was named.
         commit: String,
-        /// The repository.
         folder: PathBuf,
     },
-    /// It refused.
     #[error("{}: git {asked}: {said}", folder.display())]
     Failed {
-        /// The repository.
         folder: PathBuf,
-        /// What was asked.
         asked: String,
         /// The last line of what it said.
         said: String,
     },
 }
 
-/// A commit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Commit {
-    /// Its whole name.
     pub id: String,
     /// When it was committed, seconds since 1970.
     pub unix_s: u64,
@@ -50,7 +44,6 @@ pub fn short(id: &str) -> String {
     id.chars().take(SHOWN).collect()
 }
 
-/// A repository.
 #[derive(Debug, Clone)]
 pub struct Git {
     program: PathBuf,
@@ -73,7 +66,7 @@ impl Git {
         Ok(git)
     }
 
-    /// What it prints, without the last line's end.
+    /// Output of git without the final line break.
     fn ask<A: AsRef<OsStr>>(
         &self,
         arguments: impl IntoIterator<Item = A>,

@@ -34,11 +34,11 @@ pub mod gate;
 pub mod git;
 mod given_view;
 pub mod history;
-pub mod like;
 mod measure;
 pub mod plugin_rows;
 pub mod program;
 mod recorded_command;
+pub mod replan;
 pub mod report;
 pub mod schema;
 pub mod set_options;
@@ -65,7 +65,7 @@ use crate::plugin_rows::Plugins;
 use crate::set_options::{added_by_set, join};
 use crate::usage::usage;
 use measurement::plan::error::PlanError;
-use measurement::scenes::{Installed, LoadError};
+use measurement::scenes::{InstalledScenes, LoadError};
 use measurement::system::clock::SystemClock;
 use measurement::system::{files, interrupt, panics};
 use presentation::outside::{Guard, line};
@@ -119,7 +119,7 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
     let mut context = Context {
         registry,
         occluders: occluders::REGISTRY,
-        scenes: &Installed,
+        scenes: &InstalledScenes,
         clock: &SystemClock::default(),
         world: &program::world(),
         out: &mut out,

@@ -5,8 +5,8 @@ use accel_core::structures::Entry;
 use measurement::plan::Plan;
 use measurement::record::summary::summarize;
 use measurement::record::{RunRecord, warnings};
-use measurement::rounds::scene_run::Equipment;
-use measurement::scenes::Installed;
+use measurement::rounds::scene_run::SceneInput;
+use measurement::scenes::InstalledScenes;
 use measurement::settings::RunSettings;
 use measurement::system::clock::{Clock, SystemClock};
 use measurement::system::pools::Pools;
@@ -22,8 +22,8 @@ use crate::program;
 
 /// Measures what is asked for over the structures of a registry, in this process, and returns what
 /// `rtbench run` would keep. Nothing is printed or written; a wrong answer is a
-/// [`Verdict`](measurement::record::Verdict) of its row. Settings for several processes or a part of a
-/// run are those of one process and the whole.
+/// [`Verdict`](measurement::record::Verdict) of its row. Settings for several processes or a part
+/// of a run are those of one process and the whole.
 ///
 /// ```no_run
 /// use rtbench::accel_core::structures::{REGISTRY, find};
@@ -45,13 +45,13 @@ use crate::program;
 /// cannot be loaded or measured, and for threads that cannot be had.
 pub fn measure(registry: &[Entry], settings: &RunSettings) -> Result<RunRecord, Error> {
     let settings = RunSettings { processes: 1, shard: None, ..settings.clone() };
-    let plan = Plan::new(&settings, registry, occluders::REGISTRY, &Installed)?;
+    let plan = Plan::new(&settings, registry, occluders::REGISTRY, &InstalledScenes)?;
     let (clock, world) = (SystemClock::default(), program::world());
     let command_line: Vec<String> =
         std::env::args_os().map(|argument| argument.to_string_lossy().into_owned()).collect();
     let mut record = begin(&world, &command_line, &plan);
     let pools = Pools::new(plan.threads)?;
-    let equipment = Equipment {
+    let equipment = SceneInput {
         pools: &pools,
         clock: &clock,
         world: &world,

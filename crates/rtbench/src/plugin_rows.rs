@@ -24,8 +24,8 @@ pub struct Plugins {
 
 impl Plugins {
     /// Loads the plugins that a command line names; also the structures there are with theirs after
-    /// `ours`. No name is one of `taken`, or of ours. Their processes are started with `program`; rows whose
-    /// process ended get a new one where that is asked for.
+    /// `ours`. No name is one of `taken`, or of ours. Their processes are started with `program`;
+    /// rows whose process ended get a new one where that is asked for.
     ///
     /// # Errors
     /// [`PluginError`] for the first that cannot be used.
@@ -63,12 +63,11 @@ impl Plugins {
         Ok((Self { loaded, arguments: args.arguments() }, registry))
     }
 
-    /// Their names.
     pub fn names(&self) -> Vec<String> {
         self.loaded.iter().map(|(name, _)| (*name).to_owned()).collect()
     }
 
-    /// What names them to another process of this program.
+    /// Arguments that pass them to another process of this program.
     pub fn arguments(&self) -> &[OsString] {
         &self.arguments
     }

@@ -1,4 +1,4 @@
-//! What this program is and was compiled with, as `build.rs` saw it.
+//! Version and compiler of this program, as recorded by `build.rs`.
 
 use measurement::record::{Compiler, Tool};
 use measurement::system::world::SystemWorld;

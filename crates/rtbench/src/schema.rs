@@ -10,7 +10,6 @@ pub const RUN_RECORD: &str = include_str!("../schema/run-record.schema.json");
 /// Of `--export-github-smaller` and `--export-github-bigger`.
 pub const GITHUB_ACTION_BENCHMARK: &str =
     include_str!("../schema/github-action-benchmark.schema.json");
-/// Of `--export-bencher`.
 pub const BENCHER_METRIC_FORMAT: &str = include_str!("../schema/bencher-metric-format.schema.json");
 
 /// Of JSON scene files, which `scene_loading::scene_file` reads.

@@ -42,16 +42,15 @@ pub enum SetOptionsError {
     Invalid {
         /// Name of the set.
         set: String,
-        /// What is wrong, and what is valid.
+        /// Description of the fault, and valid values.
         message: String,
     },
     /// An entry of `check` is not valid.
     #[error("scenes/sets/{set}.json: check, entry {entry}: {message}")]
     Threshold {
         set: String,
-        /// From 1.
         entry: usize,
-        /// What is wrong, and what is valid.
+        /// Description of the fault, and valid values.
         message: String,
     },
     /// It names something that is not there.
@@ -122,13 +121,13 @@ fn run_of(matches: &ArgMatches) -> Option<&ArgMatches> {
     }
 }
 
-/// Whether the command line has the option, or an alternative to it.
+/// Returns whether the command line has the option, or an alternative to it.
 fn is_given(run: &ArgMatches, id: &str) -> bool {
     let alternatives = ALTERNATIVES.iter().find(|all| all.contains(&id));
     is_typed(run, id) || alternatives.is_some_and(|all| all.iter().any(|id| is_typed(run, id)))
 }
 
-/// Whether an argument was given on the command line.
+/// Returns whether an argument was given on the command line.
 fn is_typed(matches: &ArgMatches, id: &str) -> bool {
     let known = matches.try_contains_id(id).unwrap_or(false);
     known && matches.value_source(id) == Some(ValueSource::CommandLine)
@@ -210,12 +209,12 @@ mod tests {
     use serde_json::{Map, json};
 
     use super::*;
-    use measurement::scenes::{Installed, KnownScene, LoadError};
+    use measurement::scenes::{InstalledScenes, KnownScene, LoadError};
 
     /// A source with one set that has options.
-    struct One(serde_json::Value);
+    struct SingleSet(serde_json::Value);
 
-    impl SceneSource for One {
+    impl SceneSource for SingleSet {
         fn resolve(&self, _: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
             Ok(Vec::new())
         }
@@ -244,7 +243,7 @@ mod tests {
 
     fn joined(options: serde_json::Value, typed: &str) -> Result<String, String> {
         let mut arguments: Vec<OsString> = typed.split_whitespace().map(Into::into).collect();
-        let added = added_by_set(&arguments, &One(options)).map_err(|e| e.to_string())?;
+        let added = added_by_set(&arguments, &SingleSet(options)).map_err(|e| e.to_string())?;
         join(&mut arguments, added);
         Ok(arguments.iter().map(|a| a.to_str().unwrap()).collect::<Vec<_>>().join(" "))
     }
@@ -319,12 +318,12 @@ mod tests {
     #[test]
     fn the_sets_that_the_program_carries_are_valid() {
         let mut with_options = Vec::new();
-        for (set, _) in Installed.sets().unwrap() {
+        for (set, _) in InstalledScenes.sets().unwrap() {
             for quick in ["", "--quick"] {
                 let words = ["rtbench", "run", &set, quick];
                 let words = words.into_iter().filter(|word| !word.is_empty());
                 let arguments: Vec<OsString> = words.map(Into::into).collect();
-                if !added_by_set(&arguments, &Installed).unwrap().is_empty() {
+                if !added_by_set(&arguments, &InstalledScenes).unwrap().is_empty() {
                     with_options.push(set.clone());
                 }
             }

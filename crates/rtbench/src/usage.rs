@@ -1,5 +1,4 @@
-//! What is said of a command line that cannot be read, and what is asked of it alone: help and
-//! version.
+//! Handles invalid command lines, help and version.
 
 use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue};
@@ -28,7 +27,7 @@ pub fn usage(context: &mut Context<'_>, mut error: clap::Error) -> u8 {
     }
 }
 
-/// What was typed is shown, whatever it holds.
+/// Shows the arguments of the error, escaped.
 fn show_hidden(error: &mut clap::Error) {
     let shown = |text: &String| line(text).into_owned();
     let typed: Vec<(ContextKind, ContextValue)> = error

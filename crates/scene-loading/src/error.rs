@@ -1,12 +1,12 @@
-//! What can go wrong while a scene is loaded. Every error names the file, the line where there is
-//! one, what was found there and what would have been valid.
+//! Errors of loading a scene. Every error names the file, the line if there is one, what was found
+//! and what would be valid.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use crate::polygon::ear_clipping::Entangled;
+use crate::polygon::ear_clipping::SelfCrossing;
 
 /// A file and, where the format has them, a line, or else a byte; printed as `file:line` or
 /// `file: byte 80`.
@@ -14,13 +14,12 @@ use crate::polygon::ear_clipping::Entangled;
 pub struct FilePlace {
     /// The file as it was named to the loader.
     pub file: PathBuf,
-    /// Where in it.
-    pub within: Within,
+    pub within: FileLocation,
 }
 
-/// Where in a file.
+/// Position in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Within {
+pub enum FileLocation {
     /// The file as a whole.
     Whole,
     /// A line, counted from 1.
@@ -32,17 +31,17 @@ pub enum Within {
 impl FilePlace {
     /// The file as a whole.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.to_path_buf(), within: Within::Whole }
+        Self { file: file.to_path_buf(), within: FileLocation::Whole }
     }
 
     /// A line of the file, counted from 1.
     pub fn line(file: &Path, line: usize) -> Self {
-        Self { file: file.to_path_buf(), within: Within::Line(line) }
+        Self { file: file.to_path_buf(), within: FileLocation::Line(line) }
     }
 
     /// A byte of a binary file, counted from 0 after decompression.
     pub fn byte(file: &Path, byte: usize) -> Self {
-        Self { file: file.to_path_buf(), within: Within::Byte(byte) }
+        Self { file: file.to_path_buf(), within: FileLocation::Byte(byte) }
     }
 }
 
@@ -50,9 +49,9 @@ impl fmt::Display for FilePlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let file = self.file.display();
         match self.within {
-            Within::Whole => write!(f, "{file}"),
-            Within::Line(line) => write!(f, "{file}:{line}"),
-            Within::Byte(byte) => write!(f, "{file}: byte {byte}"),
+            FileLocation::Whole => write!(f, "{file}"),
+            FileLocation::Line(line) => write!(f, "{file}:{line}"),
+            FileLocation::Byte(byte) => write!(f, "{file}: byte {byte}"),
         }
     }
 }
@@ -103,7 +102,7 @@ pub enum LoadError {
     IndexOutOfRange { place: FilePlace, what: String, index: String, valid: String },
     /// A face that must be split into triangles and is not.
     #[error("{place}: {source}")]
-    Entangled { place: FilePlace, source: Entangled },
+    Entangled { place: FilePlace, source: SelfCrossing },
     /// The file is well-formed but holds no primitive.
     #[error("{place}: no primitives; expected at least one {expected}")]
     NoPrimitives { place: FilePlace, expected: &'static str },

@@ -1,4 +1,4 @@
-//! What a scene holds, and what about it may trouble a benchmark.
+//! Contents of a scene, and properties of it that may trouble a benchmark.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -12,33 +12,25 @@ use crate::scene::{Bounds, Scene, Shape, Warning};
 /// Counts and sizes of a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneInfo {
-    /// All primitives.
     pub primitives: usize,
-    /// Spheres among them.
     pub spheres: usize,
     /// Cones and cylinders among them.
     pub cones: usize,
-    /// Polygons among them.
     pub polygons: usize,
     /// Flat triangles among them.
     pub triangles: usize,
     /// Triangles with normals among them.
     pub patches: usize,
-    /// Shared vertices.
     pub vertices: usize,
-    /// Shared normals.
     pub normals: usize,
-    /// Materials.
     pub materials: usize,
-    /// Lights.
     pub lights: usize,
     /// Objects that the source places several times.
     pub objects: usize,
-    /// Their instances.
     pub instances: usize,
     /// Bounds of all primitives, in the coordinates of the file.
     pub bounds: Bounds,
-    /// Where the scene's origin is in the coordinates of the file.
+    /// The scene's origin in the coordinates of the file.
     pub origin: DVec3,
     /// Bytes that the scene's arrays take in memory.
     pub bytes: usize,

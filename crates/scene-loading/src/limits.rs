@@ -1,5 +1,5 @@
-//! What loaders take of a scene at most. All of it is checked before memory is taken, and an error
-//! names file, line and limit. (Limits of one format alone stand with its reader.)
+//! Limits of loaders. They are checked before memory is allocated; errors name file, line and
+//! limit. (Limits of a single format are defined with its reader.)
 
 use crate::error::{FilePlace, LoadError};
 

@@ -1,14 +1,14 @@
 //! Faces over a list of vertices, as PLY, STL and PBRT have them: what becomes of each, and what is
 //! counted. They are taken as OBJ's are: a triangle stays one; a larger flat face is a polygon
-//! unless it has normals or triangles are asked for; one that crosses itself is split; faces without
-//! area, or with a corner that is NaN, are left out.
+//! unless it has normals or triangles are asked for; one that crosses itself is split; faces
+//! without area, or with a corner that is NaN, are left out.
 
 use std::collections::HashMap;
 use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{FilePlace, LoadError, Within};
+use crate::error::{FileLocation, FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{Outline, area_vector};
@@ -20,24 +20,24 @@ pub(crate) const MAX_COORDINATE: f64 = 1e100;
 /// Faces that were not taken as they are.
 #[derive(Debug, Default)]
 pub(crate) struct FaceCounts {
-    without_area: Tally,
-    unusable: Tally,
-    bent: Tally,
-    crossing: Tally,
+    without_area: FirstAndCount,
+    unusable: FirstAndCount,
+    bent: FirstAndCount,
+    crossing: FirstAndCount,
     /// Vertices that no face can have.
-    pub vertices: Tally,
+    pub vertices: FirstAndCount,
     /// Normals that are NaN, infinite or too large, and lists of them that do not fit.
-    pub normals: Tally,
+    pub normals: FirstAndCount,
 }
 
-/// How many, and where the first is.
+/// A count, and the place of the first item.
 #[derive(Debug, Default)]
-pub(crate) struct Tally {
+pub(crate) struct FirstAndCount {
     count: usize,
     first: Option<FilePlace>,
 }
 
-impl Tally {
+impl FirstAndCount {
     pub fn add(&mut self, place: impl FnOnce() -> FilePlace) {
         self.count += 1;
         self.first.get_or_insert_with(place);
@@ -51,9 +51,9 @@ impl Tally {
     pub fn warn(&self, what: &str, scene: &mut Scene) {
         let Some(FilePlace { file, within }) = &self.first else { return };
         let first = match within {
-            Within::Whole => String::new(),
-            Within::Line(line) => format!(" (first: line {line})"),
-            Within::Byte(byte) => format!(" (first: byte {byte})"),
+            FileLocation::Whole => String::new(),
+            FileLocation::Line(line) => format!(" (first: line {line})"),
+            FileLocation::Byte(byte) => format!(" (first: byte {byte})"),
         };
         let text = format!("{}: {} {what}{first}", file.display(), self.count);
         scene.warnings.push(Warning(text));
@@ -106,10 +106,9 @@ impl FaceCounts {
     }
 }
 
-/// Where the vertices of a mesh are in a scene, and what its faces have in common.
+/// Range of the vertices of a mesh in a scene, and properties shared by its faces.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Mesh {
-    /// Of all faces.
     pub material: u32,
     /// The first vertex in `Scene::vertices`.
     pub first: u32,

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-pub use crate::polygon::ear_clipping::{Entangled, triangulate};
+pub use crate::polygon::ear_clipping::{SelfCrossing, triangulate};
 use crate::scene::{Cone, Primitive, Scene, Shape, Sphere, Warning};
 
 /// How finely curved primitives are tessellated.
@@ -43,7 +43,7 @@ pub enum TessellationError {
     TooLarge { resolution: u32, triangles: u64 },
     /// A polygon is not cut up.
     #[error("primitive {primitive} is {source}")]
-    Entangled { primitive: usize, source: Entangled },
+    Entangled { primitive: usize, source: SelfCrossing },
 }
 
 /// Converts the scene to triangles.
@@ -192,7 +192,7 @@ impl Output {
         }
     }
 
-    fn push_polygon(&mut self, material: u32, first: u32, count: u32) -> Result<(), Entangled> {
+    fn push_polygon(&mut self, material: u32, first: u32, count: u32) -> Result<(), SelfCrossing> {
         let outline = &self.scene.vertices[first as usize..][..count as usize];
         for triangle in triangulate(outline)? {
             self.push(material, triangle.map(|i| first + i));

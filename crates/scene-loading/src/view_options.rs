@@ -36,7 +36,6 @@ pub struct ViewOptions {
     pub lights: Vec<LightOption>,
 }
 
-/// `FROM:AT[:FOV]`, as `1,2,3:0,0,0:45`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct CameraOption {
@@ -64,7 +63,6 @@ pub struct LightOption {
 }
 
 impl ViewOptions {
-    /// Nothing is said.
     pub fn is_empty(&self) -> bool {
         *self == Self::default()
     }
@@ -117,7 +115,6 @@ pub(crate) fn light_if_dark(scene: &mut Scene) {
     }
 }
 
-/// As arguments.
 impl fmt::Display for ViewOptions {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.arguments().join(" "))

@@ -1,4 +1,4 @@
-//! Where the values of a series change: E-divisive.
+//! Change points of a series: E-divisive.
 //!
 //! Papers: D. S. Matteson, N. A. James, "A Nonparametric Approach for Multiple Change Point
 //! Analysis of Multivariate Data", Journal of the American Statistical Association 109(505), 2014:
@@ -28,7 +28,7 @@ pub struct Sensitivity {
 }
 
 impl Default for Sensitivity {
-    /// Of a thousand series without a change one is said to have one.
+    /// One of a thousand series without a change is reported to have one.
     fn default() -> Self {
         Self { significance: 0.001, permutations: 1999, shortest: 3 }
     }
@@ -36,7 +36,7 @@ impl Default for Sensitivity {
 
 /// The places of the first values of all segments but the first, in rising order.
 ///
-/// What is not finite has no place: pass none.
+/// All values must be finite.
 pub fn change_points(values: &[f64], sensitivity: &Sensitivity, seed: u64) -> Vec<usize> {
     let mut random = Random::new(seed, "change points");
     let mut found = Vec::new();
@@ -86,7 +86,7 @@ fn best_split(values: &[f64], shortest: usize) -> Option<(usize, f64)> {
     best
 }
 
-/// Whether so large a divergence is rare among permutations of the values.
+/// Returns whether so large a divergence is rare among permutations of the values.
 fn is_significant(
     values: &[f64],
     divergence: f64,

@@ -3,7 +3,7 @@
 //! Source: J. W. Tukey, "Exploratory Data Analysis", 1977: beyond 1.5 interquartile ranges from
 //! the quartiles.
 
-/// How many interquartile ranges from the quartiles the fences stand.
+/// Distance of the fences from the quartiles, in interquartile ranges.
 const FENCE: f64 = 1.5;
 /// Fewer samples have no quartiles worth the name.
 const FEWEST: usize = 4;

@@ -58,7 +58,6 @@ impl Series {
         pairs.filter(|(_, x)| x.is_finite()).collect()
     }
 
-    /// All values.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
@@ -113,7 +112,6 @@ impl Series {
         Some(Estimate { median: mean, low: mean - reach, high: mean + reach })
     }
 
-    /// The figure alone.
     pub fn middle(&self) -> Option<f64> {
         match self.levels() {
             Some(levels) => Some(levels.log.exp()),
@@ -190,9 +188,10 @@ impl Levels {
 
     /// The two-sided probability of a value as far from 0 if it is 0.
     fn p_value(&self) -> f64 {
-        match self.variance > 0.0 {
-            true => student_tails(self.log.abs() / self.variance.sqrt(), self.degrees),
-            false => f64::from(u8::from(self.log == 0.0)),
+        if self.variance > 0.0 {
+            student_tails(self.log.abs() / self.variance.sqrt(), self.degrees)
+        } else {
+            f64::from(u8::from(self.log == 0.0))
         }
     }
 }

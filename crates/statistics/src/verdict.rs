@@ -1,11 +1,11 @@
-//! What came of a quantity that was measured twice: faster, slower, the same, or unclear.
+//! Verdict on a quantity that was measured twice: faster, slower, the same, or unclear.
 //!
-//! One rule for rows, for means over scenes and for programs measured in turns. *The same* is what a test of
-//! equivalence says: the whole interval lies within the margin (D. Schuirmann, Journal of Pharmacokinetics and
-//! Biopharmaceutics 15(6), 1987; the 95% interval in the place of the 90% one errs on the side of *unclear*).
-//! *Slower* and *faster* need the whole interval beyond the noise, and a probability, corrected for all that
-//! were tested, that says it is no chance. Whatever is neither is *unclear*: noise never makes anything the
-//! same.
+//! One rule for rows, for means over scenes and for programs measured in turns. *The same* is what
+//! a test of equivalence says: the whole interval lies within the margin (D. Schuirmann, Journal of
+//! Pharmacokinetics and Biopharmaceutics 15(6), 1987; the 95% interval instead of the 90% one
+//! errs on the side of *unclear*). *Slower* and *faster* need the whole interval beyond the noise,
+//! and a probability, corrected for all that were tested, that says it is no chance. Whatever is
+//! neither is *unclear*: noise never makes anything the same.
 
 use serde::Serialize;
 
@@ -16,9 +16,7 @@ use crate::{holm, sign_test};
 /// A quantity measured twice.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change {
-    /// Before.
     pub old: f64,
-    /// After.
     pub new: f64,
     /// After over before; none where there are too few samples for an interval.
     pub ratio: Option<Estimate>,
@@ -29,7 +27,7 @@ pub struct Change {
 }
 
 impl Change {
-    /// Of two series that share no rounds; none where one is empty.
+    /// Compares two series without common rounds; `None` if one is empty.
     pub fn of_series(old: &Series, new: &Series) -> Option<Self> {
         Some(Self {
             old: old.middle()?,
@@ -40,8 +38,8 @@ impl Change {
         })
     }
 
-    /// Of the geometric mean over groups (scenes) of such pairs, old and new; one group is as
-    /// [`Change::of_series`] has it. None where there is no group.
+    /// Compares geometric means over groups (scenes) of such pairs, old and new; one group is
+    /// handled by [`Change::of_series`]. `None` without groups.
     pub fn of_mean(groups: &[[&Series; 2]]) -> Option<Self> {
         if let [[old, new]] = groups {
             return Self::of_series(old, new);
@@ -54,8 +52,8 @@ impl Change {
         Some(Self { old: 1.0, new, ratio, p: p_value_of_mean(&turned), samples })
     }
 
-    /// Of pairs of an old and a new value, each with the process that it is of: ratios within pairs. Of
-    /// one process by its pairs and the sign test, of several by what their medians say.
+    /// Compares by ratios within pairs of an old and a new value, each with its process: pairs and
+    /// sign test for one process, medians of processes for several.
     pub fn of_pairs(pairs: &[(u32, [f64; 2])], seed: u64) -> Option<Self> {
         let side = |i: usize| median(&pairs.iter().map(|(_, pair)| pair[i]).collect::<Vec<_>>());
         let ratios: Series =
@@ -88,26 +86,24 @@ pub fn correct<'c>(changes: impl Iterator<Item = &'c mut Change>) {
     }
 }
 
-/// What came of a change.
+/// Verdict on a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
-    /// Certainly less.
     Faster,
     /// Certainly within the margin.
     Same,
     /// None of the others.
     Unclear,
-    /// Certainly more.
     Slower,
 }
 
-/// What a change must be beyond.
+/// Thresholds that a change must exceed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rule {
     /// The share by which a ratio may differ from 1 and be the same.
     pub margin: f64,
-    /// The share by which two measurements of one program differ, or more: what is not wholly beyond is
-    /// neither faster nor slower.
+    /// The share by which two measurements of one program differ, or more: what is not wholly
+    /// beyond is neither faster nor slower.
     pub noise: f64,
     /// The probability of chance from which nothing is certain.
     pub significance: f64,
@@ -117,7 +113,7 @@ pub struct Rule {
 const MOST_SAMPLES: f64 = 1e4;
 
 impl Rule {
-    /// What came of a change whose probability is corrected.
+    /// Verdict on a change whose probability is corrected.
     pub fn verdict(&self, change: &Change) -> Verdict {
         let Some(Estimate { low, high, .. }) = change.ratio else { return Verdict::Unclear };
         let is_significant = change.p.is_some_and(|p| p < self.significance);
@@ -132,7 +128,8 @@ impl Rule {
         }
     }
 
-    /// What would decide a change that is unclear: how many `units` (rounds, processes), or which quiet.
+    /// What would decide an unclear change: a number of `units` (rounds, processes), or a quieter
+    /// machine.
     pub fn missing(&self, change: &Change, units: &str) -> String {
         let Some(Estimate { median, low, high }) = change.ratio else {
             return format!("{} {units} have no interval", change.samples);

@@ -1,4 +1,4 @@
-//! What an image with effects traces, within what memory holds.
+//! Rays of an image with effects, within the memory limit.
 
 use measurement::plan::error::PlanError;
 use renderer::effects::plan::MOST_SAMPLES_PER_PIXEL;

@@ -11,7 +11,7 @@ use renderer::{GeometryError, ImageError};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// What was asked for makes no sense.
+    /// The request is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// A scene could not be measured.
@@ -31,7 +31,7 @@ pub enum StudyError {
     Format(#[from] FormatError),
 }
 
-/// What another process measured is something else.
+/// Another process measured something else.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{axis} on {place}: process {process} has {found}, not what was judged")]
 pub struct ProcessMismatch {

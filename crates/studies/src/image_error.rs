@@ -50,13 +50,13 @@ impl ConvergedImage {
         Self { image: Image { pixels, ..*first }, own_error }
     }
 
-    /// Whether an error is so small that much of it may be that of the reference itself.
+    /// Returns whether an error is so small that much of it may be that of the reference itself.
     pub fn hides(&self, error: f64) -> bool {
         error < TIMES_REFERENCE * self.own_error
     }
 }
 
-/// Which pixels differ from one of their four neighbours by more than 0.05 in a channel.
+/// Marks pixels that differ from one of their four neighbours by more than 0.05 in a channel.
 pub fn edges(image: &Image) -> Vec<bool> {
     let (w, h) = (image.width as usize, image.height as usize);
     let differs = |i: usize, j: usize| {

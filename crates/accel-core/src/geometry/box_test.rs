@@ -17,7 +17,7 @@ pub enum BoxTest {
     Plain,
     /// The exit is two ulps later.
     Padded,
-    /// As `Padded`, in f64.
+    /// Like `Padded`, computed in f64.
     Double,
 }
 

@@ -4,8 +4,9 @@
 //! A ray that starts a thousand scene sizes away has lost the digits that tell cells apart, and
 //! every structure would lose them in a way of its own. So its origin is first moved along the ray
 //! to just before the scene, once, for all structures and the brute-force oracle alike; a ray that
-//! passes the scene at a distance, or whose interval does, is a miss at once. (Our own remedy; the loss is
-//! case R6 of the hard cases.) Its interval becomes the parameters that are told as ones within it.
+//! passes the scene at a distance, or whose interval does, is a miss at once. (Our own remedy; the
+//! loss is case R6 of the hard cases.) Its interval becomes the parameters that are told as ones
+//! within it.
 //!
 //! A direction so long or so short that its reciprocal, or a parameter, loses digits to subnormal
 //! numbers or overflows is multiplied by a power of two first, and the parameters are divided by
@@ -36,7 +37,7 @@ pub struct Parameters<S> {
 }
 
 impl<S: Scalar> Parameters<S> {
-    /// Those of the ray itself.
+    /// The identity: parameters of the ray itself.
     pub const SAME: Self = Self { smaller_by: S::ZERO, factor: S::ONE };
 
     /// The parameter on the ray it was made from.
@@ -75,7 +76,7 @@ impl<S: Scalar> Parameters<S> {
     }
 }
 
-/// Whole numbers in the order of floating-point ones.
+/// Maps floating-point numbers to integers in the same order.
 fn to_key(x: f64) -> i64 {
     let bits = x.to_bits() as i64;
     bits ^ (((bits >> 63) as u64) >> 1) as i64
@@ -93,7 +94,6 @@ pub fn reach<S: Scalar>(magnitude: S) -> S {
     magnitude * S::from_f64(NEAR)
 }
 
-/// Judges a ray.
 #[inline(always)]
 pub fn place<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     let [x, y, z] = ray.origin.to_array();
@@ -135,7 +135,7 @@ fn has_common_length<S: Scalar>(ray: &Ray<S>) -> bool {
     (length >= S::DIRECTION_LENGTHS[0]) & (length <= S::DIRECTION_LENGTHS[1])
 }
 
-/// Of a ray that is not near, or of no common length, or no ray.
+/// Places a ray that is not near, has an uncommon length, or is invalid.
 #[cold]
 #[inline(never)]
 fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
@@ -156,8 +156,8 @@ fn place_of_other<S: Scalar>(ray: &Ray<S>, reach: S) -> PlacedRay<S> {
     }
 }
 
-/// Where the ray begins near the scene, and by how much its parameters are smaller there; none where
-/// it passes the scene, or its interval, which is that of its direction over `factor`, does.
+/// Origin near the scene, and the difference of ray parameters there; `None` if the ray, or its
+/// interval (that of its direction over `factor`), misses the scene.
 fn moved<S: Scalar>(ray: &Ray<S>, reach: S, factor: S) -> Option<(crate::Vec3<S>, S)> {
     let [x, y, z] = ray.origin.to_array();
     if x.abs() <= reach && y.abs() <= reach && z.abs() <= reach {
@@ -249,7 +249,7 @@ mod tests {
         assert!(matches!(place(&endless, reach), PlacedRay::Nowhere));
     }
 
-    /// What is hit at a parameter lies in every interval that has it, and only there.
+    /// A hit at a parameter lies in exactly the intervals that contain that parameter.
     fn intervals_are_closed<S: Scalar>() {
         let mut random = Random(21);
         let reach = reach(S::ONE);

@@ -48,11 +48,11 @@ pub trait Four: Lanes {
 /// Eight lanes. Comparisons give lanes of all ones or all zeros, of which operations on bits make
 /// others.
 pub trait Eight: Lanes + BitAnd<Output = Self> + BitOr<Output = Self> {
-    /// Where `self == other`.
+    /// Lane mask of `self == other`.
     fn equal(self, other: Self) -> Self;
-    /// Where `self <= other`.
+    /// Lane mask of `self <= other`.
     fn at_most(self, other: Self) -> Self;
-    /// Where `self < other`.
+    /// Lane mask of `self < other`.
     fn below(self, other: Self) -> Self;
     fn absolute(self) -> Self;
     /// Lanes of `self` where `mask` has all ones, of `other` where it has zeros.

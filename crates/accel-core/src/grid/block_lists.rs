@@ -16,7 +16,7 @@ pub(crate) trait BlockPlacement: Sync {
     fn block(&self, id: u32) -> ([i32; 3], [i32; 3]);
 }
 
-/// Where the cells of a grid stand in the array of lists: rows along x, each in one piece.
+/// Places of the cells of a grid in the array of lists; each row along x is contiguous.
 pub(crate) trait CellRows: Sync {
     /// Length of the array.
     fn cells(&self) -> usize;
@@ -34,7 +34,7 @@ pub(crate) struct DenseRows {
 }
 
 impl DenseRows {
-    /// Of a grid of `n` cells per axis.
+    /// Layout of a grid of `n` cells per axis.
     pub(crate) fn new(n: [u32; 3]) -> Self {
         let [x, y, z] = n.map(|n| n as usize);
         Self { cells: x * y * z, strides: [x, x * y] }
@@ -117,7 +117,7 @@ impl Block {
         Self { first: packed as u32 as usize, more: [byte(32), byte(40), byte(48)] }
     }
 
-    /// Whether it lies within one row.
+    /// Returns whether it lies within one row.
     #[inline(always)]
     fn is_in_one_row(self) -> bool {
         self.more[1] + self.more[2] == 0

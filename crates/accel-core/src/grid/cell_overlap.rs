@@ -1,4 +1,4 @@
-//! Which cells a primitive goes to: those of its box, or those that it overlaps itself.
+//! Rules for the cells that list a primitive: those its box touches, or those it overlaps itself.
 //!
 //! Papers: T. Akenine-Moeller, "Fast 3D Triangle-Box Overlap Testing", JGT 6(1), 2001 (separating
 //! axes); J. Arvo, "A Simple Method for Box-Sphere Intersection Testing", Graphics Gems, 1990.
@@ -14,7 +14,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
-/// Which cells a primitive goes to.
+/// Rule for the cells that list a primitive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Insertion {
     /// Those that its padded box touches.
@@ -40,7 +40,7 @@ impl Insertion {
                   comparison: without a margin (both lose hits on cell planes)",
     );
 
-    /// What the settings ask for; padded boxes for a structure that does not list the parameter.
+    /// Reads the setting; padded boxes for a structure without the parameter.
     pub fn of(params: &Params) -> Self {
         match params.get(Self::PARAM.name) {
             Some("box") => Self::Box,
@@ -50,18 +50,19 @@ impl Insertion {
         }
     }
 
-    /// Whether cells are grown by the padding.
+    /// Returns whether cells are grown by the padding.
     pub fn is_padded(self) -> bool {
         matches!(self, Self::PaddedBox | Self::PaddedExact)
     }
 
-    /// Whether the primitive itself decides, not its box.
+    /// Returns whether the primitive itself decides, not its box.
     pub fn is_exact(self) -> bool {
         matches!(self, Self::Exact | Self::PaddedExact)
     }
 }
 
-/// Whether primitive `id` may overlap the box from `low` to `high`; `balls` is room to work in.
+/// Returns whether primitive `id` may overlap the box from `low` to `high`; `balls` is room to work
+/// in.
 pub fn overlaps<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     id: u32,
@@ -99,8 +100,8 @@ pub fn overlaps<S: Scalar, P: PrimSet<S>>(
     }
 }
 
-/// Whether an axis separates a triangle from the box of half-sides `half` about the origin; the
-/// axes of the box itself are left out, as cells of the triangle's box are all that is asked.
+/// Returns whether an axis separates a triangle from the box of half-sides `half` about the origin;
+/// the axes of the box itself are left out, as cells of the triangle's box are all that is asked.
 fn is_separated(corners: [DVec3; 3], half: DVec3) -> bool {
     let [a, b, c] = corners;
     let edges = [b - a, c - b, a - c];

@@ -1,4 +1,4 @@
-//! What every traversal of a ray through a regular grid offers, and the setting that chooses one.
+//! Interface of traversals of regular grids, and the setting that chooses one.
 //!
 //! Two traversals are for use: `voxel_traversal.rs` (t_next stepping) and
 //! `driving_axis_traversal.rs` (Fujimoto's synchronised DDAs). Two more are for comparison, in the
@@ -42,8 +42,8 @@ pub trait CellTraversal<S: Scalar>: CellPosition {
     fn advance(&mut self) -> bool;
 }
 
-/// Which traversal a grid uses. The first two visit every pierced cell; they differ in time only,
-/// and in which cells they touch where a ray meets an edge or corner of cells exactly.
+/// Traversal of a grid. The first two visit every pierced cell; they differ in time, and in the
+/// cells visited where a ray meets an edge or corner of cells exactly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Traversal {
     /// Amanatides and Woo 1987.
@@ -53,7 +53,7 @@ pub enum Traversal {
     DrivingAxis,
     /// Amanatides and Woo 1987 to the letter: it passes cells by.
     Accumulate,
-    /// [`Traversal::TNext`] in f64.
+    /// Like [`Traversal::TNext`], computed in f64.
     Double,
 }
 
@@ -72,8 +72,7 @@ impl Traversal {
         ..Self::PARAM
     };
 
-    /// What the settings ask for; steps to the nearest plane for a structure that does not list the
-    /// parameter.
+    /// Reads the setting; [`Self::TNext`] for a structure without the parameter.
     pub fn of(params: &Params) -> Self {
         match params.get(Self::PARAM.name) {
             Some("driving-axis") => Self::DrivingAxis,

@@ -19,8 +19,8 @@ pub(crate) struct NewCells {
 }
 
 impl NewCells {
-    /// Of the `moved` primitives; `cell` says where the list of a cell is. `None` where they are
-    /// too many.
+    /// Cells of the `moved` primitives; `cell` maps a cell to its list. `None` if there are too
+    /// many.
     pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
         contents: &Contents<S, P>,
         moved: &[u32],
@@ -137,9 +137,9 @@ mod tests {
     use crate::grid::cell_lists::Placement;
 
     /// Primitive `i` goes to two or three cells from `self.0[i]` on.
-    struct At(Vec<usize>);
+    struct CellOffsets(Vec<usize>);
 
-    impl Placement for At {
+    impl Placement for CellOffsets {
         fn cells_of(&self, id: u32, emit: impl FnMut(usize)) {
             let first = self.0[id as usize];
             (first..first + 2 + first % 2).for_each(emit);
@@ -151,8 +151,8 @@ mod tests {
         const CELLS: usize = 53;
         let place = |i: usize, frame: usize| ((i + 1) * (7919 + frame * 31)) % (CELLS - 3);
         for order in [ListOrder::File, ListOrder::Reverse] {
-            let build = |at: &At| CellLists::build(CELLS, 200, order, 9999, at).unwrap();
-            let mut at = At((0..200).map(|i| place(i, 0)).collect());
+            let build = |at: &CellOffsets| CellLists::build(CELLS, 200, order, 9999, at).unwrap();
+            let mut at = CellOffsets((0..200).map(|i| place(i, 0)).collect());
             let mut lists = build(&at);
             for (frame, stride) in [(1, 1), (2, 50), (3, 7), (4, 300), (5, 3)] {
                 let moved: Vec<u32> = (0..200).step_by(stride).collect();

@@ -114,7 +114,8 @@ impl<S: Scalar> DrivingAxisTraversal<S> {
         }
     }
 
-    /// Whether the passive plane `p` is met before the layer ends: Fujimoto's error is positive.
+    /// Returns whether the passive plane `p` is met before the layer ends: Fujimoto's error is
+    /// positive.
     #[inline(always)]
     fn is_due(&self, p: usize) -> bool {
         self.passive[p].t_next < self.driving.t_next

@@ -1,5 +1,4 @@
-//! What grids are made of: frames and their traversals, lists of cells, resolution rules,
-//! placement of boxes.
+//! Parts of grids: frames, traversals, cell lists, resolution rules, placement of boxes.
 
 pub(crate) mod block_lists;
 pub(crate) mod box_placement;

@@ -22,7 +22,7 @@ struct Grid<S: Scalar> {
     first_cell: u32,
 }
 
-/// Where the lists of a cell begin; they end where those of the next cell begin.
+/// Starts of the lists of a cell; they end at the starts of the next cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct CellStart {
     ids: u32,

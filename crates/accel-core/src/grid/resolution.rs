@@ -1,4 +1,4 @@
-//! How many voxels: the rules of thumb, safe for flat, tiny and stretched scenes.
+//! Rules for the number of voxels, safe for flat, tiny and stretched scenes.
 //!
 //! With N primitives, D voxels wanted per primitive, box sides s and volume V:
 //! * *regular*: every axis gets (D N)^(1/3).
@@ -54,7 +54,7 @@ impl ResolutionRule {
     pub const NAMES: &'static [&'static str] =
         &["density", "woo", "heterogeneous", "regular", "average-edge", "cubic", "auto"];
 
-    /// Whether the rule reads [`ResolutionInput::mean_longest_side`].
+    /// Returns whether the rule reads [`ResolutionInput::mean_longest_side`].
     pub fn reads_sides(self) -> bool {
         matches!(self, Self::AverageEdge | Self::Auto)
     }

@@ -25,7 +25,7 @@ pub(super) fn useful_parts(primitives: usize, cells: usize) -> Vec<Range<usize>>
     ranges(primitives, parts(primitives).min(affordable.max(1)))
 }
 
-/// How many numbers of a part belong to each list (and a zero), and how many these are together.
+/// Lengths of the lists in a part (and a zero), and their sum.
 pub(super) type Counts = (Vec<u32>, u64);
 
 /// Applies `count` to each part.

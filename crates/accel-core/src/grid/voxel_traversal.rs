@@ -34,7 +34,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, GridCell};
 
-/// Where the cells of a regular grid are.
+/// Position and size of the cells of a regular grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridFrame<S: Scalar> {
     bounds: Aabb<S>,
@@ -230,7 +230,7 @@ pub struct CellDivision<S: Scalar> {
 }
 
 impl<S: Scalar> CellDivision<S> {
-    /// Of the cells of `frame`, whose grids reach `padding` beyond them.
+    /// Margin of the cells of `frame`, whose grids reach `padding` beyond them.
     pub fn new(frame: &GridFrame<S>, padding: S) -> Self {
         let side = frame.cell.map(|cell| cell + padding + padding);
         Self {

@@ -1,4 +1,4 @@
-//! Which box a structure takes for a primitive: today's padded boxes, or those of 1999.
+//! Boxes of primitives: padded, or as in 1999.
 
 #![warn(missing_docs)]
 

@@ -9,8 +9,8 @@ use crate::structure::{Batches, StructureStats};
 ///
 /// Slices are cut to the shortest of them.
 pub trait Occluder<S: Scalar>: Send + Sync {
-    /// Whether every ray is blocked by an opaque primitive. `lights` says which light of the build
-    /// each ray runs to; a ray that does not end there is answered too, only slower.
+    /// Writes for each ray whether an opaque primitive blocks it. `lights` says which light of
+    /// the build each ray runs to; a ray that does not end there is answered too, only slower.
     fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]);
     /// [`Occluder::occlusions`], counting the work.
     fn count_occlusions(

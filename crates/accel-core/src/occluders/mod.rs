@@ -24,9 +24,9 @@ use crate::structure::BuildError;
 pub static REGISTRY: &[Entry] = &[occluder!(light_buffer::build, light_buffer::INFO)];
 
 /// The registry of occluders, which answer shadow rays only.
-pub struct Occluding;
+pub struct OccluderRegistry;
 
-impl RegistryItem for Occluding {
+impl RegistryItem for OccluderRegistry {
     type Builder<S: Scalar> = fn(&Params) -> PreparedOccluder<S>;
 }
 
@@ -38,7 +38,7 @@ pub type PreparedOccluder<S> = Box<
 >;
 
 /// One line of [`REGISTRY`].
-pub type Entry = registry::Entry<Occluding>;
+pub type Entry = registry::Entry<OccluderRegistry>;
 
 impl Entry {
     pub fn prepare<S: Buildable>(&self, params: &Params) -> PreparedOccluder<S> {

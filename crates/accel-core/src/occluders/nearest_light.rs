@@ -1,4 +1,4 @@
-//! Which light a shadow ray runs to, in a scene of any number of lights.
+//! Finds the light of a shadow ray, for any number of lights.
 
 use glam::DVec3;
 

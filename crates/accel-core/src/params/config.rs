@@ -10,18 +10,18 @@ use crate::memory::{Limits, MemoryLimit, OutOfMemory};
 
 /// The settings of a structure, typed; [`config!`](crate::config) writes them with their parameters.
 pub trait Config: Clone + Send + Sync + 'static {
-    /// Those of the parameters, which the structure declares.
+    /// Reads the settings from parameters that the structure declares.
     fn of(params: &Params) -> Self;
 }
 
-/// Of a structure without parameters.
+/// Settings of a structure without parameters.
 impl Config for () {
     fn of(_: &Params) {}
 }
 
 /// A value that a parameter can be read as; a mistake of its kind panics as [`Params::real`] does.
 pub trait Value {
-    /// That of a parameter.
+    /// Reads the value of a parameter.
     fn of(params: &Params, name: &str) -> Self;
 }
 
@@ -62,7 +62,7 @@ impl<C> Settings<C> {
         Self { limits: Limits { memory, ..self.limits }, ..self }
     }
 
-    /// Which structure it is, and what it may take.
+    /// The structure being built, and its memory limit.
     pub fn limits(&self) -> Limits {
         self.limits
     }
@@ -72,7 +72,7 @@ impl<C> Settings<C> {
         self.limits.structure
     }
 
-    /// Whether a part of so many bytes may be taken, and can be had now.
+    /// Checks that a part of so many bytes may be taken, and can be had now.
     ///
     /// # Errors
     /// [`OutOfMemory`].

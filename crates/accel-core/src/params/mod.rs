@@ -217,7 +217,7 @@ impl Params {
         Self { limits: Limits { memory, ..self.limits }, ..self }
     }
 
-    /// How much memory the structure may take.
+    /// Memory limit of the structure.
     pub fn memory(&self) -> MemoryLimit {
         self.limits.memory
     }

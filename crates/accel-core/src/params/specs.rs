@@ -3,7 +3,7 @@
 
 use crate::params::{ParamKind, ParamSpec};
 
-/// How many voxels.
+/// Number of voxels of a grid.
 pub const RESOLUTION: ParamSpec = ParamSpec {
     name: "resolution",
     summary: "rule for the number of voxels, or the number itself",
@@ -19,7 +19,6 @@ pub const DENSITY: ParamSpec = ParamSpec::real("density", "2", 1e-6, 1e6)
 pub const BOXES: ParamSpec = ParamSpec::choice("boxes", "padded", &["padded", "historical"])
     .about("boxes of primitives: padded by ulps, or as in 1999");
 
-/// Reads [`BOXES`].
 pub(crate) fn is_historical(boxes: &str) -> bool {
     boxes == "historical"
 }

@@ -12,7 +12,7 @@ use crate::primitives::shear::Shear;
 use crate::primitives::triangle_block::{TriangleBlock, sheared};
 
 /// Result of a block test.
-type Found<S> = (u32, [S; 8]);
+type BlockResult<S> = (u32, [S; 8]);
 /// A vector in each lane.
 type Vectors<S> = [EightOf<S>; 3];
 
@@ -54,7 +54,7 @@ pub(crate) fn moeller_trumbore<S: Scalar>(
     ray: &Ray<S>,
     t_max: S,
     tolerance: S,
-) -> Found<S> {
+) -> BlockResult<S> {
     let one = |x: S| EightOf::<S>::splat(x);
     let [a, b, c] = corners(block);
     let (e1, e2) = (less::<S>(b, a), less::<S>(c, a));
@@ -79,7 +79,11 @@ pub(crate) fn moeller_trumbore<S: Scalar>(
 
 /// The signs of the ray against each edge.
 #[inline(always)]
-pub(crate) fn pluecker<S: Scalar>(block: &TriangleBlock<S>, ray: &Ray<S>, t_max: S) -> Found<S> {
+pub(crate) fn pluecker<S: Scalar>(
+    block: &TriangleBlock<S>,
+    ray: &Ray<S>,
+    t_max: S,
+) -> BlockResult<S> {
     let zero = EightOf::<S>::splat(S::ZERO);
     let origin = splat(ray.origin.to_array());
     let [a, b, c] = corners(block).map(|corner| less::<S>(corner, origin));
@@ -107,7 +111,7 @@ pub(crate) fn watertight_fallback<S: Scalar>(
     shear: &Shear<S>,
     t_max: S,
     again: impl Fn(&[[S; 3]; 3]) -> Option<S>,
-) -> Found<S> {
+) -> BlockResult<S> {
     let zero = EightOf::<S>::splat(S::ZERO);
     let [a, b, c] = sheared(block.corners(), shear);
     let u = c[0] * b[1] - c[1] * b[0];

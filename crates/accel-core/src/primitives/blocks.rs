@@ -7,8 +7,8 @@ use crate::primitives::prim_set::PrimSet;
 use crate::primitives::triangle_block::TriangleBlock;
 use crate::update::MovedIds;
 
-/// Whether blocks can stand for lists of this set: all its primitives are triangles under the
-/// watertight test, and not too many.
+/// Returns whether blocks can stand for lists of this set: all its primitives are triangles under
+/// the watertight test, and not too many.
 pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
     prims.len() <= TriangleBlock::<S>::MOST_IDS
         && (0..prims.len() as u32).all(|id| prims.corners_in_block(id).is_some())

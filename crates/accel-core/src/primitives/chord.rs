@@ -1,10 +1,10 @@
 //! The hit of a ray with a polygon whose plane does not tell where it is.
 //!
-//! In the sheared space the ray is the z axis. Where it passes within an outline, the outline crosses
-//! the plane y = 0 on both sides of it. The segment between the nearest two crossings lies within the
-//! polygon and passes the ray, so that what is hit there lies in the convex hull of the vertices
-//! whatever the angle. It is as precise as the crossings are far apart; where they are not, all of
-//! the segment is equally near to the ray, and the plane may choose.
+//! In the sheared space the ray is the z axis. Where it passes within an outline, the outline
+//! crosses the plane y = 0 on both sides of it. The segment between the nearest two crossings lies
+//! within the polygon and passes the ray, so that what is hit there lies in the convex hull of the
+//! vertices whatever the angle. It is as precise as the crossings are far apart; where they are
+//! not, all of the segment is equally near to the ray, and the plane may choose.
 
 use crate::primitives::precise::signed_difference;
 

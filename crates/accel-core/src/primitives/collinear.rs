@@ -31,7 +31,7 @@ pub(super) fn without_sliver<S: Scalar>(corners: [[S; 3]; 3]) -> [[S; 3]; 3] {
     }
 }
 
-/// Whether all points lie on one line; decided exactly.
+/// Returns whether all points lie on one line; decided exactly.
 pub(super) fn are_collinear(points: &[DVec3]) -> bool {
     let Some((&a, rest)) = points.split_first() else { return true };
     let Some(&b) = rest.iter().find(|&&p| p != a) else { return true };

@@ -1,11 +1,11 @@
 //! Truncated cones and cylinders without caps, one-sided as NFF has them.
 //!
-//! The surface is F(p) = (cos |p_perp|)^2 - (cos r0 + sin z)^2 = 0 along the unit axis, by the cosine
-//! and sine of the angle between axis and surface: so a flat cone has no steep slope. Along a ray F
-//! is a quadratic A t^2 + 2 B t + C. A hit from outside is where F falls, F' = 2 (A t + B) < 0, and of
-//! the two roots that is always `(-B - sqrt(B^2 - A C)) / A`, whatever the sign of A: so one root
-//! answers a one-sided cone. (The quadratic is standard; see e.g. A. Glassner (ed.), An Introduction
-//! to Ray Tracing, 1989, chapter 2. The choice of root is ours.)
+//! The surface is F(p) = (cos |p_perp|)^2 - (cos r0 + sin z)^2 = 0 along the unit axis, by the
+//! cosine and sine of the angle between axis and surface: so a flat cone has no steep slope. Along
+//! a ray F is a quadratic A t^2 + 2 B t + C. A hit from outside is where F falls, F' = 2 (A t + B)
+//! < 0, and of the two roots that is always `(-B - sqrt(B^2 - A C)) / A`, whatever the sign of A:
+//! so one root answers a one-sided cone. (The quadratic is standard; see e.g. A. Glassner (ed.), An
+//! Introduction to Ray Tracing, 1989, chapter 2. The choice of root is ours.)
 //!
 //! The ray is first moved to its point nearest to the axis, which keeps the digits of far origins
 //! and of thin cylinders; a ray along the axis no further than to an end. B^2 - A C is computed as
@@ -31,7 +31,7 @@ pub struct Cone<S: Scalar> {
     length: S,
     base_radius: S,
     apex_radius: S,
-    /// Of the angle between the axis and the surface.
+    /// Cosine of the angle between axis and surface.
     cosine: S,
     sine: S,
     /// A hit so far beyond an end still counts: rounding must leave no crack where two parts of a
@@ -102,8 +102,9 @@ impl<S: Scalar> Cone<S> {
         (t >= ray.t_min && t <= t_max).then_some(t)
     }
 
-    /// The parameter of the hit of a ray that begins at `m` from the base, near the cone; `d_perp` is
-    /// its direction across the axis, `dd` the square of that, `dz` its direction along the axis.
+    /// The parameter of the hit of a ray that begins at `m` from the base, near the cone; `d_perp`
+    /// is its direction across the axis, `dd` the square of that, `dz` its direction along the
+    /// axis.
     #[inline(always)]
     fn intersect_near(&self, m: Vec3<S>, d_perp: Vec3<S>, dd: S, dz: S) -> Option<S> {
         let mz = m.dot(self.axis);
@@ -191,8 +192,8 @@ impl<S: Scalar> Cone<S> {
         (base.0.min(apex.0), base.1.max(apex.1))
     }
 
-    /// See [`crate::primitives::PrimSet::hull`]. The square of a hit's distance from the axis is off by a few
-    /// ulps of the square of the cone's size, which the balls make up for.
+    /// See [`crate::primitives::PrimSet::hull`]. The square of a hit's distance from the axis is
+    /// off by a few ulps of the square of the cone's size, which the balls make up for.
     pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
         let [base, apex] = self.discs();
         let size = self.length.to_f64() + base.1.max(apex.1);
@@ -328,7 +329,8 @@ mod tests {
         }
     }
 
-    /// The distance of a point from the axis less the radius there, and how far beyond an end it is.
+    /// The distance of a point from the axis less the radius there, and how far beyond an end it
+    /// is.
     fn off(base: DVec3, apex: DVec3, radii: [f64; 2], p: DVec3) -> (f64, f64) {
         let axis = apex - base;
         let z = (p - base).dot(axis) / axis.length_squared();
@@ -362,8 +364,8 @@ mod tests {
         is_on.then_some(t + shift)
     }
 
-    /// Of rays at a cone: those missed that pass well within it, and those hit where it is not, by the
-    /// test and as it was.
+    /// Of rays at a cone: those missed that pass well within it, and those hit where it is not, by
+    /// the test and as it was.
     fn wrong<S: Scalar>(radii: [f64; 2], length: f64) -> [usize; 2] {
         let mut random = crate::structures::test_scenes::Random(17);
         let mut counts = [0; 2];

@@ -1,4 +1,4 @@
-//! Which claims of copies hold.
+//! Checks claims that primitives are copies.
 
 use std::collections::HashMap;
 
@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::primitives::instances::{Copied, Instance, Instances, Object, stretch};
+use crate::primitives::instances::{ConfirmedCopy, Instance, Instances, Object, stretch};
 use crate::primitives::support::Ball;
 
 /// The largest factor by which a copy is larger or smaller than another one of its object, on any
@@ -37,14 +37,14 @@ impl Instances {
         for claim in claims {
             let place = places.entry((claim.object, claim.count)).or_insert(objects.len());
             let Some((first, object)) = objects.get_mut(*place) else {
-                let copies = vec![Copied { first: claim.first, to_first: None }];
+                let copies = vec![ConfirmedCopy { first: claim.first, to_first: None }];
                 objects.push((claim, Object { count: claim.count, copies }));
                 continue;
             };
             let from_first = claim.placement * first.placement.inverse();
             let to_first = inverse(from_first);
             if to_first.is_some() && hulls.agree::<S, P>([prims; 2], first, claim, from_first) {
-                object.copies.push(Copied { first: claim.first, to_first });
+                object.copies.push(ConfirmedCopy { first: claim.first, to_first });
             }
         }
         let objects = objects.into_iter().map(|(_, object)| object);

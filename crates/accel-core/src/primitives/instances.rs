@@ -9,7 +9,7 @@ use glam::{DAffine3, DMat3};
 /// Consecutive primitives that are an object at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
-    /// Which object: any number that its copies have in common.
+    /// Object number, shared by all copies of the object.
     pub object: u32,
     /// The id of its first primitive.
     pub first: u32,
@@ -20,7 +20,7 @@ pub struct Instance {
 
 /// A copy that was found to be one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Copied {
+pub(crate) struct ConfirmedCopy {
     /// The id of its first primitive.
     pub first: u32,
     /// From this copy to the first copy of its object; none for that itself.
@@ -33,7 +33,7 @@ pub(crate) struct Object {
     /// Primitives of each copy.
     pub count: u32,
     /// The copies, two at least; the first one is at its own place.
-    pub copies: Vec<Copied>,
+    pub copies: Vec<ConfirmedCopy>,
 }
 
 /// Objects that stand in a set several times.
@@ -46,12 +46,12 @@ pub struct Instances {
 }
 
 impl Instances {
-    /// How many objects stand several times.
+    /// Number of objects with several copies.
     pub fn objects(&self) -> usize {
         self.objects.len()
     }
 
-    /// How often they stand, all together.
+    /// Total number of copies.
     pub fn copies(&self) -> usize {
         self.objects.iter().map(|object| object.copies.len()).sum()
     }
@@ -79,7 +79,7 @@ impl Instances {
 
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(self.parts.as_slice())
-            + self.copies() * size_of::<Copied>()
+            + self.copies() * size_of::<ConfirmedCopy>()
             + size_of_val(self.objects.as_slice())
     }
 }

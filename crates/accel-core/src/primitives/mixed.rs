@@ -12,9 +12,9 @@ use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
 use crate::primitives::precise;
 use crate::primitives::shear::Shear;
-use crate::primitives::sphere::{Rearranged, SphereTest};
+use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use crate::primitives::tagged::{INDEX_BITS, Tagged};
+use crate::primitives::tagged::{INDEX_BITS, TaggedIndex};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::watertight;
 use crate::primitives::{
@@ -23,29 +23,26 @@ use crate::primitives::{
 
 /// A primitive at rest, as far as other tests than the set's own are made for it.
 pub(crate) enum ShapeRef<'a, S: Scalar> {
-    /// A triangle.
     Triangle(&'a [[S; 3]; 3]),
-    /// A sphere.
     Sphere(&'a Sphere<S>),
-    /// Any other.
     Other,
 }
 
-/// What tests of a set in motion need to know of a ray.
+/// Per-ray data for tests of moving sets.
 #[derive(Debug, Clone, Copy)]
 pub struct MovingSetup<S: Scalar> {
     pub(crate) shear: Shear<S>,
     pub(crate) moment: S,
     /// The shear where most primitives see the ray.
     pub(crate) usual: Shear<S>,
-    /// Of its direction.
+    /// Squared length of its direction.
     pub(crate) squared_length: S,
 }
 
 /// Primitives of any kind. Built by [`MixedSetBuilder`].
 #[derive(Debug, Clone)]
 pub struct MixedSet<S: Scalar> {
-    order: Vec<Tagged>,
+    order: Vec<TaggedIndex>,
     triangles: Vec<[[S; 3]; 3]>,
     polygons: Vec<Polygon<S>>,
     polygon_vertices: Vec<[S; 3]>,
@@ -100,7 +97,7 @@ impl<S: Scalar> MixedSetBuilder<S> {
         if !is_finite {
             return Err(PrimitiveError::NotFinite { id });
         }
-        self.set.order.push(Tagged::new(kind, count - 1));
+        self.set.order.push(TaggedIndex::new(kind, count - 1));
         Ok(())
     }
 
@@ -180,7 +177,6 @@ impl<S: Scalar> MixedSetBuilder<S> {
         }
     }
 
-    /// The finished set.
     pub fn finish(mut self) -> MixedSet<S> {
         if self.set.has_motion() {
             self.set.motion.settle(self.set.len());
@@ -194,8 +190,8 @@ impl<S: Scalar> MixedSetBuilder<S> {
 }
 
 impl<S: Scalar> MixedSet<S> {
-    /// The same set, which knows its copies: those of the claims that hold ([`Instances::confirmed`]); none
-    /// where anything moves.
+    /// The same set, which knows its copies: those of the claims that hold
+    /// ([`Instances::confirmed`]); none where anything moves.
     #[must_use]
     pub fn with_instances(mut self, claims: &[Instance]) -> Self {
         if !self.has_motion() {
@@ -204,18 +200,18 @@ impl<S: Scalar> MixedSet<S> {
         self
     }
 
-    /// Forgets those of its parts that are not rigid: that are not where the transform between their placements
-    /// takes them from `before`, a set of the same primitives.
+    /// Forgets those of its parts that are not rigid: that are not where the transform between
+    /// their placements takes them from `before`, a set of the same primitives.
     pub fn keep_rigid(&mut self, before: &Self) {
         self.instances.parts = self.instances.rigid_parts(self, before);
     }
 
-    /// Whether any primitive moves.
+    /// Returns whether any primitive moves.
     pub fn has_motion(&self) -> bool {
         self.motion.any()
     }
 
-    /// What primitive `id` is.
+    /// Geometry of primitive `id`.
     #[inline(always)]
     pub(crate) fn shape(&self, id: u32) -> ShapeRef<'_, S> {
         let tagged = self.order[id as usize];
@@ -250,15 +246,15 @@ impl<S: Scalar> MixedSet<S> {
 
     fn spheres_with_velocities(&self) -> Vec<(Sphere<S>, [S; 4])> {
         let spheres = (0..).zip(&self.order).filter(|(_, t)| t.kind() == PrimitiveKind::Sphere);
-        let moving = |(id, tagged): (u32, &Tagged)| {
+        let moving = |(id, tagged): (u32, &TaggedIndex)| {
             let [x, y, z] = *self.motion.velocity_or_zero(id);
             (self.spheres[tagged.index()], [x, y, z, S::ZERO])
         };
         spheres.map(moving).collect()
     }
 
-    /// The parameter of the hit of primitive `id` where it is at the moment; `setup` is of the ray. At rest, or
-    /// at time 0, it is that of the primitive as it stands, to the bit.
+    /// The parameter of the hit of primitive `id` where it is at the moment; `setup` is of the ray.
+    /// At rest, or at time 0, it is that of the primitive as it stands, to the bit.
     #[inline(always)]
     pub(crate) fn intersect_moved(
         &self,
@@ -269,7 +265,8 @@ impl<S: Scalar> MixedSet<S> {
     ) -> Option<S> {
         let tagged = self.order[id as usize];
         let i = tagged.index();
-        // each kind computes no more than its test needs, and what is rare anew: nothing is kept in memory
+        // each kind computes no more than its test needs, and what is rare anew: nothing is kept in
+        // memory
         if tagged.kind() == PrimitiveKind::Sphere {
             let a = setup.squared_length;
             // none where nothing moves
@@ -305,8 +302,8 @@ impl<S: Scalar> MixedSet<S> {
         &self.motion
     }
 
-    /// From now on bounds hold the way within segment `k` of `n` equal ones of the exposure. They are padded as
-    /// for all of it: tests round as if a primitive were where it is at time 0.
+    /// From now on bounds hold the way within segment `k` of `n` equal ones of the exposure. They
+    /// are padded as for all of it: tests round as if a primitive were where it is at time 0.
     pub(crate) fn narrow_to(&mut self, k: usize, n: usize) {
         let margin = S::EPSILON * self.magnitude * S::from_f64(PADDING_ULPS);
         self.motion.narrow_to(k, n, margin);
@@ -425,7 +422,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
 
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
-        self.tested::<Watertight, Rearranged>(id, ray, shear, shear, t_max)
+        self.tested::<Watertight, RearrangedSphere>(id, ray, shear, shear, t_max)
     }
 
     #[inline(always)]

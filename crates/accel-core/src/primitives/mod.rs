@@ -2,8 +2,9 @@
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
-//! * [`Retested`]: a mixed set under other tests, compiled in.
-//! * [`ChosenTests`](crate::variants::chosen_tests::ChosenTests): either of them under tests that are chosen at run time.
+//! * [`RetestedSet`]: a mixed set under other tests, compiled in.
+//! * [`ChosenTests`](crate::variants::chosen_tests::ChosenTests): either of them under tests that
+//!   are chosen at run time.
 
 pub(crate) mod block_tests;
 pub(crate) mod blocks;
@@ -32,14 +33,14 @@ pub(crate) mod watertight;
 pub use cone::Cone;
 pub use instances::{Instance, Instances};
 pub use mixed::{MixedSet, MixedSetBuilder};
-pub use moving::InMotion;
+pub use moving::MovingSet;
 pub use polygon::{Polygon, newell_normal};
 pub(crate) use prim_set::TransmissiveSet;
 pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind};
 pub use prims_ref::PrimsRef;
-pub use retested::Retested;
+pub use retested::RetestedSet;
 pub use shear::Shear;
-pub use sphere::{Rearranged, Sphere, SphereTest};
+pub use sphere::{RearrangedSphere, Sphere, SphereTest};
 pub use support::Ball;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 pub use triangle_block::TriangleBlock;

@@ -10,7 +10,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 /// How the primitives of a set move.
 #[derive(Debug, Clone)]
 pub(crate) struct Motion<S: Scalar> {
-    /// Which velocity, by id; those beyond the end are at rest.
+    /// Velocity index by id; ids beyond the end are at rest.
     which: Vec<u32>,
     /// World units per unit of time; the first is zero. What belongs together has one, so that
     /// blocks of it are known by their numbers.
@@ -75,7 +75,7 @@ impl<S: Scalar> Motion<S> {
         self.margin = margin;
     }
 
-    /// Which of `n` equal segments of the exposure a moment is in.
+    /// Index of the segment, of `n` equal ones of the exposure, that contains a moment.
     #[inline(always)]
     pub(crate) fn segment(&self, time: S, n: usize) -> usize {
         // NaN and what is below 0 give 0
@@ -119,7 +119,7 @@ impl<S: Scalar> Motion<S> {
         &self.velocities[self.usual as usize]
     }
 
-    /// Its velocity, unless it has the one that most have.
+    /// Its velocity, unless that is the most frequent one.
     #[inline(always)]
     pub(crate) fn unusual_velocity(&self, id: u32) -> Option<&[S; 3]> {
         let number = self.which.get(id as usize).map_or(0, |&number| number);
@@ -127,7 +127,7 @@ impl<S: Scalar> Motion<S> {
         (number != self.usual).then(|| unsafe { self.velocities.get_unchecked(number as usize) })
     }
 
-    /// Whether all of these move alike, as far as numbers tell.
+    /// Returns whether all of these move alike, as far as numbers tell.
     pub(crate) fn is_one(&self, ids: &[u32]) -> bool {
         let which = |id: &u32| self.which.get(*id as usize).map_or(0, |&number| number);
         ids.windows(2).all(|two| which(&two[0]) == which(&two[1]))
@@ -140,7 +140,7 @@ impl<S: Scalar> Motion<S> {
         (number != 0).then(|| Vec3::<S>::from_array(self.velocities[number]))
     }
 
-    /// From where a primitive is at time 0 to where it is first and last within bounds.
+    /// Offsets of a primitive at both ends of the time span of its bounds.
     pub fn ways(&self, id: u32) -> Option<[DVec3; 2]> {
         let velocity = self.velocity(id)?;
         Some(self.span.map(|time| (velocity * time).to_dvec3()))

@@ -24,19 +24,19 @@ use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
 /// A mixed set as rays with a time see it.
 #[derive(Debug)]
 #[repr(transparent)]
-pub struct InMotion<S: Scalar> {
+pub struct MovingSet<S: Scalar> {
     set: MixedSet<S>,
 }
 
 impl<S: Scalar> MixedSet<S> {
     /// The same set as rays with a time see it.
-    pub fn in_motion(&self) -> &InMotion<S> {
-        // SAFETY: `InMotion` is a transparent wrapper of `MixedSet`.
-        unsafe { &*std::ptr::from_ref(self).cast::<InMotion<S>>() }
+    pub fn in_motion(&self) -> &MovingSet<S> {
+        // SAFETY: `MovingSet` is a transparent wrapper of `MixedSet`.
+        unsafe { &*std::ptr::from_ref(self).cast::<MovingSet<S>>() }
     }
 }
 
-impl<S: Scalar> InMotion<S> {
+impl<S: Scalar> MovingSet<S> {
     /// Lanes of a block that are hit, with their parameters.
     #[inline(always)]
     fn hits_in(
@@ -66,7 +66,7 @@ impl<S: Scalar> InMotion<S> {
     }
 }
 
-impl<S: Scalar> PrimSet<S> for InMotion<S> {
+impl<S: Scalar> PrimSet<S> for MovingSet<S> {
     type RaySetup = MovingSetup<S>;
 
     as_its_set!(S);

@@ -1,11 +1,12 @@
 //! Planar polygons with any number of vertices, concave ones too, two-sided.
 //!
 //! The crossing test runs in the sheared space of the watertight triangle test (see `triangle.rs`).
-//! On which side of an edge a ray passes is the exact sign of a determinant of two sheared vertices,
-//! which depend on the vertex and the ray alone. So the neighbours of an edge decide it alike,
-//! whatever their winding, and a triangle beside a polygon does so too: no ray passes between them.
-//! Inside is even-odd (M. Shimrat, "Algorithm 112: Position of point relative to polygon", CACM
-//! 5(8), 1962): an edge that is passed twice, as of a bridge to a hole, counts for nothing.
+//! On which side of an edge a ray passes is the exact sign of a determinant of two sheared
+//! vertices, which depend on the vertex and the ray alone. So the neighbours of an edge decide it
+//! alike, whatever their winding, and a triangle beside a polygon does so too: no ray passes
+//! between them. Inside is even-odd (M. Shimrat, "Algorithm 112: Position of point relative to
+//! polygon", CACM 5(8), 1962): an edge that is passed twice, as of a bridge to a hole, counts for
+//! nothing.
 //!
 //! Where a polygon is seen nearly edge-on, or is not planar, the parameter of its plane may be that
 //! of a point far off. It is bounded then by the outline: see `chord.rs`.
@@ -17,7 +18,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::chord::Chord;
 use crate::primitives::collinear::are_collinear;
-use crate::primitives::precise::Sheared;
+use crate::primitives::precise::ShearedVertices;
 use crate::primitives::shear::Shear;
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::watertight::edge_function;
@@ -106,12 +107,13 @@ impl<S: Scalar> Polygon<S> {
         (t >= ray.t_min && t <= t_max).then_some(t)
     }
 
-    /// Whether the parameter of the plane may be that of a point outside of the padded bounds.
+    /// Returns whether the parameter of the plane may be that of a point outside of the padded
+    /// bounds.
     ///
-    /// It is off by the rounding of the numerator, [`PLANE_ULPS`] of the distance of the
-    /// origin on an axis from the farthest vertex, over the cosine of ray and normal; and what
-    /// vertices lie off the plane is enlarged likewise. That is compared with 40 ulps of the scene's
-    /// largest coordinate. NaN, in the plane or without a normal, is grazing.
+    /// It is off by the rounding of the numerator, [`PLANE_ULPS`] of the distance of the origin on
+    /// an axis from the farthest vertex, over the cosine of ray and normal; and what vertices lie
+    /// off the plane is enlarged likewise. That is compared with 40 ulps of the scene's largest
+    /// coordinate. NaN, in the plane or without a normal, is grazing.
     #[inline(always)]
     fn is_grazed(&self, along: S, shear: &Shear<S>) -> bool {
         let slope = (along * shear.depth_scale()).abs() * shear.fine;
@@ -120,8 +122,8 @@ impl<S: Scalar> Polygon<S> {
         !is_steep
     }
 
-    /// Where the ray meets a polygon that is grazed or seen by a ray with components too small for
-    /// the scalar; `plane` is the parameter of its plane, if that is precise.
+    /// Intersects a polygon that is grazed, or with a ray whose components are too small for the
+    /// scalar. `plane` is the parameter of its plane, if precise.
     #[cold]
     #[inline(never)]
     fn bounded_hit(
@@ -134,7 +136,7 @@ impl<S: Scalar> Polygon<S> {
         if self.normal == Vec3::<S>::splat(S::ZERO) {
             return None;
         }
-        let sheared = Sheared::by(ray, shear);
+        let sheared = ShearedVertices::by(ray, shear);
         let chord = Chord::of(self.outline(store).iter().map(|v| sheared.vertex(v)))?;
         if plane.is_some() {
             return plane;
@@ -200,8 +202,8 @@ fn encloses_axis<S: Scalar>(outline: &[[S; 3]], shear: &Shear<S>) -> bool {
     inside ^ passes_right(&p, &first)
 }
 
-/// Whether an edge crosses the x axis at x > 0: exactly there, whatever its direction, since its
-/// neighbours must not both refuse it.
+/// Returns whether an edge crosses the x axis at x > 0: exactly there, whatever its direction,
+/// since its neighbours must not both refuse it.
 #[inline(always)]
 fn passes_right<S: Scalar>(p: &[S; 3], q: &[S; 3]) -> bool {
     if (p[1] > S::ZERO) == (q[1] > S::ZERO) {
@@ -238,8 +240,8 @@ pub fn newell_normal(vertices: &[glam::DVec3]) -> glam::DVec3 {
 /// What of a sum of cross products is left where it says nothing, over the sum of their lengths.
 const CANCELLED: f64 = 1e-6;
 
-/// The cross product of the longest of these vectors and the one farthest from its line; it points to
-/// the side of `likely` if that is known.
+/// The cross product of the longest of these vectors and the one farthest from its line; it points
+/// to the side of `likely` if that is known.
 fn largest_triangle(far: impl Iterator<Item = DVec3> + Clone, likely: DVec3) -> DVec3 {
     let by_length = |a: &DVec3, b: &DVec3| a.length_squared().total_cmp(&b.length_squared());
     let longest = far.clone().max_by(by_length).unwrap_or(DVec3::ZERO);

@@ -3,25 +3,25 @@
 //! Four cases. **A triangle seen nearly edge-on.** The signs of edge functions are exact (see
 //! `triangle.rs`), but where products cancel, what is left of their difference is rounding: weights
 //! of nothing, and `t` any parameter between those of the corners, wherever the ray is then. With
-//! weights off by `e` each, the ray at `t` passes the triangle's point of these weights at up to
-//! `3 e m / det`, `m` being the largest coordinate of the sheared corners and `e` at most `epsilon p`,
-//! where `p` is the largest sum of the two products of an edge function, without their signs: of a thin
-//! triangle along an axis far less than `m^2`. [`weights_suffice`] admits 12 epsilons of the scene's
-//! largest coordinate; the padding of boxes (`bounds_rule.rs`) has room for that, and no structure loses
-//! the hit. Beyond it, the weights are computed here, off by no more than a few ulps of their own.
-//! **A hit so near the origin** that it may lie behind it: with weights off by 2 epsilons of `m^2` each,
-//! and a sum of three terms off by 1.5 epsilons of the largest depth, depth times `det` is off by 18
-//! epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most); nearer than 20, and not behind the
-//! origin, the depth is computed here, and its sign is that of the rounded corners' plane. So a box of a triangle that ends
-//! behind the origin holds no hit, were it padded for the rounding of corners alone
-//! (`wide_bvh/node.rs`).
-//! **A ray with a component so small** that sheared corners are subnormal numbers of few digits:
-//! everything is computed in f64, from the corners on.
-//! **A triangle so small** that its determinant is one: corners are multiplied by powers of two.
+//! weights off by `e` each, the ray at `t` passes the triangle's point of these weights at up to `3
+//! e m / det`, `m` being the largest coordinate of the sheared corners and `e` at most `epsilon p`,
+//! where `p` is the largest sum of the two products of an edge function, without their signs: of a
+//! thin triangle along an axis far less than `m^2`. [`weights_suffice`] admits 12 epsilons of the
+//! scene's largest coordinate; the padding of boxes (`bounds_rule.rs`) has room for that, and no
+//! structure loses the hit. Beyond it, the weights are computed here, off by no more than a few
+//! ulps of their own. **A hit so near the origin** that it may lie behind it: with weights off by 2
+//! epsilons of `m^2` each, and a sum of three terms off by 1.5 epsilons of the largest depth, depth
+//! times `det` is off by 18 epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most);
+//! nearer than 20, and not behind the origin, the depth is computed here, and its sign is that of the
+//! rounded corners' plane.
+//! So a box of a triangle that ends behind the origin holds no hit, were it padded for the rounding
+//! of corners alone (`wide_bvh/node.rs`). **A ray with a component so small** that sheared corners
+//! are subnormal numbers of few digits: everything is computed in f64, from the corners on. **A
+//! triangle so small** that its determinant is one: corners are multiplied by powers of two.
 //!
-//! Differences of products: after W. Kahan's algorithm, see C.-P. Jeannerod, N. Louvet, J.-M. Muller,
-//! "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2 Determinants",
-//! Mathematics of Computation 82, 2013; with the rounding errors of both products.
+//! Differences of products: after W. Kahan's algorithm, see C.-P. Jeannerod, N. Louvet, J.-M.
+//! Muller, "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2
+//! Determinants", Mathematics of Computation 82, 2013; with the rounding errors of both products.
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
@@ -31,8 +31,8 @@ use crate::primitives::shear::Shear;
 /// subnormal in f64 becomes normal, and no product of two coordinates of a served scene overflows.
 const ENLARGED: f64 = f64::from_bits((1023 + 250) << 52);
 
-/// `a*b - c*d`, off by few ulps; exact in sign, and `c*d - a*b` is just its opposite, so that what is
-/// mirrored is hit at the same parameter.
+/// `a*b - c*d`, off by few ulps; exact in sign, and `c*d - a*b` is just its opposite, so that what
+/// is mirrored is hit at the same parameter.
 #[inline(always)]
 fn difference(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (ab, cd) = (a * b, c * d);
@@ -68,9 +68,9 @@ pub(super) fn exact_difference<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
     }
 }
 
-/// Whether the weights of a hit are precise enough in the scalar: `terms` is the largest sum of an edge
-/// function's products without signs, `largest` the largest of the sheared corners' coordinates, `fine` that
-/// of [`Shear`]. NaN does not suffice.
+/// Returns whether the weights of a hit are precise enough in the scalar: `terms` is the largest
+/// sum of an edge function's products without signs, `largest` the largest of the sheared corners'
+/// coordinates, `fine` that of [`Shear`]. NaN does not suffice.
 #[inline(always)]
 pub(super) fn weights_suffice<S: Scalar>(terms: S, largest: S, det: S, fine: S) -> bool {
     terms * largest < fine * det.abs() && det.abs() >= S::LEAST_DETERMINANT
@@ -85,7 +85,7 @@ pub(super) fn intersect<S: Scalar>(
     shear: &Shear<S>,
     t_max: S,
 ) -> Option<S> {
-    let sheared = Sheared::by(ray, shear);
+    let sheared = ShearedVertices::by(ray, shear);
     let [a, b, c] = of_unit_size(tri.map(|v| sheared.vertex(&v)));
     let u = difference(c[0], b[1], c[1], b[0]);
     let v = difference(a[0], c[1], a[1], c[0]);
@@ -116,19 +116,19 @@ fn of_unit_size(corners: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
 /// Vertices in the sheared space, in f64: what the scalar rounds them to. Where a component of the
 /// ray is too small for that, coordinates across the ray are computed in f64, and enlarged along
 /// that component.
-pub(super) struct Sheared<'a, S: Scalar> {
+pub(super) struct ShearedVertices<'a, S: Scalar> {
     shear: &'a Shear<S>,
     /// Components too small for the scalar.
-    fine: Option<Enlarged>,
+    fine: Option<EnlargedRay>,
 }
 
-struct Enlarged {
+struct EnlargedRay {
     origin: [f64; 3],
     factors: [f64; 2],
     slopes: [f64; 2],
 }
 
-impl<'a, S: Scalar> Sheared<'a, S> {
+impl<'a, S: Scalar> ShearedVertices<'a, S> {
     /// How this ray, of that shear, sees vertices.
     pub(super) fn by(ray: &Ray<S>, shear: &'a Shear<S>) -> Self {
         let fine = shear.is_too_small().then(|| {
@@ -138,14 +138,14 @@ impl<'a, S: Scalar> Sheared<'a, S> {
             let factor = |k: usize| if (d[k] / d[kz]).abs() < least { ENLARGED } else { 1.0 };
             let factors = [factor(kx), factor(ky)];
             let slopes = [d[kx] * factors[0] / d[kz], d[ky] * factors[1] / d[kz]];
-            Enlarged { origin: shear.axes.map(|k| o[k]), factors, slopes }
+            EnlargedRay { origin: shear.axes.map(|k| o[k]), factors, slopes }
         });
         Self { shear, fine }
     }
 
     /// A vertex; its depth is still to be scaled by [`Shear::depth_scale`].
     pub(super) fn vertex(&self, v: &[S; 3]) -> [f64; 3] {
-        let Some(Enlarged { origin, factors, slopes }) = &self.fine else {
+        let Some(EnlargedRay { origin, factors, slopes }) = &self.fine else {
             return self.shear.apply(v).map(S::to_f64);
         };
         let [kx, ky, kz] = self.shear.axes;

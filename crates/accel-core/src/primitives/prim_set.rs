@@ -1,4 +1,4 @@
-//! What a set of primitives answers.
+//! Queries on a set of primitives.
 
 #![warn(missing_docs)]
 
@@ -15,7 +15,7 @@ use crate::primitives::instances::Instances;
 use crate::primitives::support::Ball;
 use crate::primitives::triangle_block::TriangleBlock;
 
-/// What kind of primitive an id stands for.
+/// Kind of a primitive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PrimitiveKind {
     /// A triangle or a patch.
@@ -54,7 +54,7 @@ pub enum PrimitiveError {
     TooFewVertices {
         /// Its id.
         id: u32,
-        /// How many it has.
+        /// Number of vertices it has.
         vertices: usize,
     },
     /// More primitives than ids.
@@ -67,7 +67,7 @@ pub enum PrimitiveError {
 
 /// A set of primitives with ids `0..len()`.
 pub trait PrimSet<S: Scalar>: Send + Sync {
-    /// What a test needs to know of a ray beyond the ray itself, computed once a ray.
+    /// Data that tests derive from a ray, computed once per ray.
     type RaySetup: Copy;
 
     /// Number of primitives.
@@ -93,35 +93,36 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn corners(&self, _id: u32) -> Option<[Vec3<S>; 3]> {
         None
     }
-    /// The corners of a primitive that may be in a block of triangles, of one that moves where it is at time 0.
+    /// The corners of a primitive that may be in a block of triangles, of one that moves where it
+    /// is at time 0.
     fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         if self.is_watertight() { self.corners(id) } else { None }
     }
     /// Asks for the memory of a primitive that is looked at soon.
     #[inline(always)]
     fn prefetch(&self, _id: u32) {}
-    /// Whether lists of its primitives may be kept as blocks of triangles; false where no test is
+    /// True if lists of its primitives may be kept as blocks of triangles; false where no test is
     /// compiled for them.
     const HAS_BLOCKS: bool = false;
-    /// Whether a test is a call that finds out which test it is. Traversals are not compiled for such a set: they
-    /// hand their lists over.
+    /// True if a test is a call that finds out which test it is. Traversals are not compiled for
+    /// such a set: they hand their lists over.
     const IS_CALLED: bool = false;
-    /// Whether all are triangles that [`Watertight`](super::Watertight) tests: another way to compute that test gives
-    /// the set's own answers.
+    /// Returns whether all are triangles that [`Watertight`](super::Watertight) tests: another way
+    /// to compute that test gives the set's own answers.
     fn is_watertight(&self) -> bool {
         false
     }
-    /// Whether rays of different times meet it in different places.
+    /// Returns whether rays of different times meet it in different places.
     fn moves(&self, _id: u32) -> bool {
         false
     }
-    /// Whether these, of one block, all move alike.
+    /// Returns whether these, of one block, all move alike.
     fn move_as_one(&self, _ids: &[u32]) -> bool {
         true
     }
-    /// What kind of primitive it is.
+    /// Kind of the primitive.
     fn kind(&self, id: u32) -> PrimitiveKind;
-    /// Which of its primitives are copies of others, where that is known.
+    /// Primitives known to be copies of others.
     fn instances(&self) -> Option<&Instances> {
         None
     }
@@ -138,8 +139,9 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     }
     /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
-    /// Replaces `best` by a closer hit of a primitive of the block within the ray's interval, or by an
-    /// equal one of a lower id. The block is made of triangles of this set ([`PrimSet::corners_in_block`]).
+    /// Replaces `best` by a closer hit of a primitive of the block within the ray's interval, or by
+    /// an equal one of a lower id. The block is made of triangles of this set
+    /// ([`PrimSet::corners_in_block`]).
     #[inline(always)]
     fn closest_in_block(
         &self,
@@ -157,7 +159,7 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
             }
         }
     }
-    /// Whether an opaque primitive of the block blocks the ray.
+    /// Returns whether an opaque primitive of the block blocks the ray.
     #[inline(always)]
     fn is_blocked_in(
         &self,
@@ -177,7 +179,8 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// Bytes the set occupies.
     fn bytes(&self) -> usize;
 
-    /// Bounds of all primitives; found in the current rayon pool, the same for any number of threads.
+    /// Bounds of all primitives; found in the current rayon pool, the same for any number of
+    /// threads.
     fn scene_bounds(&self) -> Aabb<S> {
         let of_part =
             |ids: Range<u32>| ids.fold(Aabb::empty(), |all, id| all.union(self.bounds(id)));
@@ -185,7 +188,7 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     }
 }
 
-/// What a view of a set, its field `set`, says as the set itself does.
+/// Methods that a view forwards to its field `set`.
 macro_rules! as_its_set {
     ($scalar:ty) => {
         #[inline(always)]

@@ -19,20 +19,20 @@ use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Shear, SphereTes
 /// A mixed set, its triangles tested by `T`, its spheres by `Q`.
 #[derive(Debug)]
 #[repr(transparent)]
-pub struct Retested<S: Scalar, T, Q> {
+pub struct RetestedSet<S: Scalar, T, Q> {
     set: MixedSet<S>,
     tests: PhantomData<(T, Q)>,
 }
 
 impl<S: Scalar> MixedSet<S> {
     /// The same set under other tests; nothing is copied.
-    pub fn retested<T: TriangleTest<S>, Q: SphereTest<S>>(&self) -> &Retested<S, T, Q> {
-        // SAFETY: `Retested` is a transparent wrapper of `MixedSet`.
-        unsafe { &*std::ptr::from_ref(self).cast::<Retested<S, T, Q>>() }
+    pub fn retested<T: TriangleTest<S>, Q: SphereTest<S>>(&self) -> &RetestedSet<S, T, Q> {
+        // SAFETY: `RetestedSet` is a transparent wrapper of `MixedSet`.
+        unsafe { &*std::ptr::from_ref(self).cast::<RetestedSet<S, T, Q>>() }
     }
 }
 
-impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for Retested<S, T, Q> {
+impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for RetestedSet<S, T, Q> {
     type RaySetup = (Shear<S>, T::Setup);
 
     as_its_set!(S);

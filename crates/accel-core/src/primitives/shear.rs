@@ -49,7 +49,7 @@ impl<S: Scalar> Shear<S> {
         if is_too_small(0) || is_too_small(1) { S::from_f64(f64::NAN) } else { self.shear[0] }
     }
 
-    /// Whether a component is too small.
+    /// Returns whether a component is too small.
     #[inline(always)]
     pub(crate) fn is_too_small(&self) -> bool {
         !self.shear[0].is_finite()

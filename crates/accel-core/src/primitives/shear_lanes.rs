@@ -10,7 +10,6 @@ use crate::primitives::shear::{self, Shear};
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub struct ShearLanes<S> {
-    /// Numbers in [`AXES`].
     order: [u8; LANES],
     origin: [[S; LANES]; 3],
     shear: [[S; LANES]; 3],
@@ -24,7 +23,7 @@ const AXES: [[usize; 3]; 8] =
     [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 1, 2], [1, 0, 2], [2, 1, 0], [0, 2, 1], [1, 0, 2]];
 
 impl<S: Scalar> ShearLanes<S> {
-    /// Of these rays, which `lanes` holds too, for corners of which no coordinate is larger than
+    /// Shears of these rays, which `lanes` contains too, for corners with coordinates up to
     /// `magnitude`.
     #[inline(always)]
     pub fn of(rays: &[Ray<S>; LANES], lanes: &RayLanes<S>, magnitude: S) -> Self {

@@ -26,11 +26,10 @@ pub trait SphereTest<S: Scalar>: Send + Sync + 'static {
     fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S>;
 }
 
-/// [`Sphere::intersect`].
 #[derive(Debug, Clone, Copy)]
-pub struct Rearranged;
+pub struct RearrangedSphere;
 
-impl<S: Scalar> SphereTest<S> for Rearranged {
+impl<S: Scalar> SphereTest<S> for RearrangedSphere {
     const NAME: &'static str = "rearranged";
 
     #[inline(always)]
@@ -85,7 +84,6 @@ impl<S: Scalar> Sphere<S> {
         (along - reach, along + reach)
     }
 
-    /// See [`crate::primitives::PrimSet::hull`].
     pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
         balls.push(Ball { center: self.center.to_dvec3(), radius: self.radius.to_f64() });
     }

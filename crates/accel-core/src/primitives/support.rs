@@ -10,7 +10,6 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 /// A ball, for the convex hulls of [`crate::primitives::PrimSet::hull`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
-    /// Centre.
     pub center: DVec3,
     /// Radius, world units; 0 for a point.
     pub radius: f64,
@@ -97,7 +96,7 @@ mod tests {
         all.chain([(APEX - BASE) * 0.3, dvec3(0.1, -7.0, 2.0)]).collect()
     }
 
-    /// Whether the interval holds the dot products of all points, up to `tolerance`.
+    /// Returns whether the interval holds the dot products of all points, up to `tolerance`.
     fn holds((lo, hi): (f64, f64), points: &[DVec3], n: DVec3, tolerance: f64) -> bool {
         points.iter().map(|p| p.dot(n)).all(|x| lo - tolerance <= x && x <= hi + tolerance)
     }
@@ -137,8 +136,8 @@ mod tests {
         }
     }
 
-    /// Whether every point lies within the hull of the balls, up to `tolerance`, as far as these
-    /// directions tell.
+    /// Returns whether every point lies within the hull of the balls, up to `tolerance`, as far as
+    /// these directions tell.
     fn hull_holds(balls: &[Ball], points: &[DVec3], tolerance: f64) -> bool {
         directions().into_iter().filter(|n| *n != DVec3::ZERO).all(|n| {
             let n = n.normalize();

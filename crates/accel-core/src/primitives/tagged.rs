@@ -4,12 +4,12 @@ use crate::primitives::PrimitiveKind;
 
 /// The kind in the upper two bits, the index within the kind below.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Tagged(u32);
+pub(super) struct TaggedIndex(u32);
 
 /// Bits of an index.
 pub(super) const INDEX_BITS: u32 = 30;
 
-impl Tagged {
+impl TaggedIndex {
     pub fn new(kind: PrimitiveKind, index: usize) -> Self {
         Self((kind as u32) << INDEX_BITS | index as u32)
     }

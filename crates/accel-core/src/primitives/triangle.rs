@@ -73,7 +73,7 @@ pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
             block.take_closest(lanes, &t, best);
         }
     }
-    /// Whether the ray meets a triangle of the block of which `counts` holds.
+    /// Returns whether the ray meets a triangle of the block of which `counts` holds.
     #[inline(always)]
     fn any_in_block(
         block: &TriangleBlock<S>,

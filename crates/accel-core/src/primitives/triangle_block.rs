@@ -1,8 +1,8 @@
 //! Eight triangles against one ray: the watertight test in lanes, equal to it to the last bit.
 //!
-//! Paper: as `triangle.rs`. The arithmetic is that of `watertight.rs`, operation by
-//! operation, in vectors. A lane whose edge function rounds to zero, or whose weights are imprecise,
-//! is left to the scalar test, which finds exact signs and better weights (`precise.rs`).
+//! Paper: as `triangle.rs`. The arithmetic is that of `watertight.rs`, operation by operation, in
+//! vectors. A lane whose edge function rounds to zero, or whose weights are imprecise, is left to
+//! the scalar test, which finds exact signs and better weights (`precise.rs`).
 
 use wide::i32x8;
 
@@ -22,7 +22,7 @@ const ALL: u32 = (1 << LANES) - 1;
 const MORE: u32 = 1 << 31;
 /// In `ids[0]`: its triangles do not all move alike.
 const APART: u32 = 1 << 30;
-/// What of `ids[0]` is no id.
+/// Bits of `ids[0]` that do not belong to the id.
 const MARKS: u32 = MORE | APART;
 
 /// Up to `LANES` triangles, transposed; in f32 five cache lines.
@@ -40,7 +40,6 @@ impl<S: Scalar> TriangleBlock<S> {
     /// The largest number of primitives that ids in blocks can tell apart.
     pub const MOST_IDS: usize = APART as usize - 1;
 
-    /// Without triangles.
     pub(crate) fn empty() -> Self {
         let nan = S::from_f64(f64::NAN);
         let mut this = Self { corners: [[[nan; LANES]; 3]; 3], ids: [MISS; LANES] };
@@ -48,16 +47,15 @@ impl<S: Scalar> TriangleBlock<S> {
         this
     }
 
-    /// Of no more than `LANES` triangles; further ones are left out. `more`: another block
-    /// of the same list follows.
+    /// Block of the first `LANES` triangles. `more`: another block of the same list follows.
     pub fn new(triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>, more: bool) -> Self {
         let mut this = Self::empty();
         this.fill(triangles, more, true);
         this
     }
 
-    /// Makes an empty one that of these triangles, where it is: a block is large. `as_one`: they all move alike, or are
-    /// at rest.
+    /// Makes an empty one that of these triangles, where it is: a block is large. `as_one`: they
+    /// all move alike, or are at rest.
     #[inline(always)]
     pub(crate) fn fill(
         &mut self,
@@ -76,13 +74,13 @@ impl<S: Scalar> TriangleBlock<S> {
         self.ids[0] |= if more { MORE } else { 0 } | if as_one { 0 } else { APART };
     }
 
-    /// Whether its triangles move alike, or are at rest.
+    /// Returns whether its triangles move alike, or are at rest.
     #[inline(always)]
     pub(crate) fn moves_as_one(&self) -> bool {
         self.ids[0] & APART == 0
     }
 
-    /// Whether another block of the same list follows.
+    /// Returns whether another block of the same list follows.
     #[inline(always)]
     pub fn has_next(&self) -> bool {
         self.ids[0] & MORE != 0
@@ -204,8 +202,8 @@ impl<S: Scalar> TriangleBlock<S> {
         let [u, v, w] = products.map(|[p, q]| p - q);
         let zero = splat(S::ZERO);
         let (least, most) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
-        // not missed where no two have different signs, whatever the sign of one that rounds to zero; without a
-        // triangle they are NaN, which fails both comparisons
+        // not missed where no two have different signs, whatever the sign of one that rounds to
+        // zero; without a triangle they are NaN, which fails both comparisons
         let alike = (zero.at_most(least) | most.at_most(zero)).high_bits();
         if alike == 0 {
             return None;
@@ -249,15 +247,14 @@ fn test_again<S: Scalar>(
     hits
 }
 
-/// Where a ray begins for each lane, in the sheared space: elsewhere for each triangle that moves its own way.
+/// Ray origin per lane, in sheared space; it differs per triangle if triangles move differently.
 pub(crate) struct StartLanes<S: Scalar> {
     origin: [EightOf<S>; 3],
-    /// As in [`Shear`].
     near: EightOf<S>,
 }
 
 impl<S: Scalar> StartLanes<S> {
-    /// Where the ray of the shear begins, for all.
+    /// The origin of the sheared ray in all lanes.
     #[inline(always)]
     pub(crate) fn same(shear: &Shear<S>) -> Self {
         let splat = EightOf::<S>::splat;

@@ -29,7 +29,7 @@ pub(crate) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
     if e == S::ZERO { exact_difference(a, b, c, d) } else { e }
 }
 
-/// Where the ray hits the triangle, if within `[ray.t_min, t_max]`.
+/// Parameter at which the ray hits the triangle, if within `[ray.t_min, t_max]`.
 #[inline(always)]
 pub(crate) fn intersect<S: Scalar>(
     tri: &[[S; 3]; 3],

@@ -14,19 +14,18 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::Counters;
 use crate::query::sink::{AnyHit, ClosestHit, Sink};
-use crate::query::tracer::nearby::brought_near;
+use crate::query::tracer::nearby::rebase_origin;
 use crate::structure::{BatchAnswers, Structure};
 
 /// The traversal of single rays.
 pub(crate) trait Traverse<S: Scalar> {
-    /// [`Structure::traverse`].
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K);
 }
 
 /// A structure whose lists are as it has them.
-pub(crate) struct Whole<'a, T>(pub(crate) &'a T);
+pub(crate) struct PlainStructure<'a, T>(pub(crate) &'a T);
 
-impl<S: Scalar, T: Structure<S>> Traverse<S> for Whole<'_, T> {
+impl<S: Scalar, T: Structure<S>> Traverse<S> for PlainStructure<'_, T> {
     #[inline(always)]
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         self.0.traverse(ray, sink);
@@ -45,7 +44,7 @@ pub(crate) trait BatchDriver<S: Scalar, T> {
     );
 }
 
-/// One ray after the other, from wherever it comes.
+/// Traverses one ray after the other.
 pub(crate) struct RayByRay;
 
 impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
@@ -61,7 +60,7 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
         let rays = batch.rays();
         for place in places {
             let mut moved = None;
-            match brought_near(&rays[place], reach, &mut moved) {
+            match rebase_origin(&rays[place], reach, &mut moved) {
                 Some((ray, parameters)) => {
                     let mut sink = batch.sink(ray, prims.setup(ray));
                     structure.traverse_one(ray, &mut sink);
@@ -204,7 +203,7 @@ pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>
     }
 }
 
-/// Whether rays are traced with AVX-512 on this machine, where code for it was compiled.
+/// Returns whether rays are traced with AVX-512 on this machine, where code for it was compiled.
 pub fn has_avx512() -> bool {
     #[cfg(target_arch = "x86_64")]
     {

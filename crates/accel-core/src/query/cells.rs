@@ -1,5 +1,4 @@
-//! What a structure divides space into, cell by cell: for pictures and for tests. Apart from
-//! traversals, which know nothing of it.
+//! Cells of a structure, for pictures and tests. Traversals do not use this.
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
@@ -52,6 +51,6 @@ pub type CellVisitor<'v> = dyn FnMut(Cell<'_>) + 'v;
 pub struct NoCells(pub &'static str);
 
 impl NoCells {
-    /// Nothing was written for it.
+    /// The structure does not describe its cells.
     pub const UNTOLD: Self = Self("it does not say what they are");
 }

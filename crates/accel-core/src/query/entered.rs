@@ -10,8 +10,8 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::cells::{Cell, CellKind, NoCells};
+use crate::query::trace::TraversalTrace;
 use crate::query::tracer::Tracer;
-use crate::query::way::TraversalTrace;
 
 /// A cell that a ray meets.
 #[derive(Debug, Clone, PartialEq)]
@@ -58,7 +58,7 @@ pub fn crossed<S: Scalar>(
     Ok(all)
 }
 
-/// Where a ray is within a box, or within rounding of it.
+/// Parameter interval of a ray within a box, up to rounding.
 fn span(bounds: &Aabb<f64>, ray: &Ray<f64>) -> Option<[f64; 2]> {
     if bounds.min.is_finite() && bounds.max.is_finite() {
         let from = ray.origin.abs().max_element();

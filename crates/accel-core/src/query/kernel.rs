@@ -38,8 +38,8 @@ pub struct ListBlocks<S> {
 }
 
 impl<S: Scalar> ListBlocks<S> {
-    /// Of these lists, each named once, parts of one array. `None` where
-    /// blocks do not serve the set or are too many for their numbers, or lists lie too far apart.
+    /// Blocks of these lists, which are parts of one array. `None` if the set has no blocks, there
+    /// are too many, or lists lie too far apart.
     #[inline(never)]
     pub(crate) fn of<P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {
         let address = |list: &[u32]| list.as_ptr() as usize;

@@ -17,7 +17,7 @@ pub(crate) enum Lists<S> {
     Blocks(Vec<TriangleBlock<S>>),
 }
 
-/// Where each of some lists, none of them empty, will be.
+/// Future places of non-empty lists.
 pub(crate) struct Layout {
     pub(crate) numbers: Vec<u32>,
     /// They are kept as so many blocks or ids.
@@ -26,7 +26,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// Of blocks where they serve the set; none where a number would not be below `limit`.
+    /// Layout in blocks if the set has them; `None` if a number would reach `limit`.
     pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
         prims: &P,
         lists: &[&[u32]],

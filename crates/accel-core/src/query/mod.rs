@@ -13,5 +13,5 @@ pub mod region;
 pub(crate) mod resumable;
 pub(crate) mod side_by_side;
 pub mod sink;
+pub mod trace;
 pub mod tracer;
-pub mod way;

@@ -15,12 +15,12 @@ use crate::geometry::far_ray::{self, Parameters};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{Batch, BatchDriver, RayByRay, Whole, drive};
-use crate::query::resumable::{self, Resumable};
+use crate::query::batch::{Batch, BatchDriver, PlainStructure, RayByRay, drive};
+use crate::query::resumable::{self, StepwiseStructure};
 use crate::query::sink::Sink;
 
 /// A structure that derives what it needs of eight rays at once.
-pub(crate) trait LaneStructure<S: Scalar>: Resumable<S> {
+pub(crate) trait LaneStructure<S: Scalar>: StepwiseStructure<S> {
     type Eight;
     /// The shared part of the eight states.
     type Packet;
@@ -31,7 +31,7 @@ pub(crate) trait LaneStructure<S: Scalar>: Resumable<S> {
     fn packet(&self, eight: &Self::Eight) -> Option<Self::Packet>;
     /// Answers the queries of eight rays, one a ray in their order, together.
     fn trace_packet<K: Sink<S>>(&self, eight: &Self::Eight, packet: &Self::Packet, sinks: &mut [K]);
-    /// Sets one of them on its way, as [`Resumable::begin`] does.
+    /// Sets one of them on its way, as [`StepwiseStructure::begin`] does.
     fn begin_prepared(&self, eight: &Self::Eight, lane: usize, t_max: S) -> Self::State;
 }
 
@@ -55,7 +55,13 @@ impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
             let lanes = RayLanes::of(rays);
             if !far_ray::are_near(&lanes, reach) {
                 let places = first..first + rays.len();
-                drive::<RayByRay, _, _, _, _>(&Whole(structure), prims, reach, batch, places);
+                drive::<RayByRay, _, _, _, _>(
+                    &PlainStructure(structure),
+                    prims,
+                    reach,
+                    batch,
+                    places,
+                );
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -80,6 +86,6 @@ impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
             }
         }
         let rest = places.end - rest.len()..places.end;
-        drive::<RayByRay, _, _, _, _>(&Whole(structure), prims, reach, batch, rest);
+        drive::<RayByRay, _, _, _, _>(&PlainStructure(structure), prims, reach, batch, rest);
     }
 }

@@ -1,8 +1,8 @@
 //! Traversals that go step by step, from inner places to leaves and on.
 //!
-//! A structure whose traversal can be interrupted is [`Resumable`]: one ray is driven to its end by
-//! [`traverse`], and one that was prepared with others (`prepared.rs`) by [`run`]. The steps are
-//! the same, and so are answers and counters.
+//! A structure whose traversal can be interrupted is [`StepwiseStructure`]: one ray is driven to
+//! its end by [`traverse`], and one that was prepared with others (`prepared.rs`) by [`run`]. The
+//! steps are the same, and so are answers and counters.
 
 use std::ops::ControlFlow;
 
@@ -12,21 +12,21 @@ use crate::query::sink::Sink;
 use crate::structure::Structure;
 
 /// A structure whose traversal goes step by step: from inner places to others, and from a leaf on.
-pub(crate) trait Resumable<S: Scalar>: Structure<S> {
-    /// Where a ray is: what can be in registers.
+pub(crate) trait StepwiseStructure<S: Scalar>: Structure<S> {
+    /// The part of the traversal state that fits into registers.
     type State;
-    /// The rest, whose content is of no use to the next ray.
+    /// The rest of the state; its content need not be kept for the next ray.
     type Room: Default;
 
     /// Sets a ray on its way that ends at `t_max` at the latest.
     fn begin(&self, ray: &Ray<S>, t_max: S) -> Self::State;
-    /// Whether a ray that has just begun meets nothing.
-    fn is_nowhere(state: &Self::State) -> bool;
+    /// Returns whether a ray that has just begun meets nothing.
+    fn misses(state: &Self::State) -> bool;
     /// Looks up what is where the ray has come to from a leaf, or has begun.
     fn arrive(&self, state: &mut Self::State);
-    /// Whether the ray is at a place that leads to others and holds no primitives.
+    /// Returns whether the ray is at a place that leads to others and holds no primitives.
     fn is_inner(state: &Self::State) -> bool;
-    /// Whether the leaf that the ray is at holds nothing.
+    /// Returns whether the leaf that the ray is at holds nothing.
     fn is_empty(state: &Self::State) -> bool;
     /// Goes on from an inner place; false when nothing is left to visit.
     ///
@@ -43,7 +43,7 @@ pub(crate) trait Resumable<S: Scalar>: Structure<S> {
     /// Goes on from a leaf; false when nothing is left to visit.
     ///
     /// # Safety
-    /// As for [`Resumable::descend`].
+    /// As for [`StepwiseStructure::descend`].
     unsafe fn leave<K: Sink<S>>(
         &self,
         state: &mut Self::State,
@@ -53,7 +53,7 @@ pub(crate) trait Resumable<S: Scalar>: Structure<S> {
 }
 
 #[inline(always)]
-pub(crate) fn traverse<S: Scalar, T: Resumable<S>, K: Sink<S>>(
+pub(crate) fn traverse<S: Scalar, T: StepwiseStructure<S>, K: Sink<S>>(
     structure: &T,
     ray: &Ray<S>,
     sink: &mut K,
@@ -64,12 +64,12 @@ pub(crate) fn traverse<S: Scalar, T: Resumable<S>, K: Sink<S>>(
 
 /// A ray that has begun; `Break` when the query is over before all is visited.
 #[inline(always)]
-pub(crate) fn run<S: Scalar, T: Resumable<S>, K: Sink<S>>(
+pub(crate) fn run<S: Scalar, T: StepwiseStructure<S>, K: Sink<S>>(
     structure: &T,
     mut state: T::State,
     sink: &mut K,
 ) -> ControlFlow<()> {
-    let mut goes_on = !T::is_nowhere(&state);
+    let mut goes_on = !T::misses(&state);
     let mut room = T::Room::default();
     while goes_on {
         structure.arrive(&mut state);

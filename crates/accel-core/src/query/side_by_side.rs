@@ -28,10 +28,10 @@ pub(crate) const RAYS: usize = EIGHTS * LANES;
 const ALL: u32 = u32::MAX >> (u32::BITS as usize - RAYS);
 
 /// A structure in which a step is the same few instructions whatever the ray.
-pub(crate) trait SideBySide<S: Scalar> {
+pub(crate) trait LaneTraversal<S: Scalar> {
     /// State that the structure derives from eight rays.
     type Eight;
-    /// Where [`RAYS`] rays are.
+    /// Traversal state of [`RAYS`] rays.
     type State;
 
     /// For rays that go alone.
@@ -40,7 +40,7 @@ pub(crate) trait SideBySide<S: Scalar> {
     fn prepare(&self, rays: &RayLanes<S>) -> Self::Eight;
     /// A bit for each of them that meets the structure.
     fn meeting(eight: &Self::Eight) -> u32;
-    /// Of no rays; each lane is somewhere in the structure nevertheless.
+    /// State without rays; every lane still refers to a valid place in the structure.
     fn idle() -> Self::State;
     /// Sets a prepared ray that meets the structure on its way in a lane.
     fn begin(&self, state: &mut Self::State, lane: usize, eight: &Self::Eight, ray: usize);
@@ -56,9 +56,9 @@ pub(crate) trait SideBySide<S: Scalar> {
 }
 
 /// [`RAYS`] rays side by side.
-pub(crate) struct InLanes;
+pub(crate) struct LaneDriver;
 
-impl<S: Scalar, T: SideBySide<S>> BatchDriver<S, T> for InLanes {
+impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
     #[inline(always)]
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
         structure: &T,

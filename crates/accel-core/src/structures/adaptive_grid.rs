@@ -16,6 +16,7 @@
 
 use std::collections::HashSet;
 
+use crate::capacity::CapacityLimits;
 use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -32,7 +33,6 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};

@@ -32,7 +32,7 @@ use crate::geometry::box_test::BoxTest;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::memory::Counted;
+use crate::memory::CountedItem;
 use crate::memory::Limits;
 use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
@@ -44,7 +44,7 @@ use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
-/// How many plane directions slabs have.
+/// Number of plane directions of slabs.
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec::choice("directions", "7", &["3", "4", "7"])
     .about("plane directions of slabs: 3 axes, 4 diagonals of the cube, or all 7");
 
@@ -83,7 +83,7 @@ fn known_defect(params: &Params) -> Option<&'static str> {
     is_compared.then_some("boxes are tight: hits at their faces are lost to rounding")
 }
 
-/// Of which kind a volume is.
+/// Kind of a volume.
 #[derive(Debug, Clone, Copy)]
 enum Kind {
     Box,
@@ -93,7 +93,7 @@ enum Kind {
     Slabs(u64),
 }
 
-/// Which volumes there are.
+/// Kinds of volumes, as configured.
 #[derive(Debug, Clone)]
 pub struct VolumesConfig {
     kind: Kind,
@@ -278,7 +278,7 @@ impl<S: Scalar> BoundingVolumes<S> {
 /// Refuses more volumes than [`MAX_CELLS`] allows.
 pub(super) fn check_cells(needed: usize, limits: Limits, max_cells: u64) -> Result<(), BuildError> {
     // six slabs of 8 bytes and what they hold
-    const VOLUMES: Counted = Counted::cells("number of volumes", 64);
+    const VOLUMES: CountedItem = CountedItem::cells("number of volumes", 64);
     if needed as u64 <= limits.most(&VOLUMES, max_cells) {
         Ok(())
     } else {

@@ -76,7 +76,7 @@ pub type BrickedGrid<S> = RegularGrid<S, BrickedCells>;
 /// Bytes of a cell: where its list begins.
 const CELL_BYTES: u64 = 4;
 
-/// Where the cells of a grid stand: the sum of one offset an axis.
+/// Place of a cell: the sum of one offset per axis.
 #[derive(Debug, Clone)]
 struct Layout {
     offsets: [Vec<usize>; 3],
@@ -89,14 +89,14 @@ impl Layout {
         let n = n.map(|n| n as usize);
         let block = near_cube(n, block_cells as usize);
         let blocks: [usize; 3] = std::array::from_fn(|k| n[k].div_ceil(block[k]));
-        let cells_a_block: usize = block.iter().product();
-        let wanted = near_cube(blocks, (macro_cells as usize / cells_a_block).max(1));
+        let cells_per_block: usize = block.iter().product();
+        let wanted = near_cube(blocks, (macro_cells as usize / cells_per_block).max(1));
         let macros: [usize; 3] = std::array::from_fn(|k| blocks[k].div_ceil(wanted[k]));
         let side: [usize; 3] = std::array::from_fn(|k| blocks[k].div_ceil(macros[k]));
-        let cells_a_macro = cells_a_block * side.iter().product::<usize>();
+        let cells_per_macro = cells_per_block * side.iter().product::<usize>();
         let strides = |n: [usize; 3], unit: usize| [unit, unit * n[0], unit * n[0] * n[1]];
         let (in_block, in_macro, of_macro) =
-            (strides(block, 1), strides(side, cells_a_block), strides(macros, cells_a_macro));
+            (strides(block, 1), strides(side, cells_per_block), strides(macros, cells_per_macro));
         let offsets = std::array::from_fn(|k| {
             let offset = |i: usize| {
                 let b = i / block[k];
@@ -104,7 +104,7 @@ impl Layout {
             };
             (0..n[k]).map(offset).collect()
         });
-        Self { offsets, cells: cells_a_macro * macros.iter().product::<usize>() }
+        Self { offsets, cells: cells_per_macro * macros.iter().product::<usize>() }
     }
 
     /// 0 for a cell outside the grid: nobody asks for one.

@@ -141,12 +141,11 @@ impl Bits {
     }
 }
 
-/// Where each row of cells stands in the table.
+/// Place of each row of cells in the table.
 #[derive(Debug, Clone)]
 struct RowDisplacements {
     rows_y: usize,
-    /// Where cell 0 of each row would stand, modulo 2^32: cells before its first occupied one
-    /// need no place.
+    /// Place of cell 0 of each row, modulo 2^32: cells before its first occupied one need no place.
     starts: Vec<u32>,
     /// Places in the table.
     places: usize,
@@ -290,7 +289,7 @@ impl CellStorage for CompactCells {
     }
 }
 
-/// Which cells hold primitives.
+/// Marks the cells that hold primitives.
 fn occupied_cells<S: Scalar, P: PrimSet<S>>(
     contents: &Contents<S, P>,
 ) -> Result<Bits, TooManyReferences> {

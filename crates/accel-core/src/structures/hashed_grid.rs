@@ -82,7 +82,7 @@ const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Up to so many cells a reference, and so many more, lists are made cell by cell, which takes no more memory than the
 /// slots do; beyond that in a table that grows. The same table comes of both.
-const CELLS_A_REFERENCE: u64 = 4;
+const CELLS_PER_REFERENCE: u64 = 4;
 const FEW_CELLS: u64 = 1 << 16;
 
 /// No cell has this index: there are at most 2^60.
@@ -211,7 +211,7 @@ impl HashedCells {
             let most_keys = table.occupied.midpoint(table.slots.len());
             Self { table, ids: vec![0; total as usize], most_keys }
         };
-        if frame.cells() as u64 <= CELLS_A_REFERENCE * total + FEW_CELLS {
+        if frame.cells() as u64 <= CELLS_PER_REFERENCE * total + FEW_CELLS {
             let lists = contents.dense_lists()?;
             let cells = lists.lists().zip(0..).filter(|(list, _)| !list.is_empty());
             let cells: Vec<_> = cells.map(|(list, key)| (key, list.len() as u32)).collect();
@@ -369,7 +369,7 @@ mod tests {
             let contents = contents_of(&set, settings.limits(), &settings).unwrap();
             let frame = contents.frame;
             let dense = contents.lists(frame.cells(), |c| frame.index(c)).unwrap();
-            let dense_up_to = CELLS_A_REFERENCE * dense.references() as u64 + FEW_CELLS;
+            let dense_up_to = CELLS_PER_REFERENCE * dense.references() as u64 + FEW_CELLS;
             sparse += u32::from(frame.cells() as u64 > dense_up_to);
             for (load, multiplier) in [(0.5, GOLDEN), (1.0, GOLDEN), (1.0, 0), (0.3, 0)] {
                 let hashed = HashedCells::with_hash(&contents, load, multiplier).unwrap();

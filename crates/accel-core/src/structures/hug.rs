@@ -15,6 +15,7 @@
 
 use std::collections::HashSet;
 
+use crate::capacity::CapacityLimits;
 use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -34,7 +35,6 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 use crate::tree::clustering::components::components;

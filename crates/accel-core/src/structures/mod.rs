@@ -33,7 +33,7 @@ use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimsRef};
 use crate::query::tracer::tested::{TestChoice, tested_as};
-use crate::query::tracer::{Before, Bound, BoundInMotion, Tracer};
+use crate::query::tracer::{Bound, BoundInMotion, PreviousFrame, Tracer};
 use crate::registry::{self, Buildable, RegistryItem};
 use crate::structure::{BuildError, Structure};
 use crate::structures::time_segments::TimeSegments;
@@ -64,9 +64,9 @@ pub static REGISTRY: &[Entry] = &[
     compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
 ];
 
-/// What unit tests ask for by name, or through the light buffer. Each line compiles a structure for
-/// all sets and queries: all of them once more, for unit tests alone, would double the cost of this
-/// crate. So tests that ask for others by name are in `tests/`.
+/// Structures that unit tests find by name, or through the light buffer. Each line compiles a
+/// structure for all sets and queries: all of them, for unit tests alone, would double the compile
+/// time of this crate. So tests that find others by name are in `tests/`.
 #[cfg(not(any(not(test), feature = "compiled-tests")))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
@@ -81,7 +81,7 @@ pub const COMMON: &[ParamSpec] =
 pub struct Traceable;
 
 impl RegistryItem for Traceable {
-    type Builder<S: Scalar> = fn(&Params) -> Prepared<S>;
+    type Builder<S: Scalar> = fn(&Params) -> PreparedStructure<S>;
     const COMMON: &'static [ParamSpec] = COMMON;
 }
 
@@ -91,18 +91,17 @@ pub type Entry = registry::Entry<Traceable>;
 /// A structure whose settings have been read. What is left is the build, which alone is timed: over
 /// the set, ready to trace, or taken there from the frame before, as its setting `update` says, or
 /// built anew. The settings are those that it was built with then; it is of no use after an error.
-pub type Prepared<S> = Box<
+pub type PreparedStructure<S> = Box<
     dyn for<'a> Fn(
             PrimsRef<'a, S>,
-            Option<Before<'_>>,
+            Option<PreviousFrame<'_>>,
         ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>
         + Send
         + Sync,
 >;
 
 impl Entry {
-    /// Reads the settings.
-    pub fn prepare<S: Buildable>(&self, params: &Params) -> Prepared<S> {
+    pub fn prepare<S: Buildable>(&self, params: &Params) -> PreparedStructure<S> {
         S::builder(self)(params)
     }
 
@@ -118,7 +117,7 @@ impl Entry {
         self.prepare(params)(prims, None)
     }
 
-    /// Takes a structure of this entry to the next frame: see [`Prepared`].
+    /// Takes a structure of this entry to the next frame: see [`PreparedStructure`].
     ///
     /// # Errors
     /// [`BuildError`].
@@ -126,7 +125,7 @@ impl Entry {
         &self,
         prims: PrimsRef<'a, S>,
         params: &Params,
-        before: Before<'_>,
+        before: PreviousFrame<'_>,
     ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
         self.prepare(params)(prims, Some(before))
     }
@@ -140,7 +139,7 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 
 /// Reads the settings of `T`, which is then built over whichever set it is, or taken there from the
 /// frame before, and boxed as a tracer.
-pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> Prepared<S> {
+pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> PreparedStructure<S> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
     Box::new(move |prims, before| {
@@ -152,7 +151,7 @@ fn build_tracer<'a, S: Scalar, T: Structure<S>>(
     prims: PrimsRef<'a, S>,
     how: (&Settings<T::Config>, &TestChoice),
     segments: usize,
-    before: Option<Before<'_>>,
+    before: Option<PreviousFrame<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let (settings, testing) = how;
     let limits = settings.limits();
@@ -196,7 +195,7 @@ fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
 
 /// [`prepare`] for a structure of which more is compiled into its traversals, in f32 alone: the
 /// queries of sets that move, and chosen tests where the feature `compiled-tests` is on.
-pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> Prepared<f32> {
+pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
     Box::new(move |prims, before| {

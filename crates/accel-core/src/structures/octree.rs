@@ -65,8 +65,8 @@ const HISTORICAL_CONE_MARGIN: f64 = 0.001;
 /// How far beyond a cell's exit the next cell was looked for in 1999.
 const HISTORICAL_NUDGE: f64 = 1e-6;
 
-/// Where on every ray, those from the eye too, the top-down traversal began in 1999; the others
-/// began at the origin.
+/// Parameter at which the top-down traversal began in 1999 on every ray; the others began at the
+/// origin.
 const HISTORICAL_START: f64 = 0.01;
 
 pub struct Octree<S: Scalar> {

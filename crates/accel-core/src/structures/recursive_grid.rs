@@ -18,6 +18,7 @@ mod levels;
 
 use std::ops::ControlFlow;
 
+use crate::capacity::CapacityLimits;
 use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
@@ -34,7 +35,6 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use budget::Budget;
 use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};

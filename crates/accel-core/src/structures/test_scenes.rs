@@ -124,7 +124,7 @@ pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -
     hits
 }
 
-/// Which rays are blocked, whatever stood there before.
+/// Returns which rays are blocked.
 pub(crate) fn occlusions<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<bool> {
     written(rays.len(), |blocked| tracer.occlusions(rays, blocked))
 }

@@ -23,7 +23,7 @@ pub const PARAM: ParamSpec = ParamSpec::integer("time-segments", "1", 1, 8).abou
      in it; a scene at rest has one",
 );
 
-/// How many the settings ask for.
+/// Number of segments in the settings.
 pub(crate) fn of(params: &Params) -> usize {
     params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize)
 }

@@ -17,6 +17,7 @@ mod leaf_cells;
 
 use std::ops::ControlFlow;
 
+use crate::capacity::CapacityLimits;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
@@ -31,7 +32,6 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::room::CapacityLimits;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 use crate::structures::uniform_grid::DenseCells;
 use crate::update::{Change, INCREMENTAL, is_worth_changing};

@@ -4,13 +4,13 @@
 
 use rayon::prelude::*;
 
+use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
-use crate::parallel::{concat, forks, is_worth_a_fork};
-use crate::room::CapacityLimits;
+use crate::parallel::{concat, forks, should_parallelize};
 use crate::structure::BuildError;
 
-/// Where cells are cut, and when they are not.
+/// Chooses how cells are cut, and which become leaves.
 pub(crate) trait Division<S: Scalar>: Sync {
     /// How cells are kept.
     type Cells: CellStore<Cut = Self::Cut>;
@@ -20,13 +20,13 @@ pub(crate) trait Division<S: Scalar>: Sync {
     type Descent: Copy + Sync;
     /// Memory that is used again for each cell.
     type Scratch;
-    /// Of a cell that is cut.
+    /// Number of children of an inner cell.
     const CHILDREN: usize;
 
     fn scratch(&self) -> Self::Scratch;
 
-    /// Where to cut a cell that lists `ids`, and the way to what is below it; `None` makes it a
-    /// leaf.
+    /// Chooses the cut of a cell that lists `ids`, and the state for its children; `None` makes it
+    /// a leaf.
     fn cut(
         &self,
         scratch: &mut Self::Scratch,
@@ -34,13 +34,13 @@ pub(crate) trait Division<S: Scalar>: Sync {
         cell: &Cell<S, Self::Descent>,
     ) -> Option<(Self::Cut, Self::Descent)>;
 
-    /// Whether a primitive reaches into a child.
+    /// Returns whether a primitive reaches into a child.
     fn reaches(&self, id: u32, cut: &Self::Cut, child: usize) -> bool;
 
     /// The box of a child.
     fn child(bounds: &Aabb<S>, cut: &Self::Cut, child: usize) -> Aabb<S>;
 
-    /// Whether the lists of children are in the reverse order of their parent's.
+    /// Returns whether the lists of children are in the reverse order of their parent's.
     fn alternates(&self) -> bool {
         false
     }
@@ -95,7 +95,7 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
     root: Cell<S, D::Descent>,
     ids: Vec<u32>,
 ) -> Result<D::Cells, BuildError> {
-    if !is_worth_a_fork(ids.len()) {
+    if !should_parallelize(ids.len()) {
         return alone(division, root, ids);
     }
     let large = ids.len() >> forks();
@@ -127,8 +127,7 @@ impl<C: CellStore> Step<C> {
     }
 }
 
-/// Where the lists of the leaves of all stores begin, and where the last ends, and their ids; of
-/// each store `lists` has the same.
+/// Joins the lists of all stores: starts of all leaves' lists with a final end, and their ids.
 pub(crate) fn joined_lists<C: CellStore>(
     steps: &[Step<C>],
     lists: impl Fn(&C) -> [&[u32]; 2],
@@ -143,7 +142,7 @@ pub(crate) fn joined_lists<C: CellStore>(
 }
 
 impl<C: CellStore> ForkedCells<C> {
-    /// What makes these cells, the first of them `cell`, of those of `steps`; `counts` cells and
+    /// Selects from `steps` those that make these cells, from `cell` on; `counts` cells and
     /// references.
     fn steps(self, cell: usize, children: usize, steps: &mut Vec<Step<C>>, counts: &mut [u64; 2]) {
         match self {
@@ -183,7 +182,7 @@ fn forked<S: Scalar, D: Division<S>>(
     ids: Vec<u32>,
     large: usize,
 ) -> Result<ForkedCells<D::Cells>, BuildError> {
-    let cut = if ids.len() > large && is_worth_a_fork(ids.len()) {
+    let cut = if ids.len() > large && should_parallelize(ids.len()) {
         division.cut(&mut division.scratch(), &ids, &cell)
     } else {
         None

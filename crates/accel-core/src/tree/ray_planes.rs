@@ -1,4 +1,4 @@
-//! Where a ray meets axis-parallel planes, and the cell it is in: all in ray parameters.
+//! Parameters at which a ray meets axis-parallel planes, and the cell it is in.
 //!
 //! A plane always gets the same parameter, so comparisons between parameters never contradict
 //! each other: a traversal that enters the next cell at the exit of the last one always moves on.

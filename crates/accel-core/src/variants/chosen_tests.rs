@@ -56,7 +56,8 @@ pub const SPHERE_TEST: ParamSpec =
               others are called, unless built with the feature compiled-tests",
     );
 
-/// Whether a tracer's chosen tests are compiled into its traversals, as the default tests are.
+/// Returns whether a tracer's chosen tests are compiled into its traversals, as the default tests
+/// are.
 pub fn is_compiled<S: Scalar>(tracer: &dyn Tracer<S>) -> bool {
     !tracer.code().contains("ChosenTests")
 }
@@ -64,17 +65,11 @@ pub fn is_compiled<S: Scalar>(tracer: &dyn Tracer<S>) -> bool {
 /// A test of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TriangleChoice {
-    /// See [`MoellerTrumbore`].
     MoellerTrumbore,
-    /// See `MoellerTrumboreTolerant`.
     Tolerant,
-    /// See `Pluecker`.
     Pluecker,
-    /// See [`Watertight`].
     Watertight,
-    /// See `WatertightFallback`.
     Fallback,
-    /// See `WatertightInDouble`.
     Double,
 }
 
@@ -83,7 +78,6 @@ pub enum TriangleChoice {
 pub enum SphereChoice {
     /// The quadratic formula as it stands.
     Naive,
-    /// [`Sphere::intersect`].
     Rearranged,
     /// The same in f64.
     Double,
@@ -138,7 +132,7 @@ pub fn known_defect(params: &Params) -> Option<&'static str> {
 
 /// The set that is seen.
 #[derive(Debug)]
-enum Over<'a, S: Scalar> {
+enum TestedSet<'a, S: Scalar> {
     Triangles(&'a TriangleSet<S>),
     Mixed(&'a MixedSet<S>),
 }
@@ -146,7 +140,7 @@ enum Over<'a, S: Scalar> {
 /// A set under chosen tests.
 #[derive(Debug)]
 pub struct ChosenTests<'a, S: Scalar> {
-    over: Over<'a, S>,
+    over: TestedSet<'a, S>,
     choice: Choice,
 }
 
@@ -160,12 +154,12 @@ pub struct ChosenSetup<S: Scalar> {
 impl<'a, S: Scalar> ChosenTests<'a, S> {
     /// Triangles under another test.
     pub fn of_triangles(set: &'a TriangleSet<S>, choice: Choice) -> Self {
-        Self { over: Over::Triangles(set), choice }
+        Self { over: TestedSet::Triangles(set), choice }
     }
 
     /// Primitives of any kind, moving ones too, whose triangles and spheres have other tests.
     pub fn of_mixed(set: &'a MixedSet<S>, choice: Choice) -> Self {
-        Self { over: Over::Mixed(set), choice }
+        Self { over: TestedSet::Mixed(set), choice }
     }
 
     #[inline(always)]
@@ -232,8 +226,8 @@ impl<'a, S: Scalar> ChosenTests<'a, S> {
 macro_rules! seen {
     ($self:ident, $set:ident => $call:expr) => {
         match $self.over {
-            Over::Triangles($set) => $call,
-            Over::Mixed($set) => $call,
+            TestedSet::Triangles($set) => $call,
+            TestedSet::Mixed($set) => $call,
         }
     };
 }
@@ -273,7 +267,7 @@ impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
 
     #[inline(never)]
     fn setup(&self, ray: &Ray<S>) -> ChosenSetup<S> {
-        let is_mixed = matches!(self.over, Over::Mixed(_));
+        let is_mixed = matches!(self.over, TestedSet::Mixed(_));
         let sheared =
             matches!(self.choice.triangle, TriangleChoice::Watertight | TriangleChoice::Fallback);
         ChosenSetup {
@@ -287,8 +281,10 @@ impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
     #[inline(never)]
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &ChosenSetup<S>, t_max: S) -> Option<S> {
         match self.over {
-            Over::Triangles(set) => self.triangle(&set.triangles()[id as usize], ray, setup, t_max),
-            Over::Mixed(set) => match set.motion().velocity(id) {
+            TestedSet::Triangles(set) => {
+                self.triangle(&set.triangles()[id as usize], ray, setup, t_max)
+            }
+            TestedSet::Mixed(set) => match set.motion().velocity(id) {
                 None => self.of_shape(set, id, ray, setup, t_max),
                 Some(_) => {
                     let motion = set.motion();

@@ -14,7 +14,7 @@
 
 use crate::params::config::Settings;
 use crate::primitives::{
-    MixedSet, MoellerTrumbore, PrimsRef, Rearranged, SphereTest, TriangleSet, TriangleTest,
+    MixedSet, MoellerTrumbore, PrimsRef, RearrangedSphere, SphereTest, TriangleSet, TriangleTest,
     Watertight,
 };
 use crate::query::tracer::Tracer;
@@ -27,7 +27,7 @@ use crate::variants::triangle_tests::{
 };
 
 /// By which settings it is built.
-type How<'h, T> = (&'h Settings<<T as Structure<f32>>::Config>, &'h TestChoice);
+type BuildInput<'h, T> = (&'h Settings<<T as Structure<f32>>::Config>, &'h TestChoice);
 
 /// A structure that answers, or why it was not built.
 type BuiltTracer<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
@@ -36,7 +36,7 @@ type BuiltTracer<'a> = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
 /// are called.
 pub(crate) fn build<'a, T: Structure<f32>>(
     prims: PrimsRef<'a, f32>,
-    how: How<'_, T>,
+    how: BuildInput<'_, T>,
 ) -> Option<BuiltTracer<'a>> {
     let Choice { triangle, sphere } = how.1.choice?;
     if how.1.is_direct {
@@ -57,19 +57,19 @@ pub(crate) fn build<'a, T: Structure<f32>>(
                 tested_as::<f32, _, _, T>(set, set, how, None)
             }
             (TriangleChoice::MoellerTrumbore, SphereChoice::Rearranged) => {
-                mixed::<MoellerTrumbore, Rearranged, T>(set, how)
+                mixed::<MoellerTrumbore, RearrangedSphere, T>(set, how)
             }
             (TriangleChoice::Tolerant, SphereChoice::Rearranged) => {
-                mixed::<MoellerTrumboreTolerant, Rearranged, T>(set, how)
+                mixed::<MoellerTrumboreTolerant, RearrangedSphere, T>(set, how)
             }
             (TriangleChoice::Pluecker, SphereChoice::Rearranged) => {
-                mixed::<Pluecker, Rearranged, T>(set, how)
+                mixed::<Pluecker, RearrangedSphere, T>(set, how)
             }
             (TriangleChoice::Fallback, SphereChoice::Rearranged) => {
-                mixed::<WatertightFallback, Rearranged, T>(set, how)
+                mixed::<WatertightFallback, RearrangedSphere, T>(set, how)
             }
             (TriangleChoice::Double, SphereChoice::Rearranged) => {
-                mixed::<WatertightInDouble, Rearranged, T>(set, how)
+                mixed::<WatertightInDouble, RearrangedSphere, T>(set, how)
             }
             (TriangleChoice::Watertight, SphereChoice::Naive) => {
                 mixed::<Watertight, NaiveSphere, T>(set, how)
@@ -87,14 +87,14 @@ pub(crate) fn build<'a, T: Structure<f32>>(
 
 fn triangles<'a, X: TriangleTest<f32>, T: Structure<f32>>(
     set: &'a TriangleSet<f32>,
-    how: How<'_, T>,
+    how: BuildInput<'_, T>,
 ) -> BuiltTracer<'a> {
     tested_as::<f32, _, _, T>(set, set.tested_by::<X>(), how, None)
 }
 
 fn mixed<'a, X: TriangleTest<f32>, Q: SphereTest<f32>, T: Structure<f32>>(
     set: &'a MixedSet<f32>,
-    how: How<'_, T>,
+    how: BuildInput<'_, T>,
 ) -> BuiltTracer<'a> {
     tested_as::<f32, _, _, T>(set, set.retested::<X, Q>(), how, None)
 }

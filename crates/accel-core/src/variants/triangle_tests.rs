@@ -139,7 +139,6 @@ impl<S: Scalar> TriangleTest<S> for WatertightFallback {
     }
 }
 
-/// [`WatertightFallback`] in lanes.
 #[inline(always)]
 fn in_lanes<S: Scalar>(
     block: &TriangleBlock<S>,

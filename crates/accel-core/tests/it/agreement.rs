@@ -9,7 +9,7 @@ use accel_core::registry::Buildable;
 use accel_core::structures::{Entry, find};
 use accel_core::{Hit, Ray};
 
-/// What a structure said of some rays.
+/// Answers of a structure to some rays.
 pub struct Answers<S: Buildable> {
     pub hits: Vec<Hit<S>>,
     pub blocked: Vec<bool>,

@@ -54,7 +54,7 @@ const REFUSED: &[(&str, &str, &str)] = &[];
 /// Defects that are known, and so not asked for: of slivers adaptive-grid makes 63 MB.
 const OVER_THE_CAP: &[(&str, &str)] = &[("wing", "adaptive-grid")];
 
-/// What is wrong with the builds of a scene by the defaults of every structure.
+/// Faults of the builds of a scene by the defaults of every structure.
 fn complaints(registry: &[Entry], scene: &str, triangles: Vec<Corners>) -> Vec<String> {
     let set = set(triangles);
     let cap = BYTES_A_PRIMITIVE * set.len() as u64 + BYTES_IN_ANY_CASE;

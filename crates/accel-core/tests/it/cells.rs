@@ -5,8 +5,8 @@ use crate::common::{Random, Set, all_scenes, rays_for};
 use accel_core::primitives::{Ball, PrimSet, TriangleSet, Watertight};
 use accel_core::query::cells::{CellKind, NoCells};
 use accel_core::query::entered::{cells_entered, crossed};
+use accel_core::query::trace::{TestResult, TraversalTrace};
 use accel_core::query::tracer::Tracer;
-use accel_core::query::way::{Outcome, TraversalTrace};
 use accel_core::registry::Buildable;
 use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
@@ -57,7 +57,7 @@ fn solids<S: Buildable>(set: &Set<S>) -> Vec<Solid> {
 /// Points of a box, along each axis.
 const POINTS: u32 = 4;
 
-/// Whether boxes hold a lattice of points of another one, its corners among them.
+/// Returns whether boxes hold a lattice of points of another one, its corners among them.
 fn cover(wanted: &Aabb<f64>, boxes: &[Aabb<f64>]) -> bool {
     let near: Vec<_> = boxes.iter().filter(|b| meet(wanted, b)).collect();
     let place = |n: u32| f64::from(n) / f64::from(POINTS - 1);
@@ -77,7 +77,7 @@ fn inside(b: &Aabb<f64>, p: DVec3) -> bool {
     p.cmpge(b.min).all() && p.cmple(b.max).all()
 }
 
-/// What is wrong about the cells of a structure, which may cut primitives up.
+/// Faults of the cells of a structure, which may cut primitives.
 fn faults(stats: &StructureStats, cells: &[Kept], solids: &[Solid], cuts: bool) -> Vec<String> {
     let mut wrong = Vec::new();
     let of_kind = |kind| cells.iter().filter(|cell| cell.kind == kind).count() as u64;
@@ -124,7 +124,7 @@ fn faults(stats: &StructureStats, cells: &[Kept], solids: &[Solid], cuts: bool) 
     wrong
 }
 
-/// Whether a structure has no cells to show: those that would stand for several copies.
+/// Returns whether a structure has no cells to show: those that would stand for several copies.
 fn shows_none(entry: &Entry, scene: &str) -> bool {
     scene.starts_with("copies") && entry.info.name.starts_with("instanced-")
 }
@@ -209,7 +209,7 @@ fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
     }
 }
 
-/// What is wrong about the way of a ray, and its steps that no cell was found for.
+/// Faults of the trace of a ray, and its steps without a cell.
 fn faults_of_way<S: Buildable>(
     tracer: &dyn Tracer<S>,
     ray: &Ray<S>,
@@ -224,7 +224,7 @@ fn faults_of_way<S: Buildable>(
     if way.hit != hits[0] {
         wrong.push(format!("{:?} recorded, {:?} answered", way.hit, hits[0]));
     }
-    let last_hit = way.steps.iter().flat_map(|step| &step.tests).rfind(|t| t.1 == Outcome::Hit);
+    let last_hit = way.steps.iter().flat_map(|step| &step.tests).rfind(|t| t.1 == TestResult::Hit);
     if last_hit.map(|test| test.0) != way.hit.is_hit().then_some(way.hit.id) {
         wrong.push(format!("the last hit is {last_hit:?}, the answer {:?}", way.hit));
     }

@@ -42,7 +42,7 @@ fn most_references(n: usize) -> u64 {
     (16.0 * n as f64 * (n as f64).log2()) as u64
 }
 
-/// What a structure of so many primitives makes of them; its answers must be those of brute force.
+/// Number of references of a structure; its answers must be those of brute force.
 fn references(set: &MixedSet<f32>, entry: &Entry, settings: &str) -> u64 {
     let settings = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
     let tracer = entry.build(PrimsRef::Mixed(set), &entry.params(settings).unwrap()).unwrap();

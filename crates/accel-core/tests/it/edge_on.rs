@@ -51,7 +51,7 @@ fn hits<S: Buildable>(prims: PrimsRef<S>, name: &str, text: &str, rays: &[Ray<S>
     hits
 }
 
-/// The answers of brute force, after all structures were held against them.
+/// The answers of brute force, after all structures were compared with them.
 fn agreed<S: Buildable>(set: &TriangleSet<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
     let prims = PrimsRef::Watertight(set);
     let right = hits(prims, "brute-force", "", rays);
@@ -127,7 +127,7 @@ fn beside_needles<S: Scalar>(random: &mut Random) -> (TriangleSet<S>, Vec<Ray<S>
     (set(&placed), rays)
 }
 
-/// How many hits of all triangles there are, and how many of them lie outside.
+/// Number of hits of all triangles, and of those outside.
 fn counted<S: Scalar, P: PrimSet<S>>(
     set: &TriangleSet<S>,
     tests: &P,
@@ -178,8 +178,8 @@ fn no_hit_lies_outside_its_triangle_in_f64() {
     no_hit_lies_outside::<f64>();
 }
 
-/// Whether the origin, in the plane of the lattice, lies within that triangle or on its border; the
-/// products are exact.
+/// Returns whether the origin, in the plane of the lattice, lies within that triangle or on its
+/// border; the products are exact.
 fn holds(triangle: &[DVec3; 3], o: DVec3) -> bool {
     let side = |a: DVec3, b: DVec3| (b.x - a.x) * (o.z - a.z) - (b.z - a.z) * (o.x - a.x);
     let [a, b, c] = *triangle;

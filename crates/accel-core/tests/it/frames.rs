@@ -9,7 +9,7 @@ use accel_core::primitives::{
     Instance, MixedSet, MixedSetBuilder, PrimSet, PrimsRef, TriangleSet, Watertight,
 };
 use accel_core::query::sink::Sink;
-use accel_core::query::tracer::Before;
+use accel_core::query::tracer::PreviousFrame;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find, wide_bvh};
@@ -25,14 +25,14 @@ const FRAMES: Range<u32> = 0..8;
 const PARTS: [u32; 9] = [0, 0, 1, 2, 2, 2, 3, 4, 5];
 const TRIANGLES: u32 = 20;
 
-/// What moves besides the rigid parts.
+/// Primitives that move besides the rigid parts.
 #[derive(Clone, Copy, PartialEq)]
 enum Free {
     Rests,
     Moves,
 }
 
-/// Where a part stands in a frame: all at rest in frame 3, one alone moves in frame 4, far away in
+/// Placement of a part in a frame: all at rest in frame 3, one alone moves in frame 4, far away in
 /// frame 6.
 fn placement(part: usize, frame: u32) -> DAffine3 {
     let step = |frame: u32| {
@@ -141,7 +141,7 @@ fn wrong_of<S: Buildable>(
     for ((set, moved), expected) in frames.iter().zip(expected) {
         let tracer = match kept {
             None => entry.build(set.prims(), params),
-            Some(kept) => entry.update(set.prims(), params, Before { kept, moved }),
+            Some(kept) => entry.update(set.prims(), params, PreviousFrame { kept, moved }),
         };
         let tracer = tracer.unwrap();
         updated += usize::from(tracer.is_updated());
@@ -292,7 +292,7 @@ fn what_moved_is_seen() {
     let grid = find("uniform-grid").unwrap();
     let params = grid.defaults().set("update", "incremental").unwrap();
     let tracer = grid.build(PrimsRef::Mixed(&sets[0]), &params).unwrap();
-    let before = Before { kept: tracer.released().unwrap(), moved: &[] };
+    let before = PreviousFrame { kept: tracer.released().unwrap(), moved: &[] };
     let other = triangle_set::<f64>(0, Free::Rests);
     assert!(grid.update(PrimsRef::Watertight(&other), &params, before).is_ok());
 }

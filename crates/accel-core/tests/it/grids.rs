@@ -12,7 +12,7 @@ use crate::test_scenes::{
     Random, built, closest_hits, hard_scenes, mixed_scene, occlusions, rays, unwritten,
 };
 
-/// What a tracer did: hits, blocked, counters of both kinds of query.
+/// Results of a tracer: hits, blocked, counters of both kinds of query.
 pub(crate) type AnswersAndWork<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
 
 /// Runs every query of a tracer; counted and timed answers must agree.

@@ -90,7 +90,7 @@ fn instances<S: Buildable>(set: &Set<S>) -> &Instances {
     }
 }
 
-/// Whether most claims hold, so that the tests over [`scenes`] test something.
+/// Asserts that most claims hold, so that the tests over [`scenes`] test something.
 fn hold<S: Buildable>() {
     for ((name, set, _), copies) in scenes::<S>().iter().zip([24, 12, 16]) {
         let found = instances(set);

@@ -90,8 +90,8 @@ fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -
     (0..count).map(|_| ray()).collect()
 }
 
-/// Every other ray in a company of eight that run as it does, or nearly.
-fn in_company<S: Buildable>(random: &mut Random, rays: Vec<Ray<S>>) -> Vec<Ray<S>> {
+/// Every other ray in a batch of eight nearly parallel rays.
+fn in_batch<S: Buildable>(random: &mut Random, rays: Vec<Ray<S>>) -> Vec<Ray<S>> {
     let mut all = Vec::new();
     for (i, ray) in rays.into_iter().enumerate() {
         if i % 16 < 8 {
@@ -134,7 +134,7 @@ fn agrees<S: Buildable>(rounds: u64) -> [usize; 2] {
         let set = TriangleSet::<S, Watertight>::new(faces.iter().map(narrow).collect(), |_| false);
         let set = set.unwrap();
         let rays = rays::<S>(&mut random, &faces, 5_000);
-        let rays = in_company(&mut random, rays);
+        let rays = in_batch(&mut random, rays);
         let answers = |name: &str, settings: &str| {
             let entry = find(name).unwrap();
             let pairs = settings.split_whitespace().map(|s| s.split_once('=').unwrap());

@@ -16,7 +16,7 @@ const LEAF_0: &[ParamSpec] = &[ParamSpec { default: "0", ..LEAF }];
 const TWICE: &[ParamSpec] = &[LEAF, LEAF];
 const OF_ALL: &[ParamSpec] = &[ParamSpec { name: Traceable::COMMON[0].name, ..LEAF }];
 
-/// What is said of a registry with that line in it, whose builders are never asked.
+/// Complaint about a registry with this line, whose builders are never called.
 fn said_of(info: StructureInfo) -> String {
     let info: &'static StructureInfo = Box::leak(Box::new(info));
     let line = Entry::new(info, |_| unreachable!(), |_| unreachable!());

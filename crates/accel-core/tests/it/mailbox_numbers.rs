@@ -44,7 +44,7 @@ fn rays<S: Buildable>(random: &mut Random) -> Vec<Ray<S>> {
     rays
 }
 
-/// How many closest hits in a grid with that mailbox are not those of brute force.
+/// Number of closest hits in a grid with this mailbox that differ from brute force.
 fn wrong<S: Buildable>(mailbox: impl MailboxSource) -> usize {
     let mut random = Random::new(1);
     let (set, rays) = (scene::<S>(&mut random), rays::<S>(&mut random));

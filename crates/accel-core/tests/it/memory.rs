@@ -38,7 +38,7 @@ fn variants(entry: &'static Entry) -> impl Iterator<Item = Vec<(&'static str, &'
     settings.map(|v| v.split_whitespace().map(|s| s.split_once('=').unwrap()).collect())
 }
 
-/// What is wrong with a structure that has little memory.
+/// Faults of a structure with little memory.
 fn complaint(
     of: impl Fn(MemoryLimit) -> Result<StructureStats, BuildError>,
     smallest: u64,

@@ -73,7 +73,7 @@ fn in_bits(hits: Vec<Hit<f32>>, blocked: Vec<bool>) -> (Vec<(u32, u32)>, Vec<boo
     (hits.into_iter().map(|hit| (hit.t.to_bits(), hit.id)).collect(), blocked)
 }
 
-/// What obvhs answers without us: through an index, as its basic examples do.
+/// Answers of obvhs called directly, through an index, as its basic examples do.
 fn without_us(
     set: &TriangleSet<f32, Watertight>,
     is_wide: bool,

@@ -88,8 +88,8 @@ fn settings(text: &str) -> impl Iterator<Item = (&str, &str)> {
     text.split_whitespace().map(|setting| setting.split_once('=').unwrap())
 }
 
-/// What a structure answers: closest hits, occlusions, and closest hits while it counts, which some
-/// find by a traversal of their own.
+/// Answers of a structure: closest hits, occlusions, and closest hits while counting, for which
+/// some have a separate traversal.
 type Answers<S> = (Vec<Hit<S>>, Vec<bool>, Vec<Hit<S>>);
 
 fn answers<S: Buildable>(
@@ -129,7 +129,7 @@ fn tested() -> impl Iterator<Item = (&'static str, &'static str)> {
     ])
 }
 
-/// How many answers differ from the right ones, and the first of them.
+/// Number of wrong answers, and the first of them.
 fn wrong<S: Buildable>(
     got: &Answers<S>,
     right: &Answers<S>,

@@ -94,11 +94,10 @@ impl Tiling {
         let i = (random.unit() * outline.len() as f64) as usize;
         let (p, q) = (outline[i], outline[(i + 1) % outline.len()]);
         let k = random.one_of(&[0, 0, 1, 4, 7]);
-        match random.unit() < 0.8 {
-            true => p * 8 + (q - p) * k,
-            false => (dvec3(random.unit(), random.unit(), 0.0) * 128.0 * SIDE as f64)
-                .truncate()
-                .as_i64vec2(),
+        if random.unit() < 0.8 {
+            p * 8 + (q - p) * k
+        } else {
+            (dvec3(random.unit(), random.unit(), 0.0) * 128.0 * SIDE as f64).truncate().as_i64vec2()
         }
     }
 }
@@ -219,13 +218,14 @@ fn rays_at_box<S: Scalar>(
         let k = (random.unit() * 4.0) as usize;
         let between = random.one_of(&[0.0, 0.0, 0.5, 0.37]);
         let target = face[k].lerp(face[(k + 1) % 4], between);
-        let origin = match i < n / 2 {
-            true => center + random.signed() * 0.1 * random.one_of(&[0.0, 1.0]),
+        let origin = if i < n / 2 {
+            center + random.signed() * 0.1 * random.one_of(&[0.0, 1.0])
+        } else {
             // in the plane of a face, or anywhere
-            false => match i % 3 {
+            match i % 3 {
                 0 => target + (face[(k + 2) % 4] - face[k]) * (random.unit() - 0.5) * 9.0,
                 _ => target + random.signed() * 6.0,
-            },
+            }
         };
         ray(origin, target - origin)
     });
@@ -349,7 +349,7 @@ fn hits_lie_within_their_polygon_in_f64() {
     hits_lie_within_their_polygon::<f64>();
 }
 
-/// How much of the square from -1 to 1 an outline covers, by rays of a lattice.
+/// Share of the square from -1 to 1 that an outline covers, by rays of a lattice.
 fn covered(outline: &[DVec3], lattice: usize) -> f64 {
     let mut set = MixedSetBuilder::<f32>::default();
     set.polygon(outline).unwrap();

@@ -10,8 +10,8 @@ use accel_core::{Hit, Ray};
 
 use crate::common::{Random, many_triangles, rays_for};
 
-/// What can be seen of a structure. The tests of an occlusion query end at the first that blocks,
-/// so they depend on the order within each list.
+/// Observable behaviour of a structure. The tests of an occlusion query end at the first that
+/// blocks, so they depend on the order within each list.
 type Seen = (StructureStats, [WorkCounters; 2], Vec<Hit<f32>>);
 
 fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -> Seen {
@@ -58,8 +58,7 @@ fn any_number_of_threads_builds_the_same() {
     }
 }
 
-/// What is refused, with which words, and what is left out for a limit depend on what was made
-/// before.
+/// Refusals, their messages, and omissions for a limit depend on what was built before.
 #[test]
 fn limits_hold_back_the_same_for_any_number_of_threads() {
     let set = many_triangles(13_000);

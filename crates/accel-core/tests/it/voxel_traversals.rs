@@ -13,7 +13,7 @@ use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, dvec3};
 
 use crate::common::Random;
-use crate::integer_ray::{IntegerRay, Pierced};
+use crate::integer_ray::{IntegerRay, PiercedCell};
 
 fn below(random: &mut Random, n: usize) -> usize {
     (random.unit() * n as f64) as usize
@@ -37,7 +37,7 @@ struct Question {
     direction: DVec3,
 }
 
-/// What is wrong with the traversals that `start` makes of so many questions.
+/// Faults of the traversals that `start` makes, over this many questions.
 fn wrong<S: Scalar, W: CellTraversal<S>>(
     drawn: Drawn,
     rays: usize,
@@ -60,8 +60,8 @@ impl Question {
         (frame, Ray::new(origin, direction))
     }
 
-    /// What is tolerated, in cells. The numbers of the question are exact, so that only the
-    /// parameters of planes are rounded: by one epsilon of the way each, of which two compare.
+    /// Tolerance in cells. The numbers of the question are exact, so that only the parameters of
+    /// planes are rounded: by one epsilon of the distance each, and comparisons involve two.
     fn tolerance<S: Scalar>(&self) -> f64 {
         let way = f64::from(self.n) + self.in_cells().0.abs().max_element();
         4.0 * S::EPSILON.to_f64() * way
@@ -72,7 +72,7 @@ impl Question {
         ((self.origin - self.low) / self.side, self.direction / self.side)
     }
 
-    /// How many exact cells were passed by within the tolerance; or what is wrong.
+    /// Number of exact cells missed within the tolerance; or the fault.
     fn judge<S: Scalar>(
         &self,
         frame: &GridFrame<S>,
@@ -133,12 +133,16 @@ impl Question {
     }
 
     /// Counts the exact cells that were passed by; an error where one is crossed for long.
-    fn missed<S: Scalar>(&self, visited: &[[i32; 3]], exact: &[Pierced]) -> Result<u64, String> {
+    fn missed<S: Scalar>(
+        &self,
+        visited: &[[i32; 3]],
+        exact: &[PiercedCell],
+    ) -> Result<u64, String> {
         let slack = self.tolerance::<S>();
         let first = visited.first().copied().unwrap_or_default();
         let signs = self.direction.signum().to_array().map(|s| s as i32);
         let mut missed = 0;
-        for Pierced { cell, length } in exact {
+        for PiercedCell { cell, length } in exact {
             // one coordinate a step: the number of steps says where a cell must stand
             let steps: i32 = (0..3).map(|k| signs[k] * (cell[k] - first[k])).sum();
             let is_visited = usize::try_from(steps).is_ok_and(|i| visited.get(i) == Some(cell));

@@ -4,7 +4,7 @@ use accel_core::{Hit, MISS, Ray};
 use renderer::{Geometry, RayKind};
 
 use crate::answers::edges::Edges;
-use crate::answers::judge::{Judged, judge};
+use crate::answers::judge::{BatchVerdict, judge};
 use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;
@@ -20,8 +20,7 @@ use crate::system::progress::Progress;
 
 pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
 
-/// What an answer may be: the closest hit, or of a shadow ray anything but a miss where it is
-/// blocked.
+/// Answers by kind: the closest hit; for shadow rays any hit if blocked, else a miss.
 pub type HitsByKind = Vec<(RayKind, Vec<Hit<f32>>)>;
 
 /// The rays of a plan's kinds, as a run issues them.
@@ -40,8 +39,8 @@ pub fn rays(
     })
 }
 
-/// Judges the answers to these rays as those of a plugin with its own triangle test; one [`Judged`]
-/// for each kind that has rays.
+/// Judges the answers to these rays as those of a plugin with its own triangle test; one
+/// [`BatchVerdict`] for each kind that has rays.
 ///
 /// # Errors
 /// As [`rays`].
@@ -51,7 +50,7 @@ pub fn check(
     geometry: &Geometry<f32>,
     (pools, clock): (&Pools, &dyn Clock),
     said: &HitsByKind,
-) -> Result<Vec<(RayKind, Judged)>, MeasureError> {
+) -> Result<Vec<(RayKind, BatchVerdict)>, MeasureError> {
     let progress = Progress::new(false, 0, None);
     with_reference(plan, loaded, geometry, pools, |reference, stage, exact| {
         let Reference { rays, answers, record } = reference;

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use scene_loading::source_hash::sha256_of_bytes;
 
 use crate::answers::judge::judge;
-use crate::plan::measured_row::{Built, MeasuredRow};
+use crate::plan::measured_row::{BuiltRow, MeasuredRow};
 use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::record::query::Query;
 use crate::record::{PluginRecord, StatsRecord, Verdict, WorkRecord};
@@ -22,7 +22,7 @@ const PILOT_SECONDS: f64 = 0.000_3;
 
 /// Results of checking a row's answers before it is timed.
 #[derive(Debug)]
-pub struct Checked {
+pub struct RowCheck {
     /// Verdict on its answers.
     pub verdict: Verdict,
     pub stats: StatsRecord,
@@ -31,7 +31,7 @@ pub struct Checked {
     /// The work of the counted rays; none where nothing counts it.
     pub work: Option<WorkRecord>,
     pub checked_rays: usize,
-    /// Of those, answered wrongly.
+    /// Number of these answered wrongly.
     pub mismatches: usize,
     /// The first wrong answer, in words.
     pub example: Option<String>,
@@ -50,7 +50,7 @@ pub struct Checked {
 pub fn check<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     row: &MeasuredRow<'_>,
-) -> Result<Checked, BuildError> {
+) -> Result<RowCheck, BuildError> {
     let prims = scope.stage.geometry.prims();
     let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
     let asked = scope.all.restricted(|kind| row.answers(kind));
@@ -99,7 +99,7 @@ pub fn check<S: Buildable>(
         (_, Some(_)) => Verdict::WrongAsShipped,
         (_, None) => Verdict::Wrong,
     };
-    Ok(Checked {
+    Ok(RowCheck {
         verdict,
         stats,
         query: built.query(),
@@ -120,8 +120,8 @@ pub fn check<S: Buildable>(
     })
 }
 
-/// What is shown of wrong answers: the first; of a plugin, whose author is to find them, the first
-/// of each kind of ray.
+/// Examples of wrong answers: the first one; for a plugin, whose author must find the cause, the
+/// first of each kind of ray.
 fn example(mut examples: Vec<String>, is_foreign: bool) -> Option<String> {
     if !is_foreign {
         examples.truncate(1);
@@ -137,7 +137,7 @@ pub fn stride_for(full_pass_s: f64, cap: f64) -> usize {
 }
 
 /// Seconds that one call a kind would take for all rays, from a few evenly spread ones.
-fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
+fn pilot<S: Buildable>(built: &BuiltRow<'_, S>, set: &BatchSet<'_, S>, clock: &dyn Clock) -> f64 {
     let mut total = 0.0;
     for batch in &set.batches {
         let all = batch.rays.len();
@@ -162,10 +162,10 @@ fn pilot<S: Buildable>(built: &Built<'_, S>, set: &BatchSet<'_, S>, clock: &dyn 
 
 /// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
 pub fn count<S: Buildable>(
-    built: &Built<'_, S>,
+    built: &BuiltRow<'_, S>,
     batch: &Batch<'_, S>,
 ) -> (Answers<S>, WorkCounters) {
-    let Built::Structure(tracer) = built else {
+    let BuiltRow::Structure(tracer) = built else {
         let (blocked, work) = built.count_blocked(batch);
         return (Answers::Blocked(blocked), work);
     };
@@ -189,7 +189,7 @@ pub fn count<S: Buildable>(
     (Answers::Hits(hits), work)
 }
 
-fn stats<S: Buildable>(built: &Built<'_, S>) -> StatsRecord {
+fn stats<S: Buildable>(built: &BuiltRow<'_, S>) -> StatsRecord {
     let stats = built.stats();
     StatsRecord {
         n_in: stats.inner_cells,

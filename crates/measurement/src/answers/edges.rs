@@ -16,9 +16,9 @@ use crate::rays::batches::Answers;
 /// f32 tests (Moeller and Trumbore) are off by at triangles that are no slivers.
 pub const EDGE_ULPS: f64 = 64.0;
 
-/// Who judges answers that differ.
+/// Judges answers that differ.
 pub trait EdgeJudge<S: Buildable>: Sync {
-    /// What it thinks of answer `i`, which is that to `ray`; none where it knows no better.
+    /// Opinion on answer `i`, to `ray`; `None` if it has none.
     fn opinion(&self, ray: &Ray<S>, answers: &Answers<S>, i: usize) -> Option<Opinion>;
 }
 
@@ -31,7 +31,7 @@ pub struct Edges<'a> {
 }
 
 impl<'a> Edges<'a> {
-    /// Of a scene whose answers are those of `row`.
+    /// Judge for a scene whose answers come from `row`.
     pub fn new(exact: &'a Geometry<f64>, row: Option<Row<'a>>) -> Self {
         Self { exact, row, oracle: OnceLock::new() }
     }

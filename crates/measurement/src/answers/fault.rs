@@ -5,7 +5,8 @@ use accel_core::{Hit, Ray, Scalar};
 use crate::rays::batches::Answers;
 use crate::rays::exactness::is_apart;
 
-/// Of ray `i`, answered with `said` instead of `expected`, in a scene of so many primitives.
+/// Names the fault of ray `i`, answered with `said` instead of `expected`, in a scene of this many
+/// primitives.
 pub fn name<S: Scalar>(
     ray: &Ray<S>,
     i: usize,

@@ -1,4 +1,4 @@
-//! Which answers of a batch are wrong, and which differ only where rounding decides.
+//! Finds the wrong answers of a batch, and those that differ only where rounding decides.
 //!
 //! What a structure answers with our primitive tests must be right to the last bit. One that comes
 //! with a triangle test of its own (a plugin) may answer otherwise where a ray passes an edge,
@@ -29,11 +29,11 @@ const ENOUGH_WRONG: usize = 64;
 
 /// How the answers to a batch compare.
 #[derive(Debug, Default)]
-pub struct Judged {
+pub struct BatchVerdict {
     pub compared: usize,
-    /// Of those, answered wrongly.
+    /// Number of these answered wrongly.
     pub wrong: usize,
-    /// Of those, answered otherwise than expected at an edge.
+    /// Number of these that differ from the expected answer at an edge.
     pub edges: usize,
     /// The first wrong answer, in words.
     pub example: Option<String>,
@@ -47,7 +47,7 @@ pub fn judge<S: Buildable>(
     batch: &Batch<'_, S>,
     answers: &Answers<S>,
     exactness: Exactness,
-) -> Judged {
+) -> BatchVerdict {
     if !scope.is_confirmed {
         let (stage, plan) = (scope.stage, scope.plan);
         let count = oracle_rays(stage.geometry.len(), set.batches.len(), &plan.limits);
@@ -55,9 +55,9 @@ pub fn judge<S: Buildable>(
         let sample = oracle_sample(plan.seed, &stage.scene.name, batch.kind, rays, count);
         let tally = stage.oracle.check(batch.kind, &batch.rays, answers, &sample);
         let wrong = tally.wrong.len();
-        return Judged { compared: tally.checked, wrong, edges: 0, example: tally.example };
+        return BatchVerdict { compared: tally.checked, wrong, edges: 0, example: tally.example };
     }
-    let mut judged = Judged { compared: batch.rays.len(), ..Judged::default() };
+    let mut judged = BatchVerdict { compared: batch.rays.len(), ..BatchVerdict::default() };
     let (mut first, mut apart, mut first_apart) = (None, 0, None);
     for ray in batch.wrong(answers, exactness) {
         let opinion = match exactness {

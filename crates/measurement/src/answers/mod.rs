@@ -1,4 +1,4 @@
-//! Which answers are right: the oracle, the reference that it confirms, the check of each row.
+//! Correctness of answers: the oracle, the reference that it confirms, the check of each row.
 
 pub mod by_files;
 pub mod check;

@@ -29,26 +29,24 @@ use crate::rays::batches::Answers;
 /// [`Oracle::ulps`] of the oracle of all runs.
 const ULPS: f64 = 8.0;
 
-/// How much more than the moved rays the rounding of a primitive test may change t.
+/// Factor by which the rounding of a primitive test may change `t` more than moving the ray does.
 pub(super) const TEST_ROUNDING: f64 = 8.0;
 
 /// How the answers to a sample of rays compare with the oracle's.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Tally {
-    /// Rays compared.
+pub struct OracleCounts {
     pub checked: usize,
-    /// Of those, rays whose answer differs but is decided by rounding.
+    /// Number of rays whose answer differs but is decided by rounding.
     pub borderline: usize,
-    /// Of those, rays whose answer is wrong: their indices in the batch.
+    /// Indices in the batch of rays with a wrong answer.
     pub wrong: Vec<usize>,
     /// The first wrong answer, in words.
     pub example: Option<String>,
 }
 
-/// What the oracle thinks of one answer.
+/// Opinion of the oracle on one answer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Opinion {
-    /// It is right.
     Right,
     /// It differs where rounding decides.
     Borderline,
@@ -77,7 +75,8 @@ impl<'a> Oracle<'a> {
         Self::over(geometry.prims(), entry, &entry.params([])?, ULPS)
     }
 
-    /// The same by a structure, for many rays, which are moved by so many ulps of the tested precision.
+    /// The same by a structure, for many rays, which are moved by so many ulps of the tested
+    /// precision.
     ///
     /// # Errors
     /// [`BuildError`] where it cannot be built in f64.
@@ -115,12 +114,12 @@ impl<'a> Oracle<'a> {
         rays: &[Ray<S>],
         answers: &Answers<S>,
         indices: &[usize],
-    ) -> Tally {
+    ) -> OracleCounts {
         let opinions: Vec<(usize, Opinion)> = indices
             .par_iter()
             .filter_map(|&i| Some((i, self.opinion(rays.get(i)?, answers, i)?)))
             .collect();
-        let mut tally = Tally { checked: opinions.len(), ..Tally::default() };
+        let mut tally = OracleCounts { checked: opinions.len(), ..OracleCounts::default() };
         for (i, opinion) in opinions {
             match opinion {
                 Opinion::Right => {}
@@ -137,7 +136,7 @@ impl<'a> Oracle<'a> {
         tally
     }
 
-    /// What it thinks of answer `i`, which is that to `ray`; none where there is no such answer.
+    /// Opinion on answer `i`, to `ray`; `None` if there is no such answer.
     pub fn opinion<S: Buildable>(
         &self,
         ray: &Ray<S>,
@@ -231,7 +230,7 @@ impl<'a> Oracle<'a> {
         blocked[0]
     }
 
-    /// Where the ray hits one primitive.
+    /// Parameter at which the ray hits one primitive.
     pub(super) fn distance_to(&self, id: u32, ray: &Ray<f64>) -> Option<f64> {
         fn of<P: PrimSet<f64>>(prims: &P, id: u32, ray: &Ray<f64>) -> Option<f64> {
             if id as usize >= prims.len() {

@@ -20,7 +20,7 @@ const MOST_IN_THE_WAY: usize = 64;
 const SMALLER_PARTS: [f64; 5] = [1.0, 0.125, 0.015_625, 1.0 / 512.0, 1.0 / 4096.0];
 
 impl Oracle<'_> {
-    /// What it thinks of answer `i`, which is that to `ray`, by another primitive test than ours.
+    /// Opinion on answer `i`, to `ray`, given by a primitive test other than ours.
     pub fn strict_opinion<S: Buildable>(
         &self,
         ray: &Ray<S>,
@@ -66,9 +66,9 @@ impl Oracle<'_> {
         t >= least - slack && t <= most + slack
     }
 
-    /// Whether the point at `t` is as near to the triangle as the ray is moved: then some ray that
-    /// is moved no further hits it there. However narrow it is, and however flat the ray runs along
-    /// it.
+    /// Returns whether the point at `t` is as near to the triangle as the ray is moved: then some
+    /// ray that is moved no further hits it there. However narrow it is, and however flat the ray
+    /// runs along it.
     fn is_near<S: Scalar>(&self, ray: &Ray<f64>, id: u32, t: f64) -> bool {
         let PrimsRef::Watertight(set) = self.prims else { return false };
         let Some(corners) = set.triangles().get(id as usize) else { return false };
@@ -77,7 +77,8 @@ impl Oracle<'_> {
         distance <= self.reach::<S>(ray) + turned
     }
 
-    /// Whether rounding may return this hit, which is there, or none, in place of the right one.
+    /// Returns whether rounding may return this hit, which is there, or none, in place of the right
+    /// one.
     fn may_be_returned<S: Scalar>(&self, ray: &Ray<S>, hit: &Hit<S>) -> bool {
         let exact = ray.widened();
         let truth = self.closest(&exact);
@@ -85,7 +86,7 @@ impl Oracle<'_> {
         !truth.is_hit() || is_first || self.may_be_lost::<S>(&exact, &truth)
     }
 
-    /// Whether rounding may say this of an occlusion, though it is wrong.
+    /// Returns whether rounding may say this of an occlusion, though it is wrong.
     fn may_be_said<S: Scalar>(&self, ray: &Ray<S>, blocked: bool) -> bool {
         let mut exact = ray.widened();
         if blocked {
@@ -113,7 +114,8 @@ impl Oracle<'_> {
         false
     }
 
-    /// Whether the ray misses the primitive of a hit when it is moved, or leaves its interval.
+    /// Returns whether the ray misses the primitive of a hit when it is moved, or leaves its
+    /// interval.
     fn may_be_lost<S: Scalar>(&self, ray: &Ray<f64>, hit: &Hit<f64>) -> bool {
         let slack = self.slack::<S>(ray) + self.ulps * S::EPSILON.to_f64() * hit.t.abs();
         let ends = hit.t - ray.t_min < slack || ray.t_max - hit.t < slack;

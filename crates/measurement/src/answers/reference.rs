@@ -96,14 +96,14 @@ impl<S: Buildable> Stage<'_, S> {
     }
 }
 
-/// How many rays of a kind the oracle answers: fewer in large scenes.
+/// Number of rays of a kind that the oracle answers: fewer in large scenes.
 pub fn oracle_rays(primitives: usize, kinds: usize, limits: &Limits) -> usize {
     let tests_per_ray = primitives.max(1) as u64 * kinds.max(1) as u64;
     let affordable = (limits.oracle_tests / tests_per_ray) as usize;
     affordable.max(FEWEST_ORACLE_RAYS).min(limits.oracle_rays)
 }
 
-/// Which rays of a kind the oracle answers: a seeded sample.
+/// Seeded sample of the rays of a kind that the oracle answers.
 pub fn oracle_sample(
     seed: u64,
     scene: &str,

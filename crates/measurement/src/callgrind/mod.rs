@@ -65,7 +65,7 @@ pub enum CallgrindError {
     OtherProgram {
         path: PathBuf,
         was: Option<String>,
-        /// That of this program.
+        /// The version of this program.
         is: Option<String>,
     },
 }

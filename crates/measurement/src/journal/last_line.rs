@@ -47,7 +47,7 @@ impl LastLine {
     }
 }
 
-/// Whether the file is what lies there.
+/// Returns whether the file is what lies there.
 fn is_at(file: &File, path: &Path) -> bool {
     #[cfg(unix)]
     {

@@ -20,7 +20,6 @@ use presentation::json::FormatError;
 /// Identity of a run: runs whose manifests agree may be parts of one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Manifest {
-    /// [`SCHEMA_VERSION`].
     pub schema_version: u32,
     pub tool: Tool,
     /// Hash of the program's file, where it can be read.
@@ -29,14 +28,13 @@ pub struct Manifest {
     pub compiler: Compiler,
     /// The machine it runs on.
     pub machine: Machine,
-    /// The requested size.
     pub settings: Settings,
     pub rounds: String,
     /// The scenes, in order.
     pub scenes: Vec<String>,
     /// The rows of each.
     pub rows: Vec<String>,
-    /// What was asked for: by this the run is gone on with. Earlier versions had its arguments.
+    /// The request of the user, by which the run is resumed. Earlier versions kept the arguments.
     #[serde(default)]
     pub asked: Option<RunSettings>,
     /// Its plugins, by name.
@@ -116,9 +114,9 @@ pub struct FinishedScene {
     pub record: SceneRecord,
 }
 
-/// How often the program ended without a word: by a scene's place in the manifest and the label of
-/// the row that was begun, if one was.
-pub type Deaths = BTreeMap<(usize, Option<String>), usize>;
+/// How often the program died: by a scene's place in the manifest and the label of the row that
+/// was begun, if one was.
+pub type DeathCounts = BTreeMap<(usize, Option<String>), usize>;
 
 /// Contents of a journal.
 #[derive(Debug, Clone, PartialEq)]
@@ -131,11 +129,11 @@ pub struct RecoveredRun {
     pub finished: BTreeMap<usize, FinishedScene>,
     /// Every scene had its turn.
     pub is_complete: bool,
-    /// The scene in which the program ended without a word: killed, or out of memory.
+    /// The scene in which the program died: killed, or out of memory.
     pub died_in: Option<usize>,
     /// How often it did so while a row was begun, by scene and label; without a label, before the
     /// scene's first row.
-    pub deaths: Deaths,
+    pub deaths: DeathCounts,
     /// Bytes of whole lines; what comes behind is torn.
     pub whole: usize,
 }
@@ -243,8 +241,8 @@ fn schema_of(line: &[u8]) -> Option<u32> {
 const MAY_DIFFER: [&str; 4] = ["asked", "exports", "command_line", "started_unix_s"];
 
 impl Manifest {
-    /// What differs in another manifest, each as `name: was ..., is ...`; empty where the runs may
-    /// be parts of one.
+    /// Differences to another manifest, as `name: was ..., is ...`; empty if the runs may be parts
+    /// of one.
     pub fn differences(&self, now: &Self) -> Vec<String> {
         let mut differences = Vec::new();
         if let (Ok(Value::Object(mut was)), Ok(Value::Object(mut is))) =
@@ -259,7 +257,8 @@ impl Manifest {
         differences
     }
 
-    /// Whether a record can be that of the scene at a place: it has its name, and rows of the run.
+    /// Checks that a record can be that of the scene at a place: it has its name, and rows of
+    /// the run.
     fn holds(&self, scene: usize, record: &SceneRecord) -> Result<(), String> {
         if let Some(name) = self.scenes.get(scene).filter(|name| **name != record.name) {
             return Err(format!("scene {scene} is {name}, its record is of {}", record.name));

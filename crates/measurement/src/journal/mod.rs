@@ -176,8 +176,8 @@ impl Journal {
         Ok(())
     }
 
-    /// What writes the last line of a run that is interrupted. `temporary` is a folder for a
-    /// journal whose own cannot be made again.
+    /// Writer of the last line of an interrupted run. `temporary` is a folder for a journal whose
+    /// own cannot be created again.
     pub fn last_line(&self, temporary: Option<PathBuf>) -> Result<LastLine, JournalError> {
         let fail = |source| JournalError::Io { path: self.path.clone(), source };
         let file = self.file.try_clone().map_err(fail)?;

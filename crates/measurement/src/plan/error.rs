@@ -40,7 +40,6 @@ pub enum PlanError {
     /// No such thing among those of a kind.
     #[error("unknown {what} '{name}'{hint}; valid: {valid}")]
     UnknownName {
-        /// The kind: `tracer`.
         what: &'static str,
         name: String,
         /// ` (did you mean ...?)` or empty.

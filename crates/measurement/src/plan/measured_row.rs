@@ -1,5 +1,4 @@
-//! What a run measures: a structure, which answers all rays, or an occluder, which answers shadow
-//! rays only.
+//! Rows of a run: a structure answers all rays, an occluder shadow rays only.
 
 use accel_core::occluders::{self, BoxedOccluder};
 use accel_core::primitives::PrimsRef;
@@ -25,8 +24,7 @@ use crate::system::clock::{Clock, timed};
 pub enum MeasuredRow<'r> {
     /// Answers rays of all kinds.
     Structure(Row<'r>),
-    /// Answers shadow rays.
-    Occluder(Row<'r, occluders::Occluding>),
+    Occluder(Row<'r, occluders::OccluderRegistry>),
 }
 
 /// Calls the same on whichever row it is.
@@ -46,32 +44,27 @@ impl<'r> From<Row<'r>> for MeasuredRow<'r> {
 }
 
 impl MeasuredRow<'_> {
-    /// See [`Row::structure`].
     pub fn structure(&self) -> &'static str {
         either!(self, row => row.structure())
     }
 
-    /// See [`Row::settings`].
     pub fn settings(&self) -> String {
         either!(self, row => row.settings())
     }
 
-    /// See [`Row::label`].
     pub fn label(&self) -> String {
         either!(self, row => row.label())
     }
 
-    /// See [`Row::known_defect`].
     pub fn known_defect(&self) -> Option<&'static str> {
         either!(self, row => row.known_defect())
     }
 
-    /// See [`Row::is_sampled`].
     pub fn is_sampled(&self) -> bool {
         either!(self, row => row.is_sampled())
     }
 
-    /// Whether it answers rays of that kind.
+    /// Returns whether it answers rays of that kind.
     pub fn answers(&self, kind: RayKind) -> bool {
         match self {
             Self::Structure(_) => true,
@@ -79,21 +72,21 @@ impl MeasuredRow<'_> {
         }
     }
 
-    /// Whether it answers rays of one kind only.
+    /// Returns whether it answers rays of one kind only.
     pub fn is_occluder(&self) -> bool {
         matches!(self, Self::Occluder(_))
     }
 
     /// Reads its settings. What is left is the build, which alone is timed.
-    pub fn prepare<S: Buildable>(&self) -> Prepared<S> {
+    pub fn prepare<S: Buildable>(&self) -> PreparedRow<S> {
         match self {
             Self::Structure(row) => {
                 let build = row.entry.prepare(&row.params);
-                Box::new(move |prims, _| Ok(Built::Structure(build(prims, None)?)))
+                Box::new(move |prims, _| Ok(BuiltRow::Structure(build(prims, None)?)))
             }
             Self::Occluder(row) => {
                 let build = row.entry.prepare(&row.params);
-                Box::new(move |prims, lights| Ok(Built::Occluder(build(prims, lights)?)))
+                Box::new(move |prims, lights| Ok(BuiltRow::Occluder(build(prims, lights)?)))
             }
         }
     }
@@ -103,25 +96,22 @@ impl MeasuredRow<'_> {
         &self,
         prims: PrimsRef<'a, S>,
         lights: &[DVec3],
-    ) -> Result<Built<'a, S>, BuildError> {
+    ) -> Result<BuiltRow<'a, S>, BuildError> {
         self.prepare()(prims, lights)
     }
 }
 
 /// A row whose settings have been read, to be built over a scene with those lights.
-pub type Prepared<S> = Box<
-    dyn for<'a> Fn(PrimsRef<'a, S>, &[DVec3]) -> Result<Built<'a, S>, BuildError> + Send + Sync,
+pub type PreparedRow<S> = Box<
+    dyn for<'a> Fn(PrimsRef<'a, S>, &[DVec3]) -> Result<BuiltRow<'a, S>, BuildError> + Send + Sync,
 >;
 
-/// A row, built.
-pub enum Built<'a, S: Buildable> {
-    /// See [`MeasuredRow::Structure`].
+pub enum BuiltRow<'a, S: Buildable> {
     Structure(Box<dyn Tracer<S> + 'a>),
-    /// See [`MeasuredRow::Occluder`].
     Occluder(BoxedOccluder<'a, S>),
 }
 
-impl<S: Buildable> Built<'_, S> {
+impl<S: Buildable> BuiltRow<'_, S> {
     /// Answers a batch in one call; an occluder leaves closest hits as they are.
     pub fn trace(&self, batch: &Batch<'_, S>, answers: &mut Answers<S>) {
         match (self, answers) {
@@ -201,7 +191,7 @@ impl<S: Buildable> Built<'_, S> {
         Exactness::of(self.foreign(), self.batches())
     }
 
-    /// What is to be known of it where its code is not of this program.
+    /// Its origin, if its code is not part of this program.
     pub fn foreign(&self) -> Option<&dyn Foreign> {
         match self {
             Self::Structure(tracer) => tracer.foreign(),
@@ -214,8 +204,9 @@ impl<S: Buildable> Built<'_, S> {
         if self.foreign().is_some() { batch.rays.len().max(1) } else { CHUNK }
     }
 
-    /// Seconds that it takes to answer a batch: in one call, or with several threads in chunks over the
-    /// current rayon pool. A foreign structure divides batches itself, and is timed where it is called.
+    /// Seconds that it takes to answer a batch: in one call, or with several threads in chunks over
+    /// the current rayon pool. A foreign structure divides batches itself, and is timed where it is
+    /// called.
     pub fn timed(
         &self,
         clock: &dyn Clock,
@@ -241,7 +232,6 @@ impl<S: Buildable> Built<'_, S> {
         }
     }
 
-    /// What was built.
     pub fn stats(&self) -> StructureStats {
         match self {
             Self::Structure(tracer) => tracer.stats(),
@@ -261,7 +251,7 @@ pub fn select<'r>(
     occluders: &'r [occluders::Entry],
     names: &[String],
     overrides: &[String],
-) -> Result<(Vec<Row<'r>>, Vec<Row<'r, occluders::Occluding>>), PlanError> {
+) -> Result<(Vec<Row<'r>>, Vec<Row<'r, occluders::OccluderRegistry>>), PlanError> {
     let name_of =
         |text: &str| text.split([':', ' ', '.']).find(|p| !p.is_empty()).map(str::to_owned);
     let is_occluder = |text: &&String| {
@@ -283,9 +273,10 @@ pub fn select<'r>(
         true => return Err(rows::override_without_row(registry, &set_structures)),
         false => rows::select(registry, &of_structures, &set_structures)?,
     };
-    let asked: Vec<String> = match all {
-        true => std::iter::once("all".to_owned()).chain(of_occluders).collect(),
-        false => of_occluders,
+    let asked: Vec<String> = if all {
+        std::iter::once("all".to_owned()).chain(of_occluders).collect()
+    } else {
+        of_occluders
     };
     let rows = match asked.is_empty() {
         true if set_occluders.is_empty() => Vec::new(),

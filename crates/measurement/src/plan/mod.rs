@@ -1,4 +1,4 @@
-//! What a run will do, validated: scenes, rows, rays, rounds.
+//! The validated plan of a run: scenes, rows, rays, rounds.
 //!
 //! A benchmark refuses rather than guesses: a name that is not there is an error that lists the
 //! names that are.
@@ -71,7 +71,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Of a full run, or of a quick one.
+    /// Defaults of a full or a quick run.
     pub fn new(quick: bool) -> Self {
         if quick {
             Self {
@@ -138,11 +138,11 @@ pub struct Plan<'r> {
     pub quick: bool,
     /// The stride of each row (every k-th ray is issued to it), where an earlier record says so.
     pub strides: FixedStrides,
-    /// Where this is a part of a run: that part.
+    /// The shard, if this is one.
     pub part: Option<PlannedPart>,
     /// Processes in which each scene is built and timed: this one, and those that it starts.
     pub processes: u32,
-    /// Which of them this is.
+    /// The number of this process.
     pub process: OneProcess,
     /// Where there is but one: a process of a copy of this program times each scene, too, for the
     /// floor below which nothing is claimed.

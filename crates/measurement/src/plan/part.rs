@@ -59,7 +59,7 @@ impl<'r> Plan<'r> {
         Ok(self)
     }
 
-    /// How many rows are measured in the scene at that place.
+    /// Number of rows measured in the scene at this place.
     pub fn rows_in(&self, scene: usize) -> usize {
         let part = self.part.as_ref().and_then(|part| part.rows.get(scene));
         part.map_or(self.rows.len(), Vec::len)

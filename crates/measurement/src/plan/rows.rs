@@ -1,4 +1,4 @@
-//! Which structures with which settings: the rows of the tables.
+//! Structures with settings: the rows of the tables.
 
 use accel_core::params::{ParamError, ParamSpec, Params};
 use accel_core::registry::{Entry, RegistryItem};
@@ -120,7 +120,6 @@ pub fn parse_settings<'r, 't, L: RegistryItem>(
     Ok((entry, settings))
 }
 
-/// `--set structure.name=value`.
 struct Override<'r, 't, L: RegistryItem> {
     entry: &'r Entry<L>,
     name: &'t str,

@@ -1,7 +1,7 @@
 //! The stride of each row (every k-th ray is issued to it), as in an earlier record.
 //!
 //! A run thins the rays of slow rows by what a pilot costs, which differs from run to run. What is
-//! held against an earlier record must be asked that record's rays, or neither counters nor times
+//! compared with an earlier record must be asked that record's rays, or neither counters nor times
 //! could be compared.
 
 use std::collections::BTreeMap;
@@ -21,7 +21,7 @@ struct RowStrides {
 }
 
 impl FixedStrides {
-    /// Those of a record; with `lightly`, one ray in that many more is checked.
+    /// Strides of a record; `lightly` multiplies the stride of checked rays.
     pub fn of(record: &RunRecord, lightly: usize) -> Self {
         let mut strides = BTreeMap::new();
         for scene in &record.scenes {

@@ -17,12 +17,10 @@ use crate::rays::order::{RayOrder, batch_name};
 /// Rays that one thread traces at a time when there are several threads.
 pub const CHUNK: usize = 4096;
 
-/// What a structure said of a batch of rays.
+/// Answers of a structure to a batch of rays.
 #[derive(Debug, Clone)]
 pub enum Answers<S: Scalar> {
-    /// Closest hits.
     Hits(Vec<Hit<S>>),
-    /// Blocked or not.
     Blocked(Vec<bool>),
 }
 
@@ -90,7 +88,7 @@ impl<S: Scalar> Answers<S> {
         self.clear();
     }
 
-    /// Bytes that are equal where, and only where, no answer differs: id and bits of t, or blocked.
+    /// Bytes that are equal if and only if no answer differs: id and bits of `t`, or blocked.
     pub fn bytes(&self) -> Vec<u8> {
         match self {
             Self::Hits(hits) => {
@@ -114,7 +112,7 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
-    /// How many there are.
+    /// Number of elements.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
         match self {
@@ -131,26 +129,23 @@ fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item
 /// Rays of one kind and the answers expected.
 #[derive(Debug, Clone)]
 pub struct Batch<'a, S: Scalar> {
-    /// Kind.
     pub kind: RayKind,
     /// How they follow one another.
     pub order: RayOrder,
-    /// Rays.
     pub rays: Cow<'a, [Ray<S>]>,
     /// The light that each shadow ray runs to; empty for other kinds.
     pub lights: Vec<u32>,
-    /// The reference's answers.
     pub expected: Answers<S>,
 }
 
 impl<S: Buildable> Batch<'_, S> {
-    /// What records call it.
+    /// Its name in records.
     pub fn name(&self) -> String {
         batch_name(self.kind.name(), self.order)
     }
 
-    /// Indices of the rays that were answered otherwise than expected, as far as answers must agree. To the
-    /// last bit nearly all answers of another primitive test would be wrong.
+    /// Indices of the rays that were answered otherwise than expected, as far as answers must
+    /// agree. To the last bit nearly all answers of another primitive test would be wrong.
     pub fn wrong<'b>(
         &'b self,
         answers: &'b Answers<S>,
@@ -168,8 +163,8 @@ impl<S: Buildable> Batch<'_, S> {
         }
     }
 
-    /// Whether the answer to ray `i` is another than the one expected by more than rounding, or than the name
-    /// of a primitive.
+    /// Returns whether the answer to ray `i` is another than the one expected by more than
+    /// rounding, or than the name of a primitive.
     pub fn is_apart(&self, answers: &Answers<S>, i: usize) -> bool {
         match (answers, &self.expected) {
             (Answers::Hits(own), Answers::Hits(expected)) => {
@@ -204,7 +199,6 @@ impl<S: Buildable> Batch<'_, S> {
         }
     }
 
-    /// Every `stride`-th ray.
     pub fn thinned(&self, stride: usize) -> Batch<'_, S> {
         if stride == 1 {
             return self.borrowed();

@@ -4,8 +4,8 @@ use accel_core::query::tracer::Foreign;
 use accel_core::structure::Batches;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 
-/// What rounding may do to the parameter of a hit, in parts of it and of the distance from the
-/// world's origin to that of the ray: 256 epsilons of f32.
+/// Rounding error of the parameter of a hit, relative to it and to the distance between the origins
+/// of world and ray: 256 epsilons of f32.
 pub const ROUNDING: f64 = 1.0 / 65_536.0;
 
 /// How far answers must agree with those expected.
@@ -13,8 +13,8 @@ pub const ROUNDING: f64 = 1.0 / 65_536.0;
 pub enum Exactness {
     /// To the last bit: the primitive tests are ours.
     Bits,
-    /// A library's own test, as the library is shipped: up to rounding of t; which of the primitives is
-    /// named that meet there is not asked.
+    /// A library's own test, as the library is shipped: up to rounding of t; which of the
+    /// primitives is named that meet there is not asked.
     Library,
     /// A plugin with its own test: up to rounding of t, and the primitive.
     OwnTest,
@@ -23,7 +23,7 @@ pub enum Exactness {
 }
 
 impl Exactness {
-    /// Of a structure, by where its code is from and how it answers batches.
+    /// Exactness expected of a structure, by its origin and its batch mode.
     pub fn of(foreign: Option<&dyn Foreign>, batches: Batches) -> Self {
         match foreign.map(|foreign| foreign.origin().has_own_test) {
             Some(true) => Self::OwnTest,
@@ -33,13 +33,13 @@ impl Exactness {
         }
     }
 
-    /// Whether the structure decides by a primitive test that is not ours.
+    /// Returns whether the structure decides by a primitive test that is not ours.
     pub fn has_own_test(self) -> bool {
         matches!(self, Self::Library | Self::OwnTest)
     }
 }
 
-/// Whether two hits of a ray are more than rounding apart, or only one is a hit.
+/// Returns whether two hits of a ray are more than rounding apart, or only one is a hit.
 pub fn is_apart<S: Scalar>(a: &Hit<S>, b: &Hit<S>, ray: &Ray<S>) -> bool {
     if !a.is_hit() || !b.is_hit() {
         return a.is_hit() != b.is_hit();

@@ -9,11 +9,10 @@ use glam::DVec3;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}:{line}: {what}", file.display())]
 pub struct RayTextError {
-    /// The file.
     pub file: PathBuf,
     /// Line, from 1.
     pub line: usize,
-    /// What is wrong there.
+    /// Description of the fault.
     pub what: String,
 }
 

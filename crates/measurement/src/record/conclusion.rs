@@ -33,7 +33,7 @@ pub struct Conclusion {
     /// Rows that are not significantly different from it.
     pub not_different: Vec<String>,
     /// The nearest row that is significantly different; none where there is none.
-    pub next: Option<Next>,
+    pub next: Option<NextRow>,
     /// Rows that are as fast or faster and do not lead, since some of their answers are wrong by a known defect;
     /// the fastest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -57,7 +57,8 @@ pub struct Defective {
 /// The nearest row that is significantly different from the best one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub struct Next {
+#[cfg_attr(feature = "testing", schemars(rename = "Next"))]
+pub struct NextRow {
     /// Structure and settings.
     pub row: String,
     /// How many times as much it takes, paired by round.

@@ -128,7 +128,7 @@ fn kind_of(kind: FileType) -> Option<&'static str> {
     }
 }
 
-/// What a file of JSON says.
+/// Parses a JSON file.
 ///
 /// # Errors
 /// [`RecordError::Syntax`], naming the file, the place in it and the command that writes such

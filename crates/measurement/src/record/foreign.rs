@@ -5,7 +5,7 @@ use statistics::estimate::Estimate;
 
 /// Results that an external program reports.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct ExternalResult {
     pub name: String,
     /// SHA-256 of the file of its answers.
     pub hits_sha256: String,
@@ -22,15 +22,15 @@ pub struct Told {
 pub struct JudgedKind {
     pub kind: String,
     pub compared: u64,
-    /// Of those, answered wrongly.
+    /// Number of these answered wrongly.
     pub wrong: u64,
-    /// Of those, answered otherwise than expected at an edge.
+    /// Number of these that differ from the expected answer at an edge.
     pub edges: u64,
     /// The first wrong answer, in words.
     pub example: Option<String>,
 }
 
-impl Told {
+impl ExternalResult {
     /// The row of a program whose answers were judged: times as it says, unless some are wrong.
     /// There are no samples, no ratio and no interval: it was not in the rounds of the run.
     pub fn row(self) -> RowRecord {

@@ -2,7 +2,7 @@
 //!
 //! A ratio within a run does not depend on how fast a machine is, but on its caches, its memory and the
 //! neighbours it has: an interval of one machine promises nothing of the next. Runs must be of the
-//! same program, settings and scenes; machines may be of one model, and are told apart by their order.
+//! same program, settings and scenes; machines may be of one model, and are distinguished by their order.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::journal::lines::compare;
-use crate::record::merge::Part;
+use crate::record::merge::PartialRun;
 use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
 use crate::record::{Machine, RowRecord, RunRecord, SCHEMA_VERSION, SceneRecord, Tool};
 use statistics::estimate::{Estimate, geometric_mean};
@@ -111,14 +111,14 @@ pub struct MachineRatio {
 
 /// Joins runs of several machines.
 pub fn over_machines(
-    runs: &[Part],
+    runs: &[PartialRun],
     command_line: &[String],
 ) -> Result<MachinesRecord, MachinesError> {
     let [first, others @ ..] = runs else { return Err(MachinesError::TooFew { found: 0 }) };
     if others.is_empty() {
         return Err(MachinesError::TooFew { found: 1 });
     }
-    for Part { path, record } in runs {
+    for PartialRun { path, record } in runs {
         if !record.complete {
             return Err(MachinesError::Unfinished {
                 path: path.clone(),
@@ -174,12 +174,12 @@ fn common(record: &RunRecord) -> Value {
 }
 
 /// A ratio and its rounds on each machine, by scene.
-struct Measured {
+struct RatioOnMachines {
     ratio: MachineRatio,
     rounds: Vec<Vec<Series>>,
 }
 
-fn ratios(records: &[&RunRecord]) -> Vec<Measured> {
+fn ratios(records: &[&RunRecord]) -> Vec<RatioOnMachines> {
     let Some(first) = records.first() else { return Vec::new() };
     let mut all = Vec::new();
     for (i, row) in first.summary.iter().enumerate() {
@@ -241,10 +241,10 @@ fn rounds_of(
 
 /// Marks the ratios that differ between two machines by more than chance explains, corrected for all
 /// ratios and all pairs of machines. Returns the rounds that can be significant, where these cannot.
-fn mark_apart(all: &mut [Measured]) -> Option<usize> {
+fn mark_apart(all: &mut [RatioOnMachines]) -> Option<usize> {
     let mut tested: Vec<(usize, Change)> = Vec::new();
     let mut has_processes = false;
-    for (place, Measured { rounds, .. }) in all.iter().enumerate() {
+    for (place, RatioOnMachines { rounds, .. }) in all.iter().enumerate() {
         for (i, one) in rounds.iter().enumerate() {
             for other in rounds.iter().skip(i + 1) {
                 let groups: Vec<[&Series; 2]> = one
@@ -281,7 +281,7 @@ fn ratio(
     quantity: &str,
     of_machines: Vec<Option<Estimate>>,
     rounds: Vec<Vec<Series>>,
-) -> Option<Measured> {
+) -> Option<RatioOnMachines> {
     let known: Vec<Estimate> = of_machines.iter().copied().flatten().collect();
     let medians: Vec<f64> = known.iter().map(|e| e.median).collect();
     let ratio = MachineRatio {
@@ -295,7 +295,7 @@ fn ratio(
         is_apart: false,
         of_machines,
     };
-    Some(Measured { ratio, rounds })
+    Some(RatioOnMachines { ratio, rounds })
 }
 
 impl MachinesRecord {
@@ -323,7 +323,7 @@ mod tests {
     use crate::record::summary::summarize;
     use statistics::random::Random;
 
-    fn part(name: &str, grid: &[f64]) -> Part {
+    fn part(name: &str, grid: &[f64]) -> PartialRun {
         let rows: &[(&str, &[f64])] =
             &[("obvhs-cwbvh", &[1.0; 8][..grid.len()]), ("uniform-grid", grid)];
         let mut record = run(&[("tetra", rows), ("balls", rows)]);
@@ -332,7 +332,7 @@ mod tests {
         }
         record.summary = summarize(&record.scenes, &record.settings);
         record.machine.cpu = Some(name.into());
-        Part { path: name.into(), record }
+        PartialRun { path: name.into(), record }
     }
 
     #[test]

@@ -35,7 +35,7 @@ pub enum MergeProblem {
     Unfinished {
         /// The file or folder.
         path: PathBuf,
-        /// Which part, like `2/8`.
+        /// The part, like `2/8`.
         shard: String,
         /// Scenes that are finished.
         finished: usize,
@@ -52,7 +52,7 @@ pub enum MergeProblem {
     /// A part is there twice.
     #[error("part {shard} is there twice: {} and {}", first.display(), second.display())]
     Doubled {
-        /// Which part, like `2/8`.
+        /// The part, like `2/8`.
         shard: String,
         /// One file or folder.
         first: PathBuf,
@@ -95,7 +95,7 @@ fn listed(problems: &[MergeProblem]) -> String {
 
 /// A part and where it was read from.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct PartialRun {
     pub path: PathBuf,
     pub record: RunRecord,
 }
@@ -138,9 +138,12 @@ struct CountedResults<'a> {
 ///
 /// # Errors
 /// [`MergeError`] with everything that is wrong with the parts.
-pub fn merge(parts: Vec<Result<Part, RecordError>>, mixed: bool) -> Result<RunRecord, MergeError> {
+pub fn merge(
+    parts: Vec<Result<PartialRun, RecordError>>,
+    mixed: bool,
+) -> Result<RunRecord, MergeError> {
     let mut problems = Vec::new();
-    let mut sharded: Vec<(ShardRecord, Part)> = Vec::new();
+    let mut sharded: Vec<(ShardRecord, PartialRun)> = Vec::new();
     for part in parts {
         let mut part = match part {
             Ok(part) => part,
@@ -168,7 +171,7 @@ pub fn merge(parts: Vec<Result<Part, RecordError>>, mixed: bool) -> Result<RunRe
 }
 
 /// Every part is there once.
-fn complete(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>) {
+fn complete(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<MergeProblem>) {
     let Some((first, _)) = parts.first() else { return };
     for index in 1..=first.count {
         let mut same = parts.iter().filter(|(shard, _)| shard.index == index);
@@ -187,8 +190,8 @@ fn complete(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>) {
 }
 
 /// All parts are of the same program, machine, settings and table.
-fn agree(parts: &[(ShardRecord, Part)], mixed: bool, problems: &mut Vec<MergeProblem>) {
-    let common = |(shard, part): &(ShardRecord, Part)| {
+fn agree(parts: &[(ShardRecord, PartialRun)], mixed: bool, problems: &mut Vec<MergeProblem>) {
+    let common = |(shard, part): &(ShardRecord, PartialRun)| {
         let record = &part.record;
         let common = SharedSettings {
             tool: &record.tool,
@@ -214,7 +217,7 @@ fn differing(
     expected: &Value,
     found: &Value,
     name: &str,
-    (first, part): (&Part, &Part),
+    (first, part): (&PartialRun, &PartialRun),
     problems: &mut Vec<MergeProblem>,
 ) {
     let mut differences = Vec::new();
@@ -227,7 +230,7 @@ fn differing(
 }
 
 /// A part is finished and has the rows that are its own, in order.
-fn has_its_rows(shard: &ShardRecord, part: &Part, problems: &mut Vec<MergeProblem>) {
+fn has_its_rows(shard: &ShardRecord, part: &PartialRun, problems: &mut Vec<MergeProblem>) {
     if !part.record.complete {
         problems.push(MergeProblem::Unfinished {
             path: part.path.clone(),
@@ -262,17 +265,21 @@ fn has_its_rows(shard: &ShardRecord, part: &Part, problems: &mut Vec<MergeProble
     }
 }
 
-/// What a part has of the scene at a place of the whole run.
-fn scene_at<'a>(shard: &ShardRecord, part: &'a Part, place: usize) -> Option<&'a SceneRecord> {
+/// Results of a part for the scene at a place of the whole run.
+fn scene_at<'a>(
+    shard: &ShardRecord,
+    part: &'a PartialRun,
+    place: usize,
+) -> Option<&'a SceneRecord> {
     let name = shard.scenes.get(place)?;
     part.record.scenes.iter().find(|scene| scene.name == *name)
 }
 
 /// Parts that share a scene have the same one, and the same answers of the reference.
-fn scenes_agree(parts: &[(ShardRecord, Part)], problems: &mut Vec<MergeProblem>) {
+fn scenes_agree(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<MergeProblem>) {
     let Some((whole, _)) = parts.first() else { return };
     for place in 0..whole.scenes.len() {
-        let mut first: Option<(&Part, Value)> = None;
+        let mut first: Option<(&PartialRun, Value)> = None;
         for (shard, part) in parts {
             let Some(scene) = scene_at(shard, part, place) else { continue };
             let found = serde_json::to_value(common_scene(scene)).unwrap_or(Value::Null);
@@ -305,8 +312,8 @@ fn common_scene(scene: &SceneRecord) -> CommonScene<'_> {
 }
 
 /// The whole run of parts that fit, in their order; none of no parts.
-fn joined(parts: Vec<(ShardRecord, Part)>) -> Option<RunRecord> {
-    let origin = |(shard, part): &(ShardRecord, Part)| PartRecord {
+fn joined(parts: Vec<(ShardRecord, PartialRun)>) -> Option<RunRecord> {
+    let origin = |(shard, part): &(ShardRecord, PartialRun)| PartRecord {
         index: shard.index,
         command_line: part.record.command_line.clone(),
         machine: part.record.machine.clone(),
@@ -314,8 +321,8 @@ fn joined(parts: Vec<(ShardRecord, Part)>) -> Option<RunRecord> {
     };
     let origins: Vec<PartRecord> = parts.iter().map(origin).collect();
     let mut parts = parts.into_iter();
-    let (whole, Part { record: mut run, .. }) = parts.next()?;
-    for (_, Part { record, .. }) in parts {
+    let (whole, PartialRun { record: mut run, .. }) = parts.next()?;
+    for (_, PartialRun { record, .. }) in parts {
         run.started_unix_s = run.started_unix_s.min(record.started_unix_s);
         run.peak_rss_bytes = run.peak_rss_bytes.max(record.peak_rss_bytes);
         run.machine = joined_machine(&run.machine, &record.machine);

@@ -1,4 +1,4 @@
-//! What can be compared between rows of runs: one registry line per metric.
+//! Metrics that can be compared between runs: one registry line each.
 //!
 //! Exact metrics are the same on every machine and in every run of the same program; measured ones
 //! have one sample per round.
@@ -27,21 +27,21 @@ pub struct Metric {
 /// How a metric is read off a row.
 #[derive(Debug, Clone, Copy)]
 pub enum Reading {
-    /// Of what was built; no machine changes it.
+    /// Derived from build statistics; independent of the machine.
     Stats(fn(&StatsRecord) -> u64),
-    /// Of the work of the rays that were counted, per ray; no machine changes it.
+    /// Derived from counted work, per ray; independent of the machine.
     Work(fn(&WorkRecord) -> u64),
-    /// Of the builds of a row of a scene, one sample per round.
+    /// Build times of a row of a scene, one sample per round.
     Build(fn(&SceneRecord, &RowRecord) -> Series),
-    /// Of the rays that were timed, one sample per round.
+    /// Trace times, one sample per round.
     Trace(fn(&RowRecord) -> Series),
-    /// Of those of a kind and order: the ratio to the reference, one sample per round.
+    /// Trace times of a kind and order as ratios to the reference, one sample per round.
     RatioOf(&'static str),
 }
 
 /// Scope of a difference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Concerns {
+pub enum DifferenceScope {
     /// No figure can be compared.
     Everything,
     /// No times in seconds.
@@ -64,18 +64,18 @@ impl Metric {
         !self.is_exact() && self.unit.is_empty()
     }
 
-    /// Whether a difference of that kind between two runs keeps it from being compared.
-    pub fn is_concerned(&self, by: Concerns) -> bool {
+    /// Returns whether a difference of that kind between two runs keeps it from being compared.
+    pub fn is_concerned(&self, by: DifferenceScope) -> bool {
         match by {
-            Concerns::Everything => true,
-            Concerns::Seconds => self.unit == "s",
-            Concerns::Ratios => self.is_to_reference(),
-            Concerns::Nothing => false,
+            DifferenceScope::Everything => true,
+            DifferenceScope::Seconds => self.unit == "s",
+            DifferenceScope::Ratios => self.is_to_reference(),
+            DifferenceScope::Nothing => false,
         }
     }
 
-    /// How many rays its values are over; none where they are not over rays. A slow row is asked a
-    /// sample, the size of which is found by timing.
+    /// Number of rays that its values cover; `None` if they do not concern rays. A slow row is
+    /// timed on a sample, whose size is found by timing.
     pub fn rays(&self, row: &RowRecord) -> Option<u64> {
         match self.reading {
             Reading::Trace(_) => Some(row.rays),

@@ -27,7 +27,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::settings::shard::ShardRecord;
 
-pub use conclusion::{Conclusion, Defective, LeastTime, Next, Question};
+pub use conclusion::{Conclusion, Defective, LeastTime, NextRow, Question};
 pub use floor::FloorRecord;
 pub use row::{
     Answered, ForeignRecord, Outliers, PluginRecord, RowRecord, Sample, Verdict, label, with_query,

@@ -9,7 +9,7 @@ pub fn trace_ratios(row: &RowRecord) -> Series {
     series(row, ratio)
 }
 
-/// What samples say, each with its process; those that say nothing are left out.
+/// Values of samples with their processes; samples without a value are left out.
 pub fn series(row: &RowRecord, of: impl Fn(&Sample) -> Option<f64>) -> Series {
     row.samples.iter().filter_map(|s| Some((s.process, of(s)?))).collect()
 }

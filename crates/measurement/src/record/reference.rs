@@ -1,4 +1,4 @@
-//! Which row the ratios of a scene are over.
+//! The row that the ratios of a scene refer to.
 //!
 //! It is the reference of the run, or in a scene where that gave nothing to compare with another
 //! row in its place. Ratios over different rows answer different questions: nothing joins them in
@@ -25,12 +25,12 @@ pub fn of_means(scenes: &[SceneRecord], planned: &str) -> String {
     first.unwrap_or_else(|| planned.to_owned())
 }
 
-/// Whether the ratios of a scene are over the row of that label.
+/// Returns whether the ratios of a scene are over the row of that label.
 pub fn is_over(scene: &SceneRecord, label: &str) -> bool {
     of_scene(scene).is_some_and(|own| own == label)
 }
 
-/// How many of the scenes have ratios over the row of that label.
+/// Number of scenes whose ratios refer to the row of this label.
 pub fn scenes_over(scenes: &[SceneRecord], label: &str) -> usize {
     scenes.iter().filter(|scene| is_over(scene, label)).count()
 }
@@ -47,7 +47,7 @@ pub fn elsewhere<'r>(
     scenes.iter().filter_map(other)
 }
 
-/// What the ratios of a run are over, in words: its reference, and in which scenes another row.
+/// Describes the reference of a run, and the scenes with another reference.
 pub fn in_words(run: &RunRecord) -> String {
     let planned = &run.settings.reference;
     let others: Vec<String> = elsewhere(&run.scenes, planned).map(in_scene).collect();

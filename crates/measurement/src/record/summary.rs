@@ -13,7 +13,7 @@ use statistics::series::{Series, geometric_mean_of};
 pub fn summarize(scenes: &[SceneRecord], settings: &Settings) -> Vec<SummaryRow> {
     let reference = reference::of_means(scenes, &settings.reference);
     // the first row of each setting, and all that are the same, one per scene
-    let mut groups: Vec<(&RowRecord, Vec<Own<'_>>)> = Vec::new();
+    let mut groups: Vec<(&RowRecord, Vec<RowInScene<'_>>)> = Vec::new();
     let mut places: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for scene in scenes {
         let is_over = reference::is_over(scene, &reference);
@@ -27,7 +27,7 @@ pub fn summarize(scenes: &[SceneRecord], settings: &Settings) -> Vec<SummaryRow>
             if seen.insert(key)
                 && let Some((_, rows)) = groups.get_mut(place)
             {
-                rows.push(Own { scene, row, is_over });
+                rows.push(RowInScene { scene, row, is_over });
             }
         }
     }
@@ -35,21 +35,21 @@ pub fn summarize(scenes: &[SceneRecord], settings: &Settings) -> Vec<SummaryRow>
 }
 
 /// A row in one of its scenes.
-struct Own<'a> {
+struct RowInScene<'a> {
     scene: &'a SceneRecord,
     row: &'a RowRecord,
     /// The scene's ratios count.
     is_over: bool,
 }
 
-fn summarize_row(row: &RowRecord, rows: &[Own<'_>], seed: u64) -> SummaryRow {
+fn summarize_row(row: &RowRecord, rows: &[RowInScene<'_>], seed: u64) -> SummaryRow {
     let mut ratios = Vec::new();
     let mut builds = Vec::new();
     let mut kinds: BTreeMap<&str, Vec<Series>> = BTreeMap::new();
     let mut batch_scenes = 0;
     let mut verdicts = Vec::new();
     let mut mismatches = 0;
-    for &Own { scene, row: own, is_over } in rows {
+    for &RowInScene { scene, row: own, is_over } in rows {
         verdicts.push(own.verdict);
         mismatches += own.mismatches;
         let trace = trace_ratios(own);

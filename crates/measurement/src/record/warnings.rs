@@ -1,4 +1,4 @@
-//! What makes the figures of a run less certain than they look, found in its own record.
+//! Finds in a record what makes its figures less certain than they look.
 //!
 //! The reference row stands for the machine: it is the same work in every round, so what its times
 //! do beyond that is the machine's doing. Every warning has a threshold, documented where it is

@@ -4,7 +4,7 @@ use accel_core::structure::BuildError;
 use renderer::GeometryError;
 
 use crate::scenes::LoadError;
-use crate::system::panics::Panicked;
+use crate::system::panics::CaughtPanic;
 
 /// Why a scene could not be measured.
 #[derive(Debug, thiserror::Error)]
@@ -37,5 +37,5 @@ pub enum MeasureError {
     Deadly { scene: String, times: usize },
     /// Something panicked while it was measured: a defect of ours.
     #[error("scene {scene}: {source}; this is a defect of rtbench")]
-    Panicked { scene: String, source: Panicked },
+    Panicked { scene: String, source: CaughtPanic },
 }

@@ -9,9 +9,9 @@ use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use renderer::{RayKind, render};
 
-use crate::answers::check::{Checked, stride_for};
+use crate::answers::check::{RowCheck, stride_for};
 use crate::answers::judge::judge;
-use crate::plan::measured_row::{Built, MeasuredRow};
+use crate::plan::measured_row::{BuiltRow, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
@@ -22,14 +22,14 @@ use crate::rounds::scope::RowLog;
 use crate::rounds::scope::Scope;
 use crate::system::clock::timed;
 use crate::system::interrupt;
-use crate::system::panics::{Panicked, caught};
+use crate::system::panics::{CaughtPanic, caught};
 
 /// Most rounds that a time budget buys.
 const MOST_ROUNDS: usize = 10_000;
 
-/// What the rounds gave for a row.
+/// Measurements of a row in all rounds.
 #[derive(Debug, Clone, Default)]
-pub struct Timed {
+pub struct RowTimes {
     /// One per round.
     pub samples: Vec<Sample>,
     /// Stride of the rays that were timed.
@@ -39,12 +39,12 @@ pub struct Timed {
     /// Seconds of the whole image.
     pub render_s: Option<f64>,
     /// It panicked in a round and was left out from there on.
-    pub panicked: Option<Panicked>,
+    pub panicked: Option<CaughtPanic>,
     /// Its process ended in a round, likewise.
     pub died: Option<BuildError>,
 }
 
-impl Timed {
+impl RowTimes {
     /// Nothing ended it so far.
     fn is_alive(&self) -> bool {
         self.panicked.is_none() && self.died.is_none()
@@ -65,13 +65,13 @@ type Seconds = BTreeMap<String, f64>;
 /// for each row too. `log` is told what each row does for the first time.
 pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
-    checked: &[Option<Checked>],
+    checked: &[Option<RowCheck>],
     baseline: usize,
     deadline: Option<Duration>,
     log: &dyn RowLog,
-) -> Vec<Timed> {
+) -> Vec<RowTimes> {
     let plan = scope.plan;
-    let mut timed = vec![Timed::default(); plan.rows.len()];
+    let mut timed = vec![RowTimes::default(); plan.rows.len()];
     let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
     let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
     let mut subsamples = thinned(scope, &strides);
@@ -102,7 +102,7 @@ pub fn measure<S: Buildable>(
         of_reference.resize_with(round + 1, BTreeMap::new);
         let row = rows[row];
         let Some(stride) = strides[row].filter(|_| timed[row].is_alive()) else { return };
-        let asked = Asked { row: &plan.rows[row], stride, is_baseline: row == baseline };
+        let asked = RowVisit { row: &plan.rows[row], stride, is_baseline: row == baseline };
         if round == first {
             log.row_begins(&asked.row.label());
         } else {
@@ -175,7 +175,7 @@ pub fn measure<S: Buildable>(
 /// Builds and asks rows as somebody else says, until no more is wanted; see [`measure`].
 pub fn measure_laps<S: Buildable>(
     scope: &Scope<'_, '_, S>,
-    checked: &[Option<Checked>],
+    checked: &[Option<RowCheck>],
     baseline: usize,
     laps: &dyn Laps,
 ) {
@@ -186,7 +186,7 @@ pub fn measure_laps<S: Buildable>(
         let place = plan.rows.iter().position(|row| row.label() == label);
         let asked = place.and_then(|place| {
             let (row, stride) = (plan.rows.get(place)?, (*strides.get(place)?)?);
-            Some(Asked { row, stride, is_baseline: false })
+            Some(RowVisit { row, stride, is_baseline: false })
         });
         let seen = asked.and_then(|asked| {
             caught(|| asked.make(scope, &mut subsamples, &mut BTreeMap::new())).ok()?.ok()
@@ -217,10 +217,10 @@ fn thinned<'a, S: Buildable>(
 fn strides(
     plan: &Plan<'_>,
     scene: &str,
-    checked: &[Option<Checked>],
+    checked: &[Option<RowCheck>],
     baseline: usize,
 ) -> Vec<Option<usize>> {
-    let own = |(row, checked): (&MeasuredRow<'_>, &Option<Checked>)| {
+    let own = |(row, checked): (&MeasuredRow<'_>, &Option<RowCheck>)| {
         let checked = checked.as_ref().filter(|c| c.verdict.is_timed())?;
         let limits = &plan.limits;
         let cap = if row.is_sampled() { limits.sampled_pass } else { limits.timed_pass };
@@ -228,9 +228,10 @@ fn strides(
         Some(plan.strides.timed(scene, &row.label()).unwrap_or_else(by_cost))
     };
     let own: Vec<Option<usize>> = plan.rows.iter().zip(checked).map(own).collect();
-    let least = match plan.same_rays {
-        true => own.iter().copied().flatten().max(),
-        false => own.get(baseline).copied().flatten(),
+    let least = if plan.same_rays {
+        own.iter().copied().flatten().max()
+    } else {
+        own.get(baseline).copied().flatten()
     };
     let least = least.unwrap_or(1);
     own.into_iter().map(|stride| Some(stride?.max(least))).collect()
@@ -247,20 +248,20 @@ fn goes_on<S: Buildable>(
 }
 
 /// One row in one round.
-struct Asked<'a, 'r> {
+struct RowVisit<'a, 'r> {
     row: &'a MeasuredRow<'r>,
     stride: usize,
     is_baseline: bool,
 }
 
-/// What a visit gave.
-struct Seen {
+/// Result of one visit.
+struct VisitResult {
     build_s: f64,
     trace_s: Seconds,
     mismatches: usize,
 }
 
-impl Seen {
+impl VisitResult {
     fn sample(self, process: u32, round: u32, position: u32) -> Sample {
         Sample {
             process,
@@ -275,7 +276,7 @@ impl Seen {
     }
 }
 
-impl Asked<'_, '_> {
+impl RowVisit<'_, '_> {
     /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
     /// so that ratios are taken over the same rays in the same round. An error when the row, which
     /// was built before, cannot be built again, or ends its process.
@@ -284,7 +285,7 @@ impl Asked<'_, '_> {
         scope: &Scope<'_, '_, S>,
         subsamples: &mut BTreeMap<usize, Subsample<'_, S>>,
         of_reference: &mut BTreeMap<usize, Seconds>,
-    ) -> Result<Seen, BuildError> {
+    ) -> Result<VisitResult, BuildError> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
             let build = self.row.prepare();
@@ -304,7 +305,7 @@ impl Asked<'_, '_> {
                 }
             }
             built.alive()?;
-            Ok(Seen { build_s, trace_s, mismatches })
+            Ok(VisitResult { build_s, trace_s, mismatches })
         })
     }
 }
@@ -314,7 +315,7 @@ impl<S: Buildable> Subsample<'_, S> {
     /// how many of its answers are not the ones expected.
     fn ask(
         &mut self,
-        built: &Built<'_, S>,
+        built: &BuiltRow<'_, S>,
         is_asked: impl Fn(RayKind) -> bool,
         scope: &Scope<'_, '_, S>,
     ) -> (Seconds, usize) {

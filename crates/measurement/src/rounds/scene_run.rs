@@ -1,6 +1,6 @@
 //! One scene from loading to its record.
 
-use crate::answers::check::{Checked, check};
+use crate::answers::check::{RowCheck, check};
 use crate::answers::edges::Edges;
 use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
@@ -10,13 +10,13 @@ use crate::rays::batches::BatchSet;
 use crate::record::ratios::{builds_by_round, seconds_of};
 use crate::record::{Answered, RowRecord, SceneRecord, Verdict};
 use crate::rounds::error::MeasureError;
-use crate::rounds::measure::{Timed, measure, measure_laps};
+use crate::rounds::measure::{RowTimes, measure, measure_laps};
 use crate::rounds::scope::{Laps, RowLog, Scope};
-use crate::rounds::trial::Outcome;
+use crate::rounds::trial::TrialOutcome;
 use crate::scenes::LoadedScene;
 use crate::settings::Precision;
 use crate::system::clock::Clock;
-use crate::system::panics::{Panicked, caught};
+use crate::system::panics::{CaughtPanic, caught};
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
 use crate::system::world::World;
@@ -28,21 +28,17 @@ use scene_loading::{Light, Scene};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// What a scene is measured with.
-pub struct Equipment<'a> {
-    /// Threads.
+/// Input of the measurement of a scene.
+pub struct SceneInput<'a> {
     pub pools: &'a Pools,
-    /// Time.
     pub clock: &'a dyn Clock,
-    /// Memory.
     pub world: &'a dyn World,
-    /// The bar.
     pub progress: &'a Progress,
     /// How the trial build of each row ended; empty where there were none.
-    pub trials: &'a [Outcome],
+    pub trials: &'a [TrialOutcome],
     /// Told before each row is built for the first time.
     pub log: &'a dyn RowLog,
-    /// Who says when each row is built and asked; none where that is done in rounds.
+    /// Decides when each row is built and timed; `None` for rounds.
     pub laps: Option<&'a dyn Laps>,
 }
 
@@ -54,7 +50,7 @@ pub struct Equipment<'a> {
 pub fn run_scene<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
-    equipment: &Equipment<'_>,
+    equipment: &SceneInput<'_>,
     deadline: Option<Duration>,
 ) -> Result<SceneRecord, MeasureError> {
     equipment.world.reset_peak_rss();
@@ -82,13 +78,13 @@ pub fn run_scene<S: Buildable>(
         clock: equipment.clock,
         progress,
     };
-    let mut checked: Vec<Option<Checked>> = Vec::with_capacity(plan.rows.len());
-    let mut refused: Vec<Option<Refused>> = Vec::with_capacity(plan.rows.len());
+    let mut checked: Vec<Option<RowCheck>> = Vec::with_capacity(plan.rows.len());
+    let mut refused: Vec<Option<RefusalReason>> = Vec::with_capacity(plan.rows.len());
     for (i, row) in plan.rows.iter().enumerate() {
         let refusal = match equipment.trials.get(i) {
-            Some(Outcome::OverLimit(reason)) => Some(Refused::Limit(reason.clone())),
-            Some(Outcome::Died(reason)) => Some(Refused::Death(reason.clone())),
-            Some(Outcome::Ended { .. }) | None => None,
+            Some(TrialOutcome::OverLimit(reason)) => Some(RefusalReason::Limit(reason.clone())),
+            Some(TrialOutcome::Died(reason)) => Some(RefusalReason::Death(reason.clone())),
+            Some(TrialOutcome::Ended { .. }) | None => None,
         };
         if refusal.is_some() {
             checked.push(None);
@@ -99,8 +95,8 @@ pub fn run_scene<S: Buildable>(
         equipment.log.row_begins(&row.label());
         let (known, why) = match caught(|| check(&scope, row)) {
             Ok(Ok(known)) => (Some(known), None),
-            Ok(Err(error)) => (None, Some(Refused::Build(error))),
-            Err(panicked) => (None, Some(Refused::Panic(panicked))),
+            Ok(Err(error)) => (None, Some(RefusalReason::Build(error))),
+            Err(panicked) => (None, Some(RefusalReason::Panic(panicked))),
         };
         checked.push(known);
         refused.push(why);
@@ -113,7 +109,7 @@ pub fn run_scene<S: Buildable>(
         None => measure(&scope, &checked, baseline, deadline, equipment.log),
         Some(laps) => {
             measure_laps(&scope, &checked, baseline, laps);
-            vec![Timed::default(); plan.rows.len()]
+            vec![RowTimes::default(); plan.rows.len()]
         }
     };
     let mut rows: Vec<RowRecord> = plan
@@ -129,7 +125,7 @@ pub fn run_scene<S: Buildable>(
         reference.is_reference = true;
     }
     for (row, trial) in rows.iter_mut().zip(equipment.trials) {
-        if let Outcome::Ended { peak_bytes } = trial {
+        if let TrialOutcome::Ended { peak_bytes } = trial {
             row.peak_build_bytes = *peak_bytes;
         }
     }
@@ -157,12 +153,12 @@ pub fn run_scene<S: Buildable>(
     })
 }
 
-/// Where the lights of a scene are; of those with an extent, their centres.
+/// Positions of the lights of a scene; centres of those with an extent.
 pub fn light_positions(scene: &Scene) -> Vec<DVec3> {
     scene.lights.iter().map(Light::position).collect()
 }
 
-/// Where the lights are that shadow rays run to: an occluder is built for these.
+/// Positions of the lights that shadow rays run to: an occluder is built for these.
 pub fn lights_asked(scene: &Scene, settings: &RaySettings) -> Vec<DVec3> {
     let mut lights = light_positions(scene);
     if settings.shadows == ShadowRays::FirstLight {
@@ -180,41 +176,41 @@ fn by_kind<S: Buildable>(
 }
 
 /// Why there is nothing to show of a row.
-enum Refused {
+enum RefusalReason {
     Build(BuildError),
-    Panic(Panicked),
+    Panic(CaughtPanic),
     /// It took too much in its trial.
     Limit(String),
     /// Its trial ended the process.
     Death(String),
 }
 
-/// What there is to record of a row.
+/// Parts of the record of a row.
 struct RowParts<'a, 'r> {
     row: &'a MeasuredRow<'r>,
-    checked: Option<Checked>,
-    refused: Option<Refused>,
-    timed: Timed,
+    checked: Option<RowCheck>,
+    refused: Option<RefusalReason>,
+    timed: RowTimes,
 }
 
 impl RowParts<'_, '_> {
     fn record<S: Buildable>(self, all: &BatchSet<'_, S>) -> RowRecord {
         let Self { row, checked, refused, timed } = self;
         // one that panics once is not trusted any more
-        let refused = timed.panicked.map(Refused::Panic).or(refused);
-        let refused = timed.died.map(Refused::Build).or(refused);
+        let refused = timed.panicked.map(RefusalReason::Panic).or(refused);
+        let refused = timed.died.map(RefusalReason::Build).or(refused);
         let mut verdict = match (&refused, &checked) {
-            (Some(Refused::Panic(_) | Refused::Death(_)), _) => Verdict::Panicked,
-            (Some(Refused::Build(BuildError::Died(_))), _) => Verdict::Panicked,
-            (Some(Refused::Limit(_)), _) => Verdict::OverLimit,
-            (Some(Refused::Build(BuildError::OutOfMemory(_))), _) => Verdict::OutOfMemory,
+            (Some(RefusalReason::Panic(_) | RefusalReason::Death(_)), _) => Verdict::Panicked,
+            (Some(RefusalReason::Build(BuildError::Died(_))), _) => Verdict::Panicked,
+            (Some(RefusalReason::Limit(_)), _) => Verdict::OverLimit,
+            (Some(RefusalReason::Build(BuildError::OutOfMemory(_))), _) => Verdict::OutOfMemory,
             (_, Some(checked)) => checked.verdict,
             (_, None) => Verdict::NotBuilt,
         };
         let error = refused.map(|refused| match refused {
-            Refused::Build(error) => error.to_string(),
-            Refused::Panic(panicked) => panicked.to_string(),
-            Refused::Limit(reason) | Refused::Death(reason) => reason,
+            RefusalReason::Build(error) => error.to_string(),
+            RefusalReason::Panic(panicked) => panicked.to_string(),
+            RefusalReason::Limit(reason) | RefusalReason::Death(reason) => reason,
         });
         // Answers are compared in every round again: a structure may be wrong only sometimes.
         let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
@@ -255,10 +251,7 @@ impl RowParts<'_, '_> {
 /// The record of a row of which there is nothing but a verdict.
 pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>) -> RowRecord {
     RowRecord {
-        answers: match row.is_occluder() {
-            true => Answered::ShadowRays,
-            false => Answered::AllRays,
-        },
+        answers: if row.is_occluder() { Answered::ShadowRays } else { Answered::AllRays },
         known_defect: row.known_defect().map(Into::into),
         error,
         ..RowRecord::unmeasured(row.structure().into(), row.settings(), verdict)
@@ -287,7 +280,7 @@ fn compare_with_baseline(rows: &mut [RowRecord], baseline: usize, seed: u64) {
 /// first row, of those that are right and answer all rays; others with known defects, and those
 /// that are measured on a sample only, come last. The planned one if there is none, and where the
 /// plan keeps it.
-pub fn baseline(plan: &Plan<'_>, checked: &[Option<Checked>]) -> usize {
+pub fn baseline(plan: &Plan<'_>, checked: &[Option<RowCheck>]) -> usize {
     let serves = |row: usize| {
         let checked = checked.get(row).and_then(Option::as_ref);
         checked.is_some_and(|checked| checked.verdict.is_timed())

@@ -15,7 +15,7 @@ use glam::DVec3;
 pub struct Scope<'a, 'r, S: Buildable> {
     pub plan: &'a Plan<'r>,
     pub stage: &'a Stage<'a, S>,
-    /// Where the lights of the scene are.
+    /// Positions of the lights.
     pub lights: &'a [DVec3],
     /// All rays with the answers expected.
     pub all: &'a BatchSet<'a, S>,
@@ -28,7 +28,7 @@ pub struct Scope<'a, 'r, S: Buildable> {
     pub progress: &'a Progress,
 }
 
-/// Who says which row is next.
+/// Chooses the next row.
 pub trait Laps: Sync {
     /// Waits for the label of the next row; none where no more is wanted.
     fn next(&self) -> Option<String>;
@@ -37,7 +37,7 @@ pub trait Laps: Sync {
     fn made(&self, sample: Option<&Sample>);
 }
 
-/// Who is told how far the rows of a scene are, for the case that one of them ends the program.
+/// Receives the progress of the rows of a scene, in case one of them ends the program.
 pub trait RowLog {
     /// The row with that label is begun: built and checked, timed for the first time, or rendered.
     fn row_begins(&self, label: &str);

@@ -30,11 +30,10 @@ pub struct BuildLimits {
     pub bytes: u64,
 }
 
-/// The requested build.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialBuild {
     pub scene: String,
-    /// What the scene is given instead of its own view and lights: occluders are built for lights.
+    /// View and lights that replace those of the scene: occluders are built for lights.
     pub view: ViewOptions,
     /// Label of the row.
     pub row: String,
@@ -46,11 +45,11 @@ pub struct TrialBuild {
 
 /// Result of a trial build.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Outcome {
+pub enum TrialOutcome {
     /// It ended within the limits. Whether the structure was built or refused shows when it is
     /// measured.
     Ended {
-        /// Bytes that the build took at its peak, where it was built and the system tells.
+        /// Peak bytes of the build, if it was built and the system reports them.
         peak_bytes: Option<u64>,
     },
     /// It took too much, now or at a smaller size.
@@ -61,9 +60,9 @@ pub enum Outcome {
 
 impl TrialBuild {
     /// Builds in a process of its own.
-    pub fn run(&self) -> Outcome {
+    pub fn run(&self) -> TrialOutcome {
         self.started().map_or_else(
-            |e| Outcome::Died(format!("cannot start a process: {e}")),
+            |e| TrialOutcome::Died(format!("cannot start a process: {e}")),
             |mut child| {
                 let (events, reader) = listen(&mut child);
                 let outcome = self.watch(&mut child, &events);
@@ -73,7 +72,7 @@ impl TrialBuild {
                 let said = reader.and_then(|reader| reader.join().ok()).unwrap_or_default();
                 outcome.unwrap_or_else(|| {
                     let how = ended.map_or_else(|e| e.to_string(), |status| status.to_string());
-                    Outcome::Died(format!(
+                    TrialOutcome::Died(format!(
                         "the process that built it ended with {how}: {}",
                         said.trim()
                     ))
@@ -95,27 +94,27 @@ impl TrialBuild {
             .spawn()
     }
 
-    /// What the process says of itself, or that it took too much; none where it ended unasked.
-    fn watch(&self, child: &mut Child, events: &Receiver<Event>) -> Option<Outcome> {
+    /// Waits for the report of the process, or its excess of memory; `None` if the process died.
+    fn watch(&self, child: &mut Child, events: &Receiver<Event>) -> Option<TrialOutcome> {
         let BuildLimits { seconds, bytes } = self.limits;
-        let too_long = || Outcome::OverLimit(format!("building took more than {seconds} s"));
+        let too_long = || TrialOutcome::OverLimit(format!("building took more than {seconds} s"));
         let too_much = |what: &str| {
             let limit = numbers::mebibytes(bytes);
-            Outcome::OverLimit(format!("{what} took more than {limit} MiB of memory"))
+            TrialOutcome::OverLimit(format!("{what} took more than {limit} MiB of memory"))
         };
         let process = child.id().to_string();
         let mut begun: Option<Instant> = None;
         loop {
             match events.recv_timeout(POLL) {
                 Ok(Event::Loaded) => begun = Some(Instant::now()),
-                Ok(Event::Refused) => return Some(Outcome::Ended { peak_bytes: None }),
+                Ok(Event::Refused) => return Some(TrialOutcome::Ended { peak_bytes: None }),
                 Ok(Event::Built { peak_bytes, process_bytes, build_s }) => {
                     return Some(if build_s > seconds {
                         too_long()
                     } else if process_bytes.is_some_and(|n| n > bytes) {
                         too_much("building")
                     } else {
-                        Outcome::Ended { peak_bytes }
+                        TrialOutcome::Ended { peak_bytes }
                     });
                 }
                 Err(RecvTimeoutError::Timeout) => {}

@@ -1,5 +1,5 @@
-//! Settings with few values, each named once for the command line, files and records; the nearest name to
-//! one that is not there.
+//! Settings with few values, each named once for the command line, files and records; the nearest
+//! name to one that is not there.
 
 /// A setting that has one of a few values.
 pub trait Choice: Copy + PartialEq + 'static {
@@ -23,7 +23,6 @@ pub mod as_typed {
 
     use crate::settings::choice::Choice;
 
-    /// Writes it.
     pub fn serialize<C: Choice, S: Serializer>(value: &C, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_str(value.as_typed())
     }

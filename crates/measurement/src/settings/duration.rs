@@ -20,7 +20,7 @@ pub fn parse(text: &str) -> Result<Duration, String> {
     Ok(duration)
 }
 
-/// Whether a setting may be that long.
+/// Returns whether a setting may be that long.
 pub fn is_valid(duration: Duration) -> bool {
     !duration.is_zero() && duration <= Duration::from_secs(LONGEST.into())
 }

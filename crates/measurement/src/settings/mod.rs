@@ -17,10 +17,10 @@ use crate::settings::shard::Shard;
 /// Which lights shadow rays run to.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Lights {
-    /// From every hit, each that the hit faces.
+    /// Every light that a hit faces, from every hit.
     #[default]
     Each,
-    /// From every primary hit, the first: one shadow ray per hit.
+    /// The first light, from primary hits only: one shadow ray per hit.
     First,
 }
 

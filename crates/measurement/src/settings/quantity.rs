@@ -7,7 +7,7 @@ use parse_size::{ByteSuffix, Config};
 /// The suffixes, powers of 1000.
 const SUFFIXES: [(&str, f64); 3] = [("k", 1e3), ("M", 1e6), ("G", 1e9)];
 
-/// Counts above this are not told apart by f64.
+/// f64 cannot distinguish all counts above this.
 const LARGEST: f64 = 9_007_199_254_740_992.0;
 
 /// A parser for clap of counts within a range.

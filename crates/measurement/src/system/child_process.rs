@@ -15,25 +15,15 @@ use crate::record::RunRecord;
 pub enum ChildError {
     /// It could not be started.
     #[error("cannot start {}: {source}", program.display())]
-    Start {
-        /// The program.
-        program: PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
+    Start { program: PathBuf, source: io::Error },
     /// It knows no such command.
     #[error(
         "{}: this binary is from before `rtbench check`, and cannot be started by it; build it \
          from a newer commit", program.display()
     )]
-    Lacks {
-        /// The program.
-        program: PathBuf,
-    },
-    /// It failed.
+    Lacks { program: PathBuf },
     #[error("{}: ended with {how}: {said}", program.display())]
     Failed {
-        /// The program.
         program: PathBuf,
         /// Exit code or signal.
         how: String,
@@ -43,19 +33,15 @@ pub enum ChildError {
     /// Its answer is none.
     #[error("{}: its answer cannot be read ({message}); is it another version?", program.display())]
     Answer {
-        /// The program.
         program: PathBuf,
-        /// What is wrong with it.
+        /// Description of the fault.
         message: String,
     },
 }
 
 /// The first arguments of this program as a child, which reads the scenes that its parent may read.
 pub fn arguments(allow_outside: bool) -> &'static [&'static str] {
-    match allow_outside {
-        true => &["--quiet", "--allow-outside", "child"],
-        false => &["--quiet", "child"],
-    }
+    if allow_outside { &["--quiet", "--allow-outside", "child"] } else { &["--quiet", "child"] }
 }
 
 /// Starts the command with a record, or other settings, on its standard input and reads its answer.

@@ -9,12 +9,12 @@ use std::path::{Path, PathBuf};
 /// Files and folders that were not there before. Dropped, it removes those that are still empty;
 /// what was there, empty or not, stays as it was.
 #[derive(Debug, Default)]
-pub struct Created {
+pub struct CreatedFiles {
     files: Vec<PathBuf>,
     folders: Vec<PathBuf>,
 }
 
-impl Created {
+impl CreatedFiles {
     /// Opens a file for writing, and creates it where there is none. Its content stays.
     ///
     /// # Errors
@@ -56,7 +56,7 @@ impl Created {
     }
 }
 
-impl Drop for Created {
+impl Drop for CreatedFiles {
     fn drop(&mut self) {
         for file in &self.files {
             if fs::metadata(file).is_ok_and(|m| m.is_file() && m.len() == 0) {
@@ -76,8 +76,8 @@ impl Drop for Created {
 /// [`WriteError`] naming the file.
 pub fn create<'p>(
     paths: impl IntoIterator<Item = &'p Option<PathBuf>>,
-) -> Result<Created, WriteError> {
-    let mut created = Created::default();
+) -> Result<CreatedFiles, WriteError> {
+    let mut created = CreatedFiles::default();
     for path in paths.into_iter().flatten() {
         created.file(path)?;
     }
@@ -105,7 +105,7 @@ mod tests {
         fs::write(at("old"), "text").unwrap();
         fs::write(at("old and empty"), "").unwrap();
         fs::create_dir(at("old folder")).unwrap();
-        let mut created = Created::default();
+        let mut created = CreatedFiles::default();
         for name in ["old", "old and empty", "new"] {
             created.file(&at(name)).unwrap();
         }
@@ -129,7 +129,7 @@ mod tests {
     fn folders_that_were_made_before_one_could_not_be_are_taken_back() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "text").unwrap();
-        let mut created = Created::default();
+        let mut created = CreatedFiles::default();
         assert!(created.folder(&folder.path().join("file/inner")).is_err());
         assert!(created.file(&folder.path().join("none/file")).is_err());
         drop(created);

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use crate::system::created::{Created, WriteError};
+use crate::system::created::{CreatedFiles, WriteError};
 use crate::system::interrupt::undisturbed;
 
 /// Writes a finished file in one step, or a pipe or a device.
@@ -14,7 +14,7 @@ use crate::system::interrupt::undisturbed;
 /// # Errors
 /// [`WriteError`] naming the file.
 pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     let stream = open(path, &mut created)?;
     let written = undisturbed(|| match stream {
         None => replace(path, text.as_bytes()),
@@ -29,7 +29,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
 ///
 /// # Errors
 /// [`WriteError`] naming the file.
-pub fn open(path: &Path, created: &mut Created) -> Result<Option<File>, WriteError> {
+pub fn open(path: &Path, created: &mut CreatedFiles) -> Result<Option<File>, WriteError> {
     let file = created.file(path)?;
     let error = |source| WriteError { path: path.to_owned(), source };
     let is_file = file.metadata().map_err(error)?.is_file();
@@ -101,12 +101,12 @@ fn left_in(folder: &Path) -> LeftoverFiles {
     left.collect()
 }
 
-/// Whether there is a process of that number, where the system says so.
+/// Returns whether there is a process of that number, where the system says so.
 fn is_running(process: u32) -> bool {
     Path::new("/proc").join(process.to_string()).exists()
 }
 
-/// Whether a process writes to the file.
+/// Returns whether a process writes to the file.
 fn is_locked(path: &Path) -> bool {
     let open = OpenOptions::new().write(true).open(path);
     open.is_ok_and(|file| matches!(file.try_lock(), Err(fs::TryLockError::WouldBlock)))

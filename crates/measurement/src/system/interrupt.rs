@@ -25,11 +25,11 @@ pub const GRACE: Duration = Duration::from_millis(500);
 /// Held while a file is written.
 static WRITING: Mutex<()> = Mutex::new(());
 
-/// Whether the scene being measured has whole rounds that a signal must not lose.
+/// True if the scene being measured has whole rounds that a signal must not lose.
 static HAS_ROUNDS: AtomicBool = AtomicBool::new(false);
-/// Whether a signal waits until they are kept.
+/// True if a signal waits until they are kept.
 static IS_STOPPING: AtomicBool = AtomicBool::new(false);
-/// Whether their scene is written.
+/// True if their scene is written.
 static IS_SCENE_KEPT: AtomicBool = AtomicBool::new(false);
 
 /// How long the row that a signal interrupts may still take; after that the rounds are lost.
@@ -39,8 +39,8 @@ const LAST_ROW: Duration = Duration::from_secs(5);
 #[cfg(unix)]
 const LAST_SCENE: Duration = Duration::from_secs(20);
 
-/// From here to [`rounds_ended`] a signal ends the rounds of the scene, and the program when the scene
-/// is written.
+/// From here to [`rounds_ended`] a signal ends the rounds of the scene, and the program when the
+/// scene is written.
 pub fn let_rounds_end() {
     HAS_ROUNDS.store(true, SeqCst);
 }
@@ -50,7 +50,7 @@ pub fn rounds_ended() {
     HAS_ROUNDS.store(false, SeqCst);
 }
 
-/// Whether a signal waits for the scene being measured.
+/// Returns whether a signal waits for the scene being measured.
 pub fn is_stopping() -> bool {
     IS_STOPPING.load(SeqCst)
 }

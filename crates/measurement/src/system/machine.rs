@@ -41,8 +41,8 @@ pub fn machine() -> Machine {
     }
 }
 
-/// Whether the clock may rise above its nominal rate: a file of its own, or Intel's, which says
-/// the opposite.
+/// Returns whether the clock may rise above its nominal rate: a file of its own, or Intel's, which
+/// says the opposite.
 fn boost() -> Option<bool> {
     let of = |path: &str, on: &str| line(path).map(|state| state == on);
     of("/sys/devices/system/cpu/cpufreq/boost", "1")

@@ -12,7 +12,7 @@ static LATEST: Mutex<Option<String>> = Mutex::new(None);
 /// A panic that was caught.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("panicked: {0}")]
-pub struct Panicked(pub String);
+pub struct CaughtPanic(pub String);
 
 /// From here on panics print nothing: whoever catches one says what it said.
 pub fn keep_quiet() {
@@ -26,10 +26,10 @@ pub fn keep_quiet() {
 
 /// What `work` returns, or its panic. Whatever `work` was changing may be half changed then:
 /// callers throw it away.
-pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, Panicked> {
+pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, CaughtPanic> {
     panic::catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
         let latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner).take();
-        Panicked(latest.unwrap_or_else(|| said(&*payload)))
+        CaughtPanic(latest.unwrap_or_else(|| said(&*payload)))
     })
 }
 

@@ -15,7 +15,6 @@ pub struct Pools {
 }
 
 impl Pools {
-    /// Starts them.
     pub fn new(threads: usize) -> Result<Self, MeasureError> {
         Ok(Self { measured: pool(threads)?, helper: pool(machine::threads())? })
     }

@@ -11,13 +11,13 @@ pub const CPU: &str = "/proc/pressure/cpu";
 
 /// A look at the pressure that goes on.
 #[derive(Debug)]
-pub struct Watch {
+pub struct PressureWatch {
     begin: Option<(PathBuf, u64)>,
     /// The pressure is in real time, whatever clock is injected.
     since: Instant,
 }
 
-impl Watch {
+impl PressureWatch {
     /// From now on, by that file; nothing where there is none.
     pub fn begin(path: Option<&Path>) -> Self {
         let begin = path.and_then(|path| Some((path.to_owned(), waited_us(path)?)));
@@ -25,7 +25,7 @@ impl Watch {
     }
 
     /// The share of the time since, from 0 to 1, in which some thread waited for a processor; none
-    /// where the system does not say.
+    /// where the system does not report it.
     pub fn share(&self) -> Option<f64> {
         let (path, before) = self.begin.as_ref()?;
         let waited = waited_us(path)?.saturating_sub(*before);
@@ -53,13 +53,13 @@ mod tests {
             fs::write(&path, line).unwrap();
         };
         write(1000);
-        let watch = Watch::begin(Some(&path));
+        let watch = PressureWatch::begin(Some(&path));
         assert_eq!(watch.share(), Some(0.0));
         // an hour of waiting is more than has passed
         write(3_600_001_000);
         assert_eq!(watch.share(), Some(1.0));
         fs::write(&path, "nonsense").unwrap();
         assert_eq!(watch.share(), None);
-        assert_eq!(Watch::begin(None).share(), None);
+        assert_eq!(PressureWatch::begin(None).share(), None);
     }
 }

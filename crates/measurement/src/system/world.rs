@@ -7,7 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use crate::record::{Compiler, Load, Machine, Tool};
-use crate::rounds::trial::{Outcome, TrialBuild};
+use crate::rounds::trial::{TrialBuild, TrialOutcome};
 use crate::system::machine;
 
 /// The world as far as results repeat it.
@@ -28,7 +28,7 @@ pub trait World: Sync {
     /// Begins a new peak where the system lets us.
     fn reset_peak_rss(&self);
     /// Builds a row in a process of its own.
-    fn trial_build(&self, trial: &TrialBuild) -> Outcome;
+    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome;
     /// How busy the machine has been until now.
     fn load(&self) -> Load;
     /// The folder that has the system's `proc` and `sys`.
@@ -76,7 +76,7 @@ impl World for SystemWorld {
         let _ = machine::reset_peak_rss();
     }
 
-    fn trial_build(&self, trial: &TrialBuild) -> Outcome {
+    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
         trial.run()
     }
 
@@ -101,7 +101,7 @@ pub struct FixedWorld {
     /// What the loads are, one reading after another; the last one stays.
     pub loads: Mutex<VecDeque<Load>>,
     /// How trial builds end.
-    pub trials: fn(&TrialBuild) -> Outcome,
+    pub trials: fn(&TrialBuild) -> TrialOutcome,
 }
 
 impl Default for FixedWorld {
@@ -125,7 +125,7 @@ impl Default for FixedWorld {
                 opt_level: Some("3".into()),
             },
             loads: Mutex::default(),
-            trials: |_| Outcome::Ended { peak_bytes: Some(1 << 20) },
+            trials: |_| TrialOutcome::Ended { peak_bytes: Some(1 << 20) },
         }
     }
 }
@@ -161,7 +161,7 @@ impl World for FixedWorld {
 
     fn reset_peak_rss(&self) {}
 
-    fn trial_build(&self, trial: &TrialBuild) -> Outcome {
+    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
         (self.trials)(trial)
     }
 

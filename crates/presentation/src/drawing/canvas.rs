@@ -44,7 +44,7 @@ impl Canvas {
         }
     }
 
-    /// What lies within `radius` of a line from `a` to `b`; a disc where they are one point.
+    /// Fills the points within `radius` of the line from `a` to `b`; a disc if they are one point.
     pub fn fill_stadium(&mut self, [a, b]: [[f64; 2]; 2], radius: f64, color: Color, opacity: f64) {
         let along = [b[0] - a[0], b[1] - a[1]];
         let square = along[0] * along[0] + along[1] * along[1];

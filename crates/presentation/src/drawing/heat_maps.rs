@@ -21,7 +21,7 @@ const LARGE: u32 = 512;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
-    /// What it shows, above it.
+    /// Title above the map.
     pub name: String,
     /// Numbers, row by row from above.
     pub values: Vec<f64>,
@@ -133,8 +133,8 @@ pub fn ramp(share: f64) -> Color {
     std::array::from_fn(|_| all.next().unwrap_or(0))
 }
 
-/// Whole numbers from 1 on in classes whose ends are powers of two: 1, 2, 3-4, 5-8, ...; few are
-/// bright, many are dark.
+/// Classes of positive integers that end at powers of two: 1, 2, 3-4, 5-8, ...; small numbers are
+/// bright, large ones dark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Classes {
     count: u32,
@@ -155,7 +155,7 @@ impl Classes {
         Self::class(n).min(self.count - 1)
     }
 
-    /// How many there are.
+    /// Number of elements.
     pub fn count(self) -> u32 {
         self.count
     }

@@ -1,4 +1,4 @@
-//! What drawings are made of.
+//! Elements of drawings.
 
 use crate::svg_plot::pen::{Font, LETTER, PLAIN};
 
@@ -30,7 +30,7 @@ pub enum Item {
     Lines {
         /// One or more lines.
         lines: Vec<Vec<[f64; 2]>>,
-        /// Whether they go back to where they begin.
+        /// True if they go back to where they begin.
         are_closed: bool,
         /// How they are drawn.
         paint: Paint,
@@ -52,7 +52,7 @@ pub enum Item {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Drawing {
     pub size: [f64; 2],
-    /// What it shows, for those who cannot see it.
+    /// Text alternative for readers who cannot see it.
     pub alternative: String,
     pub items: Vec<Item>,
 }

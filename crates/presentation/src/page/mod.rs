@@ -14,10 +14,10 @@ use crate::svg_plot::{Drawing, Format};
 
 /// How pages look, but for the colours of plots in the dark.
 static STYLE: &str = include_str!("page.css");
-/// What sorts and filters tables.
+/// Sorts and filters tables.
 static SCRIPT: &str = include_str!("page.js");
 
-/// What every page begins with.
+/// Beginning of every page.
 pub const BEGINNING: &str = "<!DOCTYPE html>\n";
 
 /// A page of that title, opened as far as its body: what comes next is its header.

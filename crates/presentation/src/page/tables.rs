@@ -8,20 +8,20 @@ const LONGEST: usize = 12;
 
 /// How a table is written.
 #[derive(Debug, Clone, Copy)]
-pub struct Look<'a> {
+pub struct TableStyle<'a> {
     /// The numbers of its rows, in a column before them; empty where they have none.
     pub numbers: &'a [usize],
-    /// Where cells lead to, row by row; empty where to nowhere.
+    /// Link targets of cells, row by row; empty for no link.
     pub links: &'a [Vec<String>],
-    /// What links name each row by.
+    /// Anchors of the rows.
     pub ids: &'a [String],
     /// It is not folded, however long it is.
     pub is_open: bool,
-    /// What a column's head means, where that needs a word.
+    /// Explanation of a column's head, if needed.
     pub meaning: fn(&str) -> Option<&'static str>,
 }
 
-impl Default for Look<'_> {
+impl Default for TableStyle<'_> {
     fn default() -> Self {
         Self { numbers: &[], links: &[], ids: &[], is_open: false, meaning: |_| None }
     }
@@ -29,7 +29,7 @@ impl Default for Look<'_> {
 
 /// A table within a box of its own, so that it scrolls and not the page; its notes below. A long
 /// one is folded.
-pub fn write(html: &mut Html, table: &Table, look: Look<'_>) {
+pub fn write(html: &mut Html, table: &Table, look: TableStyle<'_>) {
     let is_long = table.rows.len() > LONGEST && !look.is_open;
     if is_long {
         html.open("details", &[]);
@@ -77,7 +77,7 @@ pub fn write(html: &mut Html, table: &Table, look: Look<'_>) {
     }
 }
 
-fn heads(html: &mut Html, table: &Table, look: Look<'_>, is_words: &dyn Fn(usize) -> bool) {
+fn heads(html: &mut Html, table: &Table, look: TableStyle<'_>, is_words: &dyn Fn(usize) -> bool) {
     html.open("thead", &[]);
     html.open("tr", &[]);
     if !look.numbers.is_empty() {
@@ -147,13 +147,14 @@ mod tests {
             write(&mut html, &words("t".to_owned(), vec!["name", "x"], rows(n)), look);
             html.finish()
         };
-        let short = of(LONGEST, Look::default());
+        let short = of(LONGEST, TableStyle::default());
         assert!(!short.contains("<details>") && short.contains("&lt;1&gt;"));
         let numbers: Vec<usize> = (0..=LONGEST).rev().collect();
         let meaning = |head: &str| (head == "x").then_some("what x means");
         let links = [vec![String::new(), "a.html#b".to_owned()]];
         let ids = ["first".to_owned()];
-        let look = Look { numbers: &numbers, links: &links, ids: &ids, is_open: false, meaning };
+        let look =
+            TableStyle { numbers: &numbers, links: &links, ids: &ids, is_open: false, meaning };
         let long = of(LONGEST + 1, look);
         assert!(long.starts_with("<details") && long.contains("Table of 13 rows: t"), "{long}");
         assert!(

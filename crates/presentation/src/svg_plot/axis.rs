@@ -56,7 +56,7 @@ impl FittedAxis {
         }
     }
 
-    /// Where the number lies between the ends, 0 to 1; none when it has no place.
+    /// Position of the number between the ends, 0 to 1; `None` if it has none.
     pub fn place(&self, x: f64) -> Option<f64> {
         let x = if self.is_log { x.log10() } else { x };
         let place = (x - self.low) / (self.high - self.low);

@@ -30,7 +30,7 @@ pub struct BarChart {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Column {
     pub axis: Axis,
-    /// Where bars begin; at the left end where that has no place.
+    /// Start of the bars; the left end if this has no position.
     pub base: f64,
 }
 
@@ -38,7 +38,7 @@ pub struct Column {
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarRow {
     pub name: String,
-    /// Which of the colours of series its bars have.
+    /// Index of the colour of its bars.
     pub color: usize,
     /// One bar per column.
     pub bars: Vec<Bar>,
@@ -52,12 +52,12 @@ pub enum Bar {
     Words(String),
 }
 
-/// Where things stand: names beside the bars, or on a phone above them.
+/// Layout: names beside the bars, or above them on a phone.
 struct Layout {
     format: Format,
-    /// Where columns begin, from the left.
+    /// Left edge of the columns.
     left: f64,
-    /// Where rows begin, from above.
+    /// Top edge of the rows.
     top: f64,
     /// Height of a row.
     step: f64,

@@ -21,7 +21,7 @@ pub use plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series};
 use bars::BarChart;
 use xml::document_of;
 
-/// What can be drawn in every format.
+/// Figures that can be drawn in every format.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drawing {
     Plot(Plot),

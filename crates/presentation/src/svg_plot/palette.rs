@@ -8,7 +8,7 @@ pub const PAPER: &str = "#ffffff";
 pub const BEST: &str = "#137a3a";
 /// Marks that belong to no series.
 pub const MARK: &str = "#b4560a";
-/// Colours of series, used in turn; told apart by colour-blind readers too.
+/// Colours of series, used in turn; distinguishable for colour-blind readers too.
 pub const SERIES: [&str; 5] = ["#1f5fa8", "#8c3f97", "#4d8f8b", "#a3842c", "#555555"];
 
 /// Patterns of the lines of series, as attributes: where the colours begin anew, the next one.

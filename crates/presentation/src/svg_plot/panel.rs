@@ -130,12 +130,12 @@ impl Canvas {
         }
     }
 
-    /// Where a number lies on the picture, from the left.
+    /// Horizontal position of a number, from the left.
     fn across(&self, x: f64) -> Option<f64> {
         Some(self.left + self.x.place(x)? * (self.right - self.left))
     }
 
-    /// Where a number lies on the picture, from above.
+    /// Vertical position of a number, from above.
     fn down(&self, y: f64) -> Option<f64> {
         Some(self.bottom - self.y.place(y)? * (self.bottom - self.top))
     }

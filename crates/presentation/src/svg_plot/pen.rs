@@ -1,4 +1,4 @@
-//! What panels and charts are drawn with: text, lines, points.
+//! Drawing primitives of panels and charts: text, lines, points.
 
 use std::fmt::Write;
 
@@ -25,7 +25,7 @@ pub struct Font {
 pub const PLAIN: Font =
     Font { size: 12.0, anchor: "start", color: INK, is_bold: false, turned: 0.0 };
 
-/// What is drawn so far.
+/// The drawing so far.
 #[derive(Default)]
 pub struct Pen {
     pub out: String,

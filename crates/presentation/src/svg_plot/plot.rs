@@ -13,7 +13,7 @@ pub struct Plot {
     pub y: Axis,
     pub series: Vec<Series>,
     pub marks: Vec<Mark>,
-    /// What marks that belong to no series are, for the legend.
+    /// Legend of marks that belong to no series.
     pub marks_name: String,
     /// Horizontal lines to compare with.
     pub levels: Vec<Level>,
@@ -21,7 +21,7 @@ pub struct Plot {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    /// What it shows, with its unit.
+    /// Quantity with its unit.
     pub label: String,
     /// How it shows it.
     pub scale: Scale,
@@ -77,7 +77,6 @@ pub struct Mark {
 /// A ring around a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ring {
-    /// None.
     None,
     Best,
     /// Dashed: as good as the best.

@@ -1,4 +1,4 @@
-//! How many rays an image took, by kind and by effect.
+//! Numbers of rays of an image, by kind and by effect.
 
 use super::effect::Effect;
 use crate::rays::RayKind;

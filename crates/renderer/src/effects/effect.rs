@@ -28,18 +28,18 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// How many there are.
+    /// Number of elements.
     pub const COUNT: usize = 10;
 }
 
-/// What is known of an effect.
+/// Registry line of an effect.
 #[derive(Debug)]
 pub struct EffectInfo {
     pub effect: Effect,
     pub name: &'static str,
-    /// Where it comes from, and what we do differently.
+    /// Source, and our deviations.
     pub paper: &'static str,
-    /// What in the scene calls for it, in words; `None` when nothing does.
+    /// The reason in the scene to simulate it; `None` without one.
     pub called_by: fn(&Scene, &RenderSettings) -> Option<String>,
 }
 

@@ -43,7 +43,7 @@ impl EyeStage for Pinhole {
     }
 }
 
-/// What a pixel's rays sample.
+/// Dimensions sampled by a pixel's rays.
 #[derive(Debug, Clone, Copy)]
 pub struct Sampling {
     pub rays: u32,

@@ -1,4 +1,4 @@
-//! What an image must simulate, found in the scene: one file per effect, one line each in
+//! Effects that an image must simulate, found in the scene: one file per effect, one line each in
 //! [`EFFECTS`].
 //!
 //! An effect that a scene does not call for is not there: the [`plan`] picks the stages of the

@@ -24,11 +24,11 @@ pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 #[derive(Debug, Clone)]
 pub struct RequestedEffect {
     pub info: &'static EffectInfo,
-    /// What in the scene calls for it.
+    /// The reason in the scene.
     pub by: String,
 }
 
-/// What an image must simulate.
+/// Effects that an image must simulate.
 #[derive(Debug, Clone)]
 pub struct EffectPlan {
     /// Effects that are called for, in the order of [`EFFECTS`].
@@ -41,7 +41,7 @@ pub struct EffectPlan {
     gating: Gating,
 }
 
-/// Whether effects that nothing calls for are left out. In an image they change nothing, since
+/// True if effects that nothing calls for are left out. In an image they change nothing, since
 /// nothing has their extent: this is here to show what leaving them out saves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Gating {
@@ -98,7 +98,7 @@ impl EffectPlan {
         self.without(Effect::SoftShadows).without(Effect::HardShadows)
     }
 
-    /// Whether an effect is part of it.
+    /// Returns whether an effect is part of it.
     pub fn calls_for(&self, effect: Effect) -> bool {
         self.called.iter().any(|called| called.info.effect == effect)
     }

@@ -15,7 +15,7 @@ use sobol_burley::{parts::hash, sample, sample_4d};
 /// Samples of a sequence of crate `sobol_burley`.
 const LONGEST: u32 = 1 << 16;
 
-/// What samples are for; keeps the patterns apart.
+/// Purpose of samples; separates their patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
     /// The area of a pixel.
@@ -99,7 +99,7 @@ mod tests {
         Pattern::new(seed, [3, 7], Purpose::Lens)
     }
 
-    /// Whether every elementary interval of 2^a by 2^b cells has one of the 2^(a+b) points.
+    /// Returns whether every elementary interval of 2^a by 2^b cells has one of the 2^(a+b) points.
     fn is_net(points: &[DVec2]) -> bool {
         let bits = points.len().ilog2();
         (0..=bits).all(|a| {

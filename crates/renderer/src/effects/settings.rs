@@ -1,4 +1,4 @@
-//! What the user and the scene ask of an image.
+//! Settings of an image, from the user and the scene.
 
 use scene_loading::{SampleWishes, Scene};
 

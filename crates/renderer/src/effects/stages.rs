@@ -10,7 +10,7 @@ use super::counts::RayCounts;
 use crate::rays::RayKind;
 use crate::shading::surface::SurfacePoint;
 
-/// What a path remembers from its eye ray on.
+/// Data of a path that are constant from its eye ray on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Origin {
     /// Pixel within the row.
@@ -26,9 +26,8 @@ pub struct Origin {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EyeRay {
     pub from: DVec3,
-    /// Its unit direction.
     pub direction: DVec3,
-    /// What it is a part of.
+    /// The path that it is a part of.
     pub origin: Origin,
     /// Its share of the pixel.
     pub share: f64,
@@ -41,7 +40,7 @@ pub struct SurfaceHit<'a> {
     pub id: u32,
     /// Direction of the ray that hit.
     pub incoming: DVec3,
-    /// What the light found here contributes to the pixel.
+    /// Contribution of the light found here to the pixel.
     pub weight: Rgb,
     pub origin: Origin,
 }
@@ -53,7 +52,7 @@ pub struct ShadowRay {
     pub hit: u32,
     /// The point of the light that it asks, world units.
     pub target: DVec3,
-    /// What arrives at the pixel if nothing is in the way.
+    /// Light that reaches the pixel if unblocked.
     pub light: Rgb,
 }
 
@@ -64,12 +63,12 @@ pub struct ScatteredRay {
     pub hit: u32,
     pub kind: RayKind,
     pub direction: DVec3,
-    /// What the light found by it contributes to the pixel.
+    /// Contribution of the light that it finds to the pixel.
     pub weight: Rgb,
     pub origin: Origin,
 }
 
-/// Where a wave is: row of the image, and depth (1 for hits of eye rays).
+/// Position of a wave: row of the image, and depth (1 for hits of eye rays).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WavePosition {
     pub y: u32,

@@ -8,7 +8,6 @@ use super::rgb_image::Image;
 
 const MAGIC: u32 = 20_000_630;
 const VERSION: u32 = 2;
-/// Pixel type `FLOAT`.
 const FLOAT: i32 = 2;
 /// Channels must be in alphabetical order; each with its place in a colour.
 const CHANNELS: [(&[u8; 2], usize); 3] = [(b"B\0", 2), (b"G\0", 1), (b"R\0", 0)];

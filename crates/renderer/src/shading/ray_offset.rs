@@ -102,7 +102,7 @@ impl RayOffset {
         ray
     }
 
-    /// Where a ray along `direction` starts.
+    /// Origin of a ray along `direction`.
     fn origin<S: Buildable>(&self, point: &SurfacePoint<'_>, direction: DVec3) -> Vec3<S> {
         let RefinedHit { position, normal, magnitude } = point.refined;
         // an apex has no normal: straight ahead
@@ -146,7 +146,7 @@ fn ulp_wise<S: Buildable>(origin: Vec3<S>, side: DVec3) -> Vec3<S> {
     }))
 }
 
-/// What rounding may do to a surface whose largest coordinate is `magnitude`.
+/// Rounding error of a surface whose largest coordinate is `magnitude`.
 fn bound<S: Buildable>(ulps: f64, magnitude: f64) -> f64 {
     magnitude * S::EPSILON.to_f64() * ulps
 }

@@ -20,7 +20,7 @@ pub struct RefinedHit {
 }
 
 impl RefinedHit {
-    /// That of the primitive moved by `way`.
+    /// The hit on the primitive moved by `way`.
     pub fn moved_by(self, way: DVec3) -> Self {
         let (position, magnitude) = (self.position + way, self.magnitude + largest(way));
         Self { position, magnitude, ..self }

@@ -1,4 +1,4 @@
-//! What a hit point looks like: normals, and the directions of reflected and refracted rays.
+//! Shading of hit points: normals, directions of reflected and refracted rays.
 
 use accel_core::primitives::newell_normal;
 use glam::DVec3;
@@ -94,7 +94,7 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// What the corners of a triangle weigh at a point of its plane; `None` when it has no area.
+/// Barycentric weights of a point in the plane of a triangle; `None` if it has no area.
 #[inline]
 pub fn barycentric([a, b, c]: [DVec3; 3], position: DVec3) -> Option<[f64; 3]> {
     let face = (b - a).cross(c - a);

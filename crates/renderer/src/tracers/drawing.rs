@@ -1,4 +1,4 @@
-//! What tracers without samples draw with, and what they give.
+//! Input and output of tracers without samples.
 
 use accel_core::query::region::{FrustumQueries, FrustumWork};
 use accel_core::query::tracer::Tracer;
@@ -29,6 +29,6 @@ pub struct DrawnImage {
     pub image: Image,
     /// Cost of its candidate queries.
     pub work: FrustumWork,
-    /// What else was counted, in the tracer's own words: `shadow beams`.
+    /// Further counters in the tracer's own words: `shadow beams`.
     pub counts: Vec<(&'static str, u64)>,
 }

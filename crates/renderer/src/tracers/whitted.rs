@@ -12,7 +12,7 @@
 use std::ops::Range;
 
 use accel_core::query::tracer::Tracer;
-use accel_core::registry::{Both, Buildable, PerScalar};
+use accel_core::registry::{Buildable, PerScalar, ScalarPair};
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 use rand_xoshiro::SplitMix64;
@@ -310,7 +310,7 @@ impl PerScalar for TraceGroup {
     type In<S: Buildable> = fn(&Whitted<'_>, &dyn Tracer<S>, u32, Range<u32>, &mut TracedRow<S>);
 }
 
-static TRACE_GROUP: Both<TraceGroup> = Both {
+static TRACE_GROUP: ScalarPair<TraceGroup> = ScalarPair {
     f32: |whitted, tracer, y, columns, row| whitted.trace_group(tracer, y, columns, row),
     f64: |whitted, tracer, y, columns, row| whitted.trace_group(tracer, y, columns, row),
 };

@@ -26,7 +26,6 @@ impl<'a, S: Buildable> CountingTracer<'a, S> {
         Self { tracer, total: Mutex::default() }
     }
 
-    /// Counters so far.
     pub fn total(&self) -> WorkCounters {
         *self.total.lock().unwrap_or_else(PoisonError::into_inner)
     }

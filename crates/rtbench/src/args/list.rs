@@ -10,7 +10,7 @@ use clap_complete::Shell;
 pub struct ListArgs {
     /// What to list
     #[arg(value_enum)]
-    pub what: Listed,
+    pub what: ListSubject,
     /// Only those of these names
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
@@ -21,7 +21,7 @@ pub struct ListArgs {
 
 /// What can be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Listed {
+pub enum ListSubject {
     /// Structures with their parameters
     Structures,
     /// Occluders, which answer shadow rays, with their parameters
@@ -40,7 +40,7 @@ pub enum Listed {
     Axes,
 }
 
-impl Listed {
+impl ListSubject {
     /// One of what is listed.
     pub fn singular(self) -> &'static str {
         match self {

@@ -30,7 +30,7 @@ pub use files::{
 };
 pub use list::DoctorArgs;
 pub use list::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
-pub use list::{Format, ListArgs, Listed};
+pub use list::{Format, ListArgs, ListSubject};
 pub use list::{SceneNames, ScenesAction, ScenesArgs};
 pub use measuring::MeasuringArgs;
 pub(crate) use parsers::percent;

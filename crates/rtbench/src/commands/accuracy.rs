@@ -11,13 +11,13 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::occupied::Wanted;
+use crate::exports::occupied::PlannedOutput;
 use crate::gate::GateError;
 use crate::gate::against::{AgainstError, own_program};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
 use measurement::system::child_process::{ChildError, answer, arguments};
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
@@ -51,9 +51,9 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 /// serve an axis is reported and costs the others nothing.
 pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     if let Some(folder) = &args.output {
-        let wanted = Wanted {
+        let wanted = PlannedOutput {
             names: &["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"],
             command_line: &context.command_line,
             manifest: None,

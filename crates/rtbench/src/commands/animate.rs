@@ -11,17 +11,17 @@ use crate::commands::scene_pictures::image_of;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
-use crate::exports::occupied::Wanted;
+use crate::exports::occupied::PlannedOutput;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::settings::Precision;
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::files::write_text;
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::text::Screen;
-use studies::animate::measure::{Equipment, Measured, measure};
+use studies::animate::measure::{AnimationInput, AnimationResults, measure};
 use studies::animate::record::AnimationRecord;
 use studies::animate::{Animate, plot, table};
 use studies::error::{StudyError, UnsavedImage};
@@ -46,9 +46,9 @@ pub fn run(
     let name = scene.name().to_owned();
     let animate = Animate::new(&args.settings(), (&name, scene.frames()), context.registry)?;
     context.warn_of_instructions();
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     if let Some(folder) = &args.output {
-        let wanted = Wanted {
+        let wanted = PlannedOutput {
             names: &NAMES,
             command_line: &context.command_line,
             manifest: None,
@@ -66,7 +66,7 @@ pub fn run(
     };
     let progress = Progress::new(context.shows_progress(), u64::from(last - first) + 1, None);
     let clock = context.clock;
-    let equipment = Equipment { clock, progress: &progress };
+    let equipment = AnimationInput { clock, progress: &progress };
     let mut unwritten = None;
     let mut too_fine = None;
     let load = |number: u32| {
@@ -80,7 +80,7 @@ pub fn run(
         }
         Ok(scene)
     };
-    let watch = |measured: &Measured| {
+    let watch = |measured: &AnimationResults| {
         fill(&mut record, measured, clock.seconds_since(start));
         if let Some(folder) = &args.output {
             unwritten = write_all(folder, &record).err();
@@ -149,7 +149,7 @@ fn begun(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
     }
 }
 
-fn fill(record: &mut AnimationRecord, measured: &Measured, took_s: f64) {
+fn fill(record: &mut AnimationRecord, measured: &AnimationResults, took_s: f64) {
     record.frames.clone_from(&measured.frames);
     record.lanes.clone_from(&measured.lanes);
     record.took_s = took_s;

@@ -13,7 +13,7 @@ use crate::exit_code::SUCCESS;
 use crate::gate::{GateError, ROUNDS};
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::record::{RunRecord, label};
-use measurement::system::pressure::Watch;
+use measurement::system::pressure::PressureWatch;
 use presentation::table::Table;
 use presentation::text::write_table;
 use studies::run::conclusions::conclude;
@@ -101,7 +101,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     run_outputs::refuse_unselected(&args.run.exports, &plan)?;
     run_outputs::refuse_occupied(context, &args.run.exports, None)?;
     let mut outputs = run_outputs::of_run(&args.run.exports)?;
-    let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
+    let watch = PressureWatch::begin(context.environment.cpu_pressure.as_deref());
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
         Ok(())

@@ -16,7 +16,7 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// Of a run whose part begins `now`, with so many scenes finished before.
+    /// Budget of a run whose part begins `now`, with this many scenes finished before.
     pub fn new(plan: &Plan<'_>, now: Duration, finished: usize) -> Self {
         let (total, before) = match plan.rounds {
             Rounds::Budget { total, .. } => {

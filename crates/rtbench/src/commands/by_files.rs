@@ -3,9 +3,9 @@
 use accel_core::primitives::PrimSet;
 use accel_core::{Hit, MISS};
 use measurement::answers::by_files::{check, rays};
-use measurement::answers::judge::Judged;
+use measurement::answers::judge::BatchVerdict;
 use measurement::plan::Plan;
-use measurement::record::foreign::{JudgedKind, Told};
+use measurement::record::foreign::{ExternalResult, JudgedKind};
 use measurement::scenes::LoadedScene;
 use measurement::settings::{Lights, RunSettings};
 use measurement::system::created::WriteError;
@@ -13,7 +13,7 @@ use measurement::system::files;
 use measurement::system::machine;
 use measurement::system::pools::Pools;
 use plugins::abi;
-use plugins::files::{About, Content, FileError, hits, ray_record, triangle_record};
+use plugins::files::{Content, FileError, FileSubject, hits, ray_record, triangle_record};
 use presentation::table::{Cell, Style, Table};
 use presentation::text::write_table;
 use renderer::{Geometry, RayKind};
@@ -40,7 +40,7 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
         let own = by_kind.iter().find(|(own, _)| *own == kind);
         own.map_or(0, |(_, rays)| rays.len() as u64)
     };
-    let about = About {
+    let about = FileSubject {
         rays: RayKind::ALL.map(count),
         triangles: set.len() as u64,
         size: args.size,
@@ -95,7 +95,7 @@ pub fn check_hits(
 ) -> Result<u8, Error> {
     let read = |source| plugins::PluginError::Read { file: args.file.clone(), source };
     let bytes = std::fs::read(&args.file).map_err(read)?;
-    let about = About::read(&args.file, &bytes, Content::Hits)?;
+    let about = FileSubject::read(&args.file, &bytes, Content::Hits)?;
     let wrong = |offset, what| FileError { file: args.file.clone(), offset, what };
     let asked = || RayKind::ALL.into_iter().zip(about.rays).filter(|(_, n)| *n > 0);
     let kinds: Vec<String> = asked().map(|(kind, _)| kind.name().to_owned()).collect();
@@ -161,14 +161,14 @@ pub fn check_hits(
     write_table(context.out, &Table { title, header, rows, notes }, colors)?;
     context.out.flush()?;
     if let (Some(folder), Some(name), Some(ms)) = (&args.into, &args.name, args.time_ms) {
-        let of_kind = |(kind, judged): &(RayKind, Judged)| JudgedKind {
+        let of_kind = |(kind, judged): &(RayKind, BatchVerdict)| JudgedKind {
             kind: kind.name().to_owned(),
             compared: judged.compared as u64,
             wrong: judged.wrong as u64,
             edges: judged.edges as u64,
             example: judged.example.clone(),
         };
-        let told = Told {
+        let told = ExternalResult {
             name: name.clone(),
             hits_sha256: sha256_of_bytes(&bytes),
             trace_s: ms / 1e3,

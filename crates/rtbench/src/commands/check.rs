@@ -10,20 +10,20 @@ use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{measure_scenes, warn_of};
 use crate::commands::run_outputs;
 use crate::comparison::pairing::{MissingRow, Pairing};
-use crate::comparison::renamed::{self, Renamed};
+use crate::comparison::renamed::{self, Renaming};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::{Outputs, write_file};
 use crate::gate::against::{AgainstError, Contest, Program, own_program};
 use crate::gate::contest::{self, PairedTimes};
-use crate::gate::pace::Pace;
+use crate::gate::pace::TurnPlan;
 use crate::gate::report::{FIRST, GLOSSARY, Report};
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
     Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
     judge, wall_clock,
 };
-use crate::like::{self, LikeError, Narrowed};
+use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::measured_row::select;
@@ -32,7 +32,7 @@ use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, file, refe
 use measurement::system::created::WriteError;
 use measurement::system::created::create;
 use measurement::system::interrupt::undisturbed;
-use measurement::system::pressure::Watch;
+use measurement::system::pressure::PressureWatch;
 use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::outside::line;
@@ -74,7 +74,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         (_, Some(baseline), Some(results)) => check.results(context, &baseline, results)?,
         (true, baseline, _) => check.in_turns(context, baseline.as_ref())?,
         (false, Some(baseline), None) => check.against_baseline(context, &baseline)?,
-        (false, None, _) => return Err(GateError::from(LikeError::Empty).into()),
+        (false, None, _) => return Err(GateError::from(ReplanError::Empty).into()),
     };
     let screen = context.terminal.screen(color);
     for table in report.tables(args.all) {
@@ -104,7 +104,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
 }
 
 /// Rows that have another name now.
-fn matches(context: &Context<'_>, args: &CheckArgs) -> Result<Vec<Renamed>, Error> {
+fn matches(context: &Context<'_>, args: &CheckArgs) -> Result<Vec<Renaming>, Error> {
     let is_known = |text: &str| {
         let names = [text.to_owned()];
         select(context.registry, context.occluders, &names, &[]).is_ok()
@@ -117,7 +117,7 @@ fn matches(context: &Context<'_>, args: &CheckArgs) -> Result<Vec<Renamed>, Erro
 fn open(
     context: &Context<'_>,
     args: &CheckArgs,
-    matches: &[Renamed],
+    matches: &[Renaming],
 ) -> Result<Option<Baseline>, Error> {
     let Some(name) = &args.baseline else { return Ok(None) };
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
@@ -126,17 +126,17 @@ fn open(
     Ok(Some(baseline))
 }
 
-/// What a check goes by.
+/// Settings and input of a check.
 struct Check<'a> {
     args: &'a CheckArgs,
     thresholds: Thresholds,
     wants_counts: bool,
-    matches: Vec<Renamed>,
+    matches: Vec<Renaming>,
     kept: ExportArgs,
 }
 
-/// What was found, before it is a report.
-struct Found<'a> {
+/// Findings from which the report is made.
+struct CheckFindings<'a> {
     base: &'a RunRecord,
     now: &'a RunRecord,
     against: String,
@@ -153,31 +153,29 @@ impl Check<'_> {
         baseline: &Baseline,
     ) -> Result<Report, Error> {
         let args = self.args;
-        let whole = like::narrowed(&baseline.record, &self.narrowed()).map_err(GateError::from)?;
-        let base = like::known(&whole, context);
+        let whole =
+            replan::restrict(&baseline.record, &self.restriction()).map_err(GateError::from)?;
+        let base = replan::known(&whole, context);
         if base.scenes.is_empty() {
             let none = RunRecord { scenes: Vec::new(), ..base };
             return Err(GateError::NothingCompared(Pairing::of(&whole, &none).missing()).into());
         }
         let of_base = u32::try_from(rounds(&base)).unwrap_or(u32::MAX).max(ROUNDS);
-        let wanted = Narrowed {
+        let wanted = Restriction {
             rounds: args.rounds.or(args.time_budget.is_none().then_some(of_base)),
             time_budget: args.time_budget,
-            ..Narrowed::default()
+            ..Restriction::default()
         };
-        let mut plan = like::plan(&base, &wanted, context)?;
+        let mut plan = replan::plan(&base, &wanted, context)?;
         plan.limits.render_pass = 0.0;
         plan.has_copy = true;
         self.warn_of_rounds(context, &base, wanted.rounds);
-        let watch = Watch::begin(context.environment.cpu_pressure.as_deref());
+        let watch = PressureWatch::begin(context.environment.cpu_pressure.as_deref());
         let (now, failures) = self.measured(context, &plan)?;
         let cpu_pressure = [watch.share(), baseline.cpu_pressure].into_iter().flatten();
         let times = self.in_run(cpu_pressure.max_by(f64::total_cmp));
         refuse(&base, &now)?;
-        let counts = match self.wants_counts {
-            true => Some(self.counts(context, &base)?),
-            false => None,
-        };
+        let counts = if self.wants_counts { Some(self.counts(context, &base)?) } else { None };
         let of_base = baseline.instructions.as_ref().map(|c| &c.rows[..]);
         let instructions = match (&counts, of_base) {
             (Some(Ok(counts)), Some(base)) => Instructions::Counted { base, now: &counts.rows },
@@ -196,7 +194,7 @@ impl Check<'_> {
         missing.extend(self.new_rows(context, &baseline.record));
         let against = self.name_of_baseline();
         let (base, now, pairs) = (&base, &now, Vec::new());
-        let found = Found { base, now, against, findings, missing, failures, pairs };
+        let found = CheckFindings { base, now, against, findings, missing, failures, pairs };
         Ok(self.report(context, found))
     }
 
@@ -207,9 +205,10 @@ impl Check<'_> {
         baseline: &Baseline,
         results: &Path,
     ) -> Result<Report, Error> {
-        let narrowed =
-            |record: &RunRecord| like::narrowed(record, &self.narrowed()).map_err(GateError::from);
-        let (base, now) = (narrowed(&baseline.record)?, narrowed(&file::read(results)?)?);
+        let restricted = |record: &RunRecord| {
+            replan::restrict(record, &self.restriction()).map_err(GateError::from)
+        };
+        let (base, now) = (restricted(&baseline.record)?, restricted(&file::read(results)?)?);
         refuse(&base, &now)?;
         let (thresholds, instructions) = (&self.thresholds, Instructions::NotAsked);
         let times = self.in_run(baseline.cpu_pressure);
@@ -219,7 +218,7 @@ impl Check<'_> {
         let failures = now.planned.len().saturating_sub(now.scenes.len());
         let failures = if now.complete { 0 } else { failures };
         let (base, now) = (&base, &now);
-        let found = Found { base, now, against, findings, missing, failures, pairs };
+        let found = CheckFindings { base, now, against, findings, missing, failures, pairs };
         Ok(self.report(context, found))
     }
 
@@ -232,9 +231,9 @@ impl Check<'_> {
         let args = self.args;
         let mut plan = match baseline {
             Some(baseline) => {
-                let like = like::narrowed(&baseline.record, &self.narrowed());
-                let like = like::known(&like.map_err(GateError::from)?, context);
-                like::plan(&like, &Narrowed::default(), context)?
+                let like = replan::restrict(&baseline.record, &self.restriction());
+                let like = replan::known(&like.map_err(GateError::from)?, context);
+                replan::plan(&like, &Restriction::default(), context)?
             }
             None => {
                 Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?
@@ -245,7 +244,7 @@ impl Check<'_> {
         plan.is_untimed = true;
         let (now, failures) = self.measured(context, &plan)?;
         if now.scenes.is_empty() {
-            return Err(GateError::from(LikeError::NothingMeasured).into());
+            return Err(GateError::from(ReplanError::NothingMeasured).into());
         }
         let program = context.environment.program.clone();
         let own = own_program(program.as_ref()).map_err(GateError::from)?;
@@ -266,8 +265,11 @@ impl Check<'_> {
         };
         context.say(format_args!("measuring once with {against}"));
         let allow_outside = context.scenes.allows_outside();
-        let pace =
-            Pace { rounds: args.rounds, time_budget: args.time_budget, seed: now.settings.seed };
+        let pace = TurnPlan {
+            rounds: args.rounds,
+            time_budget: args.time_budget,
+            seed: now.settings.seed,
+        };
         let mut contest = Contest {
             programs: [old, new, copy],
             like: now.clone(),
@@ -283,14 +285,13 @@ impl Check<'_> {
             return Err(GateError::NothingCompared(missing).into());
         }
         contest.keep_common(&base);
-        let counts = match self.wants_counts {
-            true => {
-                let common = &contest.like;
-                let base = callgrind::count(args.against.as_deref(), common, allow_outside)
-                    .map_err(GateError::from)?;
-                Some((base, counted(context, common).map_err(GateError::from)?))
-            }
-            false => None,
+        let counts = if self.wants_counts {
+            let common = &contest.like;
+            let base = callgrind::count(args.against.as_deref(), common, allow_outside)
+                .map_err(GateError::from)?;
+            Some((base, counted(context, common).map_err(GateError::from)?))
+        } else {
+            None
         };
         let instructions = match &counts {
             Some((base, now)) => Instructions::Counted { base: &base.rows, now: &now.rows },
@@ -325,7 +326,10 @@ impl Check<'_> {
             Ok((wall_clock::STAGE.judge)(&evidence))
         })?;
         let (base, now) = (&base, &now);
-        Ok(self.report(context, Found { base, now, against, findings, missing, failures, pairs }))
+        Ok(self.report(
+            context,
+            CheckFindings { base, now, against, findings, missing, failures, pairs },
+        ))
     }
 
     /// Times as ratios within each run.
@@ -367,9 +371,10 @@ impl Check<'_> {
 
     /// Rows that a run without `-s` has now, where the baseline was one and lacks them.
     fn new_rows(&self, context: &Context<'_>, base: &RunRecord) -> Vec<MissingRow> {
-        let is_narrowed = !self.args.structures.is_empty() || names_structures(&base.command_line);
+        let is_restricted =
+            !self.args.structures.is_empty() || names_structures(&base.command_line);
         let rows = select(context.registry, context.occluders, &[], &[]);
-        let Some((rows, _)) = rows.ok().filter(|_| !is_narrowed) else { return Vec::new() };
+        let Some((rows, _)) = rows.ok().filter(|_| !is_restricted) else { return Vec::new() };
         let labels: Vec<String> = rows.iter().map(|row| row.label()).collect();
         let is_wanted =
             |name: &String| self.args.scenes.is_empty() || self.args.scenes.contains(name);
@@ -383,9 +388,9 @@ impl Check<'_> {
         scenes.flat_map(of_scene).collect()
     }
 
-    fn narrowed(&self) -> Narrowed<'_> {
+    fn restriction(&self) -> Restriction<'_> {
         let CheckArgs { scenes, structures, .. } = self.args;
-        Narrowed { scenes, structures, ..Narrowed::default() }
+        Restriction { scenes, structures, ..Restriction::default() }
     }
 
     /// Instruction counts now, or why there are none: an error only where they were asked for.
@@ -402,11 +407,12 @@ impl Check<'_> {
         }
     }
 
-    fn report(&self, context: &Context<'_>, found: Found<'_>) -> Report {
-        let Found { base, now, against, findings, mut missing, failures, pairs } = found;
-        let times = match self.args.takes_turns() {
-            true => "seconds".to_owned(),
-            false => format!("ratios to {} in the same rounds", reference::in_words(now)),
+    fn report(&self, context: &Context<'_>, found: CheckFindings<'_>) -> Report {
+        let CheckFindings { base, now, against, findings, mut missing, failures, pairs } = found;
+        let times = if self.args.takes_turns() {
+            "seconds".to_owned()
+        } else {
+            format!("ratios to {} in the same rounds", reference::in_words(now))
         };
         let mut remarks = comparable::remarks(base, now);
         let of_rows = self.thresholds.rows.iter();
@@ -431,10 +437,7 @@ impl Check<'_> {
             missing,
             times,
             failures,
-            floor: match pairs.is_empty() {
-                true => now.floor.clone(),
-                false => contest::floor(&pairs),
-            },
+            floor: if pairs.is_empty() { now.floor.clone() } else { contest::floor(&pairs) },
             pairs,
         }
     }
@@ -456,7 +459,7 @@ fn measured(
 /// The times of all turns, with a bar.
 fn raced(
     context: &Context<'_>,
-    pace: &Pace,
+    pace: &TurnPlan,
     times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, GateError>,
 ) -> Result<Vec<PairedTimes>, Error> {
     let steps = u64::from(pace.expected());
@@ -466,7 +469,7 @@ fn raced(
     Ok(pairs?)
 }
 
-/// What all stages say; scenes in which times regressed are measured `again` before that stands.
+/// Findings of all stages; scenes in which times regressed are measured `again` to confirm that.
 fn confirmed(
     context: &mut Context<'_>,
     first: &Evidence<'_>,
@@ -496,10 +499,7 @@ fn suspects(findings: &[Finding]) -> Vec<String> {
 fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
     let reasons = comparable::refusals(base, now);
     let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
-    match reasons.is_empty() || is_wrong {
-        true => Ok(()),
-        false => Err(GateError::NotComparable(reasons)),
-    }
+    if reasons.is_empty() || is_wrong { Ok(()) } else { Err(GateError::NotComparable(reasons)) }
 }
 
 /// Annotations and the job's summary, where there is a GitHub to read them.

@@ -1,6 +1,6 @@
-//! What `rtbench check` starts as processes of their own: a record on standard input says what to
-//! do, the answer goes to standard output as JSON. And what `rtbench sweep --sizes` starts, which needs no
-//! record: see `trial_build`. And the process of a plugin's row: see [`plugins::serve`].
+//! Child processes of `rtbench check`: they read a record from standard input and answer in JSON on
+//! standard output. Also those of `rtbench sweep --sizes`, which need no record (see
+//! `trial_build`), and of plugin rows (see [`plugins::serve`]).
 
 use std::io::{Read, Write};
 
@@ -13,7 +13,7 @@ use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
 use crate::exports::outputs::Outputs;
 use crate::gate::lap::Lap;
-use crate::like::{self, Narrowed};
+use crate::replan::{self, Restriction};
 use accel_core::registry::Buildable;
 use measurement::callgrind::counted::count_all;
 use measurement::plan::error::PlanError;
@@ -21,7 +21,7 @@ use measurement::plan::measured_row::{self, MeasuredRow};
 use measurement::plan::strides::FixedStrides;
 use measurement::plan::{OneProcess, Plan};
 use measurement::record::{RunRecord, Sample};
-use measurement::rounds::scene_run::{Equipment, light_positions};
+use measurement::rounds::scene_run::{SceneInput, light_positions};
 use measurement::rounds::scope::Laps;
 use measurement::rounds::trial::Event;
 use measurement::scenes::LoadedScene;
@@ -33,10 +33,10 @@ use presentation::json::FormatError;
 use renderer::Geometry;
 use serde::de::DeserializeOwned;
 
-/// Where few answers are checked, one ray in that many of those that would be.
+/// With few checks: the fraction of the usual rays that is checked, one in this many.
 const LIGHTLY: usize = 16;
 
-/// What standard input says.
+/// Reads the request from standard input.
 fn asked<T: DeserializeOwned>() -> Result<T, Error> {
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text)?;
@@ -67,9 +67,9 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             return Ok(SUCCESS);
         }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
-            let record = like::known(&record()?, context);
-            let wanted = Narrowed { rounds: Some(*rounds), ..Narrowed::default() };
-            let mut plan = like::plan(&record, &wanted, context)?;
+            let record = replan::known(&record()?, context);
+            let wanted = Restriction { rounds: Some(*rounds), ..Restriction::default() };
+            let mut plan = replan::plan(&record, &wanted, context)?;
             // whole images are not compared
             plan.limits.render_pass = 0.0;
             plan.processes = 1;
@@ -84,7 +84,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
         ChildAction::Laps => return laps(context).map(|()| SUCCESS),
         ChildAction::Accuracy => (serde_json::to_string(&accuracy::times(context, &asked()?)?), 0),
         ChildAction::CountInstructions => {
-            let plan = like::plan(&record()?, &Narrowed::default(), context)?;
+            let plan = replan::plan(&record()?, &Restriction::default(), context)?;
             (serde_json::to_string(&count_all(&plan)?), 0)
         }
     };
@@ -123,12 +123,12 @@ fn laps(context: &Context<'_>) -> Result<(), Error> {
     let mut line = String::new();
     std::io::stdin().read_line(&mut line)?;
     let record: RunRecord = serde_json::from_str(&line).map_err(json)?;
-    let mut plan = like::plan(&record, &Narrowed::default(), context)?;
+    let mut plan = replan::plan(&record, &Restriction::default(), context)?;
     plan.limits.render_pass = 0.0;
     plan.processes = 1;
     check_lightly(&mut plan, &record);
     let pools = Pools::new(plan.threads)?;
-    let equipment = Equipment {
+    let equipment = SceneInput {
         pools: &pools,
         clock: context.clock,
         world: context.world,

@@ -4,7 +4,8 @@ use regex_lite::Regex;
 
 use crate::args::{Color, CompareArgs, CompareFormat, CompareSort};
 use crate::comparison::{
-    Choice, CompareError, Comparison, Named, compare, csv, default_metrics, renamed, tables,
+    CompareError, Comparison, ComparisonSettings, NamedRun, compare, csv, default_metrics, renamed,
+    tables,
 };
 use crate::context::Context;
 use crate::error::Error;
@@ -31,7 +32,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     }
     let paths: Vec<String> = args.results.iter().map(|p| p.display().to_string()).collect();
     let letters: Vec<String> = (0..runs.len()).map(letter).collect();
-    let mut named = letters.iter().zip(&paths).zip(&runs).map(|((letter, path), run)| Named {
+    let mut named = letters.iter().zip(&paths).zip(&runs).map(|((letter, path), run)| NamedRun {
         letter,
         path,
         run,
@@ -62,7 +63,7 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     Ok(SUCCESS)
 }
 
-fn choice(args: &CompareArgs) -> Result<Choice, Error> {
+fn choice(args: &CompareArgs) -> Result<ComparisonSettings, Error> {
     let filter = |text: &String| {
         Regex::new(text)
             .map_err(|e| CompareError::Filter { filter: text.clone(), message: e.to_string() })
@@ -72,7 +73,7 @@ fn choice(args: &CompareArgs) -> Result<Choice, Error> {
         (_, true) => default_metrics(),
         _ => args.metrics.iter().map(|name| metrics::named(name)).collect::<Result<_, _>>()?,
     };
-    Ok(Choice {
+    Ok(ComparisonSettings {
         metrics,
         shows_equal: args.all_metrics || !args.metrics.is_empty(),
         filter: args.filter.as_ref().map(filter).transpose()?,
@@ -92,7 +93,7 @@ fn letter(place: usize) -> String {
     }
 }
 
-/// What must not be missed where the output goes to a file.
+/// Warns on standard error, as the output may go to a file.
 fn warn_of(context: &mut Context<'_>, comparison: &Comparison) {
     for note in &comparison.notes {
         context.warn(note);

@@ -20,12 +20,12 @@ use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
-use crate::exports::occupied::Wanted;
+use crate::exports::occupied::PlannedOutput;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::settings::choice;
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -34,8 +34,8 @@ use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
 use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
 use studies::tracer_comparison::report::Report;
-use studies::tracer_comparison::{KINDS, Question, compare, without};
-use studies::tracer_comparison::{Sampled, converged};
+use studies::tracer_comparison::{ComparisonInput, KINDS, compare, without};
+use studies::tracer_comparison::{SampledReference, converged};
 
 /// Samples per pixel: those of the full comparison, and those of a first look.
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
@@ -52,9 +52,9 @@ pub fn run(
     let tracers = tracers(&args.tracers)?;
     let kinds = known(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     if let Some(folder) = &args.output {
-        let wanted = Wanted {
+        let wanted = PlannedOutput {
             names: &["tracers.json", "tracers.csv", "tracers.md", "tracers.svg"],
             command_line: &context.command_line,
             manifest: None,
@@ -71,7 +71,7 @@ pub fn run(
     let choice = |given: Option<u32>, full: u32, quick: u32| {
         given.unwrap_or(if args.quick { quick } else { full })
     };
-    let frame = Sampled {
+    let frame = SampledReference {
         resolution: [choice(args.size, 64, 32); 2],
         max_depth: args.depth,
         seed: args.seed,
@@ -97,7 +97,7 @@ pub fn run(
     let queries = frusta.entry.build(double.prims(), &frusta.params).map_err(build)?;
     context.say(format_args!("{}: reference of 2 x {reference_samples} samples", scene.name));
     let reference = helpers.install(|| converged(&scene, &*sampler, frame, reference_samples));
-    let question = Question {
+    let question = ComparisonInput {
         scene: &scene,
         sampler: &*sampler,
         structures: Structures { rays: &*rays, frusta: &*queries },

@@ -14,7 +14,7 @@ use crate::error::Error;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::system::clock::Clock;
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::pools::pool;
 use presentation::drawing::{HeatMap, heat_maps};
 use presentation::numbers::{milliseconds, short};
@@ -42,7 +42,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         structures.push(structure(context.registry, None)?);
     }
     let scene = one_scene(context.scenes, &args.scene)?;
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     if let Some(folder) = &args.heat_maps {
         created.folder(folder)?;
     }

@@ -4,7 +4,7 @@ use crate::args::{Color, ExplainArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::occupied::Wanted;
+use crate::exports::occupied::PlannedOutput;
 use crate::exports::outputs::{OutputError, Outputs};
 use measurement::record::file;
 use presentation::json;
@@ -21,7 +21,7 @@ const NAMES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
 pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Result<u8, Error> {
     let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
     if let Some(folder) = &args.output {
-        let wanted = Wanted {
+        let wanted = PlannedOutput {
             names: &NAMES,
             command_line: &context.command_line,
             manifest: None,

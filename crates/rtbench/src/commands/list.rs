@@ -10,7 +10,7 @@ use renderer::tracers::{TRACERS, TracerInfo};
 use scene_loading::animation::ANIMATED;
 use serde_json::{Value, json};
 
-use crate::args::{Format, ListArgs, Listed};
+use crate::args::{Format, ListArgs, ListSubject};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::error::PlanError;
@@ -21,13 +21,15 @@ use studies::accuracy::axes::AXES;
 /// Lists.
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
-        Listed::Structures => {
+        ListSubject::Structures => {
             context.registry.iter().map(|e| structure(e.info, COMMON)).collect::<Vec<_>>()
         }
-        Listed::Occluders => context.occluders.iter().map(|e| structure(e.info, &[])).collect(),
-        Listed::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
-        Listed::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
-        Listed::Animations => ANIMATED
+        ListSubject::Occluders => {
+            context.occluders.iter().map(|e| structure(e.info, &[])).collect()
+        }
+        ListSubject::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
+        ListSubject::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
+        ListSubject::Animations => ANIMATED
             .iter()
             .map(|e| {
                 json!({
@@ -39,20 +41,20 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
                 })
             })
             .collect(),
-        Listed::Sets => context
+        ListSubject::Sets => context
             .scenes
             .sets()?
             .into_iter()
             .map(|(name, scenes)| json!({"name": name, "scenes": scenes}))
             .collect(),
-        Listed::Rays => RayKind::ALL
+        ListSubject::Rays => RayKind::ALL
             .iter()
             .map(|k| {
                 let question = if k.is_occlusion() { "occlusion" } else { "closest hit" };
                 json!({"name": k.name(), "summary": k.summary(), "question": question})
             })
             .collect(),
-        Listed::Axes => AXES
+        ListSubject::Axes => AXES
             .iter()
             .map(|axis| {
                 json!({
@@ -74,19 +76,19 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         Format::Json => {
             out.write_all(json::written(&value)?.as_bytes())?;
         }
-        Format::Text if args.what == Listed::Structures => {
+        Format::Text if args.what == ListSubject::Structures => {
             for e in context.registry.iter().filter(|e| is_asked(e.info.name)) {
                 write_structure(out, e.info)?;
             }
             writeln!(out, "every structure:")?;
             COMMON.iter().try_for_each(|p| write_param(out, p))?;
         }
-        Format::Text if args.what == Listed::Occluders => {
+        Format::Text if args.what == ListSubject::Occluders => {
             for e in context.occluders.iter().filter(|e| is_asked(e.info.name)) {
                 write_structure(out, e.info)?;
             }
         }
-        Format::Text if args.what == Listed::Tracers => {
+        Format::Text if args.what == ListSubject::Tracers => {
             for info in TRACERS.iter().filter(|info| is_asked(info.name)) {
                 write_tracer(out, info)?;
             }

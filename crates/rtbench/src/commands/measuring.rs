@@ -1,4 +1,4 @@
-//! What commands that measure have in common: all scenes of a plan, one after another.
+//! Measures all scenes of a plan, one after another; shared by all commands that measure.
 //!
 //! Whatever goes wrong with a scene costs that scene only. What is finished is in the journal, if
 //! there is one, before anything else is done with it.
@@ -19,14 +19,14 @@ use crate::exports::outputs::Outputs;
 use crate::gate::GateError;
 use crate::gate::against::AgainstError;
 use measurement::journal::Journal;
-use measurement::journal::lines::{Deaths, Line};
+use measurement::journal::lines::{DeathCounts, Line};
 use measurement::plan::Plan;
 use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
 use measurement::record::summary::summarize;
 use measurement::record::warnings;
 use measurement::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
 use measurement::rounds::error::MeasureError;
-use measurement::rounds::scene_run::{Equipment, run_scene};
+use measurement::rounds::scene_run::{SceneInput, run_scene};
 use measurement::scenes::KnownScene;
 use measurement::settings::{Lights, Precision};
 use measurement::system::interrupt;
@@ -37,9 +37,9 @@ use renderer::ShadowRays;
 use studies::run::conclusions::{conclude_run, conclude_scene};
 use studies::sweep::sizes::{admission, quantities};
 
-/// What came of a plan.
+/// Results of a plan.
 #[derive(Debug)]
-pub struct Measured {
+pub struct PlanResults {
     /// Everything about the scenes that could be measured.
     pub record: RunRecord,
     /// Scenes that could not.
@@ -48,20 +48,20 @@ pub struct Measured {
     pub disturbed: bool,
 }
 
-/// What a run keeps beside its outputs, and what it has from an earlier part of itself.
+/// State of a run beside its outputs, including results of an earlier part.
 #[derive(Debug, Default)]
-pub struct Kept {
-    /// Where finished scenes are appended.
+pub struct RunState {
+    /// Journal that finished scenes are appended to.
     pub journal: Option<Journal>,
     /// Scenes that are finished already, by their places in the plan.
     pub finished: BTreeMap<usize, SceneRecord>,
     /// How often each row ended the program.
-    pub deaths: Deaths,
-    /// How many are finished, for whoever watches.
+    pub deaths: DeathCounts,
+    /// Number of finished scenes, for progress display.
     pub count: Arc<AtomicUsize>,
 }
 
-impl Kept {
+impl RunState {
     fn note(&mut self, line: Line) -> Result<(), Error> {
         self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.note(&line)?))
     }
@@ -95,9 +95,9 @@ pub fn measure_scenes(
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
     show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
-) -> Result<Measured, Error> {
+) -> Result<PlanResults, Error> {
     let record = begin(context.world, &context.command_line, plan);
-    measure_rest(context, plan, outputs, Kept::default(), record, show)
+    measure_rest(context, plan, outputs, RunState::default(), record, show)
 }
 
 /// Measures the scenes of the plan that are not finished. After each, the outputs are written anew
@@ -110,10 +110,10 @@ pub fn measure_rest(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
-    mut kept: Kept,
+    mut kept: RunState,
     mut record: RunRecord,
     mut show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
-) -> Result<Measured, Error> {
+) -> Result<PlanResults, Error> {
     outputs.write(&record, false)?;
     let mut processes = Processes::of(context, plan)?;
     let pools = Pools::new(plan.threads)?;
@@ -135,7 +135,7 @@ pub fn measure_rest(
                 left -= 1;
                 steps += steps_of(plan, i);
                 let log = RowJournal::new(kept.journal.as_mut());
-                let mut equipment = Equipment {
+                let mut equipment = SceneInput {
                     pools: &pools,
                     clock: context.clock,
                     world: context.world,
@@ -230,16 +230,17 @@ pub fn measure_rest(
         context.warn(warning);
     }
     outputs.print(&record, context.out)?;
-    Ok(Measured { record, failures, disturbed })
+    Ok(PlanResults { record, failures, disturbed })
 }
 
-/// Whether results are written with so many scenes. What the journal has is not lost: they are written with
-/// each of the first scenes, then ever less often, so that a run of many does not write all of them each time.
+/// Returns whether results are written with so many scenes. What the journal has is not lost: they
+/// are written with each of the first scenes, then ever less often, so that a run of many does not
+/// write all of them each time.
 fn is_due(scenes: usize) -> bool {
     scenes < 64 || scenes.is_multiple_of(scenes / 32)
 }
 
-/// What all scenes so far say together.
+/// Updates the summary over all scenes so far.
 fn sum_up(record: &mut RunRecord) {
     record.summary = summarize(&record.scenes, &record.settings);
     // the sizes of one scene are no scenes to take means over
@@ -251,8 +252,8 @@ fn sum_up(record: &mut RunRecord) {
     }
 }
 
-/// Says where results had to be made again. Those that cannot be written where they belong are written
-/// elsewhere, and printed where that fails, too.
+/// Says where results had to be made again. Those that cannot be written where they belong are
+/// written elsewhere, and printed where that fails, too.
 fn saved(
     context: &mut Context<'_>,
     kept_well: Result<bool, Error>,
@@ -293,7 +294,7 @@ fn saved(
 pub fn measure_one(
     plan: &Plan<'_>,
     known: &dyn KnownScene,
-    equipment: &Equipment<'_>,
+    equipment: &SceneInput<'_>,
     deadline: Option<Duration>,
 ) -> Result<SceneRecord, Error> {
     let measured = caught(|| {
@@ -309,7 +310,7 @@ pub fn measure_one(
 }
 
 /// 4 when a row is wrong, 1 when something could not be measured or kept where it belongs, else 0.
-pub fn exit_code(measured: &Measured) -> u8 {
+pub fn exit_code(measured: &PlanResults) -> u8 {
     let rows = || measured.record.scenes.iter().flat_map(|s| &s.rows);
     if rows().any(|r| r.verdict == Verdict::Wrong) {
         WRONG_HITS

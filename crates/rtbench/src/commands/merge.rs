@@ -1,7 +1,7 @@
 //! `rtbench merge`: joins the parts of a run, and prints and exports it like a run.
 
 use crate::args::{Color, MergeArgs};
-use crate::commands::measuring::{Measured, exit_code, warn_of};
+use crate::commands::measuring::{PlanResults, exit_code, warn_of};
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
@@ -10,8 +10,8 @@ use crate::exports::measures::{self, Measure};
 use crate::exports::outputs::{OutputError, write_file};
 use measurement::record::file;
 use measurement::record::machines::over_machines;
-use measurement::record::merge::{Part, merge};
-use measurement::system::created::{Created, create};
+use measurement::record::merge::{PartialRun, merge};
+use measurement::system::created::{CreatedFiles, create};
 use presentation::json;
 use presentation::text::write_table;
 use studies::run::conclusions::conclude;
@@ -26,7 +26,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
         return machines_of(context, args, color);
     }
     let parts = args.parts.iter();
-    let read = parts.map(|path| Ok(Part { record: file::read(path)?, path: path.clone() }));
+    let read = parts.map(|path| Ok(PartialRun { record: file::read(path)?, path: path.clone() }));
     let parts = read.collect();
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
@@ -55,7 +55,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
         text::write_end(context.out, &record, &view)?;
     }
     context.out.flush()?;
-    Ok(exit_code(&Measured { record, failures: 0, disturbed: false }))
+    Ok(exit_code(&PlanResults { record, failures: 0, disturbed: false }))
 }
 
 /// The record's file in the folder of `-o`, where `rtbench report` finds it.
@@ -67,11 +67,11 @@ pub const NAME: &str = "machines.json";
 /// [`Error`] for runs that cannot be read or are not the same, and for outputs.
 fn machines_of(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
     let read = |path: &std::path::PathBuf| {
-        Ok::<_, Error>(Part { record: file::read(path)?, path: path.clone() })
+        Ok::<_, Error>(PartialRun { record: file::read(path)?, path: path.clone() })
     };
     let runs = args.parts.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let record = over_machines(&runs, &context.command_line)?;
-    let mut folders = Created::default();
+    let mut folders = CreatedFiles::default();
     let exports = &args.exports;
     if let Some(folder) = &exports.output {
         folders.folder(folder)?;

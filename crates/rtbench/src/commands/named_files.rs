@@ -6,8 +6,8 @@ use crate::args::{BaselineAction, Command, ExportArgs, Publication, RaysAction, 
 use crate::commands::{cost, printed, run_outputs};
 use measurement::record::file;
 
-/// The files that a command is asked for by name, `-` among them; what folders are filled with is asked for by the
-/// commands that fill them. A run that is resumed writes files of its own.
+/// The files that a command is asked for by name, `-` among them; what folders are filled with is
+/// asked for by the commands that fill them. A run that is resumed writes files of its own.
 pub fn named_files(command: &Command) -> Vec<PathBuf> {
     let within = |folder: &Option<PathBuf>, names: &[String]| match folder {
         Some(folder) => names.iter().map(|name| Some(folder.join(name))).collect(),

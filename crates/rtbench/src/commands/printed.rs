@@ -11,7 +11,6 @@ use measurement::plan::error::PlanError;
 use measurement::settings::choice;
 use measurement::system::created::WriteError;
 
-/// Prints a schema.
 pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error> {
     let text = match args.what {
         SchemaOf::RunRecord => schema::RUN_RECORD,

@@ -27,7 +27,7 @@ const FEWEST_ROUNDS: usize = 5;
 /// Most rounds of a process within a time budget.
 const MOST_ROUNDS: usize = 10_000;
 
-/// Whether that process runs the copy.
+/// Returns whether that process runs the copy.
 fn is_copy(process: u32) -> bool {
     process % 2 == 1
 }
@@ -36,7 +36,7 @@ pub struct Processes {
     program: PathBuf,
     copy: ProgramCopy,
     allow_outside: bool,
-    /// What names the plugins of this process to others.
+    /// Arguments that pass the plugins of this process to others.
     plugins: Vec<OsString>,
     /// How far the copy was from the program, by row, where its samples are not kept.
     unkept: Vec<(String, f64)>,

@@ -17,7 +17,7 @@ use measurement::rounds::error::MeasureError;
 use measurement::rounds::scene_run::light_positions;
 use measurement::scenes::{KnownScene, SceneSource};
 use measurement::settings::choice;
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use measurement::system::progress::Progress;
@@ -46,7 +46,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
     // all that was typed is valid: an unwritable path is found before a scene is loaded, and where
     // that is refused, or the structure, the file is taken back
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     if let Some((path, _)) = output {
         created.file(path)?;
     }
@@ -153,7 +153,7 @@ pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
 fn shadows<'r>(
     context: &Context<'r>,
     text: &str,
-) -> Result<Option<Row<'r, occluders::Occluding>>, PlanError> {
+) -> Result<Option<Row<'r, occluders::OccluderRegistry>>, PlanError> {
     if text == STRUCTURE_SHADOWS {
         return Ok(None);
     }

@@ -67,7 +67,7 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether an earlier report is there: it may be replaced.
+/// Returns whether an earlier report is there: it may be replaced.
 fn is_page_of_ours(path: &Path) -> bool {
     // a pipe would have to be waited for
     if !path.is_file() {
@@ -79,7 +79,7 @@ fn is_page_of_ours(path: &Path) -> bool {
     read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
 }
 
-/// Whether the file lies in the folder, however both are named.
+/// Returns whether the file lies in the folder, however both are named.
 fn is_within(file: &Path, folder: &Path) -> bool {
     let parent = match file.parent() {
         Some(parent) if parent != Path::new("") => parent,

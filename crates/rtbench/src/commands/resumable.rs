@@ -1,4 +1,4 @@
-//! Runs that can be gone on with: their journals, and what is left of them.
+//! Resuming interrupted runs: their journals, and the work that is left.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use measurement::record::RunRecord;
 use measurement::system::interrupt::{self, InterruptedOutput, Mark};
 use measurement::system::progress::Progress;
 
-use crate::commands::measuring::Kept;
+use crate::commands::measuring::RunState;
 use crate::context::Context;
 use crate::error::Error;
 
@@ -23,7 +23,7 @@ pub struct ResumedRun<'f> {
     pub found: RecoveredRun,
 }
 
-/// What is left to do of a run that was begun, and its record, which goes on with `record`.
+/// Remaining work of an interrupted run, and its record, continued in `record`.
 ///
 /// # Errors
 /// [`JournalError::Differs`] where the plan is not that of the run.
@@ -32,7 +32,7 @@ pub fn go_on(
     begun: ResumedRun<'_>,
     plan: &Plan<'_>,
     mut record: RunRecord,
-) -> Result<(Kept, RunRecord), Error> {
+) -> Result<(RunState, RunRecord), Error> {
     let ResumedRun { folder, journal, found } = begun;
     let RecoveredRun { manifest: was, finished, died_in, deaths, .. } = found;
     let mut differences = was.differences(&manifest(context, plan, &record));
@@ -68,7 +68,7 @@ pub fn go_on(
     (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);
     let count = Arc::new(AtomicUsize::new(finished.len()));
     let finished = finished.into_iter().map(|(i, finished)| (i, finished.record)).collect();
-    Ok((Kept { journal: Some(journal), finished, deaths, count }, record))
+    Ok((RunState { journal: Some(journal), finished, deaths, count }, record))
 }
 
 /// From here on a signal marks the run's journal and ends the process.
@@ -77,7 +77,7 @@ pub fn go_on(
 /// [`Error::Signals`], the journal's.
 pub fn watch(
     context: &Context<'_>,
-    kept: &Kept,
+    kept: &RunState,
     folder: Option<&Path>,
     scenes: usize,
 ) -> Result<(), Error> {
@@ -94,7 +94,7 @@ pub fn watch(
     interrupt::watch(InterruptedOutput { journal, scenes, finished }).map_err(Error::Signals)
 }
 
-/// What the run is, for its journal, but for what was asked for.
+/// Identity of the run for its journal, without the request.
 pub fn manifest(context: &Context<'_>, plan: &Plan<'_>, record: &RunRecord) -> Manifest {
     Manifest {
         schema_version: record.schema_version,

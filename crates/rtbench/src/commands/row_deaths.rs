@@ -5,11 +5,11 @@ use std::cell::{Cell, RefCell};
 
 use crate::error::Error;
 use measurement::journal::Journal;
-use measurement::journal::lines::{Deaths, Line};
+use measurement::journal::lines::{DeathCounts, Line};
 use measurement::plan::Plan;
 use measurement::rounds::error::MeasureError;
 use measurement::rounds::scope::RowLog;
-use measurement::rounds::trial::Outcome;
+use measurement::rounds::trial::TrialOutcome;
 
 /// The journal, as the rows of a scene see it.
 pub struct RowJournal<'a> {
@@ -50,7 +50,7 @@ impl RowLog for RowJournal<'_> {
 const DEATHS: usize = 2;
 
 /// Refuses a scene that ended the program too often before its first row.
-pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), Error> {
+pub fn refuse_deadly(name: &str, scene: usize, deaths: &DeathCounts) -> Result<(), Error> {
     match deaths.get(&(scene, None)) {
         Some(&times) if times >= DEATHS => {
             Err(MeasureError::Deadly { scene: name.to_owned(), times }.into())
@@ -60,15 +60,20 @@ pub fn refuse_deadly(name: &str, scene: usize, deaths: &Deaths) -> Result<(), Er
 }
 
 /// Leaves out the rows of a scene that ended the program too often, as if their trials had.
-pub fn skip_deadly(trials: &mut Vec<Outcome>, plan: &Plan<'_>, scene: usize, deaths: &Deaths) {
+pub fn skip_deadly(
+    trials: &mut Vec<TrialOutcome>,
+    plan: &Plan<'_>,
+    scene: usize,
+    deaths: &DeathCounts,
+) {
     for (row, i) in plan.rows.iter().zip(0..) {
         let count = deaths.get(&(scene, Some(row.label()))).copied().unwrap_or(0);
         if count < DEATHS {
             continue;
         }
-        trials.resize(plan.rows.len(), Outcome::Ended { peak_bytes: None });
+        trials.resize(plan.rows.len(), TrialOutcome::Ended { peak_bytes: None });
         if let Some(trial) = trials.get_mut(i) {
-            *trial = Outcome::Died(format!(
+            *trial = TrialOutcome::Died(format!(
                 "skipped: {count} times the program ended without a word while this row was built, checked or \
                  first timed: killed, or out of memory"
             ));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::args::{Color, ExportArgs, RunArgs, TableArgs};
-use crate::commands::measuring::{Kept, begin, exit_code, measure_rest, warn_of};
+use crate::commands::measuring::{RunState, begin, exit_code, measure_rest, warn_of};
 use crate::commands::resumable::{ResumedRun, go_on, manifest, watch};
 use crate::commands::run_outputs;
 use crate::context::Context;
@@ -29,7 +29,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
     let settings = args.settings();
     let plan = plan_of(context, &settings)?;
     let record = begin(context.world, &context.command_line, &plan);
-    let mut kept = Kept::default();
+    let mut kept = RunState::default();
     let manifest = Manifest {
         asked: Some(settings),
         exports: run_outputs::named(&args.exports),
@@ -113,7 +113,7 @@ fn measure(
     view: &View,
     plan: &Plan<'_>,
     mut outputs: Outputs<'_>,
-    kept: Kept,
+    kept: RunState,
     record: RunRecord,
 ) -> Result<u8, Error> {
     context.warn_of_instructions();

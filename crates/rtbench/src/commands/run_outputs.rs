@@ -14,14 +14,14 @@ use studies::run::markdown;
 use crate::args::ExportArgs;
 use crate::context::Context;
 use crate::exports::measures::{self, Select};
-use crate::exports::occupied::{OccupiedError, Wanted};
+use crate::exports::occupied::{OccupiedError, PlannedOutput};
 use crate::exports::outputs::{OutputError, Outputs};
 use crate::exports::{bencher, github_action_benchmark};
 
 /// A format that the record of a run is written in.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Exporter {
-    /// Where the command line wants it.
+    /// Path given on the command line.
     pub path: fn(&ExportArgs) -> Option<&PathBuf>,
     /// The file's name in the folder of `-o`, if it is written there.
     pub in_folder: Option<&'static str>,
@@ -61,7 +61,7 @@ pub fn refuse_occupied(
     let Some(folder) = &args.output else { return Ok(()) };
     let names: Vec<&str> = EXPORTERS.iter().filter_map(|e| e.in_folder).collect();
     let (command_line, overwrite) = (&*context.command_line, context.overwrite);
-    Wanted { names: &names, command_line, manifest, overwrite }.check(folder)
+    PlannedOutput { names: &names, command_line, manifest, overwrite }.check(folder)
 }
 
 /// What is written to a folder of `-o`, the journal of a run among it.
@@ -74,12 +74,11 @@ pub fn files_in(folder: &Path) -> Vec<PathBuf> {
 pub fn refuse_unselected(args: &ExportArgs, plan: &Plan<'_>) -> Result<(), OutputError> {
     let Some(select) = &args.export_select else { return Ok(()) };
     let all = measures::series_of(plan);
-    match all.iter().any(|series| select.is_match(series)) {
-        true => Ok(()),
-        false => {
-            let example = all.first().cloned().unwrap_or_default();
-            Err(OutputError::NothingSelected(select.as_str().to_owned(), example))
-        }
+    if all.iter().any(|series| select.is_match(series)) {
+        Ok(())
+    } else {
+        let example = all.first().cloned().unwrap_or_default();
+        Err(OutputError::NothingSelected(select.as_str().to_owned(), example))
     }
 }
 
@@ -111,7 +110,7 @@ pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
     Ok(outputs)
 }
 
-/// What an exporter makes of a run, for the series that the command line selects.
+/// Text of an exporter for a run, limited to the selected series.
 fn text_of(
     exporter: &Exporter,
     args: &ExportArgs,

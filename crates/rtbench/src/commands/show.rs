@@ -18,7 +18,7 @@ use crate::error::Error;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -28,7 +28,8 @@ use presentation::text::write_table;
 use studies::showing::outline::outline;
 use studies::showing::picture::{Frame, View};
 use studies::showing::{
-    Plane, Projection, Seen, Shown, bodies, focus, path_through, picture, scene_box, sections,
+    DrawnStructure, Plane, Projection, SectionKind, bodies, focus, path_through, picture,
+    scene_box, sections,
 };
 
 /// What can be written.
@@ -49,7 +50,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         Some(path) => Some((path.as_path(), format_of(path)?)),
         None => None,
     };
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     if let Some((path, _)) = output {
         created.file(path)?;
     }
@@ -83,11 +84,11 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             let path = ray.as_ref().map(|ray| path_through(&*tracer, ray, &plane, &loaded));
             let path = path.transpose().map_err(no_cells)?;
             let seen = match args.project {
-                true => bodies(&*tracer, args.depth).map(Seen::Bodies),
-                false => sections(&*tracer, &plane, args.depth).map(Seen::Sections),
+                true => bodies(&*tracer, args.depth).map(SectionKind::Bodies),
+                false => sections(&*tracer, &plane, args.depth).map(SectionKind::Sections),
             };
             let seen = seen.map_err(no_cells)?;
-            Ok::<_, Error>(Shown { label: row.label(), stats: tracer.stats(), seen, path })
+            Ok::<_, Error>(DrawnStructure { label: row.label(), stats: tracer.stats(), seen, path })
         };
         shown.push(pool.install(one)?);
     }
@@ -111,7 +112,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     Ok(())
 }
 
-/// A structure with settings; occluders are told apart.
+/// A structure with settings; occluders are handled separately.
 fn row<'r>(context: &Context<'r>, text: &str) -> Result<Row<'r>, PlanError> {
     let name = text.split([':', ' ']).next().unwrap_or_default();
     if context.occluders.iter().any(|occluder| occluder.info.name == name) {
@@ -177,7 +178,7 @@ pub fn save(drawing: &Drawing, path: &Path, format: Format) -> Result<(), Error>
 }
 
 /// The steps of a ray, one line each.
-fn steps(scene: &str, shown: &Shown) -> Table {
+fn steps(scene: &str, shown: &DrawnStructure) -> Table {
     let mut table = Table {
         title: format!("{scene} through {}", shown.label),
         header: vec!["step", "into", "depth", "tested"],

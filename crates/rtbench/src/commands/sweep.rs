@@ -3,7 +3,7 @@
 
 use crate::args::{Color, SweepArgs};
 use crate::commands::measuring::{
-    Kept, Measured, begin, exit_code, measure_rest, measure_scenes, warn_of,
+    PlanResults, RunState, begin, exit_code, measure_rest, measure_scenes, warn_of,
 };
 use crate::context::Context;
 use crate::error::Error;
@@ -35,7 +35,7 @@ fn over_values(
     context: &mut Context<'_>,
     args: &SweepArgs,
     screen: Screen,
-) -> Result<Measured, Error> {
+) -> Result<PlanResults, Error> {
     let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
     context.warn_of_instructions();
     let mut outputs = Outputs::default();
@@ -64,7 +64,7 @@ fn over_sizes(
     args: &SweepArgs,
     asked: &Sizes,
     screen: Screen,
-) -> Result<Measured, Error> {
+) -> Result<PlanResults, Error> {
     let settings = args.size_settings(asked)?;
     let sweep = SizeSweep::new(&settings, context.registry, context.occluders, context.scenes)?;
     context.warn_of_instructions();
@@ -87,7 +87,7 @@ fn over_sizes(
         }
         Ok(())
     };
-    let kept = Kept::default();
+    let kept = RunState::default();
     let measured = measure_rest(context, &sweep.plan, &mut outputs, kept, record, show)?;
     if has_tables && !measured.record.scenes.is_empty() {
         sizes::table::write_slopes(context.out, &measured.record, screen)?;
@@ -103,7 +103,7 @@ mod tests {
     use clap::Parser;
 
     use crate::args::{Cli, Command};
-    use measurement::scenes::Installed;
+    use measurement::scenes::InstalledScenes;
     use studies::sweep::sizes::SizeSweep;
     use studies::sweep::{Abscissa, Sweep};
 
@@ -112,7 +112,7 @@ mod tests {
         let cli = Cli::try_parse_from(words).map_err(|e| e.to_string())?;
         let Command::Sweep(args) = cli.command else { return Err("another command".into()) };
         let settings = args.settings().map_err(|e| e.to_string())?;
-        Sweep::new(&settings, REGISTRY, &Installed).map_err(|e| e.to_string())
+        Sweep::new(&settings, REGISTRY, &InstalledScenes).map_err(|e| e.to_string())
     }
 
     fn labels(sweep: &Sweep<'_>) -> Vec<String> {
@@ -173,7 +173,7 @@ mod tests {
         let Command::Sweep(args) = cli.command else { return Err("another command".into()) };
         let settings = args.size_settings(args.sizes.as_ref().unwrap());
         let settings = settings.map_err(|e| e.to_string())?;
-        SizeSweep::new(&settings, REGISTRY, occluders::REGISTRY, &Installed)
+        SizeSweep::new(&settings, REGISTRY, occluders::REGISTRY, &InstalledScenes)
             .map_err(|e| e.to_string())
     }
 

@@ -13,7 +13,7 @@ use measurement::settings::Precision;
 use measurement::system::machine;
 use measurement::system::pools::deep_pool;
 use plugins::abi;
-use plugins::files::{self, About, Content, FileError};
+use plugins::files::{self, Content, FileError, FileSubject};
 use presentation::outside::line;
 use renderer::{Geometry, RayKind};
 
@@ -92,7 +92,7 @@ fn read(
     args: &TraceArgs,
     loaded: &LoadedScene,
     primitives: usize,
-) -> Result<(About, AskedRays), Error> {
+) -> Result<(FileSubject, AskedRays), Error> {
     let read = |source| plugins::PluginError::Read { file: args.rays.clone(), source };
     let bytes = std::fs::read(&args.rays).map_err(read)?;
     let wrong = |offset, what| FileError { file: args.rays.clone(), offset, what };
@@ -104,7 +104,7 @@ fn read(
         let mut rays = text::read(&args.rays, text)?;
         // text has the coordinates of the scene's file
         rays.iter_mut().for_each(|ray| ray.origin -= loaded.scene.origin);
-        let about = About {
+        let about = FileSubject {
             rays: [rays.len() as u64, 0, 0, 0, 0],
             triangles: primitives as u64,
             size: 1,
@@ -115,7 +115,7 @@ fn read(
         };
         return Ok((about, vec![(RayKind::Primary, rays)]));
     }
-    let about = About::read(&args.rays, &bytes, Content::Rays)?;
+    let about = FileSubject::read(&args.rays, &bytes, Content::Rays)?;
     if about.scene != scene {
         return Err(wrong(80, format!("rays of another scene than {}", args.scene)).into());
     }

@@ -12,7 +12,7 @@ use crate::exports::occupied::refuse_files;
 use crate::exports::outputs::write_file;
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
-use measurement::system::created::{Created, create};
+use measurement::system::created::{CreatedFiles, create};
 use measurement::system::files::write_text;
 use measurement::system::interrupt;
 use measurement::system::machine;
@@ -21,13 +21,13 @@ use measurement::system::progress::Progress;
 use presentation::outside::line;
 use presentation::text::write_table;
 use studies::verify::catalogue::{find, select};
-use studies::verify::check::{CheckPlan, PRECISIONS, Replayed, replay};
+use studies::verify::check::{CheckPlan, PRECISIONS, ReplayOutcome, replay};
 use studies::verify::registry::Case;
 use studies::verify::replay::{Replay, precision_name};
 use studies::verify::report::Report;
 use studies::verify::shrink::shrink;
 use studies::verify::subject::Subject;
-use studies::verify::watch::{Cut, Watch};
+use studies::verify::watch::{CheckWatch, StopReason};
 
 /// Verifies, or repeats one trial, and returns the exit code: for wrong hits 4, though a signal's
 /// comes first; out of time without any, 5.
@@ -65,9 +65,9 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     }
     context.out.flush()?;
     Ok(match report.cut {
-        Some(Cut::Interrupted(signal)) => signal_code(signal),
+        Some(StopReason::Interrupted(signal)) => signal_code(signal),
         _ if report.is_failure() => WRONG_HITS,
-        Some(Cut::OutOfTime) => INCONCLUSIVE,
+        Some(StopReason::OutOfTime) => INCONCLUSIVE,
         None => SUCCESS,
     })
 }
@@ -88,7 +88,7 @@ fn checked(
     let pool = deep_pool(args.threads.map_or_else(machine::threads, usize::from))?;
     let start = context.clock.now();
     let progress = Progress::new(context.shows_progress(), plan.all_rounds(), None);
-    let watch = Watch::new(context.clock, args.time_limit, signal, progress);
+    let watch = CheckWatch::new(context.clock, args.time_limit, signal, progress);
     let mut report = Report {
         command_line: context.command_line.clone(),
         seed: plan.seed,
@@ -141,7 +141,7 @@ fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> 
         return Ok(());
     };
     writeln!(context.out, "{}", shrunk.text())?;
-    let mut created = Created::default();
+    let mut created = CreatedFiles::default();
     created.folder(folder)?;
     created.keep();
     let path = |ending: &str| folder.join(format!("{}.{ending}", shrunk.name()));
@@ -161,7 +161,7 @@ fn repeat(context: &mut Context<'_>, args: &VerifyArgs, line: &Replay) -> Result
     let (_, case) = find(&line.case)?;
     let subject = Subject::parse(context.registry, &line.subject)?;
     let scene = || format!("{} round {}", case.id, line.round);
-    let Replayed { question, wrong, refused } = replay(case, line, &subject)
+    let ReplayOutcome { question, wrong, refused } = replay(case, line, &subject)
         .map_err(|source| MeasureError::Build { scene: scene(), source })?
         .ok_or_else(|| PlanError::Malformed {
             text: line.to_string(),

@@ -1,5 +1,5 @@
-//! Comparisons as CSV: one row per scene, row and metric; geometric means have no scene, and what was
-//! left out has no metric.
+//! Comparisons as CSV: one row per scene, row and metric; geometric means have no scene, and what
+//! was left out has no metric.
 
 use crate::comparison::Comparison;
 use presentation::csv::{number, written};

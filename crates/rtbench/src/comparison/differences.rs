@@ -1,84 +1,81 @@
-//! What keeps two runs from being compared.
+//! Differences that make two runs incomparable.
 //!
-//! A figure of one run can be held against one of another if nothing but the program differs between
-//! them. Other scenes, rays, arithmetic or instructions make everything another question. Another
-//! machine makes seconds one, but not counters, and not ratios to the reference of the same run,
-//! which is why they are taken. Another reference makes those another question; in a single scene
-//! too, where another row took its place.
+//! A figure of one run can be compared with one of another if nothing but the program differs
+//! between them. Other scenes, rays, arithmetic or instructions make everything another question.
+//! Another machine makes seconds one, but not counters, and not ratios to the reference of the same
+//! run, which is why they are taken. Another reference makes those another question; in a single
+//! scene too, where another row took its place.
 
 use std::collections::BTreeMap;
 
 use crate::comparison::pairing::Pairing;
-use measurement::record::metrics::Concerns;
+use measurement::record::metrics::DifferenceScope;
 use measurement::record::reference;
 use measurement::record::{Machine, RunRecord, SceneRecord};
 
 /// Something that two runs do not have in common.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Difference {
-    /// What it is, and what it was and is.
+    /// The property with its old and new value.
     pub what: String,
-    /// What it concerns.
-    pub concerns: Concerns,
+    pub concerns: DifferenceScope,
 }
 
 /// All differences between two runs, over the scenes that both have.
 pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
-    let mut found = Found(Vec::new());
+    let mut found = DifferenceList(Vec::new());
     let (a, b) = (&old.settings, &new.settings);
-    found.unless_equal(Concerns::Everything, "threads", &a.threads, &b.threads);
-    found.unless_equal(Concerns::Everything, "precision", &a.precision, &b.precision);
+    found.unless_equal(DifferenceScope::Everything, "threads", &a.threads, &b.threads);
+    found.unless_equal(DifferenceScope::Everything, "precision", &a.precision, &b.precision);
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let sizes = [a.resolution, b.resolution].map(size);
-    found.unless_equal(Concerns::Everything, "resolution", &sizes[0], &sizes[1]);
-    found.unless_equal(Concerns::Everything, "depth", &a.max_depth, &b.max_depth);
-    found.unless_equal(Concerns::Everything, "rays", &a.rays.join(","), &b.rays.join(","));
-    found.unless_equal(Concerns::Everything, "order of rays", &a.order, &b.order);
-    found.unless_equal(Concerns::Everything, "lights", &a.lights, &b.lights);
-    let views = [&a.view, &b.view].map(|view| match view.is_empty() {
-        true => "the scenes' own".to_owned(),
-        false => view.to_string(),
-    });
-    found.unless_equal(Concerns::Everything, "view", &views[0], &views[1]);
-    found.unless_equal(Concerns::Everything, "seed", &a.seed, &b.seed);
+    found.unless_equal(DifferenceScope::Everything, "resolution", &sizes[0], &sizes[1]);
+    found.unless_equal(DifferenceScope::Everything, "depth", &a.max_depth, &b.max_depth);
+    found.unless_equal(DifferenceScope::Everything, "rays", &a.rays.join(","), &b.rays.join(","));
+    found.unless_equal(DifferenceScope::Everything, "order of rays", &a.order, &b.order);
+    found.unless_equal(DifferenceScope::Everything, "lights", &a.lights, &b.lights);
+    let views = [&a.view, &b.view]
+        .map(|view| if view.is_empty() { "the scenes' own".to_owned() } else { view.to_string() });
+    found.unless_equal(DifferenceScope::Everything, "view", &views[0], &views[1]);
+    found.unless_equal(DifferenceScope::Everything, "seed", &a.seed, &b.seed);
     let (x, y) = (&old.compiler, &new.compiler);
-    found.unless_known_equal(Concerns::Everything, "target", &x.target, &y.target);
+    found.unless_known_equal(DifferenceScope::Everything, "target", &x.target, &y.target);
     found.features(&x.target_features, &y.target_features);
-    found.unless_known_equal(Concerns::Everything, "profile", &x.profile, &y.profile);
-    found.unless_known_equal(Concerns::Everything, "opt-level", &x.opt_level, &y.opt_level);
+    found.unless_known_equal(DifferenceScope::Everything, "profile", &x.profile, &y.profile);
+    found.unless_known_equal(DifferenceScope::Everything, "opt-level", &x.opt_level, &y.opt_level);
     for [before, after] in Pairing::of(old, new).scenes.into_iter().map(|pair| pair.scenes) {
         let name = &before.name;
         let what = format!("scene {name}: sha256");
-        found.unless_equal(Concerns::Everything, &what, &before.sha256, &after.sha256);
+        found.unless_equal(DifferenceScope::Everything, &what, &before.sha256, &after.sha256);
         if a.rays != b.rays {
             // said above
             continue;
         }
         let rays = [&before.rays, &after.rays].map(ray_counts);
         let what = format!("scene {name}: rays");
-        found.unless_equal(Concerns::Everything, &what, &rays[0], &rays[1]);
+        found.unless_equal(DifferenceScope::Everything, &what, &rays[0], &rays[1]);
     }
     let (m, n) = (&old.machine, &new.machine);
     found.processor(m, n);
-    found.unless_known_equal(Concerns::Seconds, "governor", &m.governor, &n.governor);
-    found.unless_known_equal(Concerns::Seconds, "boost", &m.boost, &n.boost);
-    found.unless_equal(Concerns::Ratios, "reference", &a.reference, &b.reference);
-    found.unless_equal(Concerns::Seconds, "timed by", &a.timed_by, &b.timed_by);
-    found.unless_equal(Concerns::Nothing, "system", &m.os, &n.os);
-    found.unless_known_equal(Concerns::Nothing, "compiler", &x.rustc, &y.rustc);
+    found.unless_known_equal(DifferenceScope::Seconds, "governor", &m.governor, &n.governor);
+    found.unless_known_equal(DifferenceScope::Seconds, "boost", &m.boost, &n.boost);
+    found.unless_equal(DifferenceScope::Ratios, "reference", &a.reference, &b.reference);
+    found.unless_equal(DifferenceScope::Seconds, "timed by", &a.timed_by, &b.timed_by);
+    found.unless_equal(DifferenceScope::Nothing, "system", &m.os, &n.os);
+    found.unless_known_equal(DifferenceScope::Nothing, "compiler", &x.rustc, &y.rustc);
     found.0
 }
 
-/// What differs between two machines' processors and decides about ratios of times: the model, how many
-/// threads, the instructions that are used. Memory and the kernel are no part of it.
+/// Differences of two machines' processors that affect ratios of times: model, number of threads,
+/// instruction sets. Memory and kernel do not count.
 pub fn other_processor(old: &Machine, new: &Machine) -> Option<String> {
-    let mut found = Found(Vec::new());
+    let mut found = DifferenceList(Vec::new());
     found.processor(old, new);
     let differing: Vec<String> = found.0.into_iter().map(|difference| difference.what).collect();
     (!differing.is_empty()).then(|| differing.join("; "))
 }
 
-/// What the ratios of a scene are over in both runs, where that is not the same row.
+/// References of a scene in both runs, if they differ.
 pub fn other_reference(scenes: [&SceneRecord; 2]) -> Option<[String; 2]> {
     let [old, new] = scenes.map(reference::of_scene);
     let both = [old?, new?];
@@ -90,12 +87,12 @@ fn ray_counts(rays: &BTreeMap<String, u64>) -> String {
 }
 
 /// Differences as they are found.
-struct Found(Vec<Difference>);
+struct DifferenceList(Vec<Difference>);
 
-impl Found {
+impl DifferenceList {
     fn unless_equal<T: PartialEq + ToString>(
         &mut self,
-        concerns: Concerns,
+        concerns: DifferenceScope,
         what: &str,
         old: &T,
         new: &T,
@@ -106,10 +103,10 @@ impl Found {
         }
     }
 
-    /// What is not known of one run is no difference.
+    /// Difference of two values; `None` if either is unknown.
     fn unless_known_equal<T: PartialEq + ToString>(
         &mut self,
-        concerns: Concerns,
+        concerns: DifferenceScope,
         what: &str,
         old: &Option<T>,
         new: &Option<T>,
@@ -120,11 +117,16 @@ impl Found {
     }
 
     fn processor(&mut self, old: &Machine, new: &Machine) {
-        self.unless_known_equal(Concerns::Seconds, "processor", &old.cpu, &new.cpu);
-        self.unless_equal(Concerns::Seconds, "threads of the machine", &old.threads, &new.threads);
+        self.unless_known_equal(DifferenceScope::Seconds, "processor", &old.cpu, &new.cpu);
+        self.unless_equal(
+            DifferenceScope::Seconds,
+            "threads of the machine",
+            &old.threads,
+            &new.threads,
+        );
         let avx512 = [old, new].map(|machine| machine.batches_by_avx512);
         self.unless_known_equal(
-            Concerns::Seconds,
+            DifferenceScope::Seconds,
             "wide nodes, batches by AVX-512",
             &avx512[0],
             &avx512[1],
@@ -139,7 +141,12 @@ impl Found {
             if only.is_empty() { "none".to_owned() } else { only.join(" ") }
         };
         let (gone, come) = (only(old, new), only(new, old));
-        self.unless_equal(Concerns::Everything, "target features of one run only", &gone, &come);
+        self.unless_equal(
+            DifferenceScope::Everything,
+            "target features of one run only",
+            &gone,
+            &come,
+        );
     }
 }
 
@@ -152,98 +159,110 @@ mod tests {
     fn every_planted_difference_is_found_and_concerns_what_it_should() {
         let old = run(&[("tetra", &[("obvhs-cwbvh", &[1.0])])]);
         assert_eq!(differences(&old, &old.clone()), []);
-        type Plant = (fn(&mut RunRecord), &'static str, Concerns);
+        type Plant = (fn(&mut RunRecord), &'static str, DifferenceScope);
         let plants: [Plant; 23] = [
-            (|r| r.settings.threads = 2, "threads: 1, then 2", Concerns::Everything),
+            (|r| r.settings.threads = 2, "threads: 1, then 2", DifferenceScope::Everything),
             (
                 |r| r.settings.precision = "f64".into(),
                 "precision: f32, then f64",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.settings.resolution = [8, 9],
                 "resolution: 16x16, then 8x9",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
-            (|r| r.settings.max_depth = 9, "depth: 4, then 9", Concerns::Everything),
+            (|r| r.settings.max_depth = 9, "depth: 4, then 9", DifferenceScope::Everything),
             (
                 |r| r.settings.rays = vec!["shadow".into()],
                 "rays: primary, then shadow",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.settings.order = "both".into(),
                 "order of rays: scanline, then both",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.settings.lights = "first".into(),
                 "lights: each, then first",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.settings.view.up = "0,0,1".parse().ok(),
                 "view: the scenes' own, then --up=0,0,1",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
-            (|r| r.settings.seed = 7, "seed: 1, then 7", Concerns::Everything),
+            (|r| r.settings.seed = 7, "seed: 1, then 7", DifferenceScope::Everything),
             (
                 |r| r.compiler.target = Some("arm".into()),
                 "target: x86_64-unknown-linux-gnu, then arm",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.compiler.target_features = vec!["avx2".into()],
                 "target features of one run only: fma, then none",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.compiler.profile = Some("dev".into()),
                 "profile: release, then dev",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.compiler.opt_level = Some("1".into()),
                 "opt-level: 3, then 1",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.scenes[0].sha256 = "ef".into(),
                 "scene tetra: sha256: cd, then ef",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.scenes[0].rays = [("shadow".into(), 9)].into(),
                 "scene tetra: rays: 256 primary, then 9 shadow",
-                Concerns::Everything,
+                DifferenceScope::Everything,
             ),
             (
                 |r| r.machine.cpu = Some("Other".into()),
                 "processor: Test CPU, then Other",
-                Concerns::Seconds,
+                DifferenceScope::Seconds,
             ),
-            (|r| r.machine.threads = 3, "threads of the machine: 2, then 3", Concerns::Seconds),
+            (
+                |r| r.machine.threads = 3,
+                "threads of the machine: 2, then 3",
+                DifferenceScope::Seconds,
+            ),
             (
                 |r| r.machine.governor = Some("powersave".into()),
                 "governor: performance, then powersave",
-                Concerns::Seconds,
+                DifferenceScope::Seconds,
             ),
-            (|r| r.machine.boost = Some(false), "boost: true, then false", Concerns::Seconds),
+            (
+                |r| r.machine.boost = Some(false),
+                "boost: true, then false",
+                DifferenceScope::Seconds,
+            ),
             (
                 |r| r.settings.reference = "hug".into(),
                 "reference: obvhs-cwbvh, then hug",
-                Concerns::Ratios,
+                DifferenceScope::Ratios,
             ),
             (
                 |r| r.settings.timed_by = "processor time".into(),
                 "timed by: time of day, then processor time",
-                Concerns::Seconds,
+                DifferenceScope::Seconds,
             ),
-            (|r| r.machine.os = "plan9".into(), "system: linux, then plan9", Concerns::Nothing),
+            (
+                |r| r.machine.os = "plan9".into(),
+                "system: linux, then plan9",
+                DifferenceScope::Nothing,
+            ),
             (
                 |r| r.compiler.rustc = Some("rustc 2".into()),
                 "compiler: rustc 1.90.0, then rustc 2",
-                Concerns::Nothing,
+                DifferenceScope::Nothing,
             ),
         ];
         let mut old = old;

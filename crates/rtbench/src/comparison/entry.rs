@@ -11,15 +11,14 @@ use statistics::verdict::{Change, Rule, Verdict};
 /// The probability of one false alarm in a comparison.
 pub const SIGNIFICANCE: f64 = 0.05;
 
-/// The equivalence margin where none is asked for. Smaller differences are those of where code and memory
-/// happen to lie, and what `check` lets pass.
+/// The equivalence margin where none is asked for. Smaller differences are those of where code and
+/// memory happen to lie, and what `check` lets pass.
 pub const MARGIN: f64 = 0.05;
 
-/// What comes of a comparison.
+/// Outcome of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    /// Exact: the same.
+pub enum ComparisonOutcome {
     Equal,
     /// Exact: less than before.
     Less,
@@ -29,16 +28,14 @@ pub enum Outcome {
     NoDifference,
     /// Measured: none of the others.
     Inconclusive,
-    /// Measured: certainly less.
     Faster,
-    /// Measured: certainly more.
     Slower,
     /// Measured: too few rounds for an interval.
     TooFewRounds,
 }
 
-impl Outcome {
-    /// Of an exact metric.
+impl ComparisonOutcome {
+    /// Outcome for an exact metric.
     pub fn of_exact(old: f64, new: f64) -> Self {
         match new.total_cmp(&old) {
             std::cmp::Ordering::Less => Self::Less,
@@ -47,7 +44,7 @@ impl Outcome {
         }
     }
 
-    /// Of a measured one, whose probability is corrected.
+    /// Outcome for a measured metric, whose probability is corrected.
     pub fn of_measured(change: &Change, rule: &Rule) -> Self {
         match rule.verdict(change) {
             _ if change.ratio.is_none() => Self::TooFewRounds,
@@ -58,7 +55,6 @@ impl Outcome {
         }
     }
 
-    /// As printed.
     pub fn name(self) -> &'static str {
         match self {
             Self::Equal => "equal",
@@ -81,32 +77,29 @@ impl Outcome {
 /// A metric of a row of a scene, before and after.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Entry {
-    /// Structure.
     pub structure: String,
-    /// What differs from its defaults.
+    /// Settings that differ from the defaults.
     pub settings: String,
-    /// The metric's name.
     pub metric: &'static str,
-    /// Its unit.
     pub unit: &'static str,
     /// Values or medians, their ratio (of exact metrics without width), the probability of chance.
     #[serde(flatten)]
     pub change: Change,
-    /// What comes of it.
-    pub outcome: Outcome,
+    /// Outcome of the comparison.
+    pub outcome: ComparisonOutcome,
 }
 
 impl Entry {
-    /// Compares; none where one of the rows has no such metric. Of measured ones the outcome is known when
-    /// all are there, see [`Entry::decide`].
+    /// Compares; none where one of the rows has no such metric. Of measured ones the outcome is
+    /// known when all are there, see [`Entry::decide`].
     pub fn of(metric: &Metric, pair: &RowPair<'_>) -> Option<Self> {
         let [before, after] = [0, 1].map(|i| metric.values(pair.scenes[i], pair.rows[i]));
         let (change, outcome) = if metric.is_exact() {
             let (old, new) = (before.middle()?, after.middle()?);
             let change = Change { old, new, ratio: exact_ratio(old, new), p: None, samples: 1 };
-            (change, Outcome::of_exact(old, new))
+            (change, ComparisonOutcome::of_exact(old, new))
         } else {
-            (Change::of_series(&before, &after)?, Outcome::Inconclusive)
+            (Change::of_series(&before, &after)?, ComparisonOutcome::Inconclusive)
         };
         let [_, row] = pair.rows;
         Some(Self {
@@ -119,19 +112,21 @@ impl Entry {
         })
     }
 
-    /// Whether it has rounds, and no exact value.
+    /// Returns whether it has rounds, and no exact value.
     pub fn is_measured(&self) -> bool {
-        !matches!(self.outcome, Outcome::Equal | Outcome::Less | Outcome::More)
+        !matches!(
+            self.outcome,
+            ComparisonOutcome::Equal | ComparisonOutcome::Less | ComparisonOutcome::More
+        )
     }
 
     /// Decides a measured metric, whose probability is corrected.
     pub fn decide(&mut self, rule: &Rule) {
         if self.is_measured() {
-            self.outcome = Outcome::of_measured(&self.change, rule);
+            self.outcome = ComparisonOutcome::of_measured(&self.change, rule);
         }
     }
 
-    /// Structure and settings.
     pub fn label(&self) -> String {
         label(&self.structure, &self.settings)
     }
@@ -144,7 +139,7 @@ pub fn size_of(ratio: Option<Estimate>) -> f64 {
 }
 
 /// A change beyond that share.
-pub fn exceeds(ratio: Option<Estimate>, outcome: Outcome, share: f64) -> bool {
+pub fn exceeds(ratio: Option<Estimate>, outcome: ComparisonOutcome, share: f64) -> bool {
     outcome.is_change() && size_of(ratio) > share
 }
 
@@ -160,18 +155,20 @@ mod tests {
 
     #[test]
     fn exact_metrics_have_no_tolerance() {
-        assert_eq!(Outcome::of_exact(2.0, 1.0), Outcome::Less);
-        assert_eq!(Outcome::of_exact(1.0, 2.0), Outcome::More);
-        assert_eq!(Outcome::of_exact(1.0, 1.0), Outcome::Equal);
+        assert_eq!(ComparisonOutcome::of_exact(2.0, 1.0), ComparisonOutcome::Less);
+        assert_eq!(ComparisonOutcome::of_exact(1.0, 2.0), ComparisonOutcome::More);
+        assert_eq!(ComparisonOutcome::of_exact(1.0, 1.0), ComparisonOutcome::Equal);
     }
 
     #[test]
     fn a_threshold_holds_in_both_directions() {
         let by = |ratio: f64, outcome| exceeds(exact_ratio(1.0, ratio), outcome, 0.05);
-        assert!(by(1.06, Outcome::Slower) && !by(1.04, Outcome::Slower));
-        assert!(by(0.94, Outcome::Faster) && !by(0.96, Outcome::Faster));
-        assert!(!by(1.5, Outcome::NoDifference) && !by(1.5, Outcome::TooFewRounds));
-        assert!(exceeds(exact_ratio(0.0, 3.0), Outcome::More, 1e9));
+        assert!(by(1.06, ComparisonOutcome::Slower) && !by(1.04, ComparisonOutcome::Slower));
+        assert!(by(0.94, ComparisonOutcome::Faster) && !by(0.96, ComparisonOutcome::Faster));
+        assert!(
+            !by(1.5, ComparisonOutcome::NoDifference) && !by(1.5, ComparisonOutcome::TooFewRounds)
+        );
+        assert!(exceeds(exact_ratio(0.0, 3.0), ComparisonOutcome::More, 1e9));
         assert_eq!(exact_ratio(0.0, 0.0).map(|r| r.median), Some(1.0));
     }
 }

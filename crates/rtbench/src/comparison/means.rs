@@ -2,9 +2,9 @@
 
 use serde::Serialize;
 
-use crate::comparison::choice::Choice;
+use crate::comparison::choice::ComparisonSettings;
 use crate::comparison::differences::other_reference;
-use crate::comparison::entry::{Outcome, exact_ratio};
+use crate::comparison::entry::{ComparisonOutcome, exact_ratio};
 use crate::comparison::pairing::RowPair;
 use measurement::record::RowRecord;
 use measurement::record::metrics::Metric;
@@ -15,27 +15,24 @@ use statistics::verdict::{Change, Rule, correct};
 /// A metric of a row over all scenes: the geometric mean of the ratios.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Mean {
-    /// Structure.
     pub structure: String,
-    /// What differs from its defaults.
+    /// Settings that differ from the defaults.
     pub settings: String,
-    /// The metric's name.
     pub metric: &'static str,
     /// Scenes it is over.
     pub scenes: u64,
-    /// After over before.
     pub ratio: Option<Estimate>,
     /// The probability of chance, corrected for all means; none of exact metrics.
     pub p: Option<f64>,
-    /// What comes of it.
-    pub outcome: Outcome,
+    /// Outcome of the comparison.
+    pub outcome: ComparisonOutcome,
 }
 
 /// Geometric means over the scenes, by row and metric.
 pub fn means(
     pairs: &[RowPair<'_>],
     metrics: &[&'static Metric],
-    choice: &Choice,
+    choice: &ComparisonSettings,
     rule: &Rule,
 ) -> Vec<Mean> {
     let mut rows: Vec<&RowRecord> = Vec::new();
@@ -64,7 +61,7 @@ pub fn means(
     let decided = found.into_iter().map(|(mean, change)| match change {
         None => mean,
         Some(change) => Mean {
-            outcome: Outcome::of_measured(&change, rule),
+            outcome: ComparisonOutcome::of_measured(&change, rule),
             ratio: change.ratio,
             p: change.p,
             ..mean
@@ -97,7 +94,10 @@ fn mean<'p, 'r: 'p>(
     }
     if !metric.is_exact() {
         let groups: Vec<[&Series; 2]> = values.iter().map(|[old, new]| [old, new]).collect();
-        return Some((mean(None, Outcome::Inconclusive), Some(Change::of_mean(&groups)?)));
+        return Some((
+            mean(None, ComparisonOutcome::Inconclusive),
+            Some(Change::of_mean(&groups)?),
+        ));
     }
     let first = |side: &Series| side.values().first().copied();
     let all: Option<Vec<(f64, f64)>> =
@@ -106,8 +106,8 @@ fn mean<'p, 'r: 'p>(
     let ratios = all.iter().map(|&(old, new)| Some(exact_ratio(old, new)?.median));
     let ratio = ratios.collect::<Option<Vec<f64>>>().and_then(|ratios| geometric_mean(&ratios));
     let outcome = match ratio {
-        _ if all.iter().all(|(old, new)| old == new) => Outcome::Equal,
-        Some(ratio) => Outcome::of_exact(1.0, ratio),
+        _ if all.iter().all(|(old, new)| old == new) => ComparisonOutcome::Equal,
+        Some(ratio) => ComparisonOutcome::of_exact(1.0, ratio),
         None => return None,
     };
     Some((mean(ratio.and_then(|ratio| exact_ratio(1.0, ratio)), outcome), None))

@@ -12,14 +12,14 @@ pub mod tables;
 
 use serde::Serialize;
 
-pub use choice::{Choice, Named};
+pub use choice::{ComparisonSettings, NamedRun};
 
 use crate::comparison::differences::{Difference, differences, other_reference};
-use crate::comparison::entry::{Entry, Outcome, SIGNIFICANCE, size_of};
+use crate::comparison::entry::{ComparisonOutcome, Entry, SIGNIFICANCE, size_of};
 use crate::comparison::means::{Mean, means};
 use crate::comparison::notes::notes;
 use crate::comparison::pairing::{Pairing, RowPair, ScenePair};
-use measurement::record::metrics::Concerns;
+use measurement::record::metrics::DifferenceScope;
 use measurement::record::metrics::{METRICS, Metric};
 use measurement::record::{RowRecord, RunRecord, Verdict, label};
 use statistics::mann_whitney::{least_p, samples_needed};
@@ -31,7 +31,6 @@ pub enum CompareError {
     /// They answer other questions.
     #[error("cannot be compared ({names}): {}; --force compares them all the same", reasons.join("; "))]
     Incomparable {
-        /// Both runs.
         names: String,
         /// Every reason, with what was and what is.
         reasons: Vec<String>,
@@ -41,7 +40,6 @@ pub enum CompareError {
         "{names}: no row in common: {old}, then {new}; --match OLD=NEW compares a row that has another name now"
     )]
     NoCommonRow {
-        /// Both runs.
         names: String,
         /// Rows of the first.
         old: String,
@@ -51,7 +49,6 @@ pub enum CompareError {
     /// They have no scene in common.
     #[error("{names}: no scene in common: {old}, then {new}")]
     NoCommonScene {
-        /// Both runs.
         names: String,
         /// Scenes of the first.
         old: String,
@@ -64,27 +61,20 @@ pub enum CompareError {
              'hug=hug density=4'"
     )]
     Match {
-        /// As typed.
         text: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         message: String,
     },
     /// The filter is no regular expression.
     #[error("--filter '{filter}': {message}")]
     Filter {
-        /// As typed.
         filter: String,
-        /// What is wrong with it.
+        /// Description of the fault.
         message: String,
     },
     /// The filter finds nothing.
     #[error("--filter '{filter}' finds nothing among {among}, as SCENE/STRUCTURE SETTINGS/METRIC")]
-    NothingMatches {
-        /// As typed.
-        filter: String,
-        /// Both runs.
-        among: String,
-    },
+    NothingMatches { filter: String, among: String },
 }
 
 /// Metrics of a comparison where none are named; exact ones only where they differ.
@@ -93,60 +83,52 @@ pub fn default_metrics() -> Vec<&'static Metric> {
     METRICS.iter().filter(is_default).collect()
 }
 
-/// What is known of one side.
+/// Description of one side.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Side {
     /// `A`, `B`, ...
     pub letter: String,
-    /// Where it was read from.
+    /// Path it was read from.
     pub path: String,
     /// Commit of the program.
     pub git_revision: Option<String>,
-    /// Processor.
     pub cpu: Option<String>,
 }
 
-/// A run held against another.
+/// A run compared with another.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
-    /// The run that the other is held against.
+    /// The run that the other is compared with.
     pub old: Side,
-    /// The other.
     pub new: Side,
-    /// What makes the figures less than they seem: what is left out or forced, and why; what is
-    /// not there.
+    /// Notes that limit the figures: parts left out, forced or missing, with reasons.
     pub notes: Vec<String>,
     /// Rows whose answers to the same rays changed, with their scenes.
     pub answers_changed: Vec<String>,
-    /// By scene.
     pub scenes: Vec<SceneComparison>,
     /// Over the scenes, geometric means.
     pub means: Vec<Mean>,
     /// Exact metrics that are equal and not shown.
     pub equal: u64,
-    /// What did not change by the threshold and is not shown.
+    /// Number of rows below the threshold, which are not shown.
     pub below_threshold: u64,
 }
 
 /// A scene of both runs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SceneComparison {
-    /// Name.
     pub scene: String,
-    /// What can be compared.
     pub entries: Vec<Entry>,
     /// Rows, or parts of them, that cannot, and why.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<SkippedRow>,
 }
 
-/// A row that is not compared, or not in all its metrics, or not without a word.
+/// A row that is not compared, or only in part, or with a caveat.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct LeftOut {
-    /// Structure.
+pub struct SkippedRow {
     pub structure: String,
-    /// What differs from its defaults.
+    /// Settings that differ from the defaults.
     pub settings: String,
-    /// Why.
     pub why: String,
 }
 
@@ -155,9 +137,9 @@ pub struct LeftOut {
 /// # Errors
 /// [`CompareError`].
 pub fn compare(
-    old: Named<'_>,
-    new: Named<'_>,
-    choice: &Choice,
+    old: NamedRun<'_>,
+    new: NamedRun<'_>,
+    choice: &ComparisonSettings,
 ) -> Result<Comparison, CompareError> {
     let names = || format!("{}: {}, {}: {}", old.letter, old.path, new.letter, new.path);
     let pairing = Pairing::of(old.run, new.run);
@@ -209,14 +191,14 @@ pub fn compare(
     Ok(comparison)
 }
 
-/// What a change must be beyond: the larger A/A floor of both runs, where they have one.
+/// Thresholds of changes: the larger A/A floor of both runs, if any.
 fn rule(runs: [&RunRecord; 2], margin: f64) -> Rule {
     let floors = runs.into_iter().filter_map(|run| run.floor.as_ref());
     let noise = floors.map(|floor| floor.floor).fold(0.0, f64::max);
     Rule { margin, noise, significance: SIGNIFICANCE }
 }
 
-fn side(named: Named<'_>) -> Side {
+fn side(named: NamedRun<'_>) -> Side {
     Side {
         letter: named.letter.into(),
         path: named.path.into(),
@@ -226,27 +208,31 @@ fn side(named: Named<'_>) -> Side {
 }
 
 /// The metrics that can be compared, or every reason why none can.
-fn metrics(choice: &Choice, differing: &[Difference]) -> Result<Vec<&'static Metric>, Vec<String>> {
-    let reasons = |concerns: Concerns| {
+fn metrics(
+    choice: &ComparisonSettings,
+    differing: &[Difference],
+) -> Result<Vec<&'static Metric>, Vec<String>> {
+    let reasons = |concerns: DifferenceScope| {
         let of = differing.iter().filter(move |d| d.concerns == concerns);
         of.map(|d| d.what.clone()).collect::<Vec<_>>()
     };
     if choice.is_forced {
         return Ok(choice.metrics.clone());
     }
-    let all = reasons(Concerns::Everything);
+    let all = reasons(DifferenceScope::Everything);
     let left: Vec<_> = choice
         .metrics
         .iter()
         .filter(|m| !differing.iter().any(|d| m.is_concerned(d.concerns)))
         .copied()
         .collect();
-    match all.is_empty() && !left.is_empty() {
-        true => Ok(left),
-        false => Err([Concerns::Everything, Concerns::Seconds, Concerns::Ratios]
+    if all.is_empty() && !left.is_empty() {
+        Ok(left)
+    } else {
+        Err([DifferenceScope::Everything, DifferenceScope::Seconds, DifferenceScope::Ratios]
             .into_iter()
             .flat_map(reasons)
-            .collect()),
+            .collect())
     }
 }
 
@@ -257,7 +243,7 @@ impl Comparison {
         &mut self,
         pair: &ScenePair<'r>,
         metrics: &[&'static Metric],
-        choice: &Choice,
+        choice: &ComparisonSettings,
         letters: [&str; 2],
         pairs: &mut Vec<RowPair<'r>>,
     ) {
@@ -290,7 +276,7 @@ impl Comparison {
         &mut self,
         pair: &RowPair<'r>,
         metrics: &[&'static Metric],
-        choice: &Choice,
+        choice: &ComparisonSettings,
         letters: [&str; 2],
         out: &mut SceneComparison,
         pairs: &mut Vec<RowPair<'r>>,
@@ -337,7 +323,7 @@ impl Comparison {
     }
 
     /// Corrects and decides what was measured; keeps what is shown, and counts the rest.
-    fn decide(&mut self, rule: &Rule, choice: &Choice) {
+    fn decide(&mut self, rule: &Rule, choice: &ComparisonSettings) {
         let entries = || self.scenes.iter().flat_map(|scene| &scene.entries);
         let measured = entries().filter(|entry| entry.change.p.is_some());
         let (tests, samples) = (measured.clone().count(), measured.map(|e| e.change.samples).min());
@@ -354,7 +340,8 @@ impl Comparison {
             let (shown, hidden): (Vec<Entry>, Vec<Entry>) = std::mem::take(&mut scene.entries)
                 .into_iter()
                 .partition(|entry| choice.shows(entry.change.ratio, entry.outcome));
-            let is_equal = |entry: &&Entry| entry.outcome == Outcome::Equal && !choice.shows_equal;
+            let is_equal =
+                |entry: &&Entry| entry.outcome == ComparisonOutcome::Equal && !choice.shows_equal;
             let equal = hidden.iter().filter(is_equal).count();
             self.equal += equal as u64;
             self.below_threshold += (hidden.len() - equal) as u64;
@@ -375,12 +362,11 @@ impl SceneComparison {
 
     fn leave_out(&mut self, row: &RowRecord, why: String) {
         let (structure, settings) = (row.structure.clone(), row.settings.clone());
-        self.left_out.push(LeftOut { structure, settings, why });
+        self.left_out.push(SkippedRow { structure, settings, why });
     }
 }
 
-impl LeftOut {
-    /// Structure and settings.
+impl SkippedRow {
     pub fn label(&self) -> String {
         label(&self.structure, &self.settings)
     }

@@ -1,28 +1,30 @@
-//! What is to be kept in mind with a comparison.
+//! Caveats of a comparison.
 
-use crate::comparison::choice::{Choice, Named};
+use crate::comparison::choice::{ComparisonSettings, NamedRun};
 use crate::comparison::differences::{Difference, other_reference};
 use crate::comparison::pairing::Pairing;
-use measurement::record::metrics::Concerns;
+use measurement::record::metrics::DifferenceScope;
 
-/// What is to be said of two runs that are compared all the same.
+/// Caveats of comparing two runs.
 pub fn notes(
-    old: Named<'_>,
-    new: Named<'_>,
+    old: NamedRun<'_>,
+    new: NamedRun<'_>,
     pairing: &Pairing<'_>,
-    choice: &Choice,
+    choice: &ComparisonSettings,
     differing: &[Difference],
 ) -> Vec<String> {
     let mut said = Vec::new();
     for Difference { what, concerns } in differing {
         let consequence = match (concerns, choice.is_forced) {
-            (Concerns::Nothing, _) => "",
+            (DifferenceScope::Nothing, _) => "",
             (_, true) => "; compared by --force",
-            (Concerns::Seconds, _) => {
+            (DifferenceScope::Seconds, _) => {
                 "; times in seconds are not compared (--force does), ratios and counters are"
             }
-            (Concerns::Ratios, _) => "; ratios to the reference are not compared (--force does)",
-            (Concerns::Everything, false) => "",
+            (DifferenceScope::Ratios, _) => {
+                "; ratios to the reference are not compared (--force does)"
+            }
+            (DifferenceScope::Everything, false) => "",
         };
         said.push(format!("{what}{consequence}"));
     }
@@ -32,7 +34,7 @@ pub fn notes(
         let (in_a, in_b, scene) = (old.letter, new.letter, &scenes[0].name);
         said.push(format!("scene {scene}: ratios to {a} in {in_a}, to {b} in {in_b}, {what}"));
     }
-    for Named { letter, run, .. } in [old, new] {
+    for NamedRun { letter, run, .. } in [old, new] {
         if !run.complete || run.scenes.len() < run.planned.len() {
             let (finished, all) = (run.scenes.len(), run.planned.len());
             said.push(format!("{letter} is incomplete: {finished} of {all} scenes"));

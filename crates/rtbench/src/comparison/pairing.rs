@@ -1,4 +1,4 @@
-//! Which scenes and rows of two records are the same, and which only one of them has.
+//! Pairs the scenes and rows of two records, and lists those that only one has.
 
 use serde::Serialize;
 
@@ -24,7 +24,6 @@ pub struct ScenePair<'r> {
     pub only: [Vec<&'r RowRecord>; 2],
 }
 
-/// Two records, paired.
 #[derive(Debug, Clone)]
 pub struct Pairing<'r> {
     /// Scenes of both, in the order of the older.
@@ -36,9 +35,7 @@ pub struct Pairing<'r> {
 /// A row that one of two records lacks.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct MissingRow {
-    /// Scene.
     pub scene: String,
-    /// Structure and settings.
     pub row: String,
     /// Only the newer record has it: it was added, not removed.
     pub is_new: bool,
@@ -61,7 +58,7 @@ pub fn in_words(missing: &[MissingRow]) -> Vec<String> {
 }
 
 impl<'r> Pairing<'r> {
-    /// Of an older and a newer record: scenes by their names, rows by structure and settings.
+    /// Pairs an older and a newer record: scenes by name, rows by structure and settings.
     pub fn of(old: &'r RunRecord, new: &'r RunRecord) -> Self {
         let lacks = |run: &RunRecord, scene: &SceneRecord| {
             run.scenes.iter().all(|other| other.name != scene.name)

@@ -1,7 +1,7 @@
 //! Rows that have another name now.
 //!
-//! Settings have `=` in them as the option has, so the text is cut where both halves name rows that are
-//! there.
+//! Settings have `=` in them as the option has, so the text is cut where both halves name rows that
+//! are there.
 
 use std::fmt;
 
@@ -10,16 +10,17 @@ use measurement::record::{RowRecord, RunRecord};
 
 /// A row, or all rows of a structure, and what it is called now.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Renamed {
+pub struct Renaming {
     old: Name,
     new: Name,
 }
 
-/// What `--match` names.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Name {
-    /// One row.
-    Row { structure: String, settings: String },
+    Row {
+        structure: String,
+        settings: String,
+    },
     /// All rows of a structure.
     Structure(String),
 }
@@ -34,22 +35,26 @@ impl fmt::Display for Name {
     }
 }
 
-impl fmt::Display for Renamed {
+impl fmt::Display for Renaming {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "matched: {} with {}", self.old, self.new)
     }
 }
 
-/// What a text says of the first run and the others.
+/// Parses a text about the first run and the others.
 ///
 /// # Errors
 /// [`CompareError::Match`] where it names no rows, or may be read in two ways.
-pub fn matched(text: &str, old: &RunRecord, others: &[RunRecord]) -> Result<Renamed, CompareError> {
+pub fn matched(
+    text: &str,
+    old: &RunRecord,
+    others: &[RunRecord],
+) -> Result<Renaming, CompareError> {
     let cuts = text.match_indices('=').filter_map(|(place, _)| {
         let (before, after) = (text.get(..place)?, text.get(place + 1..)?);
         Some((before, after))
     });
-    let mut found: Vec<Renamed> = Vec::new();
+    let mut found: Vec<Renaming> = Vec::new();
     for (before, after) in cuts.clone() {
         let row = |text: &str, runs: &[RunRecord]| runs.iter().find_map(|run| row(text, run));
         let structure =
@@ -62,7 +67,7 @@ pub fn matched(text: &str, old: &RunRecord, others: &[RunRecord]) -> Result<Rena
             |name: &Name| matches!(name, Name::Row { settings, .. } if settings.is_empty());
         let rows = rows.filter(|(old, new)| !(is_plain(old) && is_plain(new)));
         let either = rows.or_else(all);
-        found.extend(either.map(|(old, new)| Renamed { old, new }));
+        found.extend(either.map(|(old, new)| Renaming { old, new }));
     }
     let message = match (found.len(), cuts.count()) {
         (1, _) => return found.pop().ok_or_else(|| error(text, "nothing")),
@@ -77,7 +82,7 @@ pub fn matched(text: &str, old: &RunRecord, others: &[RunRecord]) -> Result<Rena
 ///
 /// # Errors
 /// [`CompareError::Match`] where it names no row of the newer, or may be read in two ways.
-pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Renamed, CompareError> {
+pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Renaming, CompareError> {
     let name = |text: &str| {
         let label = text.trim().replace(':', " ");
         let (structure, settings) = label.split_once(' ').unwrap_or((&label, ""));
@@ -87,17 +92,18 @@ pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Rename
         Name::Row { structure, .. } => Name::Structure(structure),
         structure => structure,
     };
-    let mut found: Vec<Renamed> = Vec::new();
+    let mut found: Vec<Renaming> = Vec::new();
     for (place, _) in text.match_indices('=') {
         let halves = text.get(..place).zip(text.get(place + 1..));
         let Some((old, new)) = halves.filter(|(old, new)| !old.is_empty() && is_known(new)) else {
             continue;
         };
         let has_settings = |text: &str| text.trim().contains([' ', ':']);
-        found.push(match has_settings(old) || has_settings(new) {
-            true => Renamed { old: name(old), new: name(new) },
+        found.push(if has_settings(old) || has_settings(new) {
+            Renaming { old: name(old), new: name(new) }
+        } else {
             // a structure without settings is all its rows
-            false => Renamed { old: all_of(name(old)), new: all_of(name(new)) },
+            Renaming { old: all_of(name(old)), new: all_of(name(new)) }
         });
     }
     match (found.len(), found.pop()) {
@@ -127,7 +133,7 @@ fn structure(text: &str, run: &RunRecord) -> Option<Name> {
     Some(Name::Structure(row.structure.clone()))
 }
 
-impl Renamed {
+impl Renaming {
     /// From the new name to the old one.
     pub fn reversed(&self) -> Self {
         Self { old: self.new.clone(), new: self.old.clone() }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-use crate::comparison::entry::{Entry, Outcome};
+use crate::comparison::entry::{ComparisonOutcome, Entry};
 use crate::comparison::{Comparison, SceneComparison, Side};
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
@@ -14,10 +14,10 @@ use statistics::estimate::Estimate;
 /// Column heads of a scene's table.
 const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];
 
-/// Those of most weight: these stay where not all fit.
+/// Columns kept when not all fit.
 const FIRST: [&str; 5] = ["metric", "ratio [95%]", "outcome", "new", "old"];
 
-/// What the columns mean.
+/// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
      95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
@@ -131,7 +131,7 @@ fn scene_table(scene: &SceneComparison, sides: &str, indent: bool) -> Table {
     }
 }
 
-/// What is not compared, by the reason.
+/// Rows that are not compared, by reason.
 fn left_out(scene: &SceneComparison) -> Vec<String> {
     let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
     for out in &scene.left_out {
@@ -185,8 +185,11 @@ fn value(entry: &Entry, value: f64) -> String {
     }
 }
 
-fn ratio(outcome: Outcome, ratio: Option<Estimate>) -> String {
-    let is_exact = matches!(outcome, Outcome::Equal | Outcome::Less | Outcome::More);
+fn ratio(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> String {
+    let is_exact = matches!(
+        outcome,
+        ComparisonOutcome::Equal | ComparisonOutcome::Less | ComparisonOutcome::More
+    );
     match ratio {
         None => "-".to_owned(),
         Some(ratio) if is_exact => format!("{:.4}", ratio.median),
@@ -199,14 +202,15 @@ fn probability(p: f64) -> String {
 }
 
 /// The outcome in words; of exact metrics with the change.
-fn outcome(outcome: Outcome, ratio: Option<Estimate>) -> Cell {
+fn outcome(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> Cell {
     let change = ratio.map(|r| format!(" by {:.3}%", 100.0 * (r.median - 1.0).abs()));
-    let change = change.filter(|_| matches!(outcome, Outcome::Less | Outcome::More));
+    let change =
+        change.filter(|_| matches!(outcome, ComparisonOutcome::Less | ComparisonOutcome::More));
     let style = match outcome {
-        Outcome::Slower | Outcome::More => Style::Bad,
-        Outcome::Faster | Outcome::Less => Style::Best,
-        Outcome::Equal | Outcome::NoDifference => Style::Dim,
-        Outcome::Inconclusive | Outcome::TooFewRounds => Style::Plain,
+        ComparisonOutcome::Slower | ComparisonOutcome::More => Style::Bad,
+        ComparisonOutcome::Faster | ComparisonOutcome::Less => Style::Best,
+        ComparisonOutcome::Equal | ComparisonOutcome::NoDifference => Style::Dim,
+        ComparisonOutcome::Inconclusive | ComparisonOutcome::TooFewRounds => Style::Plain,
     };
     Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
 }

@@ -18,8 +18,8 @@ fn record(grid: f64, tree: f64) -> RunRecord {
     run(&[("balls", &rows), ("tetra", &rows)])
 }
 
-fn choice() -> Choice {
-    Choice {
+fn choice() -> ComparisonSettings {
+    ComparisonSettings {
         metrics: default_metrics(),
         shows_equal: false,
         filter: None,
@@ -30,13 +30,17 @@ fn choice() -> Choice {
     }
 }
 
-fn compared(old: &RunRecord, new: &RunRecord, choice: &Choice) -> Result<Comparison, CompareError> {
-    let named = |letter, path, run| Named { letter, path, run };
+fn compared(
+    old: &RunRecord,
+    new: &RunRecord,
+    choice: &ComparisonSettings,
+) -> Result<Comparison, CompareError> {
+    let named = |letter, path, run| NamedRun { letter, path, run };
     compare(named("A", "old.json", old), named("B", "new.json", new), choice)
 }
 
 /// Outcomes by scene, row and metric.
-fn outcomes(comparison: &Comparison) -> Vec<(String, Outcome)> {
+fn outcomes(comparison: &Comparison) -> Vec<(String, ComparisonOutcome)> {
     let of = |s: &SceneComparison| {
         let name = s.scene.clone();
         let line = |e: &Entry| (format!("{name}/{}/{}", e.label(), e.metric), e.outcome);
@@ -45,7 +49,7 @@ fn outcomes(comparison: &Comparison) -> Vec<(String, Outcome)> {
     comparison.scenes.iter().flat_map(of).collect()
 }
 
-fn outcome(comparison: &Comparison, of: &str) -> Outcome {
+fn outcome(comparison: &Comparison, of: &str) -> ComparisonOutcome {
     let all = outcomes(comparison);
     all.iter().find(|(line, _)| line == of).unwrap_or_else(|| panic!("{of} of {all:?}")).1
 }
@@ -56,8 +60,8 @@ fn a_planted_slow_down_is_found_and_what_did_not_change_is_called_that() {
     for scene in ["balls", "tetra"] {
         for metric in ["build", "trace", "ratio"] {
             let of = |row| outcome(&comparison, &format!("{scene}/{row}/{metric}"));
-            assert_eq!(of("uniform-grid"), Outcome::Slower, "{metric}");
-            assert_eq!(of("kd-tree sah=0"), Outcome::NoDifference, "{metric}");
+            assert_eq!(of("uniform-grid"), ComparisonOutcome::Slower, "{metric}");
+            assert_eq!(of("kd-tree sah=0"), ComparisonOutcome::NoDifference, "{metric}");
         }
     }
     let grid = &comparison.scenes[0]
@@ -75,11 +79,11 @@ fn a_planted_slow_down_is_found_and_what_did_not_change_is_called_that() {
         .iter()
         .find(|m| m.structure == "uniform-grid" && m.metric == "trace")
         .unwrap();
-    assert_eq!((mean.scenes, mean.outcome), (2, Outcome::Slower));
+    assert_eq!((mean.scenes, mean.outcome), (2, ComparisonOutcome::Slower));
     assert!((mean.ratio.unwrap().median - 1.3).abs() < 1e-9);
     assert!(mean.ratio.unwrap().low > change.ratio.unwrap().low, "two scenes say more than one");
     let faster = compared(&record(2.0, 3.0), &record(1.6, 3.0), &choice()).unwrap();
-    assert_eq!(outcome(&faster, "tetra/uniform-grid/trace"), Outcome::Faster);
+    assert_eq!(outcome(&faster, "tetra/uniform-grid/trace"), ComparisonOutcome::Faster);
 }
 
 #[test]
@@ -88,31 +92,37 @@ fn counters_are_compared_exactly() {
     new.scenes[1].rows[1].work.as_mut().unwrap().intersection_tests += 1;
     new.scenes[1].rows[1].stats.as_mut().unwrap().n_ev = 5;
     let comparison = compared(&old, &new, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_it"), Outcome::More);
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ev"), Outcome::More);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_it"), ComparisonOutcome::More);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ev"), ComparisonOutcome::More);
     assert_eq!(comparison.equal, 58);
     let mean = |metric| comparison.means.iter().find(|m| m.metric == metric);
     let n_it = mean("n_it").unwrap().ratio.unwrap().median;
     assert!((n_it - (513.0f64 / 512.0).sqrt()).abs() < 1e-12);
     assert_eq!(mean("n_ev"), None, "what rises from 0 has no mean");
-    let all = Choice { metrics: METRICS.iter().collect(), shows_equal: true, ..choice() };
+    let all =
+        ComparisonSettings { metrics: METRICS.iter().collect(), shows_equal: true, ..choice() };
     let comparison = compared(&old, &new, &all).unwrap();
     assert_eq!(comparison.equal, 0);
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ts"), Outcome::Equal);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ts"), ComparisonOutcome::Equal);
 }
 
 #[test]
 fn filter_and_threshold_choose_what_is_shown() {
     let (old, new) = (record(2.0, 3.0), record(2.2, 3.9));
     let filter = Some(Regex::new("^tetra/.*grid.*/trace$").unwrap());
-    let shown = compared(&old, &new, &Choice { filter, ..choice() }).unwrap();
-    assert_eq!(outcomes(&shown), [("tetra/uniform-grid/trace".to_owned(), Outcome::Slower)]);
+    let shown = compared(&old, &new, &ComparisonSettings { filter, ..choice() }).unwrap();
+    assert_eq!(
+        outcomes(&shown),
+        [("tetra/uniform-grid/trace".to_owned(), ComparisonOutcome::Slower)]
+    );
     assert_eq!((shown.means.len(), shown.means[0].scenes), (1, 1));
-    let shown = compared(&old, &new, &Choice { threshold: Some(0.2), ..choice() }).unwrap();
+    let shown =
+        compared(&old, &new, &ComparisonSettings { threshold: Some(0.2), ..choice() }).unwrap();
     assert!(outcomes(&shown).iter().all(|(line, _)| line.contains("kd-tree")), "{shown:?}");
     assert_eq!((outcomes(&shown).len(), shown.below_threshold), (6, 10));
     let filter = Some(Regex::new("hug").unwrap());
-    let error = compared(&old, &new, &Choice { filter, ..choice() }).unwrap_err().to_string();
+    let error =
+        compared(&old, &new, &ComparisonSettings { filter, ..choice() }).unwrap_err().to_string();
     assert!(
         error.starts_with("--filter 'hug' finds nothing among A: old.json, B: new.json"),
         "{error}"
@@ -131,7 +141,7 @@ fn what_cannot_be_compared_is_refused_with_all_reasons_unless_forced() {
         "cannot be compared (A: old.json, B: new.json): threads: 1, then 2; seed: 1, then 9; \
          scene tetra: sha256: cd, then ef; --force compares them all the same"
     );
-    let forced = compared(&old, &new, &Choice { is_forced: true, ..choice() }).unwrap();
+    let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..choice() }).unwrap();
     assert_eq!(forced.notes[0], "threads: 1, then 2; compared by --force");
     assert_eq!((forced.notes.len(), forced.scenes[1].entries.len()), (3, 8));
 }
@@ -145,12 +155,14 @@ fn another_machine_leaves_ratios_and_counters() {
     assert!(shown.len() == 4 && shown.iter().all(|line| line.ends_with("/ratio")), "{shown:?}");
     assert_eq!(comparison.equal, 60);
     assert!(comparison.notes[0].starts_with("processor: Test CPU, then Other CPU; times in"));
-    let seconds =
-        Choice { metrics: vec![measurement::record::metrics::named("trace").unwrap()], ..choice() };
+    let seconds = ComparisonSettings {
+        metrics: vec![measurement::record::metrics::named("trace").unwrap()],
+        ..choice()
+    };
     let error = compared(&old, &new, &seconds).unwrap_err().to_string();
     assert!(error.contains("processor: Test CPU, then Other CPU; --force"), "{error}");
-    let forced = compared(&old, &new, &Choice { is_forced: true, ..seconds }).unwrap();
-    assert_eq!(outcome(&forced, "tetra/uniform-grid/trace"), Outcome::Slower);
+    let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..seconds }).unwrap();
+    assert_eq!(outcome(&forced, "tetra/uniform-grid/trace"), ComparisonOutcome::Slower);
     new.machine = old.machine.clone();
     new.settings.reference = "kd-tree".into();
     let comparison = compared(&old, &new, &choice()).unwrap();
@@ -179,10 +191,10 @@ fn nothing_is_lost_without_a_word() {
         ["uniform-grid: wrong in B", "kd-tree sah=0: trace, ratio over other rays, not compared"]
     );
     assert!(outcomes(&comparison).iter().all(|(line, _)| !line.contains("uniform-grid")));
-    let forced = compared(&old, &new, &Choice { is_forced: true, ..choice() }).unwrap();
+    let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..choice() }).unwrap();
     assert!(forced.scenes[1].left_out[1].why.ends_with("over other rays, compared by --force"));
-    assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), Outcome::NoDifference);
-    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), Outcome::NoDifference);
+    assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), ComparisonOutcome::NoDifference);
+    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), ComparisonOutcome::NoDifference);
     let said = &comparison.notes;
     assert_eq!(said[0], "B is incomplete: 3 of 8 scenes");
     assert!(said[1].starts_with("B: noisy machine"));
@@ -214,11 +226,19 @@ fn an_interval_that_the_test_does_not_bear_out_is_inconclusive() {
     let of = |times: &[f64]| run(&[("tetra", &[("obvhs-cwbvh", &level), ("hug", times)])]);
     let two = of(&[1.5, 1.5, 1.5]);
     let comparison = compared(&of(&[1.0, 1.0, 1.0]), &two, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Outcome::Inconclusive, "three rounds");
+    assert_eq!(
+        outcome(&comparison, "tetra/hug/trace"),
+        ComparisonOutcome::Inconclusive,
+        "three rounds"
+    );
     let said = comparison.notes.iter().find(|note| note.starts_with("3 rounds cannot be"));
     assert!(said.is_some_and(|note| note.contains("run --rounds 5")), "{:?}", comparison.notes);
     let comparison = compared(&of(&level), &of(&heaps), &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Outcome::Inconclusive, "two heaps");
+    assert_eq!(
+        outcome(&comparison, "tetra/hug/trace"),
+        ComparisonOutcome::Inconclusive,
+        "two heaps"
+    );
 }
 
 /// Times around 1 that are drawn anew for each run.
@@ -240,7 +260,8 @@ fn two_runs_of_one_program_differ_in_no_row_and_in_no_mean() {
     for seed in 0..40 {
         let (old, new) = (drawn(2 * seed, 12), drawn(2 * seed + 1, 12));
         let comparison = compared(&old, &new, &choice()).unwrap();
-        for mean in comparison.means.iter().filter(|mean| mean.outcome != Outcome::Equal) {
+        for mean in comparison.means.iter().filter(|mean| mean.outcome != ComparisonOutcome::Equal)
+        {
             let label = format!("tetra/{}/{}", mean.structure, mean.metric);
             assert_eq!(mean.outcome, outcome(&comparison, &label), "one scene, one verdict");
         }
@@ -256,14 +277,14 @@ fn the_floor_of_either_run_is_noise() {
     let mut new = record(2.6, 3.0);
     new.floor = measurement::record::FloorRecord::of([("planted".to_owned(), 1.4)].into_iter());
     let comparison = compared(&old, &new, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/trace"), Outcome::Inconclusive);
-    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/trace"), Outcome::NoDifference);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/trace"), ComparisonOutcome::Inconclusive);
+    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/trace"), ComparisonOutcome::NoDifference);
 }
 
 #[test]
 fn the_largest_change_comes_first_where_that_is_asked_for() {
     let (old, new) = (record(2.0, 3.0), record(2.2, 1.5));
-    let sorted = compared(&old, &new, &Choice { by_change: true, ..choice() }).unwrap();
+    let sorted = compared(&old, &new, &ComparisonSettings { by_change: true, ..choice() }).unwrap();
     let first = &sorted.scenes[0].entries[0];
     assert_eq!(first.structure, "kd-tree");
     let in_order = compared(&old, &new, &choice()).unwrap();
@@ -284,5 +305,5 @@ fn runs_without_a_common_row_are_an_error() {
 fn two_rounds_have_no_interval() {
     let few = run(&[("tetra", &[("obvhs-cwbvh", &[1.0, 1.0]), ("hug", &[2.0, 9.0])])]);
     let comparison = compared(&few, &few, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Outcome::TooFewRounds);
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), ComparisonOutcome::TooFewRounds);
 }

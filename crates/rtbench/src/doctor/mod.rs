@@ -1,5 +1,4 @@
-//! What may disturb measurements on a machine: one finding per line, with what it means and what to
-//! do.
+//! Checks a machine for sources of noise: one finding per line, with its meaning and advice.
 //!
 //! Files of `/proc` and `/sys` (Linux) say most of it. Where one is not there, the finding is
 //! `unknown`; nothing is guessed.
@@ -17,7 +16,7 @@ use measurement::system::world::World;
 
 pub mod noise;
 
-/// Whether a thing that was looked at disturbs measurements.
+/// True if a thing that was looked at disturbs measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Level {
@@ -32,11 +31,10 @@ pub enum Level {
 pub struct Finding {
     /// Name of the inspected property.
     pub name: &'static str,
-    /// Whether it disturbs measurements.
+    /// True if it disturbs measurements.
     pub level: Level,
     /// Value found, in words.
     pub value: String,
-    /// Effect on measurements.
     pub meaning: &'static str,
     /// Advice; only for warnings.
     pub advice: Option<&'static str>,
@@ -70,7 +68,7 @@ pub fn diagnose(system: &System, clock: &dyn Clock) -> Diagnosis {
 }
 
 /// A thing to look at: what it is called, what it means, what to do, and how it is found: whether
-/// it is as it should be, and in words; nothing where the system does not say.
+/// it is as it should be, and in words; nothing where the system does not report it.
 struct Check {
     name: &'static str,
     meaning: &'static str,

@@ -23,7 +23,7 @@ const QUIET: f64 = 0.01;
 /// Results of the timing loops.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Noise {
-    /// How many loops were timed.
+    /// Number of timed loops.
     pub loops: usize,
     /// Median time of a loop, seconds.
     pub loop_s: f64,
@@ -75,7 +75,7 @@ fn of_times(mut seconds: Vec<f64>) -> Noise {
 }
 
 impl Noise {
-    /// Whether the machine is quiet, and the score in words.
+    /// Returns whether the machine is quiet, and the score in words.
     pub fn judged(&self) -> (bool, String) {
         let words = format!(
             "{:.2}% (the middle half of {} loops of {:.2} ms), the slowest {:.0}% slower",

@@ -1,5 +1,5 @@
-//! Where results go when their own files cannot be written: a folder of their own among the
-//! system's temporary files.
+//! Fallback for results whose files cannot be written: a new folder among the system's temporary
+//! files.
 
 use std::fs;
 use std::io;

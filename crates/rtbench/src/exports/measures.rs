@@ -1,4 +1,4 @@
-//! What services that keep time series want of a run: a flat list of named numbers.
+//! A run as a flat list of named numbers, for services that keep time series.
 //!
 //! Rows whose times may not be shown (wrong, not built, panicked) are left out of it, counters and
 //! all; `run` ends with exit code 4 or 1 for them. Ratios that are to another row than the run's
@@ -18,7 +18,6 @@ pub struct Measure {
     pub row: String,
     /// As in [`METRICS`]; of rates `mrays-primary` and so on.
     pub name: String,
-    /// Its unit.
     pub unit: &'static str,
     /// The value; of what was measured, the median.
     pub value: f64,
@@ -26,7 +25,7 @@ pub struct Measure {
     pub interval: Option<[f64; 2]>,
 }
 
-/// Which series are exported: those that it finds in `SCENE: STRUCTURE SETTINGS / NAME`; none: all.
+/// Filter of exported series, matched against `SCENE: STRUCTURE SETTINGS / NAME`; `None` for all.
 pub type Select<'a> = Option<&'a Regex>;
 
 impl Measure {

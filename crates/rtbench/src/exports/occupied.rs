@@ -1,5 +1,5 @@
 //! What a folder of `-o` holds already. Results are not written over unless that is asked for:
-//! those of another plan would be lost, those of the same plan can be gone on with.
+//! those of another plan would be lost, those of the same plan can be resumed.
 
 use std::path::{Path, PathBuf};
 use std::{fs, io};
@@ -43,7 +43,7 @@ pub enum OccupiedError {
         finished: usize,
         scenes: usize,
     },
-    /// Results are there that cannot be gone on with.
+    /// Results are there that cannot be resumed.
     #[error(
         "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or say \
          --overwrite",
@@ -78,7 +78,7 @@ pub enum OccupiedError {
     Record(#[from] RecordError),
 }
 
-/// Whether there is nothing at a path.
+/// Returns whether there is nothing at a path.
 fn is_absent(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }
@@ -99,18 +99,19 @@ pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), Occu
 }
 
 /// Output planned for a folder.
-pub struct Wanted<'a> {
+pub struct PlannedOutput<'a> {
     /// The names of the files, the record first.
     pub names: &'a [&'a str],
     pub command_line: &'a [String],
     /// What the run is, where it keeps a journal.
     pub manifest: Option<&'a Manifest>,
-    /// Whatever is there may be replaced.
+    /// Existing output may be replaced.
     pub overwrite: bool,
 }
 
-impl Wanted<'_> {
-    /// Refuses a folder that holds something else, or anything that is no file in the place of one.
+impl PlannedOutput<'_> {
+    /// Refuses a folder that holds something else, or anything that is not a file where a file is
+    /// expected.
     pub fn check(&self, folder: &Path) -> Result<(), OccupiedError> {
         let journal = self.manifest.map(|_| journal::NAME);
         let mut sizes = Vec::new();
@@ -164,7 +165,7 @@ impl Wanted<'_> {
         #[derive(Deserialize)]
         struct Record {
             command_line: Vec<String>,
-            /// Of a run, what would be lost.
+            /// Scenes of a run that would be lost.
             scenes: Option<Vec<IgnoredAny>>,
         }
         let path = folder.join(name);

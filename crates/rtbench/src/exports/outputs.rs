@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use measurement::record::RunRecord;
-use measurement::system::created::Created;
+use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::files::{open, replace, write_text};
 use measurement::system::interrupt::undisturbed;
@@ -58,7 +58,7 @@ pub struct Outputs<'a> {
     outputs: Vec<Output<'a>>,
     /// Format printed to standard output instead of the tables.
     printed: Option<Formatter<'a>>,
-    created: Created,
+    created: CreatedFiles,
 }
 
 impl<'a> Outputs<'a> {
@@ -70,7 +70,7 @@ impl<'a> Outputs<'a> {
         Ok(self.created.folder(path)?)
     }
 
-    /// Whether standard output is taken, so that no tables may be printed.
+    /// Returns whether standard output is taken, so that no tables may be printed.
     pub fn are_printed(&self) -> bool {
         self.printed.is_some()
     }
@@ -124,7 +124,7 @@ impl<'a> Outputs<'a> {
         Ok(!gone.is_empty())
     }
 
-    /// Whether anything is written to files.
+    /// Returns whether anything is written to files.
     pub fn are_files(&self) -> bool {
         !self.outputs.is_empty()
     }

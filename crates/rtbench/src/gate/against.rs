@@ -1,5 +1,5 @@
-//! Two binaries of rtbench, or one with two builds of a plugin, and a copy of the newer, as contenders: the same
-//! rows and rays for each.
+//! Two binaries of rtbench, or one with two builds of a plugin, and a copy of the newer, as
+//! contenders: the same rows and rays for each.
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;
@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::comparison::pairing::Pairing;
-use crate::comparison::renamed::Renamed;
-use crate::gate::pace::Pace;
+use crate::comparison::renamed::Renaming;
+use crate::gate::pace::TurnPlan;
 use crate::gate::thresholds::Thresholds;
 use measurement::answers::check::stride_for;
 use measurement::record::RunRecord;
@@ -22,10 +22,8 @@ const PASS_SECONDS: f64 = 0.001;
 /// Why two programs could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum AgainstError {
-    /// The other program.
     #[error("older: {0}")]
     Old(ChildError),
-    /// This one.
     #[error(transparent)]
     New(ChildError),
     /// This program's own file is not known.
@@ -34,7 +32,7 @@ pub enum AgainstError {
 }
 
 impl From<(usize, ChildError)> for AgainstError {
-    /// Of a program by its place in [`Contest::programs`].
+    /// Error of a program, given by its place in [`Contest::programs`].
     fn from((place, error): (usize, ChildError)) -> Self {
         if place == 0 { Self::Old(error) } else { Self::New(error) }
     }
@@ -43,7 +41,6 @@ impl From<(usize, ChildError)> for AgainstError {
 /// A binary with the options that load its plugins.
 #[derive(Debug, Clone)]
 pub struct Program {
-    /// The file.
     pub path: PathBuf,
     /// `--plugin FILE` and its settings.
     pub plugins: Vec<OsString>,
@@ -56,19 +53,18 @@ pub struct Contest {
     pub programs: [Program; 3],
     /// The record that says what to measure, with one round at least.
     pub like: RunRecord,
-    /// How many processes.
-    pub pace: Pace,
+    pub pace: TurnPlan,
     /// Sources of scene files may lie outside their folders.
     pub allow_outside: bool,
     /// Rows that the older calls otherwise.
-    pub matches: Vec<Renamed>,
+    pub matches: Vec<Renaming>,
     /// They name kinds of rays that are timed apart.
     pub thresholds: Thresholds,
 }
 
 impl Contest {
-    /// The old program's record of the same rows and rays, all answers checked, rows named as the newer
-    /// does. Rows that it does not know are left out.
+    /// The old program's record of the same rows and rays, all answers checked, rows named as the
+    /// newer does. Rows that it does not know are left out.
     ///
     /// # Errors
     /// [`AgainstError`].
@@ -84,8 +80,8 @@ impl Contest {
         Ok(record)
     }
 
-    /// Keeps of what is measured the rows that the old program has, too, and of these such as have times
-    /// in both.
+    /// Keeps of what is measured the rows that the old program has, too, and of these such as have
+    /// times in both.
     pub fn keep_common(&mut self, old: &RunRecord) {
         let pairing = Pairing::of(old, &self.like);
         let timed = pairing.rows().filter(|pair| pair.rows.iter().all(|r| r.verdict.is_timed()));

@@ -1,6 +1,6 @@
 //! Annotations of GitHub Actions, one for each thing that is wrong.
 
-use crate::gate::evidence::{Finding, Outcome};
+use crate::gate::evidence::{Finding, GateOutcome};
 use crate::gate::report::Report;
 use presentation::outside::Annotation;
 
@@ -10,7 +10,7 @@ const MOST: usize = 10;
 /// The annotations of a check: errors for regressions and wrong hits, warnings for what is
 /// inconclusive.
 pub fn of(report: &Report) -> Vec<Annotation> {
-    let of = |level: &[Outcome]| -> Vec<&Finding> {
+    let of = |level: &[GateOutcome]| -> Vec<&Finding> {
         let mut found: Vec<_> =
             report.findings.iter().filter(|f| level.contains(&f.outcome)).collect();
         found.sort_by_key(|f| std::cmp::Reverse(f.outcome));
@@ -18,8 +18,8 @@ pub fn of(report: &Report) -> Vec<Annotation> {
     };
     let mut annotations = Vec::new();
     for (level, found) in [
-        ("error", of(&[Outcome::WrongHits, Outcome::Regression])),
-        ("warning", of(&[Outcome::Inconclusive])),
+        ("error", of(&[GateOutcome::WrongHits, GateOutcome::Regression])),
+        ("warning", of(&[GateOutcome::Inconclusive])),
     ] {
         let shown = if found.len() > MOST { MOST - 1 } else { found.len() };
         annotations.extend(found.iter().take(shown).map(|finding| Annotation {

@@ -4,10 +4,9 @@
 //! answers must be those of the baseline: ids and every bit of t.
 
 use crate::comparison::pairing::RowPair;
-use crate::gate::evidence::{Evidence, Finding, Outcome, Stage};
+use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage};
 use measurement::record::Verdict;
 
-/// Registry line.
 pub const STAGE: Stage =
     Stage { name: "answers", summary: "no wrong hits; all answers as in the baseline", judge };
 
@@ -20,7 +19,7 @@ fn of_row(row: &RowPair<'_>) -> Finding {
     Finding::of(STAGE.name, row, "answers", outcome, note)
 }
 
-fn outcome(row: &RowPair<'_>) -> (Outcome, String) {
+fn outcome(row: &RowPair<'_>) -> (GateOutcome, String) {
     let [base, now] = row.rows;
     let ways = |was: &str, is: &str| format!("was {was}, is {is}");
     let verdicts = || ways(base.verdict.name(), now.verdict.name());
@@ -28,34 +27,35 @@ fn outcome(row: &RowPair<'_>) -> (Outcome, String) {
         Verdict::Wrong => {
             let (wrong, rays) = (now.mismatches, now.checked_rays);
             let example = now.example.as_deref().unwrap_or("no example");
-            return (Outcome::WrongHits, format!("{wrong} of {rays} rays: {example}"));
+            return (GateOutcome::WrongHits, format!("{wrong} of {rays} rays: {example}"));
         }
         v if !v.is_judged() => {
             let why = now.error.as_deref().unwrap_or(now.verdict.name());
-            return match base.verdict == now.verdict {
-                true => (Outcome::Unchanged, why.to_owned()),
-                false => (Outcome::Regression, format!("{}: {why}", verdicts())),
+            return if base.verdict == now.verdict {
+                (GateOutcome::Unchanged, why.to_owned())
+            } else {
+                (GateOutcome::Regression, format!("{}: {why}", verdicts()))
             };
         }
         _ => {}
     }
     if now.mismatches > base.mismatches && now.checked_rays == base.checked_rays {
         let (was, is) = (base.mismatches.to_string(), now.mismatches.to_string());
-        return (Outcome::Regression, format!("wrong hits by design: {}", ways(&was, &is)));
+        return (GateOutcome::Regression, format!("wrong hits by design: {}", ways(&was, &is)));
     }
     if now.verdict != base.verdict {
-        return (Outcome::Improved, verdicts());
+        return (GateOutcome::Improved, verdicts());
     }
     if base.checked_rays != now.checked_rays {
         let (was, is) = (base.checked_rays.to_string(), now.checked_rays.to_string());
         let note = format!("other rays were checked: {}", ways(&was, &is));
-        return (Outcome::NotJudged, note);
+        return (GateOutcome::NotJudged, note);
     }
     match (&base.answers_sha256, &now.answers_sha256) {
-        (Some(was), Some(is)) if was == is => (Outcome::Unchanged, String::new()),
+        (Some(was), Some(is)) if was == is => (GateOutcome::Unchanged, String::new()),
         (Some(_), Some(_)) => {
-            (Outcome::Regression, "not the baseline's answers, though none is wrong".to_owned())
+            (GateOutcome::Regression, "not the baseline's answers, though none is wrong".to_owned())
         }
-        _ => (Outcome::NotJudged, "the baseline has no hash of answers".to_owned()),
+        _ => (GateOutcome::NotJudged, "the baseline has no hash of answers".to_owned()),
     }
 }

@@ -1,6 +1,6 @@
 //! The columns of what was judged: one line each, from which tables and CSV come.
 
-use crate::gate::evidence::{Finding, Outcome};
+use crate::gate::evidence::{Finding, GateOutcome};
 use presentation::column::{Column, Unit, Value};
 use presentation::numbers;
 use presentation::table::{Cell, Style};
@@ -49,10 +49,10 @@ fn number(x: f64) -> Cell {
 
 fn outcome(finding: &Finding) -> Cell {
     let style = match finding.outcome {
-        Outcome::WrongHits | Outcome::Regression => Style::Bad,
-        Outcome::Improved => Style::Best,
-        Outcome::NotJudged => Style::Dim,
-        Outcome::Inconclusive | Outcome::Unchanged => Style::Plain,
+        GateOutcome::WrongHits | GateOutcome::Regression => Style::Bad,
+        GateOutcome::Improved => Style::Best,
+        GateOutcome::NotJudged => Style::Dim,
+        GateOutcome::Inconclusive | GateOutcome::Unchanged => Style::Plain,
     };
     let text = if finding.note.is_empty() {
         finding.outcome.name().to_owned()

@@ -2,17 +2,16 @@
 
 use crate::comparison::differences::{Difference, differences, other_processor};
 use measurement::record::RunRecord;
-use measurement::record::metrics::Concerns;
+use measurement::record::metrics::DifferenceScope;
 
-/// What keeps `now` from being held against `base`, each in words: all that keeps two runs from being
-/// compared, but for seconds, which no stage looks at, and references, which are looked at scene by
-/// scene.
+/// Reasons why `now` cannot be compared with `base`: all differences that make runs incomparable,
+/// except for seconds, which no stage uses, and references, which are compared by scene.
 pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
-    let refuses = |d: &Difference| d.concerns == Concerns::Everything;
+    let refuses = |d: &Difference| d.concerns == DifferenceScope::Everything;
     differences(base, now).into_iter().filter(refuses).map(|d| d.what).collect()
 }
 
-/// What is worth a word, and no reason not to compare.
+/// Remarks that do not prevent a comparison.
 pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(processors) = other_processor(&base.machine, &now.machine) {

@@ -1,15 +1,16 @@
 //! Programs measured in turns: an old one, a new one, and a copy of the new one's file.
 //!
-//! A process of each stands ready with the scene, its rays and its rows. For each row the three make a lap, one
-//! after the other: a build and a pass over the rays, by the processor's time, a few milliseconds apart, so
-//! that whatever disturbs them disturbs all three. Orders are random, each the reverse of the one before: of any
-//! two programs each is first equally often. After a second or so three fresh processes follow, in which code
-//! and memory lie elsewhere. What counts is what processes say: the ratios within laps, and of these the median
-//! of each process.
+//! A process of each stands ready with the scene, its rays and its rows. For each row the three
+//! make a lap, one after the other: a build and a pass over the rays, by the processor's time, a
+//! few milliseconds apart, so that whatever disturbs them disturbs all three. Orders are random,
+//! each the reverse of the one before: of any two programs each is first equally often. After a
+//! second or so three fresh processes follow, in which code and memory lie elsewhere. What counts
+//! is what processes say: the ratios within laps, and of these the median of each process.
 //!
-//! After some processes the laps so far are looked at. Rows that are decided are asked no more, and when all are,
-//! the contest is over. Each look is a chance for a false alarm, so the significance is divided by their number
-//! (Bonferroni). What the copy differs by is the floor: no smaller difference is claimed.
+//! After some processes the laps so far are looked at. Rows that are decided are asked no more, and
+//! when all are, the contest is over. Each look is a chance for a false alarm, so the significance
+//! is divided by their number (Bonferroni). What the copy differs by is the floor: no smaller
+//! difference is claimed.
 
 use std::collections::BTreeSet;
 
@@ -27,25 +28,22 @@ use measurement::system::progress::Progress;
 use statistics::estimate::median;
 use statistics::series::Series;
 
-/// Laps of each row in a process, as many as take [`PROCESS_SECONDS`] within these bounds; the first finds
-/// neither memory nor caches, and is not counted.
+/// Laps of each row in a process, as many as take [`PROCESS_SECONDS`] within these bounds; the
+/// first finds neither memory nor caches, and is not counted.
 const LAPS: (u32, u32) = (5, 40);
 /// Seconds of a process's laps that are worth its start.
 const PROCESS_SECONDS: f64 = 0.4;
 
-/// What is timed.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Key {
-    /// Scene.
     pub scene: String,
-    /// Structure and settings.
     pub row: String,
     /// `build`, `trace`, or a kind of rays that has a threshold.
     pub quantity: &'static str,
 }
 
 impl Key {
-    /// Of a row of two records.
+    /// Key of a row of two records.
     pub fn of(row: &RowPair<'_>, quantity: &'static str) -> Self {
         Self { scene: row.scenes[1].name.clone(), row: row.rows[1].label(), quantity }
     }
@@ -54,7 +52,6 @@ impl Key {
 /// The times of all laps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairedTimes {
-    /// What was timed.
     #[serde(flatten)]
     pub key: Key,
     /// Seconds of the old program, the new one, and the new one's copy, a lap each.
@@ -84,8 +81,8 @@ fn laps(like: &RunRecord) -> u32 {
 }
 
 impl Contest {
-    /// Build and trace times of the rows that all programs have. `undecided` says, of the laps so far, what is
-    /// not decided.
+    /// Build and trace times of the rows that all programs have. `undecided` says, of the laps so
+    /// far, what is not decided.
     ///
     /// # Errors
     /// [`ChildError`] of the first process that gives no answer, and whose it is.

@@ -1,15 +1,15 @@
 //! Stage: the exact counters, without any tolerance.
 //!
 //! They are the same on every machine, so any difference is one of the code. More work or more
-//! memory is a regression; less is an improvement, to be kept by saving a new baseline. More empty cells,
-//! steps into them or saved tests alone are neither: what they cost is in the counters that they are shares of.
+//! memory is a regression; less is an improvement, to be kept by saving a new baseline. More empty
+//! cells, steps into them or saved tests alone are neither: what they cost is in the counters that
+//! they are shares of.
 
 use crate::comparison::entry::exact_ratio;
 use crate::comparison::pairing::RowPair;
-use crate::gate::evidence::{Evidence, Finding, Outcome, Stage};
+use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage};
 use measurement::record::metrics::{METRICS, Metric};
 
-/// Registry line.
 pub const STAGE: Stage =
     Stage { name: "counters", summary: "what was built and the work of the rays, exactly", judge };
 
@@ -19,7 +19,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     rows.iter().flat_map(|row| exact.iter().filter_map(|metric| of(metric, row))).collect()
 }
 
-/// What became of a metric; none where neither side has it.
+/// Finding about a metric; `None` if neither side has it.
 fn of(metric: &Metric, row: &RowPair<'_>) -> Option<Finding> {
     let [base, current] = row.rows;
     let (was, is) = (metric.exact(base), metric.exact(current));
@@ -32,25 +32,28 @@ fn of(metric: &Metric, row: &RowPair<'_>) -> Option<Finding> {
         (Some(before), Some(now)) => (before, now),
         (None, None) => return None,
         // whether it was built is judged with its answers
-        _ => return Some(finding(Outcome::NotJudged, "one side has none")),
+        _ => return Some(finding(GateOutcome::NotJudged, "one side has none")),
     };
     let counted = |row: &measurement::record::RowRecord| row.work.as_ref().map(|w| w.rays);
     if counted(base) != counted(current) {
-        return Some(finding(Outcome::NotJudged, "other rays were counted"));
+        return Some(finding(GateOutcome::NotJudged, "other rays were counted"));
     }
     if !metric.is_cost && before != now {
-        return Some(finding(Outcome::NotJudged, "changed; no cost by itself, but a share of one"));
+        return Some(finding(
+            GateOutcome::NotJudged,
+            "changed; no cost by itself, but a share of one",
+        ));
     }
     if before > 0.0 && now == 0.0 {
         return Some(finding(
-            Outcome::NotJudged,
+            GateOutcome::NotJudged,
             "nothing was counted: less work, or counted no more",
         ));
     }
     let outcome = match before.total_cmp(&now) {
-        std::cmp::Ordering::Less => Outcome::Regression,
-        std::cmp::Ordering::Equal => Outcome::Unchanged,
-        std::cmp::Ordering::Greater => Outcome::Improved,
+        std::cmp::Ordering::Less => GateOutcome::Regression,
+        std::cmp::Ordering::Equal => GateOutcome::Unchanged,
+        std::cmp::Ordering::Greater => GateOutcome::Improved,
     };
     Some(Finding { change: exact_ratio(before, now), ..finding(outcome, "") })
 }

@@ -1,29 +1,26 @@
-//! Why nothing could be held against a baseline.
+//! Reasons why no row can be compared with a baseline.
 
 use crate::baselines::BaselineError;
 use crate::comparison::pairing::{MissingRow, in_words};
 use crate::gate::against::AgainstError;
 use crate::gate::thresholds::ThresholdError;
-use crate::like::LikeError;
+use crate::replan::ReplanError;
 use measurement::callgrind::CallgrindError;
 
-/// Why nothing could be held against a baseline.
+/// Reasons why no row can be compared with a baseline.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GateError {
     /// The baseline says nothing that could be measured anew.
     #[error(transparent)]
-    Like(#[from] LikeError),
+    Like(#[from] ReplanError),
     /// The folder of baselines.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
-    /// Valgrind.
     #[error(transparent)]
     Callgrind(#[from] CallgrindError),
-    /// The other binary.
     #[error(transparent)]
     Against(#[from] AgainstError),
-    /// The thresholds.
     #[error(transparent)]
     Threshold(#[from] ThresholdError),
     /// Another machine's target, other settings, other scenes.
@@ -41,10 +38,10 @@ pub enum GateError {
 }
 
 impl GateError {
-    /// What was typed makes no sense.
+    /// Returns whether the arguments are invalid.
     pub fn is_usage(&self) -> bool {
         match self {
-            Self::Like(error) => matches!(error, LikeError::Unknown { .. }),
+            Self::Like(error) => matches!(error, ReplanError::Unknown { .. }),
             Self::Baseline(error) => error.is_usage(),
             Self::Threshold(_) => true,
             _ => false,

@@ -1,4 +1,4 @@
-//! What stages look at, and what they say.
+//! Input and output of stages.
 
 use serde::Serialize;
 
@@ -9,11 +9,10 @@ use measurement::callgrind::CountedRow;
 use measurement::record::{FloorRecord, RunRecord};
 use statistics::estimate::Estimate;
 
-/// What became of something, best first.
+/// Outcome of a check, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Outcome {
-    /// Certainly better.
+pub enum GateOutcome {
     Improved,
     /// Equal, or certainly within the threshold.
     Unchanged,
@@ -27,8 +26,7 @@ pub enum Outcome {
     WrongHits,
 }
 
-impl Outcome {
-    /// As printed.
+impl GateOutcome {
     pub fn name(self) -> &'static str {
         match self {
             Self::Improved => "improved",
@@ -47,23 +45,20 @@ pub struct Finding {
     /// The stage that judged it.
     #[serde(rename = "stage")]
     pub stage: &'static str,
-    /// Scene.
     pub scene: String,
-    /// Structure and settings.
     pub row: String,
-    /// What of the row: a metric, `build`, `trace`, `answers`.
+    /// Quantity of the row: a metric, `build`, `trace`, `answers`.
     pub quantity: &'static str,
     /// Its value in the baseline.
     pub baseline: Option<f64>,
-    /// Its value now.
     pub now: Option<f64>,
     /// Now over the baseline; with an interval where it is a measured one.
     pub change: Option<Estimate>,
     /// The probability of such times without any difference, corrected for all that were tested.
     pub p: Option<f64>,
-    /// What became of it.
-    pub outcome: Outcome,
-    /// What there is to say beyond the figures; empty where that is nothing.
+    /// Outcome of the check.
+    pub outcome: GateOutcome,
+    /// Free-form note, may be empty.
     pub note: String,
 }
 
@@ -73,7 +68,7 @@ impl Finding {
         stage: &'static str,
         row: &RowPair<'_>,
         quantity: &'static str,
-        outcome: Outcome,
+        outcome: GateOutcome,
         note: impl Into<String>,
     ) -> Self {
         Self {
@@ -96,23 +91,20 @@ impl Finding {
     }
 }
 
-/// What is known of the instruction counts.
+/// Availability of instruction counts.
 #[derive(Debug, Clone, Copy)]
 pub enum Instructions<'a> {
     /// They were not asked for, and the baseline has none.
     NotAsked,
     /// They are wanted and could not be counted: why.
     Missing(&'a str),
-    /// Counted.
     Counted {
-        /// Of the baseline.
         base: &'a [CountedRow],
-        /// Now.
         now: &'a [CountedRow],
     },
 }
 
-/// What times are compared by.
+/// Method of comparing times.
 #[derive(Debug, Clone, Copy)]
 pub enum Times<'a> {
     /// The samples of both records: ratios to the reference within each run.
@@ -135,15 +127,12 @@ pub enum Times<'a> {
 /// Everything that stages look at.
 #[derive(Debug, Clone, Copy)]
 pub struct Evidence<'a> {
-    /// What counts as a regression.
+    /// Thresholds of regressions.
     pub thresholds: &'a Thresholds,
     /// The baseline, no more than what was measured anew.
     pub base: &'a RunRecord,
-    /// What was measured.
     pub now: &'a RunRecord,
-    /// Instruction counts.
     pub instructions: Instructions<'a>,
-    /// Times.
     pub times: Times<'a>,
 }
 
@@ -164,8 +153,6 @@ impl<'a> Evidence<'a> {
 pub struct Stage {
     /// As in tables and files.
     pub name: &'static str,
-    /// One line.
     pub summary: &'static str,
-    /// What it says of the evidence.
     pub judge: fn(&Evidence<'_>) -> Vec<Finding>,
 }

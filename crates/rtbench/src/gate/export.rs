@@ -8,7 +8,6 @@ use presentation::column;
 use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
 
-/// Verdict, tables, remarks.
 pub fn markdown(report: &Report, all: bool) -> String {
     let mut text =
         format!("# rtbench check: {}\n\n{}\n\n", report.outcome.name(), escaped(&report.verdict()));

@@ -7,12 +7,11 @@
 
 use crate::comparison::entry::exact_ratio;
 use crate::comparison::pairing::RowPair;
-use crate::gate::evidence::{Evidence, Finding, Instructions, Outcome, Stage};
+use crate::gate::evidence::{Evidence, Finding, GateOutcome, Instructions, Stage};
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
 use measurement::record::label;
 
-/// Registry line.
 pub const STAGE: Stage = Stage {
     name: "instructions",
     summary: "instructions of build and traversal, by callgrind",
@@ -25,7 +24,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
         Instructions::NotAsked => Vec::new(),
         Instructions::Missing(why) => rows
             .iter()
-            .map(|row| Finding::of(STAGE.name, row, "trace", Outcome::Inconclusive, why))
+            .map(|row| Finding::of(STAGE.name, row, "trace", GateOutcome::Inconclusive, why))
             .collect(),
         Instructions::Counted { base, now } => {
             rows.iter().flat_map(|row| of_row(row, base, now, evidence.thresholds)).collect()
@@ -59,7 +58,7 @@ fn of_row(
         (None, _) => "the baseline has no count of it",
         (_, None) => "it was not counted now",
     };
-    vec![Finding::of(STAGE.name, row, "trace", Outcome::NotJudged, note)]
+    vec![Finding::of(STAGE.name, row, "trace", GateOutcome::NotJudged, note)]
 }
 
 /// Instructions by which two builds may differ, however few they have.
@@ -75,10 +74,10 @@ fn compared(
     let ratio = now / before.max(1.0);
     let is_chance = what == "build" && (now - before).abs() < OF_ALLOCATOR;
     let outcome = match ratio {
-        _ if is_chance => Outcome::Unchanged,
-        r if r > 1.0 + threshold => Outcome::Regression,
-        r if r < 1.0 / (1.0 + threshold) => Outcome::Improved,
-        _ => Outcome::Unchanged,
+        _ if is_chance => GateOutcome::Unchanged,
+        r if r > 1.0 + threshold => GateOutcome::Regression,
+        r if r < 1.0 / (1.0 + threshold) => GateOutcome::Improved,
+        _ => GateOutcome::Unchanged,
     };
     Finding {
         baseline: Some(before),

@@ -1,4 +1,5 @@
-//! A process that stands ready to build and ask its rows, a lap at a time, while others of its kind wait.
+//! A process that stands ready to build and ask its rows, a lap at a time, while others of its kind
+//! wait.
 
 use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -20,7 +21,6 @@ pub struct Lap {
     pub trace_s: BTreeMap<String, f64>,
 }
 
-/// The process.
 #[derive(Debug)]
 pub struct Runner {
     program: PathBuf,

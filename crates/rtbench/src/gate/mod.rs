@@ -23,14 +23,14 @@ pub mod thresholds;
 pub mod wall_clock;
 
 pub use error::GateError;
-pub use evidence::{Evidence, Finding, Instructions, Outcome, Stage, Times};
+pub use evidence::{Evidence, Finding, GateOutcome, Instructions, Stage, Times};
 pub use pace::ROUNDS;
 
 /// All stages, in the order in which they are printed: the surest first.
 pub static STAGES: &[Stage] =
     &[answers::STAGE, counters::STAGE, instructions::STAGE, wall_clock::STAGE];
 
-/// What all stages say.
+/// Findings of all stages.
 pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     STAGES.iter().flat_map(|stage| (stage.judge)(evidence)).collect()
 }

@@ -1,4 +1,4 @@
-//! How many processes take turns, and after which of them what is known is looked at.
+//! Number of processes that take turns, and when intermediate results are tested.
 
 use std::time::Duration;
 
@@ -11,9 +11,8 @@ const FEWEST: u32 = 5;
 /// Processes after which the laps so far are looked at, if more are to come.
 const LOOKS: [u32; 6] = [5, 9, 15, 25, 40, 60];
 
-/// How many processes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pace {
+pub struct TurnPlan {
     /// Processes of each program; none asks for the default.
     pub rounds: Option<u32>,
     /// Time for all of them, where no number is said.
@@ -22,13 +21,13 @@ pub struct Pace {
     pub seed: u64,
 }
 
-impl Pace {
+impl TurnPlan {
     /// Processes of each program at the most, as far as is known.
     pub fn expected(&self) -> u32 {
         self.rounds.unwrap_or(ROUNDS)
     }
 
-    /// Whether that process, from 0, is started so long after the first.
+    /// Returns whether that process, from 0, is started so long after the first.
     pub fn goes_on(&self, process: u32, elapsed: Duration) -> bool {
         match self.time_budget {
             Some(budget) => process < FEWEST || elapsed < budget,
@@ -43,7 +42,7 @@ impl Pace {
     }
 }
 
-/// Whether laps are looked at before that process, from 0, is started.
+/// Returns whether laps are looked at before that process, from 0, is started.
 pub fn is_look(process: u32) -> bool {
     LOOKS.contains(&process)
 }
@@ -56,7 +55,7 @@ mod tests {
     fn each_look_is_counted() {
         let looks = |rounds, seconds| {
             let time_budget = Option::<u64>::map(seconds, Duration::from_secs);
-            Pace { rounds, time_budget, seed: 1 }.looks()
+            TurnPlan { rounds, time_budget, seed: 1 }.looks()
         };
         assert_eq!([looks(Some(2), None), looks(Some(9), None), looks(None, None)], [1, 2, 3]);
         assert_eq!(looks(None, Some(60)), 7);

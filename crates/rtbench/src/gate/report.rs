@@ -1,4 +1,4 @@
-//! What a check says: its verdict, and tables of what was judged.
+//! Report of a check: its verdict, and tables of findings.
 
 use serde::Serialize;
 
@@ -6,39 +6,35 @@ use crate::comparison::pairing::{MissingRow, in_words};
 use crate::exit_code::{FAILURE, INCONCLUSIVE, NOTHING_COMPARED, REGRESSION, SUCCESS, WRONG_HITS};
 use crate::gate::columns::{change_in_words, columns};
 use crate::gate::contest::PairedTimes;
-use crate::gate::evidence::{Finding, Outcome, Stage};
+use crate::gate::evidence::{Finding, GateOutcome, Stage};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{STAGES, wall_clock};
 use measurement::record::{FloorRecord, Machine, Tool};
 use presentation::column;
 use presentation::table::Table;
 
-/// A check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// The program.
     pub tool: Tool,
-    /// The command line.
     pub command_line: Vec<String>,
-    /// What it was held against, in words.
+    /// Description of the baseline.
     pub against: String,
     /// The program that the baseline is of; none where it is no rtbench.
     pub baseline_tool: Option<Tool>,
-    /// What the baseline was measured on.
+    /// Machine of the baseline.
     pub baseline_machine: Machine,
-    /// What this was measured on.
+    /// Machine of this measurement.
     pub machine: Machine,
-    /// What counted as a regression.
+    /// Thresholds that were applied.
     pub thresholds: Thresholds,
     /// The worst of all that was judged.
-    pub outcome: Outcome,
+    pub outcome: GateOutcome,
     /// Everything that was judged.
     pub findings: Vec<Finding>,
     /// Rows that one side lacks and that are not allowed to be missing.
     pub missing: Vec<MissingRow>,
-    /// What there is to say beside.
     pub remarks: Vec<String>,
-    /// What the figures of times are, in words.
+    /// Description of the figures of times.
     pub times: String,
     /// Scenes that could not be measured.
     pub failures: usize,
@@ -54,7 +50,7 @@ const MOST_IMPROVEMENTS: usize = 10;
 /// Columns of most weight: these stay where not all fit.
 pub const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
 
-/// What the columns mean.
+/// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
      probability of such times without a difference, corrected for all that were tested (Holm \
@@ -64,24 +60,24 @@ pub const GLOSSARY: &[&str] = &[
 ];
 
 impl Report {
-    /// The exit code: 4 for wrong hits, 1 where scenes failed, 3 for regressions, 6 where nothing could be
-    /// judged, and if `strict` 5 where something is inconclusive or missing.
+    /// The exit code: 4 for wrong hits, 1 where scenes failed, 3 for regressions, 6 where nothing
+    /// could be judged, and if `strict` 5 where something is inconclusive or missing.
     pub fn exit_code(&self, strict: bool) -> u8 {
         match self.outcome {
-            Outcome::WrongHits => WRONG_HITS,
+            GateOutcome::WrongHits => WRONG_HITS,
             _ if self.failures > 0 => FAILURE,
-            Outcome::Regression => REGRESSION,
-            Outcome::NotJudged => NOTHING_COMPARED,
-            Outcome::Inconclusive if strict => INCONCLUSIVE,
+            GateOutcome::Regression => REGRESSION,
+            GateOutcome::NotJudged => NOTHING_COMPARED,
+            GateOutcome::Inconclusive if strict => INCONCLUSIVE,
             _ if strict && !self.missing.is_empty() => INCONCLUSIVE,
             _ => SUCCESS,
         }
     }
 
     /// The worst of findings that were judged; without any, nothing was.
-    pub fn worst(findings: &[Finding]) -> Outcome {
-        let judged = findings.iter().map(|f| f.outcome).filter(|o| *o != Outcome::NotJudged);
-        judged.max().unwrap_or(Outcome::NotJudged)
+    pub fn worst(findings: &[Finding]) -> GateOutcome {
+        let judged = findings.iter().map(|f| f.outcome).filter(|o| *o != GateOutcome::NotJudged);
+        judged.max().unwrap_or(GateOutcome::NotJudged)
     }
 
     /// The rows that one side lacks.
@@ -93,12 +89,12 @@ impl Report {
     pub fn verdict(&self) -> String {
         let count = |outcome| self.findings.iter().filter(|f| f.outcome == outcome).count();
         let counts: Vec<String> = [
-            Outcome::WrongHits,
-            Outcome::Regression,
-            Outcome::Inconclusive,
-            Outcome::Improved,
-            Outcome::Unchanged,
-            Outcome::NotJudged,
+            GateOutcome::WrongHits,
+            GateOutcome::Regression,
+            GateOutcome::Inconclusive,
+            GateOutcome::Improved,
+            GateOutcome::Unchanged,
+            GateOutcome::NotJudged,
         ]
         .into_iter()
         .filter(|outcome| count(*outcome) > 0)
@@ -117,10 +113,10 @@ impl Report {
         format!("check against {}: {}{more}", self.against, counts.join(", "))
     }
 
-    /// What became faster or less by more than the threshold, most first.
+    /// Improvements beyond the threshold, largest first.
     pub fn improvements(&self) -> Vec<String> {
         let mut better: Vec<&Finding> =
-            self.findings.iter().filter(|f| f.outcome == Outcome::Improved).collect();
+            self.findings.iter().filter(|f| f.outcome == GateOutcome::Improved).collect();
         let change = |f: &Finding| f.change.map_or(1.0, |c| c.median);
         better.sort_by(|a, b| change(a).total_cmp(&change(b)));
         let line = |f: &&Finding| {
@@ -145,11 +141,11 @@ impl Report {
         if own.is_empty() {
             return None;
         }
-        let quiet = [Outcome::Unchanged, Outcome::NotJudged];
+        let quiet = [GateOutcome::Unchanged, GateOutcome::NotJudged];
         let shown = |f: &&&Finding| all || !quiet.contains(&f.outcome);
         let rows = own.iter().filter(shown).copied();
         let count = |outcome| own.iter().filter(|f| f.outcome == outcome).count();
-        let (unchanged, all_of_them) = (count(Outcome::Unchanged), own.len());
+        let (unchanged, all_of_them) = (count(GateOutcome::Unchanged), own.len());
         let mut notes = vec![format!("{unchanged} of {all_of_them} unchanged.")];
         notes.extend(self.reasons(&own).filter(|_| !all));
         if stage.name == wall_clock::STAGE.name {
@@ -167,7 +163,7 @@ impl Report {
     /// Why things were not judged, each reason once with its number.
     fn reasons(&self, own: &[&Finding]) -> impl Iterator<Item = String> {
         let mut reasons: Vec<(String, usize)> = Vec::new();
-        for finding in own.iter().filter(|f| f.outcome == Outcome::NotJudged) {
+        for finding in own.iter().filter(|f| f.outcome == GateOutcome::NotJudged) {
             // `too short to time: 8.4 us` differs from row to row
             let reason = finding.note.split(':').next().unwrap_or_default();
             match reasons.iter_mut().find(|(known, _)| known == reason) {

@@ -1,12 +1,12 @@
-//! What counts as a regression.
+//! Thresholds of regressions.
 //!
 //! Why these defaults. Counters are exact and have no threshold. Instruction counts of one binary
 //! repeat to within a few of a million, so 0.5% is far beyond chance, and less is seldom worth a
-//! failed job. Times of unchanged code differ between two processes by several percent (where code and
-//! memory happen to lie), and by more on shared machines: how much a copy of the program differs
-//! by is measured each time, and is the threshold where it is more. A baseline is of one process on another
-//! day: 5%. Turns are of several processes of each program, a moment apart: 2%. What is slower by less is
-//! what instruction counts are for.
+//! failed job. Times of unchanged code differ between two processes by several percent (where code
+//! and memory happen to lie), and by more on shared machines: how much a copy of the program
+//! differs by is measured each time, and is the threshold where it is more. A baseline is of one
+//! process on another day: 5%. Turns are of several processes of each program, a moment apart: 2%.
+//! What is slower by less is what instruction counts are for.
 
 use std::fmt;
 

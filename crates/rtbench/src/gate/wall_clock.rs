@@ -6,22 +6,21 @@
 //! threads had to wait for processors, such ratios prove nothing. Against a program they are ratios
 //! within each turn, of the same row, which the load moves both ways alike.
 //!
-//! The rule is that of `compare` ([`statistics::verdict`]), and the noise is no less than the threshold: a
-//! regression needs the whole interval beyond it. Where a copy of the program was timed, too, the noise is no
-//! less than what that differs by.
+//! The rule is that of `compare` ([`statistics::verdict`]), and the noise is no less than the
+//! threshold: a regression needs the whole interval beyond it. Where a copy of the program was
+//! timed, too, the noise is no less than what that differs by.
 
 use std::collections::BTreeSet;
 
 use crate::comparison::differences::{other_processor, other_reference};
 use crate::comparison::pairing::RowPair;
 use crate::gate::contest::{self, Key, PairedTimes};
-use crate::gate::evidence::{Evidence, Finding, Outcome, Stage, Times};
+use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage, Times};
 use measurement::record::metrics::{METRICS, Metric, Reading};
 use measurement::record::{RowRecord, Sample, ratios};
 use statistics::estimate::median;
 use statistics::verdict::{Change, Rule, Verdict, correct};
 
-/// Registry line.
 pub const STAGE: Stage =
     Stage { name: "times", summary: "build and trace times, as ratios measured together", judge };
 
@@ -49,7 +48,7 @@ fn seconds(row: &RowRecord, what: &str) -> Option<f64> {
 }
 
 /// Why nothing is tested.
-enum Untested {
+enum SkipReason {
     /// The reference's ratio to itself says nothing.
     Reference,
     Because(String),
@@ -57,7 +56,7 @@ enum Untested {
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let rows = evidence.rows();
-    let mut tested: Vec<(&RowPair<'_>, &'static str, Result<Change, Untested>)> = Vec::new();
+    let mut tested: Vec<(&RowPair<'_>, &'static str, Result<Change, SkipReason>)> = Vec::new();
     for row in &rows {
         for (what, ratio) in quantities(evidence, row) {
             let found = match evidence.times {
@@ -65,7 +64,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
                 Times::Paired { pairs, .. } => {
                     let key = Key::of(row, what);
                     let own = pairs.iter().find(|pair| pair.key == key);
-                    own.ok_or_else(|| Untested::Because("no times".into())).and_then(|own| {
+                    own.ok_or_else(|| SkipReason::Because("no times".into())).and_then(|own| {
                         paired(own, evidence.thresholds.shortest, evidence.now.settings.seed)
                     })
                 }
@@ -76,15 +75,15 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     correct(tested.iter_mut().filter_map(|(_, _, found)| found.as_mut().ok()));
     let findings = tested.into_iter().filter_map(|(row, what, found)| match found {
         Ok(change) => Some(finding(evidence, row, what, &change)),
-        Err(Untested::Reference) => None,
-        Err(Untested::Because(why)) => {
-            Some(Finding::of(STAGE.name, row, what, Outcome::NotJudged, why))
+        Err(SkipReason::Reference) => None,
+        Err(SkipReason::Because(why)) => {
+            Some(Finding::of(STAGE.name, row, what, GateOutcome::NotJudged, why))
         }
     });
     findings.collect()
 }
 
-/// What a change must be beyond.
+/// Thresholds of changes.
 fn rule(evidence: &Evidence<'_>, row: &RowPair<'_>, what: &str) -> Rule {
     let thresholds = evidence.thresholds;
     let time = thresholds.time_of(&row.rows[1].label(), what);
@@ -99,7 +98,7 @@ fn rule(evidence: &Evidence<'_>, row: &RowPair<'_>, what: &str) -> Rule {
     }
 }
 
-/// What came of a change whose probability is corrected.
+/// Finding about a change whose probability is corrected.
 fn finding(
     evidence: &Evidence<'_>,
     row: &RowPair<'_>,
@@ -113,18 +112,19 @@ fn finding(
     };
     let busy = busy.filter(|share| *share > evidence.thresholds.busiest);
     let (outcome, note) = match (rule.verdict(change), busy) {
-        (Verdict::Same, _) => (Outcome::Unchanged, String::new()),
-        // a row that takes longer than the reference is interrupted more often: its ratio grows with the load
+        (Verdict::Same, _) => (GateOutcome::Unchanged, String::new()),
+        // a row that takes longer than the reference is interrupted more often: its ratio grows
+        // with the load
         (_, Some(share)) => (
-            Outcome::Inconclusive,
+            GateOutcome::Inconclusive,
             format!(
                 "the machine was too busy (try --against): threads waited {:.0}% of the time",
                 share * 100.0
             ),
         ),
-        (Verdict::Slower, _) => (Outcome::Regression, String::new()),
-        (Verdict::Faster, _) => (Outcome::Improved, String::new()),
-        (Verdict::Unclear, _) => (Outcome::Inconclusive, rule.missing(change, units)),
+        (Verdict::Slower, _) => (GateOutcome::Regression, String::new()),
+        (Verdict::Faster, _) => (GateOutcome::Improved, String::new()),
+        (Verdict::Unclear, _) => (GateOutcome::Inconclusive, rule.missing(change, units)),
     };
     Finding {
         baseline: Some(change.old),
@@ -141,59 +141,59 @@ fn in_run(
     row: &RowPair<'_>,
     what: &str,
     ratio: &Metric,
-) -> Result<Change, Untested> {
+) -> Result<Change, SkipReason> {
     let RowPair { scenes, rows } = *row;
     let [before, now] = rows;
     let is_across = matches!(evidence.times, Times::InRun { across_processors: true, .. });
     let processors = other_processor(&evidence.base.machine, &evidence.now.machine);
     if let Some(processors) = processors.filter(|_| !is_across) {
-        return Err(Untested::Because(format!("another processor: {processors}")));
+        return Err(SkipReason::Because(format!("another processor: {processors}")));
     }
     if let Some([was, is]) = other_reference(scenes) {
-        return Err(Untested::Because(format!("ratios were to {was}, are to {is}")));
+        return Err(SkipReason::Because(format!("ratios were to {was}, are to {is}")));
     }
     if rows.iter().any(|row| row.is_reference) {
-        return Err(Untested::Reference);
+        return Err(SkipReason::Reference);
     }
     long_enough(rows.map(|row| seconds(row, what)), evidence.thresholds.shortest)?;
     let (before, now) = (ratio.values(scenes[0], before), ratio.values(scenes[1], now));
     let change = Change::of_series(&before, &now).filter(|change| change.ratio.is_some());
     change.ok_or_else(|| {
-        Untested::Because(format!("{} rounds against {} are too few", now.len(), before.len()))
+        SkipReason::Because(format!("{} rounds against {} are too few", now.len(), before.len()))
     })
 }
 
 /// Times that are short before and now are not judged: what became long is.
-fn long_enough(seconds: [Option<f64>; 2], shortest: f64) -> Result<(), Untested> {
+fn long_enough(seconds: [Option<f64>; 2], shortest: f64) -> Result<(), SkipReason> {
     let [Some(before), Some(now)] = seconds else {
-        return Err(Untested::Because("no times".into()));
+        return Err(SkipReason::Because("no times".into()));
     };
     if before.max(now) < shortest {
         let longer = before.max(now) * 1e6;
-        return Err(Untested::Because(format!("too short to time: {longer:.1} us")));
+        return Err(SkipReason::Because(format!("too short to time: {longer:.1} us")));
     }
     Ok(())
 }
 
 /// The ratio of new to old within each turn.
-fn paired(own: &PairedTimes, shortest: f64, seed: u64) -> Result<Change, Untested> {
+fn paired(own: &PairedTimes, shortest: f64, seed: u64) -> Result<Change, SkipReason> {
     let pairs: Vec<(u32, [f64; 2])> =
         own.turns().map(|(process, [old, new, _])| (process, [old, new])).collect();
     let change = Change::of_pairs(&pairs, seed);
-    let change = change.ok_or_else(|| Untested::Because("no times".into()))?;
+    let change = change.ok_or_else(|| SkipReason::Because("no times".into()))?;
     long_enough([Some(change.old), Some(change.new)], shortest)?;
     Ok(change)
 }
 
-/// What is not decided yet, of programs that are measured in turns.
+/// Undecided quantities of programs that are measured in turns.
 pub fn undecided(evidence: &Evidence<'_>) -> BTreeSet<Key> {
-    let of_stage = judge(evidence).into_iter().filter(|f| f.outcome == Outcome::Inconclusive);
+    let of_stage = judge(evidence).into_iter().filter(|f| f.outcome == GateOutcome::Inconclusive);
     of_stage.map(|f| Key { scene: f.scene, row: f.row, quantity: f.quantity }).collect()
 }
 
 /// True where times say that something is a regression: that is measured a second time.
 pub fn is_suspect(finding: &Finding) -> bool {
-    finding.stage == STAGE.name && finding.outcome == Outcome::Regression
+    finding.stage == STAGE.name && finding.outcome == GateOutcome::Regression
 }
 
 /// A regression of times stands where a second measurement finds it again; otherwise nothing is
@@ -209,7 +209,7 @@ pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
         if again.is_some_and(is_suspect) {
             finding.note = format!("again in a second measurement: {}", seen.trim_end());
         } else {
-            finding.outcome = Outcome::Inconclusive;
+            finding.outcome = GateOutcome::Inconclusive;
             finding.note = format!("not again in a second measurement: {}", seen.trim_end());
         }
     }

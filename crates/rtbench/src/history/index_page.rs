@@ -11,7 +11,7 @@ use measurement::record::label;
 use presentation::html::Html;
 use presentation::numbers::ratio;
 use presentation::page::finished;
-use presentation::page::tables::{self, Look, words};
+use presentation::page::tables::{self, TableStyle, words};
 use presentation::table::{Cell, Style, Table};
 
 pub fn page(history: &History, names: &Names) -> String {
@@ -42,12 +42,12 @@ pub fn page(history: &History, names: &Names) -> String {
     finished(html)
 }
 
-type Found<'a> = (&'a Key, &'a Line, &'a Change);
+type ChangedLine<'a> = (&'a Key, &'a Line, &'a Change);
 
 /// Commit by commit, the newest first.
 fn changes(html: &mut Html, history: &History, names: &Names) {
     section(html, "changes", "Changes");
-    let mut by_visit: BTreeMap<Reverse<usize>, Vec<Found<'_>>> = BTreeMap::new();
+    let mut by_visit: BTreeMap<Reverse<usize>, Vec<ChangedLine<'_>>> = BTreeMap::new();
     for found in history.changes() {
         let (_, line, change) = found;
         if let Some([_, after]) = line.around(change) {
@@ -59,7 +59,7 @@ fn changes(html: &mut Html, history: &History, names: &Names) {
     }
     for (Reverse(visit), mut found) in by_visit {
         let Some(run) = history.visits.get(visit) else { continue };
-        let size = |found: &Found<'_>| found.2.times.median.ln().abs();
+        let size = |found: &ChangedLine<'_>| found.2.times.median.ln().abs();
         found.sort_by(|a, b| size(b).total_cmp(&size(a)));
         let count = |what: &str| found.iter().filter(|(.., c)| verdict(&c.times) == what).count();
         let id = format!("change-{}", visit + 1);
@@ -75,13 +75,17 @@ fn changes(html: &mut Html, history: &History, names: &Names) {
             count("faster")
         ));
         let (table, links) = table_of(history, names, &found);
-        tables::write(html, &table, Look { links: &links, ..Look::default() });
+        tables::write(html, &table, TableStyle { links: &links, ..TableStyle::default() });
     }
     html.close();
 }
 
-fn table_of(history: &History, names: &Names, found: &[Found<'_>]) -> (Table, Vec<Vec<String>>) {
-    let row = |(key, line, change): &Found<'_>| {
+fn table_of(
+    history: &History,
+    names: &Names,
+    found: &[ChangedLine<'_>],
+) -> (Table, Vec<Vec<String>>) {
+    let row = |(key, line, change): &ChangedLine<'_>| {
         let before = line.around(change).and_then(|[before, _]| history.visits.get(before.visit));
         let style = if change.times.low > 1.0 { Style::Bad } else { Style::Best };
         vec![
@@ -116,7 +120,7 @@ fn scenes(html: &mut Html, history: &History, names: &Names) {
         links.push(vec![path.clone()]);
     }
     let table = words("every scene".to_owned(), vec!["scene", "series", "changes"], rows);
-    tables::write(html, &table, Look { links: &links, ..Look::default() });
+    tables::write(html, &table, TableStyle { links: &links, ..TableStyle::default() });
     html.close();
 }
 
@@ -139,7 +143,7 @@ fn runs(html: &mut Html, history: &History) {
     }
     let header = vec!["commit", "when", "machine", "scenes", "run", "folder", "subject"];
     let table = words("every run, the newest first".to_owned(), header, rows);
-    tables::write(html, &table, Look { ids: &ids, ..Look::default() });
+    tables::write(html, &table, TableStyle { ids: &ids, ..TableStyle::default() });
     html.close();
 }
 

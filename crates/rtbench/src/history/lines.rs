@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::comparison::differences::{Difference, differences};
 use crate::history::visit::Visit;
-use measurement::record::metrics::{Concerns, METRICS, Reading};
+use measurement::record::metrics::{DifferenceScope, METRICS, Reading};
 use measurement::record::{Machine, RowRecord, SceneRecord, reference};
 use statistics::change_points::{Sensitivity, change_points};
 use statistics::estimate::Estimate;
@@ -46,20 +46,19 @@ impl Quantity {
 pub struct MachineSetup {
     /// The first of its runs.
     first: usize,
-    /// What it is, in words.
     pub words: String,
 }
 
 /// The figure of a run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Which of the runs.
+    /// Index of the run.
     pub visit: usize,
     /// Over the reference of that run.
     pub ratio: Estimate,
 }
 
-/// Where a line changes.
+/// Change point of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
     /// The first point that is different.
@@ -97,7 +96,7 @@ pub struct History {
     /// The runs, in their order.
     pub visits: Vec<Visit>,
     pub benches: Vec<MachineSetup>,
-    /// Which bench each run was made on.
+    /// Index of the machine setup of each run.
     pub bench_of: Vec<usize>,
     /// The lines of each row.
     pub lines: BTreeMap<Key, Vec<Line>>,
@@ -112,7 +111,7 @@ impl Line {
 }
 
 impl History {
-    /// Of runs in their order.
+    /// History of runs in their order.
     pub fn new(visits: Vec<Visit>, sensitivity: &Sensitivity, seed: u64) -> Self {
         let (benches, bench_of) = benches(&visits);
         let mut history = Self { visits, benches, bench_of, lines: BTreeMap::new() };
@@ -162,13 +161,13 @@ impl History {
     }
 }
 
-/// Which scene it is, which rays, and what its ratios are over.
+/// Identity of a scene: its name, its rays, and its reference.
 fn identity(scene: &SceneRecord) -> String {
     let reference = reference::of_scene(scene).unwrap_or_default();
     format!("{} {:?} {reference}", scene.sha256, scene.rays)
 }
 
-/// Whether it has figures that mean something: it is right, and not what they are over.
+/// Returns whether it has figures that mean something: it is right, and not what they are over.
 fn is_measured(row: &RowRecord) -> bool {
     row.verdict.is_timed() && !row.is_reference
 }
@@ -190,7 +189,8 @@ fn figures(row: &RowRecord) -> Vec<(Quantity, Estimate)> {
 /// The benches of runs, and which each was made on: two runs share one where nothing is between
 /// their ratios but the program. Scenes are looked at one by one.
 fn benches(visits: &[Visit]) -> (Vec<MachineSetup>, Vec<usize>) {
-    let parts = |d: &Difference| d.concerns != Concerns::Nothing && !d.what.starts_with("scene ");
+    let parts =
+        |d: &Difference| d.concerns != DifferenceScope::Nothing && !d.what.starts_with("scene ");
     let mut benches: Vec<MachineSetup> = Vec::new();
     let mut bench_of = Vec::new();
     for (place, visit) in visits.iter().enumerate() {
@@ -224,7 +224,7 @@ fn in_words(visit: &Visit) -> String {
     )
 }
 
-/// Where the logarithms of the ratios change.
+/// Change points of the logarithms of the ratios.
 fn changes(points: &[Point], sensitivity: &Sensitivity, seed: u64) -> Vec<Change> {
     let logs: Vec<f64> = points.iter().map(|point| point.ratio.median.ln()).collect();
     let places = change_points(&logs, sensitivity, seed);

@@ -1,4 +1,5 @@
-//! One page per scene, a structure and a kind of ray: each of its settings with its line, changes and points.
+//! One page per scene, a structure and a kind of ray: each of its settings with its line, changes
+//! and points.
 
 use std::collections::BTreeSet;
 
@@ -9,12 +10,11 @@ use crate::report::utc;
 use measurement::record::label;
 use presentation::html::Html;
 use presentation::numbers::{ratio, short};
-use presentation::page::tables::{self, Look};
+use presentation::page::tables::{self, TableStyle};
 use presentation::page::{figure, finished};
 use presentation::svg_plot::{Axis, Mark, Plot, Point as PlotPoint, Ring, Scale, Series};
 use presentation::table::{Cell, Style, Table};
 
-/// The page.
 pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
     let (scene, structure, quantity) = own;
     let rows: Vec<(&Key, &Vec<Line>)> =
@@ -30,7 +30,7 @@ pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
         changes(&mut html, history, lines);
         figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
         let (table, links) = points(history, lines);
-        tables::write(&mut html, &table, Look { links: &links, ..Look::default() });
+        tables::write(&mut html, &table, TableStyle { links: &links, ..TableStyle::default() });
         html.close();
     }
     finished(html)
@@ -43,16 +43,17 @@ fn siblings(html: &mut Html, names: &Names, own: &PageKey) {
     html.text("Of the same structure: ");
     for (i, (other, path)) in names.pages().filter(|(other, _)| is_sibling(other)).enumerate() {
         html.text(if i == 0 { "" } else { ", " });
-        match other == own {
-            true => html.element("strong", &[], other.2.head()),
-            false => html.element("a", &[("href", &from_below(path))], other.2.head()),
+        if other == own {
+            html.element("strong", &[], other.2.head())
+        } else {
+            html.element("a", &[("href", &from_below(path))], other.2.head())
         }
     }
     html.text(".");
     html.close();
 }
 
-/// What changed, with the command that finds the commit where several lie between two runs.
+/// Table of changes, with the command that finds the commit if several lie between two runs.
 fn changes(html: &mut Html, history: &History, lines: &[Line]) {
     let all: Vec<(&Line, &Change)> =
         lines.iter().flat_map(|line| line.changes.iter().map(move |c| (line, c))).collect();

@@ -9,7 +9,7 @@ use crate::report::file_name;
 use measurement::record::label;
 use presentation::numbers::{ratio, short};
 use presentation::page::finished;
-use presentation::page::tables::{self, Look};
+use presentation::page::tables::{self, TableStyle};
 use presentation::table::{Cell, Style, Table, dash};
 
 pub fn page(history: &History, names: &Names, scene: &str) -> String {
@@ -44,7 +44,7 @@ pub fn page(history: &History, names: &Names, scene: &str) -> String {
     }
     let title = "latest ratios [95%]".to_owned();
     let table = Table { title, header, rows: cells, notes: Vec::new() };
-    let look = Look { links: &links, ids: &ids, is_open: true, ..Look::default() };
+    let look = TableStyle { links: &links, ids: &ids, is_open: true, ..TableStyle::default() };
     tables::write(&mut html, &table, look);
     finished(html)
 }

@@ -1,4 +1,4 @@
-//! What all pages of the site have: a head, the way up, and the words for changes.
+//! Parts shared by all pages of the site: head, navigation, and wording of changes.
 
 use crate::history::lines::{Change, History, Line};
 use crate::report::utc;

@@ -1,9 +1,9 @@
-//! What the symbols mean: those of Havran and Sixta (1999), and those of the times.
+//! Glossary: symbols of Havran and Sixta (1999), and of times.
 
 use crate::report::material::Material;
 use crate::report::page::{Page, SectionOutcome};
 use presentation::html::Html;
-use presentation::page::tables::Look;
+use presentation::page::tables::TableStyle;
 
 /// Symbols and words of the tables' heads.
 pub static MEANINGS: &[(&str, &str)] = &[
@@ -48,13 +48,13 @@ pub fn meaning(name: &str) -> Option<&'static str> {
 }
 
 /// Tables whose heads are explained.
-pub fn look() -> Look<'static> {
-    Look { meaning, ..Look::default() }
+pub fn look() -> TableStyle<'static> {
+    TableStyle { meaning, ..TableStyle::default() }
 }
 
 /// The same with the rows' numbers before them.
-pub fn numbered(numbers: &[usize]) -> Look<'_> {
-    Look { numbers, ..look() }
+pub fn numbered(numbers: &[usize]) -> TableStyle<'_> {
+    TableStyle { numbers, ..look() }
 }
 
 /// The list, and the papers.

@@ -33,7 +33,7 @@ pub enum ReportError {
     #[error("{}: {message}; expected what `{written_by}` writes", path.display())]
     Csv {
         path: PathBuf,
-        /// What is wrong with it, and in which line.
+        /// Description of the fault, with its line.
         message: String,
         /// The command that writes such files.
         written_by: &'static str,
@@ -59,19 +59,16 @@ pub struct Material {
     pub pictures: BTreeMap<String, Vec<u8>>,
     /// By scene: what its rows cost.
     pub profiles: Vec<Vec<Profile>>,
-    /// Of `rtbench accuracy`.
     pub accuracy: Option<AccuracyRecord>,
-    /// Of `rtbench merge --machines`.
+    /// Record of `rtbench merge --machines`.
     pub machines: Option<MachinesRecord>,
-    /// Of `rtbench compare-tracers`, by scene.
+    /// Records of `rtbench compare-tracers`, by scene.
     pub tracers: Vec<TracersRecord>,
-    /// Of `rtbench cost`.
     pub heat_maps: Vec<HeatMap>,
-    /// Of `rtbench sweep`.
     pub sweeps: Vec<SweepPlot>,
-    /// Of `rtbench reproduce havran1999`.
+    /// Figures of `rtbench reproduce havran1999`.
     pub counters: Option<Vec<ReproducedFigure>>,
-    /// Of `rtbench reproduce zachmann2007`.
+    /// Rows of `rtbench reproduce zachmann2007`.
     pub lecture: Option<Vec<LectureRow>>,
 }
 
@@ -87,7 +84,7 @@ pub struct DataFile {
 pub struct HeatMap {
     /// The scene: the name of its folder.
     pub scene: String,
-    /// What it shows: `tests`, `steps`, `time`.
+    /// Quantity shown: `tests`, `steps`, `time`.
     pub name: String,
     pub size: [u32; 2],
     pub png: Vec<u8>,
@@ -146,7 +143,7 @@ impl Material {
         })
     }
 
-    /// Which run it is, in a few words: machine, moment, commit.
+    /// Short description of the run: machine, date, commit.
     pub fn in_words(&self) -> String {
         let run = &self.run;
         let cpu = run.machine.cpu.as_deref().unwrap_or("unknown processor");
@@ -190,7 +187,7 @@ fn csv<T: DeserializeOwned>(
     })
 }
 
-/// What lies in a folder, sorted; nothing where there is no such folder.
+/// Sorted entries of a folder; empty if it does not exist.
 fn entries(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
     let error = |source| ReportError::Folder { path: folder.to_owned(), source };
     let entries = match fs::read_dir(folder) {

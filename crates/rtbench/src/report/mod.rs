@@ -1,7 +1,7 @@
 //! The results in a folder, or in several, as an HTML report: no network, no font of others.
 //!
-//! A section is a function and a line in [`SECTIONS`]. One that the folder has nothing for is left out;
-//! the end of the page names the command that makes it.
+//! A section is a function and a line in [`SECTIONS`]. One that the folder has nothing for is left
+//! out; the end of the page names the command that makes it.
 
 mod date;
 mod glossary;
@@ -32,7 +32,7 @@ pub struct Section {
     pub write: fn(&Material, &mut Page) -> SectionOutcome,
 }
 
-/// What makes all sections that every page has.
+/// Command that creates the data of the sections that every page has.
 const BY_RUN: &str = "rtbench run -o DIR";
 
 /// All parts, in their order on the page.
@@ -97,7 +97,7 @@ const fn section(
     Section { id, title, made_by, write }
 }
 
-/// What explains the others stands once on a page of several runs.
+/// Section that appears once on a page of several runs.
 const ONCE: &str = "glossary";
 
 pub struct FinishedPage {
@@ -107,13 +107,13 @@ pub struct FinishedPage {
     pub plots: Vec<(String, String)>,
 }
 
-/// Whether a file's beginning is that of such a page.
+/// Returns whether a file's beginning is that of such a page.
 pub fn is_page(beginning: &str) -> bool {
     beginning.starts_with(BEGINNING) && beginning.contains("<title>rtbench: ")
 }
 
 /// A section that has something to show.
-struct Part {
+struct ReportSection {
     id: String,
     title: &'static str,
     /// Contents below its head.
@@ -152,7 +152,7 @@ fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
         write(page);
         std::mem::take(&mut page.html).finish()
     };
-    let part = |id: &str, title, body| Part { id: id.to_owned(), title, body };
+    let part = |id: &str, title, body| ReportSection { id: id.to_owned(), title, body };
     let answers = body(page, &mut |page| side_by_side::answers(runs, page));
     let beside = body(page, &mut |page| side_by_side::write(runs, page));
     let mut top = vec![part("headlines", "Answers", answers)];
@@ -185,19 +185,19 @@ fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
 }
 
 /// The sections that have something to show of a run.
-fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> Vec<Part> {
+fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> Vec<ReportSection> {
     let mut parts = Vec::new();
     for section in SECTIONS.iter().filter(|section| is_wanted(section.id)) {
         let shown = (section.write)(run, page);
         let body = std::mem::take(&mut page.html).finish();
         if shown == SectionOutcome::Yes {
-            parts.push(Part { id: page.anchor(section.id), title: section.title, body });
+            parts.push(ReportSection { id: page.anchor(section.id), title: section.title, body });
         }
     }
     parts
 }
 
-fn write(html: &mut Html, Part { id, title, body }: &Part) {
+fn write(html: &mut Html, ReportSection { id, title, body }: &ReportSection) {
     let heading = format!("{id}-title");
     html.open("section", &[("id", id), ("aria-labelledby", &heading)]);
     html.element("h2", &[("id", &heading)], title);
@@ -221,8 +221,8 @@ fn nav<'a>(html: &mut Html, links: impl Iterator<Item = (&'a str, &'a str)>) {
     html.close();
 }
 
-/// What else the page would show, and the command that makes it: folded, at the end.
-fn missing(html: &mut Html, parts: &[Part], page: &Page) {
+/// Lists missing sections with the commands that create them: folded, at the end.
+fn missing(html: &mut Html, parts: &[ReportSection], page: &Page) {
     let is_there = |id: &str| parts.iter().any(|part| part.id == page.anchor(id));
     let missing: Vec<&Section> =
         SECTIONS.iter().filter(|s| s.made_by != BY_RUN && !is_there(s.id)).collect();

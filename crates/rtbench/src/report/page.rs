@@ -6,7 +6,7 @@ use presentation::page::figure;
 use presentation::svg_plot::Drawing;
 use scene_loading::source_hash::sha256_of_bytes;
 
-/// Whether there was something to show.
+/// True if there was something to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SectionOutcome {
     Yes,
@@ -20,7 +20,7 @@ pub struct Page {
     pub(super) html: Html,
     pub(super) plots: Vec<(String, String)>,
     pub(super) is_beside_record: bool,
-    /// What the names of parts begin with, of one run among several.
+    /// Prefix of anchors, for one run of several.
     pub(super) prefix: String,
     pub(super) progress: Progress,
 }

@@ -10,11 +10,11 @@ use statistics::estimate::Estimate;
 use studies::run::costs::Profile;
 use studies::run::lines::wrong_rays;
 
-/// What a bar chart needs of a row, of a scene or of all.
+/// Data of a bar chart for a row, of a scene or of all.
 struct Ratios {
     name: String,
     verdict: Verdict,
-    /// What is wrong with it by a known defect: `1 wrong ray of 203,423`.
+    /// Effect of its known defect: `1 wrong ray of 203,423`.
     defect: Option<String>,
     answers: Answered,
     /// It may be called the fastest.
@@ -124,10 +124,7 @@ pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> Pl
         let is_on_front = !profiles.iter().any(|other| dominates(other, profile));
         Some(Mark {
             point: Point { x: profile.cost.build_s, y: ray.median, low: ray.low, high: ray.high },
-            label: match is_on_front {
-                true => profile.label.clone(),
-                false => profile.number.to_string(),
-            },
+            label: if is_on_front { profile.label.clone() } else { profile.number.to_string() },
             ring: if is_on_front { Ring::Best } else { Ring::None },
             is_in_series: is_on_front,
         })

@@ -12,11 +12,11 @@ use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Ray, Scalar};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 fn run(arguments: &str) -> Ended {
-    run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)
+    run_with(REGISTRY, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 /// A row of the CSV, by column.
@@ -232,7 +232,7 @@ static PLANTED: &[Entry] = &[
 #[test]
 fn a_variant_that_answers_otherwise_while_it_is_timed_is_found_out() {
     let arguments = "accuracy mailbox --scene balls:1 --quick --rounds 3";
-    let ended = run_with(PLANTED, &Installed, &SystemClock::default(), arguments);
+    let ended = run_with(PLANTED, &InstalledScenes, &SystemClock::default(), arguments);
     assert_eq!(ended.code, 1, "{}", ended.out);
     assert!(
         ended.out.contains("FAULT") && ended.out.contains("while it is timed"),

@@ -3,7 +3,7 @@
 use accel_core::structures::REGISTRY;
 
 use crate::common::{Ended, Folder, PLANTED, run_with};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 type Row = std::collections::HashMap<String, String>;
@@ -17,7 +17,7 @@ fn frames(folder: &Folder) -> Vec<Row> {
 
 /// With all structures there are.
 fn run(arguments: &str) -> Ended {
-    run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)
+    run_with(REGISTRY, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 #[test]
@@ -91,7 +91,7 @@ fn a_wrong_row_is_wrong_and_never_fast() {
         "animate marbles:1 --frames 0..2 -s dropper,obvhs-cwbvh --size 16 --rounds 1 -o {}",
         folder.path()
     );
-    let ended = run_with(&PLANTED, &Installed, &clock, &arguments);
+    let ended = run_with(&PLANTED, &InstalledScenes, &clock, &arguments);
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     for row in frames(&folder) {
         let is_planted = row["structure"] == "dropper";

@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 
 use crate::common::{Folder, PLANTED, run, run_with};
 use clap::{CommandFactory, Parser};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::{SteppingClock, SystemClock};
 use rtbench::args::Cli;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
@@ -232,7 +232,7 @@ fn tables_fit_and_are_sorted_by_what_was_asked() {
                      dropper,obvhs-cwbvh,brute-force,light-buffer";
     let printed = |more: &str| {
         let clock = SteppingClock::new(std::time::Duration::from_millis(1));
-        run_with(&PLANTED, &Installed, &clock, &format!("{arguments} {more}")).out
+        run_with(&PLANTED, &InstalledScenes, &clock, &format!("{arguments} {more}")).out
     };
     let usual = printed("");
     let widest = |text: &str| text.lines().map(|line| line.chars().count()).max().unwrap();
@@ -312,7 +312,7 @@ fn a_closed_pipe_ends_quietly_unless_there_was_more_to_measure() {
         let mut context = Context {
             registry: &PLANTED,
             occluders: accel_core::occluders::REGISTRY,
-            scenes: &Installed,
+            scenes: &InstalledScenes,
             clock: &SystemClock::default(),
             world: &rtbench::program::world(),
             out: &mut Closed,

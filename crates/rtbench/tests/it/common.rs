@@ -16,7 +16,7 @@ use accel_core::structure::{
 use accel_core::structures::{Entry, REGISTRY, brute_force, find, obvhs};
 use accel_core::{Hit, Ray, Scalar};
 use measurement::record::{RowRecord, RunRecord};
-use measurement::scenes::{Installed, SceneSource};
+use measurement::scenes::{InstalledScenes, SceneSource};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 use measurement::system::world::{FixedWorld, World};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
@@ -100,7 +100,7 @@ pub fn answered_by_brute_force<S: Scalar, P: PrimSet<S>>(
     }
 }
 
-/// What is wrong with the batches of a structure.
+/// Fault planted into the batches of a structure.
 pub trait BatchFault: Send + Sync + 'static {
     /// Answers the rays of a batch.
     fn answer<S: Scalar, P: PrimSet<S>>(
@@ -171,12 +171,12 @@ pub type SilentAll<S> = Batched<S, Silent<true>>;
 /// It writes no answer to a shadow ray.
 pub type SilentShadows<S> = Batched<S, Silent<false>>;
 
-/// Of [`SilentAll`].
+/// Registry line of [`SilentAll`].
 pub static SILENT: StructureInfo = planted("silent", "answers nothing");
-/// Of [`SilentShadows`].
+/// Registry line of [`SilentShadows`].
 pub static SILENT_SHADOWS: StructureInfo = planted("silent-shadows", "answers no shadow ray");
 
-/// What a structure made for a test says of itself.
+/// Registry line of a structure made for a test.
 pub const fn planted(name: &'static str, summary: &'static str) -> StructureInfo {
     StructureInfo::new(name, summary)
 }
@@ -209,7 +209,7 @@ pub static WRONG_FIRST: &[Entry] = &[
 /// Nothing but the wrong one.
 pub static WRONG_ONLY: &[Entry] = &[accel_core::entry!(crate::common::Dropper, DROPPER)];
 
-/// What a run left behind.
+/// Exit code and output of a run.
 pub struct Ended {
     pub code: u8,
     pub out: String,
@@ -258,7 +258,7 @@ pub fn run_within(width: usize, arguments: &str) -> Ended {
     let terminal = Terminal { found_width: Some(width), ..Terminal::default() };
     let world = FixedWorld::default();
     let occluders = occluders::REGISTRY;
-    run_in_terminal(REGISTRY, occluders, &Installed, &clock, &world, terminal, arguments)
+    run_in_terminal(REGISTRY, occluders, &InstalledScenes, &clock, &world, terminal, arguments)
 }
 
 fn run_in_terminal(
@@ -295,13 +295,13 @@ fn run_in_terminal(
 
 /// The same over the real registry (with the wrong structure beside it) and a real clock.
 pub fn run(arguments: &str) -> Ended {
-    run_with(&PLANTED, &Installed, &SystemClock::default(), arguments)
+    run_with(&PLANTED, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 /// The same with a clock on which every interval is a millisecond.
 pub fn run_stepping(arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
-    run_with(&PLANTED, &Installed, &clock, arguments)
+    run_with(&PLANTED, &InstalledScenes, &clock, arguments)
 }
 
 /// A folder for outputs, and the record that a run left there.

@@ -11,7 +11,7 @@ use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats
 use accel_core::structures::{Entry, brute_force, obvhs};
 use accel_core::{Ray, Scalar};
 use measurement::record::Verdict;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 use crate::common::{Dropper, Folder, planted, row, run, run_stepping, run_with};
@@ -25,7 +25,7 @@ fn csv(folder: &Folder) -> Vec<Row> {
         .expect("CSV that parses back")
 }
 
-/// Of each kind of ray: the factors' names, their product, the whole.
+/// By kind of ray: the factors' names, their product, the whole.
 fn products(rows: &[Row]) -> HashMap<String, (Vec<String>, f64, f64)> {
     let mut found: HashMap<String, (Vec<String>, f64, f64)> = HashMap::new();
     for row in rows {
@@ -138,7 +138,7 @@ fn queries_and_what_a_scene_does_not_serve_are_said() {
     let run = |arguments: &str| {
         let ended = run_with(
             accel_core::structures::REGISTRY,
-            &Installed,
+            &InstalledScenes,
             &SystemClock::default(),
             &format!("explain {arguments} --size 16 --rounds 3"),
         );
@@ -210,7 +210,7 @@ fn a_planted_wrong_kernel_has_no_time_and_is_in_no_factor() {
     let explain = |row: &str| {
         let folder = Folder::new();
         let arguments = format!("explain tetra:2 --quick -s {row} -o {}", folder.path());
-        let ended = run_with(PLANTED_BLOCKS, &Installed, &SystemClock::default(), &arguments);
+        let ended = run_with(PLANTED_BLOCKS, &InstalledScenes, &SystemClock::default(), &arguments);
         assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
         (ended.out, csv(&folder))
     };

@@ -4,14 +4,14 @@
 use std::fmt::Write;
 
 use accel_core::structures::{Entry, REGISTRY};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 use crate::common::{Ended, Folder, run_with};
 
 fn run(arguments: &str) -> Ended {
     let all: &[Entry] = REGISTRY;
-    run_with(all, &Installed, &SystemClock::default(), arguments)
+    run_with(all, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 /// Boxes half a metre wide, their lower corners on a lattice, moved by whole metres.

@@ -1,5 +1,5 @@
-//! The lines of docs/ci.md that find a commit with `git bisect`, as they stand there: a repository whose
-//! commits say how `rtbench check` would end.
+//! The lines of docs/ci.md that find a commit with `git bisect`, as they stand there: a repository
+//! whose commits say how `rtbench check` would end.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;

@@ -28,7 +28,7 @@ fn program(arguments: &str) -> Command {
     command
 }
 
-/// What a process left: exit code, standard output, standard error.
+/// Waits for a process: exit code, standard output, standard error.
 fn ended(child: Child) -> (Option<i32>, String, String) {
     let output = child.wait_with_output().unwrap();
     let text = |bytes| String::from_utf8(bytes).unwrap();

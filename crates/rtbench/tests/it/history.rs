@@ -1,4 +1,5 @@
-//! `rtbench history`: the site of a planted step and of noise alone, machines apart, folders that are none.
+//! `rtbench history`: the site of a planted step and of noise alone, machines apart, folders that
+//! are none.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -67,12 +68,11 @@ fn pages(site: &Folder) -> BTreeMap<PathBuf, String> {
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
-            match path.is_dir() {
-                true => folders.push(path),
-                false => {
-                    let text = std::fs::read_to_string(&path).unwrap();
-                    pages.insert(path.strip_prefix(&root).unwrap().to_owned(), text);
-                }
+            if path.is_dir() {
+                folders.push(path)
+            } else {
+                let text = std::fs::read_to_string(&path).unwrap();
+                pages.insert(path.strip_prefix(&root).unwrap().to_owned(), text);
             }
         }
     }

@@ -1,5 +1,4 @@
-//! What a program in Rust has of us: runs as a function, typed settings, the texts that show the
-//! template.
+//! Use from Rust programs: runs as a function, typed settings, the texts that show the template.
 
 use std::path::Path;
 

@@ -33,7 +33,7 @@ mod sweep;
 mod sweep_sizes;
 mod verdicts;
 mod verify;
-mod verify_company;
+mod verify_batches;
 mod verify_oracles;
 mod verify_planted;
 mod verify_planted_shapes;

@@ -9,7 +9,7 @@ use accel_core::structure::{BuildError, StructureInfo, StructureStats};
 use accel_core::{Ray, Scalar};
 use glam::DVec3;
 use measurement::record::{Answered, Verdict};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 /// Says that every light is seen: the wrong occluder that must be found out.
@@ -56,7 +56,7 @@ pub static OCCLUDERS: &[occluders::Entry] = &[
 ];
 
 fn run_planted(arguments: &str) -> Ended {
-    run_over(&PLANTED, OCCLUDERS, &Installed, &SystemClock::default(), arguments)
+    run_over(&PLANTED, OCCLUDERS, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 #[test]

@@ -48,7 +48,7 @@ fn what_is_said_is_recorded_repeated_and_compared() {
     let expected =
         "--camera=0.5,0.5,4:0.5,0.5,0:30 --up=0,-1,0 --light=-1,2,3:1,0.5,0 --light=4,5,6";
     assert_eq!(record.settings.view.to_string(), expected);
-    // the same scene is loaded when the run is gone on with, and another one is refused
+    // the same scene is loaded when the run is resumed, and another one is refused
     let again = run_stepping(&format!("run --resume {}", path("one")));
     assert_eq!(again.code, 0, "{}", again.err);
     let other = run_stepping(&format!("run --resume {} --light 7,8,9", path("one")));

@@ -8,7 +8,7 @@ use crate::common::{Ended, Folder, PLANTED, row, run_stepping, run_with};
 use accel_core::structures::REGISTRY;
 use measurement::record::SCHEMA_VERSION;
 use measurement::record::Warning;
-use measurement::scenes::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 
 const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
@@ -48,7 +48,7 @@ fn the_csv_has_exactly_these_columns_and_a_row_for_each_scene_structure_and_sett
 
 /// Over the real registry alone.
 fn run_real(arguments: &str) -> Ended {
-    run_with(REGISTRY, &Installed, &SystemClock::default(), arguments)
+    run_with(REGISTRY, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 #[test]
@@ -171,7 +171,7 @@ fn slow_rows_are_compared_on_the_same_rays() {
     let arguments = "run tetra:4 --size 48 -s brute-force,obvhs-cwbvh --rounds 2 -j 2";
     let clock = SystemClock::default();
     let ended =
-        run_with(&PLANTED, &Installed, &clock, &format!("{arguments} -o {}", folder.path()));
+        run_with(&PLANTED, &InstalledScenes, &clock, &format!("{arguments} -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
     let (brute, fast) = (row(&record, "brute-force"), row(&record, "obvhs-cwbvh"));
@@ -208,7 +208,7 @@ impl KnownScene for Watching {
     fn load(&self) -> Result<LoadedScene, LoadError> {
         let lines = std::fs::read_to_string(&self.csv).map_or(0, |text| text.lines().count());
         self.seen.lock().unwrap().push(lines);
-        Installed.resolve(&[self.name.to_owned()])?.remove(0).load()
+        InstalledScenes.resolve(&[self.name.to_owned()])?.remove(0).load()
     }
     fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
         Ok(None)
@@ -251,7 +251,7 @@ fn a_scene_that_fails_costs_its_own_rows_only() {
             "failing"
         }
         fn load(&self) -> Result<LoadedScene, LoadError> {
-            Installed.resolve(&["no-such-scene".to_owned()])?.remove(0).load()
+            InstalledScenes.resolve(&["no-such-scene".to_owned()])?.remove(0).load()
         }
         fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
             Ok(None)
@@ -260,7 +260,7 @@ fn a_scene_that_fails_costs_its_own_rows_only() {
     struct Both;
     impl SceneSource for Both {
         fn resolve(&self, _: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
-            let mut scenes = Installed.resolve(&["tetra:1".to_owned()])?;
+            let mut scenes = InstalledScenes.resolve(&["tetra:1".to_owned()])?;
             scenes.insert(0, Box::new(Failing));
             Ok(scenes)
         }
@@ -292,7 +292,7 @@ fn outliers_are_counted_and_shown_and_a_noisy_machine_is_warned_of() {
     let folder = Folder::new();
     let ended = run_with(
         &PLANTED,
-        &Installed,
+        &InstalledScenes,
         &clock,
         &format!(
             "run tetra:2 --size 8 --rounds 30 -s uniform-grid,obvhs-cwbvh -o {}",

@@ -13,7 +13,7 @@ use measurement::journal::lines::{RecoveredRun, read};
 use measurement::journal::seal::Seal;
 use measurement::journal::{Journal, NAME};
 use measurement::record::RunRecord;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 
@@ -26,7 +26,7 @@ pub fn run_in(
     let mut context = Context {
         registry,
         occluders: occluders::REGISTRY,
-        scenes: &Installed,
+        scenes: &InstalledScenes,
         clock: &SteppingClock::new(Duration::from_millis(1)),
         world: &rtbench::program::world(),
         out: &mut out,
@@ -97,7 +97,7 @@ pub fn record(folder: &Path) -> RunRecord {
     serde_json::from_str(&text).unwrap()
 }
 
-/// What no clock decides of the rows of a run: by scene and row, counters and verdicts.
+/// Results of a run that do not depend on time: counters and verdicts by scene and row.
 pub fn outputs(folder: &Path) -> BTreeMap<(String, String), String> {
     let record = record(folder);
     let mut rows = BTreeMap::new();

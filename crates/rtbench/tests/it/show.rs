@@ -4,7 +4,7 @@ use accel_core::query::cells::NoCells;
 use accel_core::structures::REGISTRY;
 
 use accel_core::structures::Entry;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 use crate::common::{Ended, Folder, run_with};
@@ -12,7 +12,7 @@ use crate::common::{Ended, Folder, run_with};
 /// Over the real registry, not the one of other tests.
 fn run(arguments: &str) -> Ended {
     let all: &[Entry] = REGISTRY;
-    run_with(all, &Installed, &SystemClock::default(), arguments)
+    run_with(all, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 /// The texts of an SVG file, which must be well-formed.

@@ -9,7 +9,7 @@ use std::time::Duration;
 use crate::common::{Folder, PLANTED, run_with};
 use accel_core::structures::{Entry, REGISTRY};
 use clap::CommandFactory;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
 use rtbench::args::Cli;
 
@@ -17,9 +17,9 @@ use rtbench::args::Cli;
 struct Snapshot {
     /// The file's name.
     name: &'static str,
-    /// What is run before, each with the milliseconds between two readings of the clock.
+    /// Commands run before, each with the milliseconds between two readings of the clock.
     before: &'static [(u64, &'static str)],
-    /// What is kept.
+    /// Command whose text is kept.
     command: &'static str,
     /// Files in the folder that are kept as well.
     files: &'static [&'static str],
@@ -148,7 +148,7 @@ fn compared(snapshot: &Snapshot) -> String {
     let registry: &[Entry] = if name.starts_with("planted") { &PLANTED } else { REGISTRY };
     let run = |step, command: &str| {
         let clock = SteppingClock::new(Duration::from_millis(step));
-        run_with(registry, &Installed, &clock, &command.replace("DIR", &folder.path()))
+        run_with(registry, &InstalledScenes, &clock, &command.replace("DIR", &folder.path()))
     };
     for (step, command) in *before {
         let ended = run(*step, command);

@@ -12,13 +12,13 @@ use accel_core::structures::{Entry, REGISTRY, obvhs};
 use accel_core::{Hit, Ray, Scalar, Vector};
 use measurement::record::query::Query;
 use measurement::record::{RunRecord, Verdict};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
 
 const KINDS: &str = "--rays primary,shadow,diffuse --lights first";
 
 fn run_over(registry: &[Entry], arguments: &str) -> Ended {
-    run_with(registry, &Installed, &SteppingClock::new(Duration::from_millis(1)), arguments)
+    run_with(registry, &InstalledScenes, &SteppingClock::new(Duration::from_millis(1)), arguments)
 }
 
 /// A run that is right; its record.

@@ -10,7 +10,7 @@ use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats
 use accel_core::structures::{Entry, obvhs, uniform_grid};
 use accel_core::{Ray, Scalar};
 use measurement::record::{RunRecord, SceneRecord, Verdict, Warning};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
 use serde_json::Value;
 
@@ -69,7 +69,7 @@ const RUN: &str = "run tetra:1 tetra:2 --size 16 --rounds 5 --seed 7 --by-kind \
 
 fn run(registry: &[Entry], arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
-    run_with(registry, &Installed, &clock, arguments)
+    run_with(registry, &InstalledScenes, &clock, arguments)
 }
 
 /// The results of [`RUN`], which ends with that code.
@@ -193,7 +193,7 @@ fn a_reference_whose_defect_is_known_stays_and_judges_nobody() {
         assert_eq!(reference(scene), "obvhs-cwbvh");
         let [grid, bvh, own] = &scene.rows[..] else { panic!() };
         assert!(own.verdict == Verdict::WrongAsShipped && own.mismatches > 0);
-        // held against one that the oracle confirmed, all others are right
+        // compared with one that the oracle confirmed, all others are right
         assert_eq!(scene.oracle.reference.as_deref(), Some("obvhs-bvh2"));
         assert!([grid, bvh].iter().all(|row| row.verdict == Verdict::Ok && row.ratio.is_some()));
     }

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::common::{Folder, PLANTED, WRONG_ONLY, run, run_stepping, run_with};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 type Row = HashMap<String, String>;
@@ -141,7 +141,7 @@ fn equal_ratios_need_a_start_above_zero() {
     for (from, code) in [("0", 2), ("-1", 2), ("1", 4), ("0 --linear", 4)] {
         let ended = run_with(
             WRONG_SWEPT,
-            &Installed,
+            &InstalledScenes,
             &SystemClock::default(),
             &format!("{arguments} {from} --quick --rounds 1"),
         );
@@ -214,7 +214,7 @@ fn a_wrong_value_is_shown_as_wrong_and_never_best() {
     let arguments = "sweep tetra:2 -s planted -p depth --values 1,2,3 --quick --rounds 1";
     let clock = SystemClock::default();
     let command = format!("{arguments} {}", outputs(&folder));
-    let ended = run_with(WRONG_SWEPT, &Installed, &clock, &command);
+    let ended = run_with(WRONG_SWEPT, &InstalledScenes, &clock, &command);
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     let rows = csv(&folder);
     let verdicts: Vec<&str> = rows.iter().map(|r| r["verdict"].as_str()).collect();
@@ -235,7 +235,7 @@ fn a_wrong_value_is_shown_as_wrong_and_never_best() {
 fn a_wrong_reference_leaves_times_per_ray_to_compare() {
     let ended = run_with(
         WRONG_ONLY,
-        &Installed,
+        &InstalledScenes,
         &SystemClock::default(),
         "sweep tetra:2 -s dropper -p any --values 1",
     );
@@ -243,7 +243,7 @@ fn a_wrong_reference_leaves_times_per_ray_to_compare() {
     let arguments = "sweep tetra:2 -s uniform-grid -p density --values 1,2 --reference dropper";
     let ended = run_with(
         &PLANTED,
-        &Installed,
+        &InstalledScenes,
         &SystemClock::default(),
         &format!("{arguments} --quick --rounds 1"),
     );

@@ -14,8 +14,8 @@ use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, obvhs};
 use accel_core::{Ray, Scalar, occluders};
 use measurement::record::{RunRecord, Verdict};
-use measurement::rounds::trial::{BuildLimits, Outcome, TrialBuild};
-use measurement::scenes::Installed;
+use measurement::rounds::trial::{BuildLimits, TrialBuild, TrialOutcome};
+use measurement::scenes::InstalledScenes;
 use measurement::settings::Precision;
 use measurement::system::clock::{Clock, SteppingClock};
 use measurement::system::world::FixedWorld;
@@ -125,7 +125,7 @@ static SLOW: &[Entry] = &[
     accel_core::entry!(crate::sweep_sizes::Quadratic, QUADRATIC_INFO),
 ];
 
-/// What builds took, and a microsecond for each reading.
+/// Clock that advances by build times, and a microsecond per reading.
 struct WorkClock(SteppingClock);
 
 impl Clock for WorkClock {
@@ -139,7 +139,7 @@ fn a_quadratic_build_has_the_slope_two() {
     let folder = Folder::new();
     let clock = WorkClock(SteppingClock::new(Duration::from_micros(1)));
     let command = format!("{SIZES} --rays primary -s quadratic {}", exports(&folder));
-    let ended = run_with(SLOW, &Installed, &clock, &command);
+    let ended = run_with(SLOW, &InstalledScenes, &clock, &command);
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
     let (build, interval, _) = slope(&record, "quadratic", "build").unwrap();
@@ -166,18 +166,20 @@ fn wrong_answers_are_shown_as_such_and_have_no_slope() {
 }
 
 /// Runs in a world where trials end so.
-fn run_tried(trials: fn(&TrialBuild) -> Outcome, arguments: &str) -> Ended {
+fn run_tried(trials: fn(&TrialBuild) -> TrialOutcome, arguments: &str) -> Ended {
     let clock = SteppingClock::new(Duration::from_millis(1));
     let world = FixedWorld { trials, ..FixedWorld::default() };
-    run_in_world(&PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
+    run_in_world(&PLANTED, occluders::REGISTRY, &InstalledScenes, &clock, &world, arguments)
 }
 
 #[test]
 fn what_is_over_a_limit_is_said_and_not_tried_again() {
     let trials = |trial: &TrialBuild| match (trial.row.as_str(), trial.scene.as_str()) {
-        ("uniform-grid", "tetra:3") => Outcome::OverLimit("building took more than 60 s".into()),
+        ("uniform-grid", "tetra:3") => {
+            TrialOutcome::OverLimit("building took more than 60 s".into())
+        }
         ("uniform-grid", "tetra:4") => panic!("tried again"),
-        _ => Outcome::Ended { peak_bytes: None },
+        _ => TrialOutcome::Ended { peak_bytes: None },
     };
     let folder = Folder::new();
     let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
@@ -205,8 +207,8 @@ fn what_is_over_a_limit_is_said_and_not_tried_again() {
 #[test]
 fn a_size_without_a_row_is_not_loaded() {
     let trials = |trial: &TrialBuild| match trial.scene.as_str() {
-        "tetra:2" => Outcome::Ended { peak_bytes: Some(7) },
-        _ => Outcome::OverLimit("loading the scene took more than 1 MiB of memory".into()),
+        "tetra:2" => TrialOutcome::Ended { peak_bytes: Some(7) },
+        _ => TrialOutcome::OverLimit("loading the scene took more than 1 MiB of memory".into()),
     };
     let folder = Folder::new();
     let ended = run_tried(trials, &format!("{SIZES} -s obvhs-cwbvh {}", exports(&folder)));
@@ -221,8 +223,8 @@ fn a_size_without_a_row_is_not_loaded() {
 #[test]
 fn a_trial_that_dies_costs_its_row_and_is_a_failure() {
     let trials = |trial: &TrialBuild| match trial.row.as_str() {
-        "uniform-grid" => Outcome::Died("the process ended with signal 6".into()),
-        _ => Outcome::Ended { peak_bytes: None },
+        "uniform-grid" => TrialOutcome::Died("the process ended with signal 6".into()),
+        _ => TrialOutcome::Ended { peak_bytes: None },
     };
     let folder = Folder::new();
     let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
@@ -276,7 +278,7 @@ fn a_process_that_is_no_rtbench_is_found_out() {
         precision: Precision::F32,
         limits: BuildLimits { seconds: 60.0, bytes: 1 << 40 },
     };
-    let Outcome::Died(reason) = trial.run() else { panic!("it cannot have built anything") };
+    let TrialOutcome::Died(reason) = trial.run() else { panic!("it cannot have built anything") };
     assert!(reason.contains("exit status"), "{reason}");
 }
 

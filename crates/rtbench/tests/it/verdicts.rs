@@ -7,7 +7,7 @@ use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Ray, Scalar};
 use measurement::record::{Verdict, Warning};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 use studies::run::lines::wrong_rays;
 
@@ -17,7 +17,7 @@ use crate::common::{
 };
 
 fn run(registry: &[Entry], arguments: &str) -> crate::common::Ended {
-    run_with(registry, &Installed, &SystemClock::default(), arguments)
+    run_with(registry, &InstalledScenes, &SystemClock::default(), arguments)
 }
 
 #[test]
@@ -139,7 +139,7 @@ static FAULTY: &[Entry] = &[
     accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
 ];
 
-/// What would be asked for the answers first writes none.
+/// The structure that would be asked for answers first writes none.
 static SILENT_FIRST: &[Entry] = &[
     accel_core::entry!(SilentAll, SILENT),
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),

@@ -7,13 +7,13 @@ use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY};
 use accel_core::{Ray, Scalar, Vector};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 use renderer::ray_offset::OffsetRule;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 use statistics::random::Random;
 use studies::verify::cases::secondary::draws;
-use studies::verify::judge::{Judge, Judged};
+use studies::verify::judge::{Judge, RoundVerdict};
 use studies::verify::subject::Subject;
 
 /// Brute force that does not answer some rays: which ones is its fault.
@@ -22,7 +22,7 @@ struct Faulty<S, F> {
     kind: std::marker::PhantomData<(S, F)>,
 }
 
-/// Which rays a faulty structure gets wrong.
+/// Rays that a faulty structure answers wrongly.
 trait Fault: Send + Sync + 'static {
     fn loses(direction: [f64; 3]) -> bool;
 }
@@ -92,7 +92,12 @@ static FAULTS: &[Entry] = &[
 ];
 
 fn verify(registry: &[Entry], arguments: &str) -> Ended {
-    run_with(registry, &Installed, &SystemClock::default(), &format!("verify -j 2 {arguments}"))
+    run_with(
+        registry,
+        &InstalledScenes,
+        &SystemClock::default(),
+        &format!("verify -j 2 {arguments}"),
+    )
 }
 
 fn replay(registry: &[Entry], line: &str) -> Ended {
@@ -100,7 +105,7 @@ fn replay(registry: &[Entry], line: &str) -> Ended {
     let mut context = Context {
         registry,
         occluders: accel_core::occluders::REGISTRY,
-        scenes: &Installed,
+        scenes: &InstalledScenes,
         clock: &SystemClock::default(),
         world: &rtbench::program::world(),
         out: &mut out,
@@ -226,7 +231,7 @@ fn an_offset_of_zero_hits_what_it_leaves() {
         let judged = rounds.map(|round| {
             let brute_force = Subject::parse(REGISTRY, "brute-force").unwrap();
             match Judge::new(&round).unwrap().judge(&brute_force) {
-                Judged::Asked(wrong, _) => wrong.len(),
+                RoundVerdict::Asked(wrong, _) => wrong.len(),
                 other => panic!("{other:?}"),
             }
         });

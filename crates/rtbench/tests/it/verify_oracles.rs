@@ -34,7 +34,7 @@ fn told(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> Vec<St
     wrong
 }
 
-/// How many answers the oracle of a case refutes.
+/// Number of answers that the oracle of a case refutes.
 fn refuted(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> usize {
     told(id, answer).len()
 }

@@ -13,7 +13,7 @@ use accel_core::query::sink::Sink;
 use accel_core::structure::{BatchAnswers, BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::{SteppingClock, SystemClock};
 #[cfg(unix)]
 use measurement::system::interrupt::GRACE;
@@ -109,7 +109,7 @@ pub struct Own<S: Scalar, F> {
 }
 
 pub trait Choice: Send + Sync + 'static {
-    /// Of all hits, sorted.
+    /// Chooses from all hits, sorted.
     fn of<S: Scalar>(ray: &Ray<S>, hits: &[Hit<S>]) -> Option<u32>;
 }
 
@@ -139,7 +139,7 @@ impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
     }
 }
 
-/// Of equal hits the highest id.
+/// Returns the highest id of equal hits.
 pub struct HighestId;
 impl Choice for HighestId {
     fn of<S: Scalar>(_: &Ray<S>, hits: &[Hit<S>]) -> Option<u32> {
@@ -209,7 +209,7 @@ static FAULTS: &[Entry] = &[
 ];
 
 fn verify(arguments: &str) -> Ended {
-    run_with(FAULTS, &Installed, &SystemClock::default(), &format!("verify {arguments}"))
+    run_with(FAULTS, &InstalledScenes, &SystemClock::default(), &format!("verify {arguments}"))
 }
 
 /// The rows of the CSV file of a check with exit code `code`.
@@ -289,7 +289,7 @@ fn out_of_time_prints_and_keeps_what_is_done() {
              --overwrite --export-csv {0}/results.csv --export-json {0}/verify.json",
             folder.path()
         );
-        run_with(FAULTS, &Installed, &clock, &arguments)
+        run_with(FAULTS, &InstalledScenes, &clock, &arguments)
     };
     // the clock is read before each case, round and structure
     let ended = check("14ms");

@@ -11,12 +11,12 @@ use accel_core::structures::{Entry, brute_force};
 use accel_core::update::{Change, INCREMENTAL};
 use accel_core::{Aabb, Ray, Scalar, Vector};
 use measurement::plan::rows::Row;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 use statistics::random::Random;
 use studies::verify::catalogue::find;
-use studies::verify::judge::{Judge, Judged};
-use studies::verify::registry::{Ask, Draw};
+use studies::verify::judge::{Judge, RoundVerdict};
+use studies::verify::registry::{CaseRunner, Draw};
 use studies::verify::subject::Subject;
 
 use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};
@@ -155,7 +155,7 @@ fn catches_each(faulty: &[(&str, &str, u32)]) {
         let folder = Folder::new();
         let check = format!("verify --cases {case} -s {structure},brute-force --rays {rays}");
         let check = format!("{check} --export-csv {}/results.csv", folder.path());
-        let ended = run_with(FAULTS, &Installed, &SystemClock::default(), &check);
+        let ended = run_with(FAULTS, &InstalledScenes, &SystemClock::default(), &check);
         assert_eq!(ended.code, 4, "{check}: {}{}", ended.out, ended.err);
         for row in folder.csv() {
             let of = (row["structure"].as_str(), row["mismatches"].as_str());
@@ -170,11 +170,11 @@ fn an_occluder_that_sees_every_light_is_refuted() {
         let round = draw(&mut Random::new(1, "lights"), 300).unwrap();
         let row = Row::defaults(occluder).unwrap();
         match Judge::new(&round).unwrap().judge(&Subject::Occluder(row)) {
-            Judged::Asked(wrong, _) => wrong.len(),
+            RoundVerdict::Asked(wrong, _) => wrong.len(),
             other => panic!("{other:?}"),
         }
     }
-    let Ask { single, double, .. } = find("Q10occluders").unwrap().1.ask;
+    let CaseRunner { single, double, .. } = find("Q10occluders").unwrap().1.ask;
     let [right, bright] = OCCLUDERS else { panic!("two occluders") };
     assert_eq!((wrong(single, right), wrong(double, right)), (0, 0));
     assert!(wrong(single, bright) > 50 && wrong(double, bright) > 50);

@@ -37,7 +37,7 @@ struct AnimatedFiles {
     name: String,
     world: World,
     clip: (f64, f64, u32),
-    /// That frames the first frame, where the file has no view.
+    /// Camera that frames the first frame, if the file has no view.
     camera: Option<Camera>,
 }
 

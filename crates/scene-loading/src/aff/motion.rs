@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::aff::spline::{Key, Track};
 use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::Tally;
+use crate::mesh::FirstAndCount;
 use crate::nff::tokens::Words;
 use crate::scene::Scene;
 use glam::{DAffine3, DQuat, DVec3};
@@ -48,7 +48,7 @@ impl Motion {
     }
 
     /// Reads what stands behind the name, from the brace on; counts keys that go back in time.
-    pub fn read(words: &mut Words<'_>, back: &mut Tally) -> Result<Self, LoadError> {
+    pub fn read(words: &mut Words<'_>, back: &mut FirstAndCount) -> Result<Self, LoadError> {
         brace(words)?;
         let mut motion = Self::default();
         loop {
@@ -108,7 +108,7 @@ pub(super) fn rotation(words: &mut Words<'_>) -> Result<DQuat, LoadError> {
 fn places(
     words: &mut Words<'_>,
     count: u64,
-    back: &mut Tally,
+    back: &mut FirstAndCount,
 ) -> Result<Vec<Key<DVec3>>, LoadError> {
     keys(words, count, back, |words| words.vector("the values of a key"))
 }
@@ -116,7 +116,7 @@ fn places(
 fn keys<T>(
     words: &mut Words<'_>,
     count: u64,
-    back: &mut Tally,
+    back: &mut FirstAndCount,
     value: impl Fn(&mut Words<'_>) -> Result<T, LoadError>,
 ) -> Result<Vec<Key<T>>, LoadError> {
     let mut last = None;
@@ -131,7 +131,11 @@ fn keys<T>(
 }
 
 /// The time of a key; one before that of the key in front is counted.
-fn time(words: &mut Words<'_>, last: &mut Option<f64>, back: &mut Tally) -> Result<f64, LoadError> {
+fn time(
+    words: &mut Words<'_>,
+    last: &mut Option<f64>,
+    back: &mut FirstAndCount,
+) -> Result<f64, LoadError> {
     let line = words.peek().map_or(0, |word| word.line);
     let time = words.number("the time of a key")?;
     if last.is_some_and(|last| last > time) {

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::aff::motion::{Motion, Motions, brace, rotation};
-use crate::aff::world::{Branch, Part, Step, World};
+use crate::aff::world::{Branch, PrimitiveRange, Step, World};
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::read::{confined, read_at_most};
 use crate::input::text::text_of;
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
-use crate::mesh::{FaceCounts, Tally};
+use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::nff::tokens::{Word, Words};
 use crate::nff::{cone, surface, view};
 use crate::scene::{Light, Material, Scene};
@@ -50,8 +50,8 @@ pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError
         budget: MAX_BYTES,
         runs: Vec::new(),
         counts: FaceCounts::default(),
-        textured: Tally::default(),
-        back: Tally::default(),
+        textured: FirstAndCount::default(),
+        back: FirstAndCount::default(),
         named_lights: Vec::new(),
     };
     reader.file(path, bytes, 0)?;
@@ -59,7 +59,7 @@ pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError
 }
 
 /// A file that is being read.
-pub(super) struct Opened<'a> {
+pub(super) struct OpenedFile<'a> {
     pub words: Words<'a>,
     /// Number of the file, and of this inclusion.
     file: usize,
@@ -68,7 +68,7 @@ pub(super) struct Opened<'a> {
     runs: usize,
 }
 
-/// Where a run of primitives comes from: which file, in which inclusion, which run in that.
+/// Origin of a run of primitives: file, inclusion, and run within it.
 struct Run {
     inclusion: usize,
     file: usize,
@@ -76,7 +76,7 @@ struct Run {
 }
 
 pub(super) struct Reader<'a> {
-    /// Of the first file: names of others are relative to it.
+    /// Folder of the first file; names of others are relative to it.
     folder: &'a Path,
     pub world: World,
     pub material: Option<u32>,
@@ -87,12 +87,12 @@ pub(super) struct Reader<'a> {
     included: usize,
     /// Bytes that may still be read.
     budget: u64,
-    /// Where the parts come from.
+    /// Origins of the parts.
     runs: Vec<Run>,
     pub counts: FaceCounts,
-    pub textured: Tally,
+    pub textured: FirstAndCount,
     /// Keys that go back in time.
-    back: Tally,
+    back: FirstAndCount,
     named_lights: Vec<String>,
 }
 
@@ -105,7 +105,7 @@ impl Reader<'_> {
         let next = self.files.len();
         let file = *self.files.entry(path.to_path_buf()).or_insert(next);
         let words = Words::new(path, &text).with_comments(&['#', '%']);
-        let mut opened = Opened { words, file, inclusion: self.included, runs: 0 };
+        let mut opened = OpenedFile { words, file, inclusion: self.included, runs: 0 };
         let base = self.branch;
         while let Some(word) = opened.words.next() {
             self.entity(word, &mut opened, base, depth)?;
@@ -120,7 +120,7 @@ impl Reader<'_> {
     fn entity(
         &mut self,
         word: Word<'_>,
-        opened: &mut Opened<'_>,
+        opened: &mut OpenedFile<'_>,
         base: usize,
         depth: usize,
     ) -> Result<(), LoadError> {
@@ -229,7 +229,7 @@ impl Reader<'_> {
     }
 
     /// Has primitives that follow belong to a part: that of those before, if nothing is between.
-    fn begin(&mut self, is_soft: bool, opened: &mut Opened<'_>, place: FilePlace) {
+    fn begin(&mut self, is_soft: bool, opened: &mut OpenedFile<'_>, place: FilePlace) {
         let scene = &self.world.rest;
         let last = self.world.parts.last();
         let goes_on = last
@@ -242,7 +242,7 @@ impl Reader<'_> {
         self.runs.push(Run { inclusion, file, number });
         opened.runs += 1;
         let here = |length: usize| length..length;
-        self.world.parts.push(Part {
+        self.world.parts.push(PrimitiveRange {
             branch: self.branch,
             object: 0,
             is_soft,

@@ -35,7 +35,7 @@ impl<T> Track<T> {
         &self.0
     }
 
-    /// Where the curve ends.
+    /// End of the curve.
     fn last(&self) -> Option<T>
     where
         T: Copy,
@@ -43,8 +43,7 @@ impl<T> Track<T> {
         self.0.iter().rev().nth(1).map(|key| key.value)
     }
 
-    /// Where a time is; none at an end without length; before the first segment and behind the last
-    /// at its ends.
+    /// Segment of a time, clamped to the first and last; `None` for an empty segment.
     fn segment(&self, time: f64) -> Option<Segment<'_, T>> {
         let windows = || self.0.windows(4).filter_map(|keys| keys.first_chunk::<4>());
         let keys = windows().find(|[_, _, to, _]| time < to.time).or_else(|| windows().last())?;
@@ -58,8 +57,7 @@ impl<T> Track<T> {
 }
 
 impl<T> Segment<'_, T> {
-    /// What the chord before the second key and the one behind it add to the tangent that leaves
-    /// it.
+    /// Weights of the chords before and behind the second key in the tangent that leaves it.
     fn leaves(&self) -> [f64; 2] {
         let [before, from, to, _] = self.keys;
         let [tension, continuity, bias] = from.shape;
@@ -67,7 +65,7 @@ impl<T> Segment<'_, T> {
         [scale * (1.0 + continuity) * (1.0 + bias), scale * (1.0 - continuity) * (1.0 - bias)]
     }
 
-    /// What the chord before the third key and the one behind it add to the tangent that enters it.
+    /// Weights of the chords before and behind the third key in the tangent that enters it.
     fn enters(&self) -> [f64; 2] {
         let [_, from, to, behind] = self.keys;
         let [tension, continuity, bias] = to.shape;

@@ -1,4 +1,4 @@
-//! What AFF files say, before it moves: primitives in the spaces of the braces that they stand in.
+//! Content of AFF files at rest: primitives in the spaces of their braces.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -17,12 +17,12 @@ pub(super) struct World {
     pub path: PathBuf,
     /// Materials, background, view; primitives in the spaces of their branches.
     pub rest: Scene,
-    /// Whether a file says so.
+    /// True if a file says so.
     pub has_view: bool,
     /// Transforms; the first is the world, the others come behind those that they are in.
     pub branches: Vec<Branch>,
     /// Runs of primitives in one branch, in order.
-    pub parts: Vec<Part>,
+    pub parts: Vec<PrimitiveRange>,
     /// Lights and the branches that they are in.
     pub lights: Vec<(usize, Light)>,
     /// Triangles that are animated corner by corner.
@@ -44,7 +44,7 @@ pub(super) enum Step {
     Named(String),
 }
 
-pub(super) struct Part {
+pub(super) struct PrimitiveRange {
     pub branch: usize,
     /// The same for runs that several inclusions of a file make.
     pub object: u32,
@@ -58,7 +58,7 @@ pub(super) struct Part {
     pub place: FilePlace,
 }
 
-/// Where a branch is.
+/// Placement of a branch.
 #[derive(Clone, Copy)]
 struct Placement {
     to_world: DAffine3,
@@ -145,7 +145,7 @@ fn placement(all: &[Placement], branch: usize) -> Placement {
 }
 
 /// Brings a part to where it is. What is not seen is drawn together in one point: it keeps its ids.
-fn place(part: &Part, placement: Placement, scene: &mut Scene) -> Result<(), LoadError> {
+fn place(part: &PrimitiveRange, placement: Placement, scene: &mut Scene) -> Result<(), LoadError> {
     let mut to_world = placement.to_world;
     if !placement.is_visible {
         to_world.matrix3 = DMat3::ZERO;
@@ -195,7 +195,7 @@ fn place(part: &Part, placement: Placement, scene: &mut Scene) -> Result<(), Loa
 }
 
 /// Makes triangles of patches that lack a normal.
-fn flatten(part: &Part, scene: &mut Scene) {
+fn flatten(part: &PrimitiveRange, scene: &mut Scene) {
     for primitive in scene.primitives.get_mut(part.primitives.clone()).unwrap_or_default() {
         let Shape::Patch { v, n } = primitive.shape else { continue };
         let lacks = |&i: &u32| scene.normals.get(i as usize).is_none_or(|n| *n == DVec3::ZERO);

@@ -58,7 +58,7 @@ impl<'a> Pattern<'a> {
 struct Files {
     name: String,
     paths: Vec<PathBuf>,
-    /// Of the first frame, for formats that have none.
+    /// Camera of the first frame, for formats without cameras.
     camera: Option<Camera>,
 }
 

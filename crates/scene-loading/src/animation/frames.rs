@@ -39,19 +39,19 @@ pub(crate) fn check_frame(name: &str, index: u32, frames: u32) -> Result<(), Loa
     })
 }
 
-pub(super) struct Rebased {
+pub(super) struct RebasedAnimation {
     frames: Box<dyn Animation>,
     /// Known once the first frame was made.
     origin: Option<DVec3>,
 }
 
-impl Rebased {
+impl RebasedAnimation {
     pub fn boxed(frames: Box<dyn Animation>) -> Box<dyn Animation> {
         Box::new(Self { frames, origin: None })
     }
 }
 
-impl Animation for Rebased {
+impl Animation for RebasedAnimation {
     fn name(&self) -> &str {
         self.frames.name()
     }

@@ -11,7 +11,7 @@ use crate::aff;
 use std::path::Path;
 
 pub use crate::animation::frames::Animation;
-use crate::animation::frames::Rebased;
+use crate::animation::frames::RebasedAnimation;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
 use crate::error::{FilePlace, LoadError};
 use crate::gltf;
@@ -23,8 +23,8 @@ use crate::source::names::path_of_name;
 /// glTF file with an animation, or of an AFF file.
 ///
 /// # Errors
-/// [`LoadError::UnknownScene`] with all valid names and the nearest one, [`LoadError::Procedural`] for a
-/// size that there is not, [`LoadError::NoFrames`], [`LoadError::MissingFrame`],
+/// [`LoadError::UnknownScene`] with all valid names and the nearest one, [`LoadError::Procedural`]
+/// for a size that there is not, [`LoadError::NoFrames`], [`LoadError::MissingFrame`],
 /// [`LoadError::UnknownFormat`], [`LoadError::Io`], and those of [`parse`].
 pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     if let Some(generated) = generated::open(name)? {
@@ -32,12 +32,9 @@ pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
     }
     let path = path_of_name(name);
     if files::is_pattern(&path) {
-        return Ok(Rebased::boxed(files::open(&path)?));
+        return Ok(RebasedAnimation::boxed(files::open(&path)?));
     }
-    match is_moving(&path) {
-        true => parse(&path, read_file(&path)?),
-        false => Err(unknown(name)),
-    }
+    if is_moving(&path) { parse(&path, read_file(&path)?) } else { Err(unknown(name)) }
 }
 
 /// True for formats that hold a whole animation in a file.
@@ -60,7 +57,7 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadErro
             valid: ".gltf, .glb, .aff".into(),
         }),
     };
-    Ok(Rebased::boxed(animation?))
+    Ok(RebasedAnimation::boxed(animation?))
 }
 
 fn unknown(name: &str) -> LoadError {

@@ -11,7 +11,7 @@ use std::path::Path;
 use crate::animation::frames::{Animation, check_frame};
 use crate::error::LoadError;
 use crate::gltf::clip::Clip;
-use crate::gltf::{Opened, guarded};
+use crate::gltf::{OpenedFile, guarded};
 use crate::input::read::scene_name;
 use crate::scene::{Camera, Scene};
 use crate::view_options::light_if_dark;
@@ -25,10 +25,10 @@ const MOST: f64 = 1500.0;
 
 struct AnimatedFile {
     name: String,
-    opened: Opened,
+    opened: OpenedFile,
     clip: Clip,
     frames: u32,
-    /// Of the first frame, once it was made.
+    /// Camera of the first frame, once that exists.
     camera: Option<Camera>,
 }
 
@@ -39,7 +39,7 @@ struct AnimatedFile {
 /// [`crate::gltf::parse_gltf`].
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Box<dyn Animation>, LoadError> {
     guarded(path, || {
-        let opened = Opened::read(path, bytes)?;
+        let opened = OpenedFile::read(path, bytes)?;
         let clip = Clip::read(path, &opened.document, &opened.buffers)?;
         let [from, to] = clip.span();
         let frames = ((to - from) * RATE).round() + 1.0;

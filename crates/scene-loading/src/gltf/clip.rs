@@ -19,7 +19,7 @@ use glam::{DQuat, DVec3};
 
 /// The first animation of a file.
 pub(crate) struct Clip {
-    /// Of each sampler that a channel uses.
+    /// Keys of each sampler that a channel uses.
     samplers: Vec<Option<Keys>>,
     channels: Vec<Channel>,
 }
@@ -242,7 +242,7 @@ impl Keys {
         }
     }
 
-    /// Whether a scale of these keys gets through zero, or may.
+    /// Returns whether a scale of these keys gets through zero, or may.
     pub fn passes_zero(&self) -> bool {
         let first = self.value(0);
         let keeps = |key| {

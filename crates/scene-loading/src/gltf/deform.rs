@@ -31,9 +31,9 @@ pub(crate) struct Deformer<'a> {
     path: &'a Path,
     buffers: &'a Buffers,
     pose: Option<&'a Pose>,
-    /// Where nodes are, by their number; none of those that are not in the scene.
+    /// Placements of nodes by number; `None` for nodes outside the scene.
     pub joints: Vec<Option<DMat4>>,
-    /// Of the skins that were asked for.
+    /// Matrices of the skins used so far.
     skins: BTreeMap<usize, SkinMatrices>,
     moved: usize,
     skinned: usize,
@@ -43,7 +43,7 @@ pub(crate) struct Deformer<'a> {
 type SkinMatrices = Option<Rc<[DMat4]>>;
 
 /// Vertices as they are in a frame, and where their space is in the world.
-pub(crate) struct Deformed {
+pub(crate) struct DeformedMesh {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
     /// None where the vertices are in the world already.
@@ -53,7 +53,7 @@ pub(crate) struct Deformed {
 }
 
 /// Why a primitive does not follow its skin.
-pub(crate) enum Unbent {
+pub(crate) enum SkinFault {
     WithoutJoints,
     OutsideScene,
 }
@@ -95,15 +95,15 @@ impl<'a> Deformer<'a> {
         positions: &[[f32; 3]],
         normals: &[[f32; 3]],
         world: DMat4,
-    ) -> Result<(Option<Deformed>, Option<Unbent>), LoadError> {
+    ) -> Result<(Option<DeformedMesh>, Option<SkinFault>), LoadError> {
         let weights = self.weights(node, primitive);
         let (matrices, unbent) = match node.skin() {
             None => (None, None),
             Some(_) if joint_sets(primitive).next().is_none() => {
-                (None, Some(Unbent::WithoutJoints))
+                (None, Some(SkinFault::WithoutJoints))
             }
             Some(skin) => match self.matrices(&skin)? {
-                None => (None, Some(Unbent::OutsideScene)),
+                None => (None, Some(SkinFault::OutsideScene)),
                 matrices => (matrices, None),
             },
         };
@@ -115,7 +115,7 @@ impl<'a> Deformer<'a> {
         self.count_moved(positions.len().saturating_mul(targets + sets))?;
         let [positions, normals] = [positions, normals].map(|all| all.iter().map(wide).collect());
         let world = Some(world);
-        let mut deformed = Deformed { positions, normals, world, is_mirrored: false };
+        let mut deformed = DeformedMesh { positions, normals, world, is_mirrored: false };
         self.morph(primitive, &weights, &mut deformed)?;
         if let (Some(matrices), Some(skin)) = (matrices, node.skin()) {
             let object = format!("skin {}", skin.index());
@@ -146,7 +146,7 @@ impl<'a> Deformer<'a> {
         &self,
         primitive: &Primitive<'_>,
         weights: &[f64],
-        deformed: &mut Deformed,
+        deformed: &mut DeformedMesh,
     ) -> Result<(), LoadError> {
         for (target, &weight) in primitive.morph_targets().zip(weights) {
             if weight == 0.0 {
@@ -186,7 +186,7 @@ impl<'a> Deformer<'a> {
         skin: &str,
         matrices: &[DMat4],
         primitive: &Primitive<'_>,
-        deformed: &mut Deformed,
+        deformed: &mut DeformedMesh,
     ) -> Result<(), LoadError> {
         let count = deformed.positions.len();
         let mut blended = vec![DMat4::ZERO; count];

@@ -106,10 +106,9 @@ pub(super) fn warnings(json: &Root) -> Vec<String> {
     unread.map(text).collect()
 }
 
-/// What files say of nodes that the crate `gltf` does not.
+/// Extensions of nodes that the crate `gltf` does not read.
 #[derive(Debug, Default)]
 pub(crate) struct NodeExtensions {
-    /// `EXT_mesh_gpu_instancing`, by node.
     pub instancing: BTreeMap<usize, InstanceAttributes>,
     /// Nodes that are not to be seen, with all below them (`KHR_node_visibility`).
     pub hidden: BTreeSet<usize>,

@@ -1,4 +1,4 @@
-//! Where the instances of a node's mesh are: `EXT_mesh_gpu_instancing`.
+//! Placements of the instances of a node's mesh: `EXT_mesh_gpu_instancing`.
 
 use ::gltf::accessor::Dimensions;
 use ::gltf::{Document, Node};

@@ -5,10 +5,10 @@ use ::gltf::mesh::Mode;
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FilePlace, LoadError};
-use crate::gltf::deform::{self, Deformed, Unbent};
+use crate::gltf::deform::{self, DeformedMesh, SkinFault};
 use crate::gltf::instancing;
-use crate::gltf::nodes::Walker;
-use crate::gltf::tree::Placed;
+use crate::gltf::nodes::NodeWalker;
+use crate::gltf::tree::PlacedNode;
 use crate::gltf::vectors::{cofactor, wide};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::area_vector;
@@ -30,7 +30,7 @@ struct ReadPrimitive {
     indices: Vec<u32>,
     material: u32,
     texcoords: Option<Vec<[f32; 2]>>,
-    deformed: Option<Deformed>,
+    deformed: Option<DeformedMesh>,
 }
 
 impl ReadPrimitive {
@@ -39,10 +39,10 @@ impl ReadPrimitive {
     }
 }
 
-impl Walker<'_> {
+impl NodeWalker<'_> {
     /// Adds the mesh of a node.
-    pub(super) fn mesh(&mut self, placed: &Placed<'_>) -> Result<(), LoadError> {
-        let Placed { node, world, .. } = placed;
+    pub(super) fn mesh(&mut self, placed: &PlacedNode<'_>) -> Result<(), LoadError> {
+        let PlacedNode { node, world, .. } = placed;
         let Some(mesh) = node.mesh() else { return Ok(()) };
         if placed.is_hidden {
             self.counts.hidden += 1;
@@ -69,7 +69,11 @@ impl Walker<'_> {
     }
 
     /// Adds the instances of the mesh of a node.
-    fn instances(&mut self, placed: &Placed<'_>, mesh: &::gltf::Mesh<'_>) -> Result<(), LoadError> {
+    fn instances(
+        &mut self,
+        placed: &PlacedNode<'_>,
+        mesh: &::gltf::Mesh<'_>,
+    ) -> Result<(), LoadError> {
         let mut all = Vec::new();
         let (mut vertices, mut triangles) = (0, 0);
         for primitive in mesh.primitives() {
@@ -111,13 +115,13 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// Whether a mesh has another shape here than elsewhere, or has in another pose.
-    fn is_soft(&self, placed: &Placed<'_>, mesh: &::gltf::Mesh<'_>, is_deformed: bool) -> bool {
+    /// Returns whether a mesh has another shape here than elsewhere, or has in another pose.
+    fn is_soft(&self, placed: &PlacedNode<'_>, mesh: &::gltf::Mesh<'_>, is_deformed: bool) -> bool {
         is_deformed || self.pose.is_some() && deform::is_soft(&placed.node, mesh)
     }
 
     /// Claims the primitives from `first` on as an instance of a mesh, if they are so in all poses.
-    fn claim(&mut self, placed: &Placed<'_>, mesh: usize, first: usize, world: DMat4) {
+    fn claim(&mut self, placed: &PlacedNode<'_>, mesh: usize, first: usize, world: DMat4) {
         let determinant = DMat3::from_mat4(world).determinant();
         // mirrored, corners are in another order
         let object = 2 * mesh as u32 + u32::from(determinant < 0.0);
@@ -129,7 +133,7 @@ impl Walker<'_> {
     /// Reads a primitive; none where there is nothing to be seen of it.
     fn read(
         &mut self,
-        placed: &Placed<'_>,
+        placed: &PlacedNode<'_>,
         mesh: &::gltf::Mesh<'_>,
         primitive: &::gltf::Primitive<'_>,
     ) -> Result<Option<ReadPrimitive>, LoadError> {
@@ -175,8 +179,8 @@ impl Walker<'_> {
             self.deformer.deformed(node, primitive, &positions, &normals, world)?;
         if let Some(unbent) = unbent {
             let why = match unbent {
-                Unbent::WithoutJoints => "has no JOINTS_0 and WEIGHTS_0",
-                Unbent::OutsideScene => "has joints that are not in the scene",
+                SkinFault::WithoutJoints => "has no JOINTS_0 and WEIGHTS_0",
+                SkinFault::OutsideScene => "has joints that are not in the scene",
             };
             let node = node.index();
             self.warn(format!("{} {why}, so at node {node} it follows no skin", object()));

@@ -20,7 +20,7 @@ use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::container::Container;
 use crate::gltf::extensions::NodeExtensions;
-use crate::gltf::nodes::Walker;
+use crate::gltf::nodes::NodeWalker;
 use crate::gltf::rules::parser_error;
 use crate::input::read::{read_file, scene_name};
 use crate::scene::Scene;
@@ -62,7 +62,7 @@ pub fn load_gltf(path: &Path) -> Result<Scene, LoadError> {
 /// [`LoadError::CountTooLarge`] and [`LoadError::NoPrimitives`].
 pub fn parse_gltf(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     guarded(path, || {
-        let opened = Opened::read(path, bytes)?;
+        let opened = OpenedFile::read(path, bytes)?;
         let mut walker = opened.walker();
         walker.walk(&opened.scene()?)?;
         walker.finish(None)
@@ -79,14 +79,14 @@ fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, LoadError>) -> Resul
 }
 
 /// A file, its parts checked as far as the crate does not.
-pub(crate) struct Opened {
+pub(crate) struct OpenedFile {
     path: PathBuf,
     pub document: Document,
     pub buffers: Buffers,
     pub extensions: NodeExtensions,
 }
 
-impl Opened {
+impl OpenedFile {
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
         let container = Container::open(path, bytes)?;
         let json = container.parse(path)?;
@@ -109,9 +109,9 @@ impl Opened {
         })
     }
 
-    fn walker(&self) -> Walker<'_> {
+    fn walker(&self) -> NodeWalker<'_> {
         let scene = Scene::new(scene_name(&self.path));
-        Walker::new(&self.path, &self.document, &self.buffers, &self.extensions, scene)
+        NodeWalker::new(&self.path, &self.document, &self.buffers, &self.extensions, scene)
     }
 }
 

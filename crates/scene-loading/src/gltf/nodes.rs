@@ -9,7 +9,7 @@ use crate::gltf::deform::Deformer;
 use crate::gltf::extensions::{self, NodeExtensions};
 use crate::gltf::pose::Pose;
 use crate::gltf::textures::Textures;
-use crate::gltf::tree::{self, Placed};
+use crate::gltf::tree::{self, PlacedNode};
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
 use crate::scene::{Camera, Light, Material, Scene, Warning};
 use ::gltf::Document;
@@ -21,7 +21,7 @@ use glam::{DMat4, DVec3, Vec4};
 /// Height in pixels of images from glTF cameras, which state only a ratio of the sides.
 const HEIGHT: u32 = 512;
 
-pub(crate) struct Walker<'a> {
+pub(crate) struct NodeWalker<'a> {
     pub(super) path: &'a Path,
     pub(super) document: &'a Document,
     pub(super) buffers: &'a Buffers,
@@ -32,7 +32,7 @@ pub(crate) struct Walker<'a> {
     /// glTF's default material, once it is needed.
     pub(super) default_material: Option<u32>,
     lights: Vec<(DVec3, [f64; 3], f64)>,
-    /// Of a scene that moves, how it stands.
+    /// Pose of a moving scene.
     pub(super) pose: Option<&'a Pose>,
     has_camera: bool,
     pub(super) counts: Counts,
@@ -41,7 +41,7 @@ pub(crate) struct Walker<'a> {
     unsaid: usize,
 }
 
-impl<'a> Walker<'a> {
+impl<'a> NodeWalker<'a> {
     pub fn new(
         path: &'a Path,
         document: &'a Document,
@@ -138,8 +138,8 @@ impl<'a> Walker<'a> {
         LoadError::Gltf { place: FilePlace::file(self.path), object, found, expected }
     }
 
-    fn visit(&mut self, placed: &Placed<'_>) -> Result<(), LoadError> {
-        let Placed { node, world, .. } = placed;
+    fn visit(&mut self, placed: &PlacedNode<'_>) -> Result<(), LoadError> {
+        let PlacedNode { node, world, .. } = placed;
         let world = *world;
         if let Some(camera) = node.camera() {
             self.camera(&camera, world)?;
@@ -207,7 +207,7 @@ impl<'a> Walker<'a> {
     }
 }
 
-/// How many of each kind.
+/// Counts of each kind.
 #[derive(Debug, Default)]
 pub(super) struct Counts {
     pub without_area: usize,

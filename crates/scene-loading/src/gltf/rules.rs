@@ -11,7 +11,6 @@ use crate::error::{FilePlace, LoadError};
 /// The most faults that an error names.
 const MAX_FAULTS: usize = 8;
 
-/// Checks a document.
 pub(super) fn check(path: &Path, json: &Root) -> Result<(), LoadError> {
     check_before_validation(path, json)?;
     let mut faults = Vec::new();
@@ -32,7 +31,7 @@ pub(super) fn parser_error(path: &Path, message: String) -> LoadError {
     LoadError::Parser { place: FilePlace::file(path), parser: "gltf", message }
 }
 
-/// Whether the crate finds a fault where the file can be read all the same.
+/// Returns whether the crate finds a fault where the file can be read all the same.
 fn is_allowed(place: &str, error: Error) -> bool {
     let is_position = place.starts_with("meshes[") && place.contains("attributes[\"POSITION\"]");
     match error {
@@ -55,7 +54,7 @@ fn is_allowed(place: &str, error: Error) -> bool {
     }
 }
 
-/// What the crate's own validation (1.4.1) panics on, or lets pass to a panic later.
+/// Checks that prevent panics in the crate's own validation (1.4.1) or later.
 fn check_before_validation(path: &Path, json: &Root) -> Result<(), LoadError> {
     let accessors = json.accessors.len();
     for (m, mesh) in json.meshes.iter().enumerate() {

@@ -25,7 +25,7 @@ pub(crate) struct Textures<'a> {
     document: &'a Document,
     buffers: &'a Buffers,
     reader: TextureReader,
-    /// Of each material: `None` before it is asked for, then its set of texture coordinates if it
+    /// For each material: `None` before its first use, then its set of texture coordinates if it
     /// has a texture.
     sets: Vec<Option<Option<u32>>>,
     /// Warnings that are only counted.
@@ -33,7 +33,7 @@ pub(crate) struct Textures<'a> {
 }
 
 impl<'a> Textures<'a> {
-    /// Of a document; reads nothing yet.
+    /// Prepares the textures of a document; reads nothing yet.
     pub fn new(path: &'a Path, document: &'a Document, buffers: &'a Buffers) -> Self {
         let sets = vec![None; document.materials().len()];
         let reader = TextureReader::default();

@@ -12,7 +12,7 @@ use crate::gltf::pose::Pose;
 use crate::gltf::vectors::affine;
 
 /// A node and where it is.
-pub(crate) struct Placed<'a> {
+pub(crate) struct PlacedNode<'a> {
     pub node: Node<'a>,
     /// From its own space to the world.
     pub world: DMat4,
@@ -22,15 +22,15 @@ pub(crate) struct Placed<'a> {
     pub is_hidden: bool,
 }
 
-/// All nodes of a scene once, parents first. The document need not be a tree: the crate accepts cycles, and
-/// shared children would multiply.
+/// All nodes of a scene once, parents first. The document need not be a tree: the crate accepts
+/// cycles, and shared children would multiply.
 pub(crate) fn placed<'a>(
     path: &Path,
     document: &'a Document,
     scene: &::gltf::Scene<'a>,
     pose: Option<&Pose>,
     extensions: &NodeExtensions,
-) -> Result<Vec<Placed<'a>>, LoadError> {
+) -> Result<Vec<PlacedNode<'a>>, LoadError> {
     let mut visited = vec![false; document.nodes().len()];
     let mut stack: Vec<(Node<'a>, Parent)> =
         scene.nodes().map(|node| (node, Parent::WORLD)).collect();
@@ -66,12 +66,12 @@ pub(crate) fn placed<'a>(
         }
         let is_nothing = DMat3::from_mat4(world) == DMat3::ZERO && !own.is_scaled;
         let is_hidden = own.is_hidden || is_nothing;
-        placed.push(Placed { node, world, is_steady: own.is_steady, is_hidden });
+        placed.push(PlacedNode { node, world, is_steady: own.is_steady, is_hidden });
     }
     Ok(placed)
 }
 
-/// What nodes have of the one above them.
+/// State that nodes inherit from their parent.
 #[derive(Clone, Copy)]
 struct Parent {
     world: DMat4,

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
 
-/// What normals are transformed by: the matrix of cofactors, which points as normals do where it mirrors.
+/// Matrix that transforms normals: the cofactors, which keep their orientation under mirroring.
 pub(crate) fn cofactor(world: DMat4) -> DMat3 {
     let m = DMat3::from_mat4(world);
     let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };

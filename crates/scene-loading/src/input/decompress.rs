@@ -7,11 +7,11 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::read::extension;
 use crate::limits::MAX_BYTES;
 
-/// What any packed file may unpack to: 64 MiB. A fuzzer, which would spend its time on unpacking,
-/// is given less.
+/// Unpacked size allowed for any packed file: 64 MiB; less for fuzzers, which would spend their
+/// time on unpacking.
 const FREE: u64 = if cfg!(fuzzing) { 64 << 10 } else { 64 << 20 };
 
-/// What a byte beyond may unpack to. Scenes as text become up to about 20 times smaller.
+/// Unpacked bytes allowed per packed byte beyond that. Text scenes shrink by up to about 20 times.
 const MAX_RATIO: u64 = if cfg!(fuzzing) { 2 } else { 200 };
 
 /// Undoes the compression that the file's ending names (`.gz`, `.zst`), or returns the bytes as

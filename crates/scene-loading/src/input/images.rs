@@ -47,7 +47,7 @@ pub(crate) enum TextureError {
     /// The source says that the image is not as it stands.
     #[error("has options that are not read: {0}")]
     Options(String),
-    /// What names the image is not as the format asks.
+    /// The reference to the image is invalid.
     #[error("has {0}")]
     Malformed(String),
 }
@@ -59,7 +59,7 @@ struct DecodedImage {
     texels: Arc<[[u8; 3]]>,
 }
 
-/// What tells one image of a scene from another.
+/// Identity of an image of a scene.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) enum ImageKey {
     /// A file, by its real path.
@@ -69,7 +69,7 @@ pub(crate) enum ImageKey {
 }
 
 impl ImageKey {
-    /// That of a file, whatever its path is written as.
+    /// Identity of a file, however its path is spelled.
     pub fn of_file(path: &Path) -> Self {
         Self::File(path.canonicalize().unwrap_or_else(|_| path.to_path_buf()))
     }

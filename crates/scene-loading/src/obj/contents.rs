@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::mesh::Tally;
+use crate::mesh::FirstAndCount;
 use crate::scene::Scene;
 
 /// Results of the first pass.
@@ -24,7 +24,7 @@ pub(crate) struct ObjScan {
     /// For each corner the index of its texture coordinates, or `NONE`; empty where `texcoords`
     /// is.
     pub texcoord_corners: Vec<u32>,
-    /// What stands behind `mtllib`, each once, with its first line.
+    /// Arguments of `mtllib`, each once, with its first line.
     pub libraries: Vec<(usize, String)>,
     /// Every material name of a `usemtl`, with the line of its first use, in that order.
     pub used: Vec<(usize, String)>,
@@ -39,24 +39,24 @@ pub(crate) struct ObjScan {
     /// Number of lines with an unknown keyword, and the first of them.
     pub unknown: usize,
     pub first_unknown: Option<(usize, String)>,
-    /// What was not taken as it stands.
+    /// Lines that were not taken literally.
     pub odd: Oddities,
-    pub(super) needed: Needed,
+    pub(super) needed: IndexCounts,
 }
 
 /// Lines that were left out, or read in another way than some readers do.
 #[derive(Debug, Default)]
 pub(crate) struct Oddities {
-    pub positions: Tally,
-    pub normals: Tally,
-    pub texcoords: Tally,
+    pub positions: FirstAndCount,
+    pub normals: FirstAndCount,
+    pub texcoords: FirstAndCount,
     /// Indices of normals and texture coordinates that mean none.
-    pub lost_normals: Tally,
-    pub lost_texcoords: Tally,
-    pub early_faces: Tally,
-    pub thin_faces: Tally,
-    pub nameless: Tally,
-    pub kept_apart: Tally,
+    pub lost_normals: FirstAndCount,
+    pub lost_texcoords: FirstAndCount,
+    pub early_faces: FirstAndCount,
+    pub thin_faces: FirstAndCount,
+    pub nameless: FirstAndCount,
+    pub kept_apart: FirstAndCount,
 }
 
 impl Oddities {
@@ -78,7 +78,7 @@ impl Oddities {
     }
 }
 
-/// Where a face stands, its number of corners, and whether each of them has a normal.
+/// Place of a face, its number of corners, and whether all of them have normals.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FaceLine {
     pub line: u32,
@@ -86,16 +86,16 @@ pub(crate) struct FaceLine {
     pub smooth: bool,
 }
 
-/// Which lists of corners a file can fill.
+/// Corner lists that a file can fill.
 #[derive(Clone, Copy)]
-pub(super) struct Wanted {
+pub(super) struct CornerLists {
     pub normals: bool,
     pub texcoords: bool,
 }
 
 /// One more than the largest index of each kind that a face has.
 #[derive(Debug, Default)]
-pub(super) struct Needed {
+pub(super) struct IndexCounts {
     pub positions: usize,
     pub texcoords: usize,
     pub normals: usize,

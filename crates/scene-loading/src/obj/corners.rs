@@ -6,7 +6,7 @@
 
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::obj::contents::{FaceLine, ObjScan, Wanted};
+use crate::obj::contents::{CornerLists, FaceLine, ObjScan};
 use crate::obj::rows::words;
 use crate::polygon::ear_clipping::MAX_CORNERS;
 
@@ -18,7 +18,7 @@ pub(super) fn add_face(
     row: &[u8],
     scan: &mut ObjScan,
     texcoords: usize,
-    wanted: Wanted,
+    wanted: CornerLists,
     (line, place): (usize, impl Fn() -> FilePlace),
 ) -> Result<(), LoadError> {
     let (positions, normals) = (scan.positions.len(), scan.normals.len());
@@ -100,8 +100,8 @@ fn number(text: &str, what: &str, place: impl Fn() -> FilePlace) -> Result<i64, 
     Ok(text.parse().unwrap_or(0))
 }
 
-/// What an index means, counted from 0, where `count` elements stand before it. None for 0, and for
-/// what no file can have.
+/// Resolves an index to one counted from 0, with `count` elements before it. `None` for 0 and for
+/// indices beyond any file.
 fn resolve(index: i64, count: usize) -> Option<u32> {
     let size = usize::try_from(index.unsigned_abs()).ok()?;
     let index = if index < 0 { count.checked_sub(size)? } else { size.checked_sub(1)? };

@@ -17,7 +17,7 @@ use crate::obj::material::ColorMap;
 use crate::scene::texture::Wrap;
 use crate::scene::{Scene, Texcoords, Warning};
 
-/// Where an image lies on a surface: texture coordinates times `scale`, plus `offset`.
+/// Placement of an image on a surface: texture coordinates times `scale`, plus `offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Placement {
     pub scale: [f32; 2],
@@ -33,7 +33,7 @@ pub(crate) struct ColorMaps {
 }
 
 impl ColorMaps {
-    /// What comes now is of that MTL file.
+    /// Starts an MTL file.
     pub fn begin(&mut self, file: &Path) {
         self.files.push(file.to_path_buf());
     }
@@ -102,7 +102,6 @@ fn read_one(
     Ok((texture, placement))
 }
 
-/// Options of `map_Kd`.
 #[derive(Debug, PartialEq)]
 struct Options<'a> {
     name: &'a str,
@@ -192,7 +191,7 @@ impl<'a> FaceTexcoords<'a> {
         (self.face, self.rest) = self.rest.split_at_checked(corners).unwrap_or_default();
     }
 
-    /// Whether all corners of the face have any.
+    /// Returns whether all corners of the face have any.
     pub fn are_known(&self) -> bool {
         let is_known = |&i: &u32| {
             i != NONE
@@ -201,7 +200,7 @@ impl<'a> FaceTexcoords<'a> {
         !self.face.is_empty() && self.face.iter().all(is_known)
     }
 
-    /// Those of three of its corners in an image that lies as `placement` says, counted from the
+    /// Texture coordinates of three of its corners in an image placed by `placement`, from the
     /// upper left: in OBJ files v grows upwards.
     pub fn of(&self, piece: [usize; 3], placement: Option<&Placement>) -> Option<Texcoords> {
         let corner = |i: usize| self.texcoords.get(*self.face.get(i)? as usize);

@@ -19,7 +19,7 @@ use std::path::Path;
 use crate::error::{FilePlace, LoadError};
 use crate::input::text::text_of;
 use crate::limits::{self, MAX_MATERIALS, MAX_NAME};
-use crate::mesh::Tally;
+use crate::mesh::FirstAndCount;
 use crate::scene::{Material, Scene};
 
 /// The most bytes of the material files of one OBJ file, together.
@@ -39,7 +39,7 @@ pub(crate) type MtlEntry = (Material, Option<ColorMap>);
 pub(crate) struct ColorMap {
     /// Line in the file, counted from 1.
     pub line: usize,
-    /// What stands after `map_Kd`: options and the name of a file.
+    /// Arguments of `map_Kd`: options and a file name.
     pub text: String,
 }
 
@@ -47,13 +47,13 @@ pub(crate) struct ColorMap {
 pub(crate) struct Library {
     /// The materials in its order.
     pub entries: Vec<MtlEntry>,
-    damaged: Tally,
+    damaged: FirstAndCount,
     /// `d` and `Tr` that differ.
-    contradicting: Tally,
+    contradicting: FirstAndCount,
     /// `Tr 1` that is taken as opaque.
-    opaque: Tally,
+    opaque: FirstAndCount,
     /// `d 0` where nothing refracts.
-    invisible: Tally,
+    invisible: FirstAndCount,
 }
 
 impl Library {
@@ -127,7 +127,6 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
 #[derive(Default)]
 struct MaterialStatement {
     name: String,
-    /// Of its `newmtl`.
     line: usize,
     diffuse: Option<[f64; 3]>,
     specular: Option<[f64; 3]>,

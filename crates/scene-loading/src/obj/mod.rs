@@ -32,7 +32,7 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
 use crate::input::read::{read_file, scene_name};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Tally, push_all};
+use crate::mesh::{FaceCounts, FirstAndCount, push_all};
 use crate::obj::contents::{FaceLine, ObjScan};
 use crate::obj::libraries::Materials;
 use crate::obj::maps::FaceTexcoords;
@@ -76,9 +76,9 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
         materials: &materials,
         texcoords: FaceTexcoords::new(&scan),
         counts: FaceCounts::default(),
-        without_texcoords: Tally::default(),
-        positions: Renumbered::new(scan.positions.len()),
-        normals: Renumbered::new(scan.normals.len()),
+        without_texcoords: FirstAndCount::default(),
+        positions: FreshIndices::new(scan.positions.len()),
+        normals: FreshIndices::new(scan.normals.len()),
         nameless: None,
         own: Vec::new(),
         own_n: Vec::new(),
@@ -132,13 +132,13 @@ fn too_many(path: &Path, what: &str, count: usize) -> LoadError {
 }
 
 /// New numbers for the elements of a list, in the order of their use since the last fresh start.
-struct Renumbered {
+struct FreshIndices {
     /// For each element the start it was last used after, and its number then.
     last: Vec<(u32, u32)>,
     start: u32,
 }
 
-impl Renumbered {
+impl FreshIndices {
     fn new(count: usize) -> Self {
         Self { last: vec![(0, 0); count], start: 1 }
     }
@@ -161,9 +161,9 @@ struct Builder<'a> {
     materials: &'a Materials,
     texcoords: FaceTexcoords<'a>,
     counts: FaceCounts,
-    without_texcoords: Tally,
-    positions: Renumbered,
-    normals: Renumbered,
+    without_texcoords: FirstAndCount,
+    positions: FreshIndices,
+    normals: FreshIndices,
     /// The material of faces before any `usemtl`.
     nameless: Option<u32>,
     own: Vec<u32>,

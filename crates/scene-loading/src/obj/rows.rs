@@ -9,7 +9,7 @@ use crate::mesh::MAX_COORDINATE;
 
 /// A row of the file, which may go on over several lines.
 pub(super) struct Row {
-    /// Where it ends: the place of the last line break, or the end of the file.
+    /// Its end: the last line break, or the end of the file.
     pub end: usize,
     /// Line breaks it takes with it.
     pub newlines: usize,
@@ -72,8 +72,8 @@ pub(super) fn words(row: &[u8]) -> impl Iterator<Item = &str> {
 /// The position of a vertex that no face can use.
 pub(super) const UNUSABLE: DVec3 = DVec3::NAN;
 
-/// What stands behind `v`: x y z, then nothing, or w (by which they are divided), or a colour
-/// (dropped). [`UNUSABLE`] where a number is NaN, infinite or too large to be worked with.
+/// Reads the arguments of `v`: x y z, then nothing, w (a divisor) or a colour (dropped).
+/// [`UNUSABLE`] if a number is NaN, infinite or too large.
 pub(super) fn position(row: &[u8], place: impl Fn() -> FilePlace) -> Result<DVec3, LoadError> {
     let mut words = words(row);
     let mut xyz = [0.0; 3];
@@ -101,15 +101,15 @@ fn is_usable(v: DVec3) -> bool {
     v.abs().cmple(DVec3::splat(MAX_COORDINATE)).all()
 }
 
-/// What stands behind `vn`; none where it is no normal.
+/// Reads the arguments of `vn`; `None` if they are no normal.
 pub(super) fn normal(row: &[u8]) -> Option<DVec3> {
     let mut numbers = words(row).map(|word| word.parse().ok());
     let normal = DVec3::new(numbers.next()??, numbers.next()??, numbers.next()??);
     is_usable(normal).then_some(normal)
 }
 
-/// What stands behind `vt`: u, and v where it is there, else 0; w is dropped. None where it is no
-/// place in an image.
+/// Reads the arguments of `vt`: u, and v or 0; w is dropped. `None` if it is no position in an
+/// image.
 pub(super) fn texture_coordinate(row: &[u8]) -> Option<[f32; 2]> {
     let mut numbers = words(row).map(|word| word.parse::<f64>().ok());
     let exact = [numbers.next()??, numbers.next().unwrap_or(Some(0.0))?];

@@ -13,7 +13,7 @@ use memchr::memmem;
 use crate::error::{FilePlace, LoadError, quote};
 use crate::input::text::{end_lines_with_lf, without_mark};
 use crate::limits::{self, MAX_ELEMENTS, MAX_MATERIALS, MAX_NAME};
-use crate::obj::contents::{ObjScan, Wanted};
+use crate::obj::contents::{CornerLists, ObjScan};
 use crate::obj::corners::add_face;
 use crate::obj::rows::{UNUSABLE, normal, position, row_at, texture_coordinate};
 use crate::progress;
@@ -31,7 +31,7 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
     let mut scan = ObjScan::default();
     let mut names: HashMap<Vec<u8>, usize> = HashMap::new();
     let mut libraries: HashSet<Vec<u8>> = HashSet::new();
-    let wanted = Wanted {
+    let wanted = CornerLists {
         normals: memmem::find(&text, b"vn").is_some(),
         texcoords: memmem::find(&text, b"mtllib").is_some(),
     };

@@ -35,9 +35,9 @@ use crate::input::decompress::decompress;
 use crate::input::read::{confined, read_at_most, scene_name};
 use crate::input::text::text_of;
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
-use crate::mesh::{FaceCounts, Tally};
+use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::pbrt::looks::{LightEntry, add_lights};
-use crate::pbrt::params::{Inherited, Params};
+use crate::pbrt::params::{InheritedParams, Params};
 use crate::pbrt::shapes::{ShapeSink, UnsupportedShape};
 use crate::pbrt::state::{Attributes, LIGHT, MATERIAL, SHAPE, State};
 use crate::pbrt::tokens::{Token, Tokens};
@@ -116,8 +116,8 @@ struct Loader<'a> {
     /// The object that is being defined.
     object: Option<(String, Scene)>,
     counts: FaceCounts,
-    /// What was left out, in words.
-    left_out: BTreeMap<String, Tally>,
+    /// Descriptions of omitted items.
+    left_out: BTreeMap<String, FirstAndCount>,
     files: usize,
     /// Bytes that may still be read.
     budget: u64,
@@ -240,12 +240,12 @@ impl Loader<'_> {
             }
         };
         if let Some(slot) = self.state.now.inherited.get_mut(which) {
-            *slot = Some(Inherited::with(slot.as_ref(), params)?);
+            *slot = Some(InheritedParams::with(slot.as_ref(), params)?);
         }
         Ok(())
     }
 
-    fn inherited(&self, which: usize) -> Option<&Rc<Inherited>> {
+    fn inherited(&self, which: usize) -> Option<&Rc<InheritedParams>> {
         self.state.now.inherited.get(which)?.as_ref()
     }
 

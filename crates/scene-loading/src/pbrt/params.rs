@@ -28,26 +28,26 @@ pub(super) struct Param {
 #[derive(Debug)]
 pub(super) struct Params {
     file: std::path::PathBuf,
-    /// Where the statement begins.
+    /// First line of the statement.
     pub line: usize,
     all: Vec<Param>,
-    inherited: Option<Rc<Inherited>>,
+    inherited: Option<Rc<InheritedParams>>,
 }
 
 /// Parameters that `Attribute` gives to statements that follow and do not have them.
 #[derive(Debug)]
-pub(super) struct Inherited {
+pub(super) struct InheritedParams {
     params: Params,
-    before: Option<Rc<Inherited>>,
-    /// How many there are, with those before.
+    before: Option<Rc<InheritedParams>>,
+    /// Number of statements, including those before.
     depth: usize,
 }
 
 /// The most `Attribute` statements that apply to one statement.
 const MAX_INHERITED: usize = 256;
 
-impl Inherited {
-    /// Those of a statement and those before it, which it overrides.
+impl InheritedParams {
+    /// Adds the parameters of a statement, which override earlier ones.
     pub fn with(before: Option<&Rc<Self>>, params: Params) -> Result<Rc<Self>, LoadError> {
         let depth = before.map_or(0, |before| before.depth) + 1;
         let what = "the number of Attribute statements that apply";
@@ -95,7 +95,7 @@ impl Params {
     }
 
     /// With parameters for those that the statement does not have.
-    pub fn inheriting(self, inherited: Option<&Rc<Inherited>>) -> Self {
+    pub fn inheriting(self, inherited: Option<&Rc<InheritedParams>>) -> Self {
         Self { inherited: inherited.cloned(), ..self }
     }
 

@@ -115,7 +115,7 @@ impl ShapeSink<'_> {
         Ok(Ok(()))
     }
 
-    /// What `add_ply` added behind these lengths of vertices and normals is moved to its place.
+    /// Transforms the vertices and normals that `add_ply` added beyond these lengths.
     pub fn place_since(
         &mut self,
         vertices: usize,

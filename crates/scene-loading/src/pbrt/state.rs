@@ -1,4 +1,4 @@
-//! What statements change for those that follow: the transform, the material, whether shapes shine.
+//! State that statements change for those that follow: transform, material, emission.
 
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -7,7 +7,7 @@ use glam::{DMat4, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits;
-use crate::pbrt::params::Inherited;
+use crate::pbrt::params::InheritedParams;
 use crate::pbrt::tokens::{Token, Tokens};
 
 /// How deep attributes may nest.
@@ -27,11 +27,10 @@ pub(super) struct Attributes {
     pub shines: bool,
     /// Transforms change the start of the exposure, which is what is read.
     pub at_start: bool,
-    /// What `Attribute` says of shapes, lights and materials that follow.
-    pub inherited: [Option<Rc<Inherited>>; 3],
+    /// Parameters set by `Attribute` for shapes, lights and materials that follow.
+    pub inherited: [Option<Rc<InheritedParams>>; 3],
 }
 
-/// Which of [`Attributes::inherited`] a statement takes.
 pub(super) const SHAPE: usize = 0;
 pub(super) const LIGHT: usize = 1;
 pub(super) const MATERIAL: usize = 2;

@@ -11,7 +11,6 @@ use crate::mesh::coordinate;
 pub(super) enum Kind {
     /// A directive, a number, `true` or `false`.
     Word,
-    /// A quoted string.
     Quoted,
     Open,
     Close,

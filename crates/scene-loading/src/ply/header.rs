@@ -120,7 +120,7 @@ impl Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// Where the data begins: byte, and line counted from 1.
+    /// Start of the data: byte, and line counted from 1.
     pub data: usize,
     pub line: usize,
 }

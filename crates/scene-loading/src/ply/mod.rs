@@ -16,11 +16,11 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::error::{FilePlace, LoadError, Within};
+use crate::error::{FileLocation, FilePlace, LoadError};
 use crate::input::read::scene_name;
 use crate::input::text::without_mark;
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, Tally, usable};
+use crate::mesh::{FaceCounts, FirstAndCount, Mesh, usable};
 use crate::ply::header::{Element, Encoding, Header, Kind, Property, Scalar, parse_header};
 use crate::ply::values::{Binary, Text, Values};
 use crate::polygon::ear_clipping::MAX_CORNERS;
@@ -84,7 +84,7 @@ struct Reader<'a, V> {
     /// Vertices of the file, once they are read.
     vertices: Option<usize>,
     counts: FaceCounts,
-    too_few: Tally,
+    too_few: FirstAndCount,
     corners: Vec<u32>,
 }
 
@@ -97,7 +97,7 @@ impl<'a, V: Values> Reader<'a, V> {
             scene,
             vertices: None,
             counts: FaceCounts::default(),
-            too_few: Tally::default(),
+            too_few: FirstAndCount::default(),
             corners: Vec::new(),
         }
     }
@@ -121,7 +121,7 @@ impl<'a, V: Values> Reader<'a, V> {
         Ok(())
     }
 
-    fn place(&self, within: Within) -> FilePlace {
+    fn place(&self, within: FileLocation) -> FilePlace {
         FilePlace { file: self.path.to_path_buf(), within }
     }
 
@@ -216,7 +216,7 @@ impl<'a, V: Values> Reader<'a, V> {
         self.scene.vertices.reserve(count);
         self.scene.normals.reserve(if normals.is_some() { count } else { 0 });
         let (mut position, mut normal) = ([0.0; 3], [0.0; 3]);
-        let mut begin = Within::Whole;
+        let mut begin = FileLocation::Whole;
         let last = element.properties.len() - 1;
         self.each(element, |reader, property, at| {
             if at == 0 {

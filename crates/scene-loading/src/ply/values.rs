@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::{FilePlace, LoadError, Within, shortened};
+use crate::error::{FileLocation, FilePlace, LoadError, shortened};
 use crate::input::text::parse_number;
 use crate::ply::header::{Encoding, Scalar};
 
@@ -14,8 +14,8 @@ pub(super) trait Values {
     /// Leaves out so many.
     fn skip(&mut self, scalar: Scalar, count: u64, what: &str) -> Result<(), LoadError>;
 
-    /// Where the next one is; white space before it is passed.
-    fn place(&mut self) -> Within;
+    /// Position of the next number; skips white space.
+    fn place(&mut self) -> FileLocation;
 
     /// Bytes not yet read.
     fn remaining(&self) -> usize;
@@ -80,8 +80,8 @@ impl Values for Binary<'_> {
         Ok(())
     }
 
-    fn place(&mut self) -> Within {
-        Within::Byte(self.at)
+    fn place(&mut self) -> FileLocation {
+        FileLocation::Byte(self.at)
     }
 
     fn remaining(&self) -> usize {
@@ -98,7 +98,7 @@ pub(super) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// What is left from the next word on.
+    /// The rest, from the next word on.
     fn rest(&mut self) -> &'a [u8] {
         let mut rest = self.bytes.get(self.at..).unwrap_or_default();
         while let [first, more @ ..] = rest
@@ -145,9 +145,9 @@ impl Values for Text<'_> {
         (0..count).try_for_each(|_| self.word(what).map(|_| ()))
     }
 
-    fn place(&mut self) -> Within {
+    fn place(&mut self) -> FileLocation {
         self.rest();
-        Within::Line(self.line)
+        FileLocation::Line(self.line)
     }
 
     fn remaining(&self) -> usize {

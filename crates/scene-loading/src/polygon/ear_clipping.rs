@@ -14,7 +14,7 @@ use crate::progress;
 /// The most vertices of a polygon that is cut up.
 pub(crate) const MAX_CORNERS: usize = 4 << 20;
 
-/// How many nodes and vertices a polygon's searches may look at, for each of its vertices.
+/// Limit of nodes and vertices that searches in a polygon visit, per vertex.
 const STEPS_PER_CORNER: u64 = 1000;
 
 /// Outlines up to this long are searched as a whole for what is best where no vertex is an ear; of
@@ -30,7 +30,7 @@ const TOLD_EVERY: usize = 1 << 16;
     "a polygon of {corners} corners is too large or too entangled to be cut into triangles (at \
      most {MAX_CORNERS} corners, and {STEPS_PER_CORNER} steps a corner)"
 )]
-pub struct Entangled {
+pub struct SelfCrossing {
     /// Vertices of the polygon.
     pub corners: usize,
 }
@@ -44,9 +44,9 @@ pub struct Entangled {
 /// up somehow.
 ///
 /// # Errors
-/// [`Entangled`] for more than 4 Mi vertices, and where finding ears takes more than 1,000 steps
+/// [`SelfCrossing`] for more than 4 Mi vertices, and where finding ears takes more than 1,000 steps
 /// for each of them.
-pub fn triangulate(outline: &[DVec3]) -> Result<Vec<[u32; 3]>, Entangled> {
+pub fn triangulate(outline: &[DVec3]) -> Result<Vec<[u32; 3]>, SelfCrossing> {
     check_size(outline)?;
     match project(outline) {
         Some(points) => match convex(&points) {
@@ -62,7 +62,10 @@ pub fn triangulate(outline: &[DVec3]) -> Result<Vec<[u32; 3]>, Entangled> {
 ///
 /// # Errors
 /// As [`triangulate`].
-pub(crate) fn triangulate_bent(outline: &[DVec3], area: DVec3) -> Result<Vec<[u32; 3]>, Entangled> {
+pub(crate) fn triangulate_bent(
+    outline: &[DVec3],
+    area: DVec3,
+) -> Result<Vec<[u32; 3]>, SelfCrossing> {
     check_size(outline)?;
     let (u, v) = area.normalize_or_zero().any_orthonormal_pair();
     let Some(&origin) = outline.first() else { return Ok(Vec::new()) };
@@ -82,12 +85,12 @@ fn convex(points: &[DVec2]) -> Option<Vec<[u32; 3]>> {
     is_convex.then(|| vec![[0, 1, 2], [2, 3, 0]])
 }
 
-fn check_size(outline: &[DVec3]) -> Result<(), Entangled> {
+fn check_size(outline: &[DVec3]) -> Result<(), SelfCrossing> {
     let corners = outline.len();
-    if corners > MAX_CORNERS { Err(Entangled { corners }) } else { Ok(()) }
+    if corners > MAX_CORNERS { Err(SelfCrossing { corners }) } else { Ok(()) }
 }
 
-fn cut_up(mut ring: Ring) -> Result<Vec<[u32; 3]>, Entangled> {
+fn cut_up(mut ring: Ring) -> Result<Vec<[u32; 3]>, SelfCrossing> {
     let corners = ring.len;
     if corners > TOLD_EVERY {
         progress::begin(corners);
@@ -96,7 +99,7 @@ fn cut_up(mut ring: Ring) -> Result<Vec<[u32; 3]>, Entangled> {
     if corners > TOLD_EVERY {
         progress::end();
     }
-    triangles.ok_or(Entangled { corners })
+    triangles.ok_or(SelfCrossing { corners })
 }
 
 /// The outline along its dominant axis, turned so that it runs against the clock; `None` if it has
@@ -121,8 +124,7 @@ struct Ring {
     points: Vec<DVec2>,
     /// Vertex before and after each.
     neighbours: Vec<[usize; 2]>,
-    /// Of each vertex that may be an ear the one before and after that may be; of others
-    /// [`NO_EAR`].
+    /// Neighbours of each candidate in the list of possible ears; [`NO_EAR`] for other vertices.
     candidates: Vec<[usize; 2]>,
     /// Remaining vertices with a turn to the right or none: only they can be in the way of an ear.
     reflex: PointTree,

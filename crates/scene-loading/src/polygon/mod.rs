@@ -12,7 +12,7 @@ use glam::DVec3;
 
 pub(crate) use plane::{area_vector, is_flat};
 
-/// What the outline of a face is.
+/// Kind of the outline of a face.
 #[derive(Debug)]
 pub(crate) enum Outline {
     /// All corners lie in one plane. It may have more than 16 corners and cross itself.

@@ -12,7 +12,7 @@ use crate::polygon::plane::orientation;
 /// The most points of a leaf.
 const LEAF: usize = 4;
 
-/// Where a vertex that is not in the tree stands.
+/// Marks a vertex that is not in the tree.
 const NOWHERE: u32 = u32::MAX;
 
 pub(super) struct PointTree {
@@ -33,13 +33,13 @@ struct Node {
 
 /// A node and its part of the list.
 #[derive(Clone, Copy)]
-struct Part {
+struct PendingNode {
     node: usize,
     from: usize,
     to: usize,
 }
 
-impl Part {
+impl PendingNode {
     /// Both halves, unless it is a leaf.
     fn halves(self) -> Option<[Self; 2]> {
         let Self { node, from, to } = self;
@@ -65,11 +65,11 @@ impl PointTree {
         tree
     }
 
-    fn whole(&self) -> Part {
-        Part { node: 0, from: 0, to: self.ids.len() }
+    fn whole(&self) -> PendingNode {
+        PendingNode { node: 0, from: 0, to: self.ids.len() }
     }
 
-    fn build(&mut self, points: &[DVec2], part: Part) {
+    fn build(&mut self, points: &[DVec2], part: PendingNode) {
         let ids = &mut self.ids[part.from..part.to];
         let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for &id in ids.iter() {
@@ -88,7 +88,7 @@ impl PointTree {
         halves.into_iter().for_each(|half| self.build(points, half));
     }
 
-    /// Whether a vertex is in the tree.
+    /// Returns whether a vertex is in the tree.
     pub fn has(&self, id: usize) -> bool {
         self.slots.get(id).is_some_and(|&slot| slot != NOWHERE)
     }
@@ -118,7 +118,7 @@ impl PointTree {
 
     fn search(
         &self,
-        part: Part,
+        part: PendingNode,
         corners: [DVec2; 3],
         holds: &impl Fn(usize) -> bool,
         steps: &mut u64,

@@ -1,4 +1,4 @@
-//! How many shapes a generator makes at a size, without making them.
+//! Numbers of shapes that generators make at a size, without making them.
 //!
 //! The formulas follow from how each generator recurses; a test compares them with what is
 //! generated.

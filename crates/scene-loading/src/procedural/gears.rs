@@ -42,12 +42,12 @@ pub(crate) struct Gear {
     pub material: Material,
     /// The middle of its upper face.
     pub center: DVec3,
-    /// Whether it is turned by half a tooth, as those that it meshes with are not.
+    /// True if it is turned by half a tooth, as those that it meshes with are not.
     pub is_turned: bool,
 }
 
 impl Profile {
-    /// Of the gears of a scene of that size.
+    /// Profile of the gears of a scene of this size.
     fn of(size: u32) -> Self {
         let pitch = pitch(size);
         Self {

@@ -1,4 +1,4 @@
-//! What the generators have in common: the sky, the view's fixed parts, the kinds of surface.
+//! Parts shared by the generators: sky, fixed parts of the view, surface kinds.
 
 use glam::{DMat3, DVec3};
 

@@ -66,7 +66,7 @@ pub enum Light {
 }
 
 impl Light {
-    /// Where it is: its centre.
+    /// Position of its centre.
     pub fn position(&self) -> DVec3 {
         match *self {
             Self::Point { position, .. } | Self::Disc { position, .. } => position,

@@ -48,15 +48,15 @@ pub struct Scene {
     /// Texture coordinates of the corners of triangles and patches, by id; those beyond the end of
     /// the list have none. (0, 0) is the upper left corner of the image, (1, 1) the lower right.
     pub texcoords: Vec<Option<Texcoords>>,
-    /// Objects that stand several times, as the source said. Claims: what became of the primitives since, nobody
-    /// looks after here.
+    /// Objects that stand several times, as the source said. Claims: what became of the primitives
+    /// since, nobody looks after here.
     pub instances: Vec<Instance>,
     /// How finely the scene asks its effects to be sampled.
     pub samples: SampleWishes,
-    /// What a loader noticed and went on from (missing material file, dropped faces, ...).
+    /// Problems that a loader tolerated (missing material file, dropped faces, ...).
     pub warnings: Vec<Warning>,
-    /// Where the origin of all coordinates here is in those of the file: 0 unless the file's are
-    /// far from theirs. What is read from users or shown to them is in the file's, by
+    /// Origin of all coordinates here in those of the file: 0 unless the scene is far from the
+    /// file's origin. Users give and see coordinates of the file, by
     /// [`Scene::to_file_coordinates`].
     pub origin: DVec3,
     /// Set where primitives are too small for f32; f64 resolves them.
@@ -66,11 +66,10 @@ pub struct Scene {
 /// Consecutive primitives that are an object at a place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
-    /// Which object: a number that all its instances have.
+    /// Object number, shared by all its instances.
     pub object: u32,
     /// The id of its first primitive.
     pub first: u32,
-    /// Primitives.
     pub count: u32,
     /// From the object's own space to the world.
     pub placement: DAffine3,
@@ -89,14 +88,11 @@ impl std::fmt::Display for Warning {
 /// An axis-aligned box in f64 (`min > max` when empty).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
-    /// Lower corner.
     pub min: DVec3,
-    /// Upper corner.
     pub max: DVec3,
 }
 
 impl Bounds {
-    /// The empty box.
     pub const EMPTY: Self =
         Self { min: DVec3::splat(f64::INFINITY), max: DVec3::splat(f64::NEG_INFINITY) };
 
@@ -129,7 +125,6 @@ impl Scene {
         index(self.materials.len() - 1)
     }
 
-    /// Adds a sphere.
     pub fn push_sphere(&mut self, material: u32, center: DVec3, radius: f64) {
         self.spheres.push(Sphere { center, radius });
         let shape = Shape::Sphere(index(self.spheres.len() - 1));

@@ -27,8 +27,8 @@ const PADDING: f64 = 64.0;
 /// usual.
 const MAY_DROWN: f64 = 0.9;
 
-/// Where the origin should be for a scene with these bounds, in the coordinates of its file. It is
-/// 0 along each axis that is near 0 already.
+/// Best origin for a scene with these bounds, in the coordinates of its file; 0 along each axis
+/// that is near 0 already.
 ///
 /// Otherwise it is the roundest number within one extent of the middle, as people who cut off an
 /// offset would choose: 5,411,000 for 5,411,398 and an extent of 797. Differences to it are exact
@@ -110,7 +110,7 @@ impl Scene {
         point - self.origin
     }
 
-    /// What the reader noticed, and what f32 does not resolve.
+    /// Warnings of the reader, and of details that f32 does not resolve.
     pub fn warnings_in_f32(&self) -> impl Iterator<Item = &Warning> {
         self.warnings.iter().chain(&self.fine_detail)
     }
@@ -125,7 +125,6 @@ struct Sizes {
     distorted: usize,
 }
 
-/// Exponents of f64.
 const EXPONENTS: usize = 2048;
 
 impl Sizes {
@@ -200,7 +199,7 @@ mod tests {
         (*state >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// What `a - b` rounds off (Knuth's sum of two): 0 where the difference is exact.
+    /// Rounding error of `a - b` (Knuth's two-sum): 0 if the difference is exact.
     fn rounded_off(a: f64, b: f64) -> f64 {
         let difference = a - b;
         let part = difference - a;

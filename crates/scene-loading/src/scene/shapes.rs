@@ -9,16 +9,13 @@ pub type Texcoords = [[f32; 2]; 3];
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Primitive {
     pub shape: Shape,
-    /// Index into `Scene::materials`.
     pub material: u32,
 }
 
 /// Geometry of a primitive: indices into the scene's arrays.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Shape {
-    /// Index into `Scene::spheres`.
     Sphere(u32),
-    /// Index into `Scene::cones`.
     Cone(u32),
     /// A planar polygon, concave ones too: `count` vertices from `first` in `Scene::vertices`.
     Polygon {
@@ -27,7 +24,9 @@ pub enum Shape {
         count: u32,
     },
     /// A flat triangle: three indices into `Scene::vertices`.
-    Triangle { v: [u32; 3] },
+    Triangle {
+        v: [u32; 3],
+    },
     /// A triangle with a shading normal at each vertex.
     Patch {
         /// Vertex indices into `Scene::vertices`.

@@ -1,4 +1,4 @@
-//! What all JSON files here have in common: errors with a position, and a name that is the file's.
+//! Helpers for all JSON files: errors with a position, and names taken from files.
 
 use std::path::Path;
 

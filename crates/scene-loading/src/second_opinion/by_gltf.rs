@@ -9,12 +9,12 @@ use ::gltf::{Accessor, Document, Gltf, Node, Primitive, Skin};
 use glam::{DMat4, DVec3, Vec3};
 
 use super::reading::Reading;
-use crate::gltf::{Opened, instancing};
+use crate::gltf::{OpenedFile, instancing};
 use crate::polygon::area_vector;
 
-/// What it finds, and what it takes from our reader. It may panic, and believes what it reads: for
-/// files that our reader has accepted.
-pub(super) fn read(bytes: &[u8], ours: &Opened) -> Result<(Reading, Vec<String>), String> {
+/// Its reading, and what it takes from our reader. It may panic and does not validate, so call it
+/// only for files that our reader has accepted.
+pub(super) fn read(bytes: &[u8], ours: &OpenedFile) -> Result<(Reading, Vec<String>), String> {
     let mut shared = BTreeSet::from(["buffers", "which triangles have no area"]);
     let alone = Gltf::from_slice(bytes);
     let document = match &alone {
@@ -37,11 +37,11 @@ pub(super) fn read(bytes: &[u8], ours: &Opened) -> Result<(Reading, Vec<String>)
 }
 
 struct SecondReader<'a> {
-    ours: &'a Opened,
+    ours: &'a OpenedFile,
     document: &'a Document,
-    /// Where the nodes of the scene are.
+    /// Placements of the nodes of the scene.
     worlds: Vec<Option<DMat4>>,
-    /// What is taken from our reader.
+    /// Parts taken from our reader.
     shared: BTreeSet<&'static str>,
 }
 
@@ -99,7 +99,7 @@ impl<'a> SecondReader<'a> {
         let is_skinned = skinned.is_some();
         let positions = skinned.unwrap_or(positions);
         let mut worlds = vec![if is_skinned { DMat4::IDENTITY } else { world }];
-        let Opened { buffers, extensions, .. } = self.ours;
+        let OpenedFile { buffers, extensions, .. } = self.ours;
         if node.skin().is_none() {
             let placements = instancing::placements(self.document, buffers, extensions, node);
             if let Some(placements) = placements.map_err(|error| error.to_string())? {

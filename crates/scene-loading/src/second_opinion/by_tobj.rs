@@ -13,7 +13,7 @@ use crate::polygon::Outline;
 /// The most bytes of material files that it is given: it takes some hundred bytes a material.
 const MAX_LIBRARY_BYTES: u64 = 4 << 20;
 
-/// What it finds, and the names of the materials that it knows, if it can read them. It may panic.
+/// Its reading, and the names of its materials, if readable. It may panic.
 pub(super) fn read(
     path: &Path,
     mut bytes: &[u8],

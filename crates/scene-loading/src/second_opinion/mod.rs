@@ -1,6 +1,5 @@
-//! What another reader finds in a file, compared with what ours does: an OBJ file is read by the
-//! crate `tobj`, a glTF file by the crate `gltf`. Notes name what such a reader takes from ours: it
-//! cannot check that.
+//! Compares our reading of a file with another reader's: the crate `tobj` for OBJ files, the crate
+//! `gltf` for glTF. Notes name what such a reader takes from ours and cannot check.
 //!
 //! Both panic on some files. Such a panic is caught here (`catch_unwind`), as nothing that it may
 //! leave half done outlives the call, and said to be the other reader's opinion. Both take memory
@@ -16,7 +15,7 @@ use std::path::Path;
 
 use self::reading::Reading;
 use crate::error::LoadError;
-use crate::gltf::{Opened, parse_gltf};
+use crate::gltf::{OpenedFile, parse_gltf};
 use crate::input::decompress::decompress;
 use crate::input::text::{end_lines_with_lf, without_mark};
 use crate::obj::{ObjOptions, parse_obj};
@@ -35,7 +34,7 @@ pub enum SecondOpinion {
         triangles: u64,
         /// Differences from our reader; empty if it agrees.
         differences: Vec<String>,
-        /// What it cannot speak for: rules and code that it shares with ours.
+        /// Limits of the comparison: rules and code that it shares with ours.
         notes: Vec<String>,
     },
     /// The file is larger than [`MAX_BYTES`].
@@ -85,7 +84,7 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
     if is_gltf {
         let ours = Reading::of(&parse_gltf(path, &bytes)?);
         let bytes = without_mark(path, &bytes)?;
-        let opened = Opened::read(path, bytes)?;
+        let opened = OpenedFile::read(path, bytes)?;
         return Ok(compared("gltf", &ours, asked(|| by_gltf::read(bytes, &opened))));
     }
     let mut ours = Reading::of(&parse_obj(path, bytes.clone(), ObjOptions::default())?);
@@ -113,7 +112,7 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
     Ok(opinion)
 }
 
-/// What the reader says; if it panics, that.
+/// Result of the reader; a panic becomes an error.
 fn asked<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);

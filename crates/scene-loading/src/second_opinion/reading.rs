@@ -69,7 +69,7 @@ impl Reading {
         }
     }
 
-    /// Where another reader, of that name, found something else.
+    /// Differences to the reading of another reader, of this name.
     pub fn differences(&self, other: &Self, reader: &str) -> Vec<String> {
         let mut found = Vec::new();
         let (here, there) = (self.total(), other.total());

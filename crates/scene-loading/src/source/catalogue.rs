@@ -15,12 +15,12 @@ use crate::input::text::text_of;
 use crate::limits::MAX_JSON;
 use crate::scene_file::SceneFile;
 use crate::scene_file::set::SceneSet;
-use crate::source::described::Described;
+use crate::source::described::DescribedScene;
 use crate::source::embedded::families;
 use crate::source::embedded::{SCENES, SETS};
 use crate::source::formats::{ENDINGS, is_scene_path};
 use crate::source::names::{name_of_path, path_of_name};
-use crate::source::scene_ref::{From, SceneRef};
+use crate::source::scene_ref::{SceneOrigin, SceneRef};
 use crate::source::sizes::{DescribedScenes, SceneSizes, described_of_size, no_sizes, sizes_of};
 
 /// All scenes that have a name.
@@ -89,7 +89,7 @@ impl SceneCatalogue {
         let file = SceneFile::parse(path, text)?;
         self.scenes.insert(
             file.name.clone(),
-            Described { path: path.into(), embedded, file, outside: false },
+            DescribedScene { path: path.into(), embedded, file, outside: false },
         );
         Ok(())
     }
@@ -157,30 +157,30 @@ impl SceneCatalogue {
         // a file of that name is meant, even if it is called like a generator's size
         let is_file = name.contains(':') && is_scene_path(path) && path.is_file();
         if is_file {
-            return Ok(SceneRef::new(scene_name(path), From::File(path.to_path_buf())));
+            return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
         }
         if let Some(described) = self.scenes.get(name) {
-            let from = From::Described(Box::new(described.clone()));
+            let from = SceneOrigin::Described(Box::new(described.clone()));
             return Ok(SceneRef::new(name, from));
         }
         if let Some(described) = described_of_size(&self.scenes, name)? {
-            let from = From::Described(Box::new(described));
+            let from = SceneOrigin::Described(Box::new(described));
             return Ok(SceneRef::new(name, from));
         }
         let family = name.split(':').next().unwrap_or(name);
         if families().contains(&family) {
-            return Ok(SceneRef::new(name, From::Spd(name.to_string())));
+            return Ok(SceneRef::new(name, SceneOrigin::Spd(name.to_string())));
         }
         if extension(path) == "json" {
             let file = SceneFile::parse(path, &json_text(path)?)?;
             let path = path.to_path_buf();
-            let described = Described { path, embedded: false, file, outside: false };
+            let described = DescribedScene { path, embedded: false, file, outside: false };
             let name = described.file.name.clone();
-            return Ok(SceneRef::new(name, From::Described(Box::new(described))));
+            return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
         }
         if is_scene_path(path) {
             std::fs::metadata(path).map_err(|e| LoadError::io(path, e))?;
-            return Ok(SceneRef::new(scene_name(path), From::File(path.to_path_buf())));
+            return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
         }
         if path.is_file() {
             let valid = format!("{}, .json", ENDINGS.join(", "));

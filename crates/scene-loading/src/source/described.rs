@@ -15,7 +15,7 @@ use crate::source::hash::sha256_of_bytes;
 
 /// A scene description and where it was found.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Described {
+pub(crate) struct DescribedScene {
     pub path: PathBuf,
     /// From the program itself, which then has the files it refers to as well.
     pub embedded: bool,
@@ -24,7 +24,7 @@ pub(crate) struct Described {
     pub outside: bool,
 }
 
-impl Described {
+impl DescribedScene {
     pub fn load(&self, places: &Places) -> Result<(Scene, String), LoadError> {
         let (mut scene, source) = match &self.file.source {
             Source::Spd(spec) => (generate(spec)?, format!("generated: {spec}")),

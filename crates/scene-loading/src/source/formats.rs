@@ -1,4 +1,4 @@
-//! Which loader reads which file.
+//! Chooses the loader of a file.
 
 use std::path::Path;
 

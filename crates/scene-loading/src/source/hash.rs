@@ -15,7 +15,7 @@ pub fn sha256_of_bytes(bytes: &[u8]) -> String {
 /// count. Numbers enter as the little-endian
 /// bits of their `f64`, each list after its length, so the hash is the same on every machine.
 pub fn sha256_of_scene(scene: &Scene) -> String {
-    let mut hash = Canonical(Sha256::new());
+    let mut hash = CanonicalHasher(Sha256::new());
     hash.0.update(b"rtbench scene 1\n");
     let camera = &scene.camera;
     hash.vectors(&[camera.from, camera.at, camera.up]);
@@ -67,9 +67,8 @@ pub fn sha256_of_scene(scene: &Scene) -> String {
     hex(hash.0.finalize().as_slice())
 }
 
-/// What scenes had nothing of before effects: added only where there is any, so that the hashes
-/// of all other scenes stay.
-fn hash_effects(scene: &Scene, hash: &mut Canonical) {
+/// Hashes effects only if there are any, so that the hashes of all other scenes stay.
+fn hash_effects(scene: &Scene, hash: &mut CanonicalHasher) {
     let camera = &scene.camera;
     let mut numbers: Vec<f64> = scene.lights.iter().map(|light| light.radius()).collect();
     numbers.extend(scene.materials.iter().map(|m| m.roughness));
@@ -85,7 +84,7 @@ fn hash_effects(scene: &Scene, hash: &mut Canonical) {
 }
 
 /// As [`hash_effects`]: nothing where nothing is textured. Names of images do not count.
-fn hash_textures(scene: &Scene, hash: &mut Canonical) {
+fn hash_textures(scene: &Scene, hash: &mut CanonicalHasher) {
     if scene.textures.is_empty() && scene.texcoords.is_empty() {
         return;
     }
@@ -106,9 +105,9 @@ fn hash_textures(scene: &Scene, hash: &mut Canonical) {
     }
 }
 
-struct Canonical(Sha256);
+struct CanonicalHasher(Sha256);
 
-impl Canonical {
+impl CanonicalHasher {
     fn words(&mut self, words: &[u32]) {
         for word in words {
             self.0.update(word.to_le_bytes());

@@ -8,7 +8,7 @@ use crate::input::read::read_file;
 use crate::scene::Scene;
 use crate::scene_file::{SceneFile, Source};
 use crate::second_opinion::{SecondOpinion, second_opinion};
-use crate::source::described::Described;
+use crate::source::described::DescribedScene;
 use crate::source::embedded::generate;
 use crate::source::formats::{ReadOptions, parse_scene};
 use crate::source::hash::sha256_of_scene;
@@ -19,34 +19,33 @@ use crate::view_options::{ViewOptions, light_if_dark};
 pub struct SceneRef {
     /// Name in tables: `balls:5`, `kitchen`, the stem of a path.
     pub name: String,
-    pub(crate) from: From,
+    pub(crate) from: SceneOrigin,
     /// View and lights instead of the scene's own.
     pub view: ViewOptions,
-    /// What its file names may lie outside its folder.
+    /// Files that its file names may lie outside its folder.
     outside: bool,
 }
 
 impl SceneRef {
-    pub(crate) fn new(name: impl Into<String>, from: From) -> Self {
+    pub(crate) fn new(name: impl Into<String>, from: SceneOrigin) -> Self {
         Self { name: name.into(), from, view: ViewOptions::default(), outside: false }
     }
 }
 
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) enum From {
+pub(crate) enum SceneOrigin {
     Spd(String),
     File(PathBuf),
-    Described(Box<Described>),
+    Described(Box<DescribedScene>),
 }
 
 /// A scene in memory, and what a result has to say about its origin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedScene {
-    /// The scene.
     pub scene: Scene,
     /// Hash of the loaded scene: [`sha256_of_scene`].
     pub sha256: String,
-    /// Where it came from, in words: `generated: balls:4`, `obvhs 0.4.0: assets/...`.
+    /// Origin in words: `generated: balls:4`, `obvhs 0.4.0: assets/...`.
     pub source: String,
     /// Licence of the geometry, where known.
     pub licence: Option<String>,
@@ -56,15 +55,15 @@ impl SceneRef {
     /// The description it was resolved from, unless it is a plain file or generated.
     pub fn description(&self) -> Option<&SceneFile> {
         match &self.from {
-            From::Described(described) => Some(&described.file),
-            From::Spd(_) | From::File(_) => None,
+            SceneOrigin::Described(described) => Some(&described.file),
+            SceneOrigin::Spd(_) | SceneOrigin::File(_) => None,
         }
     }
 
     /// Lets the source of a scene file lie outside its folder, as only files of one's own should.
     pub fn allow_outside(&mut self) {
         self.outside = true;
-        if let From::Described(described) = &mut self.from {
+        if let SceneOrigin::Described(described) = &mut self.from {
             described.outside = true;
         }
     }
@@ -87,15 +86,15 @@ impl SceneRef {
     /// As [`SceneRef::load`].
     pub fn load_from(&self, places: &Places) -> Result<LoadedScene, LoadError> {
         let (mut scene, source, licence) = match &self.from {
-            From::Spd(spec) => {
+            SceneOrigin::Spd(spec) => {
                 (generate(spec)?, format!("generated: {spec}"), Some("CC0-1.0 (SPD)".to_string()))
             }
-            From::File(path) => {
+            SceneOrigin::File(path) => {
                 let options = ReadOptions { outside: self.outside, ..ReadOptions::default() };
                 let scene = parse_scene(path, read_file(path)?, options)?;
                 (scene, path.display().to_string(), None)
             }
-            From::Described(described) => {
+            SceneOrigin::Described(described) => {
                 let (scene, source) = described.load(places)?;
                 (scene, source, described.file.licence.clone())
             }
@@ -109,15 +108,15 @@ impl SceneRef {
         Ok(LoadedScene { sha256: sha256_of_scene(&scene), scene, source, licence })
     }
 
-    /// What another reader finds in the scene's file; `None` for scenes without one.
+    /// Second opinion of another reader on the scene's file; `None` for scenes without one.
     ///
     /// # Errors
     /// As [`SceneRef::load`].
     pub fn second_opinion(&self) -> Result<Option<SecondOpinion>, LoadError> {
         let path = match &self.from {
-            From::Spd(_) => None,
-            From::File(path) => Some(path.clone()),
-            From::Described(described) => described.source_path(&Places::from_env())?,
+            SceneOrigin::Spd(_) => None,
+            SceneOrigin::File(path) => Some(path.clone()),
+            SceneOrigin::Described(described) => described.source_path(&Places::from_env())?,
         };
         path.map(|path| second_opinion(&path, read_file(&path)?)).transpose()
     }
@@ -128,7 +127,7 @@ impl SceneRef {
     /// # Errors
     /// Those of [`Places::fetch`], and [`LoadError::HashMismatch`].
     pub fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
-        let From::Described(described) = &self.from else { return Ok(None) };
+        let SceneOrigin::Described(described) = &self.from else { return Ok(None) };
         let Source::Crate(asset) = &described.file.source else { return Ok(None) };
         let path = Places::from_env().fetch(asset)?;
         described.check_hash(&path, &read_file(&path)?)?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::error::LoadError;
 use crate::procedural::{SpdEntry, SpecError, generators};
 use crate::scene_file::{SceneFile, Source};
-use crate::source::described::Described;
+use crate::source::described::DescribedScene;
 
 /// The most primitives of a size: what the tessellator accepts.
 const MOST: u64 = 64 << 20;
@@ -50,7 +50,7 @@ impl SceneSizes {
 }
 
 /// All described scenes, by name.
-pub(crate) type DescribedScenes = BTreeMap<String, Described>;
+pub(crate) type DescribedScenes = BTreeMap<String, DescribedScene>;
 
 /// The sizes of a scene, by its name without a size.
 pub(crate) fn sizes_of(described: &DescribedScenes, name: &str) -> Option<SceneSizes> {
@@ -74,7 +74,7 @@ pub(crate) fn sizes_of(described: &DescribedScenes, name: &str) -> Option<SceneS
 pub(crate) fn described_of_size(
     scenes: &DescribedScenes,
     name: &str,
-) -> Result<Option<Described>, LoadError> {
+) -> Result<Option<DescribedScene>, LoadError> {
     let Some((head, size)) = name.split_once(':') else { return Ok(None) };
     let Some(described) = scenes.get(head) else { return Ok(None) };
     let Some(family) = family_of(&described.file) else {

@@ -261,7 +261,7 @@ impl Reader<'_> {
 /// a colour in those bytes and have none.
 struct Payload {
     is_there: bool,
-    /// Where the last triangle ends, with its payload.
+    /// End of the last triangle, with its payload.
     end: usize,
 }
 

@@ -10,8 +10,8 @@ use crate::gltf_file::File;
 
 const UNIT: [[f64; 3]; 2] = [[0.0; 3], [1.0, 1.0, 0.0]];
 
-/// One triangle whose three vertices follow a joint that doubles and lifts by 5. The mesh's own node
-/// is far away.
+/// One triangle whose three vertices follow a joint that doubles and lifts by 5. The mesh's own
+/// node is far away.
 fn skinned() -> File {
     let mut file = File::new();
     let joints = file.accessor("VEC4", 5121, 3, &[0; 12]);

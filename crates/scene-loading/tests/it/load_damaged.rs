@@ -317,8 +317,8 @@ fn ply_files_as_they_are_found() {
     }
 }
 
-/// A binary STL file of triangles in a fan, with these attribute bytes and as long a payload as they
-/// say, if any.
+/// A binary STL file of triangles in a fan, with these attribute bytes and as long a payload as
+/// they say, if any.
 fn binary_stl(count: u32, triangles: u32, attributes: u16, payload: bool) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(count.to_le_bytes());

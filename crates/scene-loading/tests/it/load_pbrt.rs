@@ -1,5 +1,5 @@
-//! The readers of PBRT and of tray_racing's scene files: what they accept, and the error of every way a
-//! file can be wrong.
+//! The readers of PBRT and of tray_racing's scene files: what they accept, and the error of every
+//! way a file can be wrong.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! What cannot be: faults of an experiment that would make its figures worthless.
+//! Finds impossible results, which reveal faults of an experiment.
 //!
 //! * A front with a member that another beats.
 //! * A variant that answers otherwise while it is timed than when it was judged: its time and its
@@ -11,8 +11,8 @@ use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{SceneOutcome, VariantStanding};
 
-/// How much farther than its scatter and the reference's own error a variant may lie from the
-/// reference. Both are estimates, which few pixels may decide.
+/// Factor by which a variant's distance from the reference may exceed its scatter plus the
+/// reference's own error. Both are estimates, which few pixels may decide.
 const TOLERATED: f64 = 3.0;
 
 /// The faults of an outcome, in words.

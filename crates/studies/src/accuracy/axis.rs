@@ -7,11 +7,10 @@ use crate::error::StudyError;
 /// One way to be more or less accurate.
 #[derive(Debug)]
 pub struct Axis {
-    /// As typed: `voxel-traversal`.
     pub name: &'static str,
     /// The varied quantity, in one line.
     pub summary: &'static str,
-    /// Where the variants come from.
+    /// Source of the variants.
     pub paper: &'static str,
     /// Definition of the error, with its unit.
     pub metric: &'static str,
@@ -19,7 +18,7 @@ pub struct Axis {
     pub reference: &'static str,
     /// Scenes where none are named: two of SPD and a modelled one.
     pub scenes: &'static [&'static str],
-    /// Which setting of the product varies.
+    /// The setting of the product that varies.
     pub setting: &'static str,
     /// All variants on a scene, timed and judged.
     pub measure: Measure,
@@ -33,7 +32,7 @@ pub enum Measure {
     /// settings, as `run -s` takes them.
     Each {
         subjects: &'static [&'static str],
-        /// Whether one tells more of a scene than others do.
+        /// True if one tells more of a scene than others do.
         serves: fn(&PreparedScene, &str) -> bool,
         /// The outcome of one.
         measure: fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>,

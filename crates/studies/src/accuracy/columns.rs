@@ -19,7 +19,7 @@ pub struct VariantRow<'a> {
 }
 
 impl VariantRow<'_> {
-    /// Of wrong answers and all of them, where answers were counted.
+    /// Value from the numbers of wrong and all answers, if answers were counted.
     fn counted(&self, which: fn(u64, u64) -> u64) -> Value {
         match self.row.error {
             ErrorOf::Counted { wrong, trials } => Value::Count(which(wrong, trials)),
@@ -101,7 +101,7 @@ fn standing(row: &VariantRecord) -> Cell {
     Cell { text: format!("{}{reference}", row.standing.name()), style }
 }
 
-/// What there is more of a scene's variants, by the names that the first one has.
+/// Further figures of a scene's variants, named as in the first one.
 fn also(of: &VariantRow<'_>) -> String {
     let names = of.scene.rows.iter().take(1).flat_map(|first| first.also.keys());
     joined(names, ", ", |name| {

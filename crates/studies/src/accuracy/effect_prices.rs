@@ -1,4 +1,4 @@
-//! What each effect costs where a scene calls for it, by what its being left out loses.
+//! Cost of each effect in scenes that need it, against the error without it.
 //!
 //! The error that is removed is that to the finely sampled image, without the effect less with it;
 //! the time is what the image takes beyond that without the effect, in the same rounds. Their
@@ -53,7 +53,7 @@ pub fn table(run: &AccuracyRecord) -> Option<Table> {
     let mut rows = Vec::new();
     for axis in &run.axes {
         for scene in &axis.scenes {
-            // of images, the one that others are held against is the one without effects
+            // of images, the one that others are compared with is the one without effects
             let is_without = |row: &VariantRecord| row.is_without || row.is_reference;
             let of_image = scene.rows.iter().filter(|_| scene.pixels > 0);
             let Some(without) = of_image.clone().find(|row| is_without(row)) else { continue };

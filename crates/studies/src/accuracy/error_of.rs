@@ -10,7 +10,7 @@ pub enum ErrorOf {
     Counted { wrong: u64, trials: u64 },
     /// Root of the mean square of the differences to the reference's colours, a channel.
     Rmse {
-        /// Of all pixels together.
+        /// Error over all pixels.
         rmse: f64,
     },
 }
@@ -34,12 +34,12 @@ impl ErrorOf {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Tally {
+pub struct TrialCounts {
     wrong: u64,
     trials: u64,
 }
 
-impl Tally {
+impl TrialCounts {
     pub fn add(&mut self, is_wrong: bool) {
         self.trials += 1;
         self.wrong += u64::from(is_wrong);

@@ -22,7 +22,7 @@ pub struct IntegerRay {
 
 /// A cell on the way of a ray.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Pierced {
+pub struct PiercedCell {
     pub cell: [i32; 3],
     /// The longest way on an axis that the ray makes within it, in cells; correct to a few ulps.
     pub length: f64,
@@ -48,7 +48,7 @@ impl IntegerRay {
 
     /// The cells of a grid of `n` cells an axis that the ray from parameter 0 on crosses by more
     /// than a point, in their order. A ray within a plane is in the cells above the plane.
-    pub fn pierced(&self, n: i32) -> Vec<Pierced> {
+    pub fn pierced(&self, n: i32) -> Vec<PiercedCell> {
         let unit = UNITS as i128;
         let product: i128 = self.direction.iter().filter(|d| **d != 0).product::<i128>().abs();
         let mut cell = [0_i128; 3];
@@ -88,7 +88,7 @@ impl IntegerRay {
             let first = next[0].min(next[1]).min(next[2]);
             if cell.iter().all(|c| (0..i128::from(n)).contains(c)) {
                 let length = (first - last) as f64 * to_cells;
-                found.push(Pierced { cell: cell.map(|c| c as i32), length });
+                found.push(PiercedCell { cell: cell.map(|c| c as i32), length });
             }
             last = first;
             for k in 0..3 {

@@ -1,4 +1,4 @@
-//! What accuracy costs in time: the plan of `rtbench accuracy`.
+//! Cost of accuracy in time: the plan of `rtbench accuracy`.
 //!
 //! An [`axis::Axis`] is one way to be more or less accurate: a test of triangles, a traversal, a
 //! number of samples. It has variants, which are settings of the product and reachable without this

@@ -1,4 +1,4 @@
-//! Which variants nothing beats: the front of time against error.
+//! Variants that no other dominates: the Pareto front of time and error.
 //!
 //! V. Pareto, *Manuale di economia politica*, 1906: a variant is dominated where another is as
 //! accurate and as fast, and better in one of both.
@@ -15,14 +15,14 @@ pub struct FrontPoint {
 }
 
 impl FrontPoint {
-    /// Of a row. An error below that of the reference is statistically indistinguishable from it.
+    /// Point of a row. Errors below that of the reference cannot be distinguished from it.
     pub fn of(row: &VariantRecord, reference_error: f64) -> Self {
         let error = row.error.value();
         let error = if row.is_below_reference { reference_error } else { error };
         Self { time: row.ratio, error }
     }
 
-    /// Whether it beats the other.
+    /// Returns whether it beats the other.
     fn dominates(&self, other: &Self) -> bool {
         let (time, error) = (self.time.median, self.error);
         let is_no_worse = time <= other.time.median && error <= other.error;
@@ -49,8 +49,8 @@ pub fn standings(places: &[FrontPoint]) -> Vec<VariantStanding> {
     places.iter().map(of).collect()
 }
 
-/// Whether a front is one: none of its members is beaten, and what is not on it is. The fault in
-/// words otherwise. (By sorting, not by [`standings`].)
+/// Checks a front: none of its members is beaten, everything else is. The
+/// fault in words otherwise. (By sorting, not by [`standings`].)
 pub fn fault(places: &[FrontPoint], standings: &[VariantStanding]) -> Option<String> {
     let mut order: Vec<usize> = (0..places.len()).collect();
     let key = |i: usize| places.get(i).map_or((f64::NAN, f64::NAN), |p| (p.time.median, p.error));

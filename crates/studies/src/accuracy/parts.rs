@@ -32,8 +32,8 @@ fn subjects(axis: &AxisRecord) -> Vec<&str> {
     axis.scenes.iter().map(|s| s.subject.as_str()).filter(|s| seen.insert(*s)).collect()
 }
 
-/// What the variants of an axis take by kind of ray, over all scenes; one table for each subject,
-/// none where work is timed as a whole.
+/// Times of the variants of an axis by kind of ray, over all scenes; one table per subject, none if
+/// work is timed as a whole.
 pub fn over_scenes(axis: &AxisRecord, seed: u64) -> Vec<Table> {
     subjects(axis).into_iter().filter_map(|subject| of_subject(axis, subject, seed)).collect()
 }
@@ -74,7 +74,7 @@ fn of_variant(scene: &SceneOutcome, variant: &str, part: &str) -> Option<Series>
     Some(scene.ratios(&seconds(row)?, &seconds(scene.rows.first()?)?))
 }
 
-/// What each step adds in time and takes away in errors; none where variants are no steps.
+/// Time added and errors removed by each step; `None` if variants are no steps.
 pub fn steps(axis: &AxisRecord, scene: &SceneOutcome, seed: u64) -> Option<Table> {
     let first = scene.rows.first().filter(|_| scene.is_stepwise)?;
     let over = |row: &VariantRecord, other: &VariantRecord| {

@@ -1,5 +1,5 @@
-//! What goes wrong when accuracy is saved, in pictures: on the left the cheap variant, on the right
-//! the accurate one.
+//! Pictures of the errors of cheap variants: the cheap variant on the left, the accurate one on the
+//! right.
 
 use std::path::Path;
 
@@ -117,7 +117,7 @@ fn leak(registry: &[Entry]) -> Result<Image, StudyError> {
     Ok(beside(&half("moeller-trumbore")?, &half("watertight")?))
 }
 
-/// Where rays from afar, at the corners and edge points of the near side, are not stopped.
+/// Points at which far rays to corners and edges of the near side leak through.
 fn leaks(tracer: &dyn Tracer<f32>, mesh: &[[DVec3; 3]]) -> Image {
     let mut pixels = vec![[0.85; 3]; (SIZE * SIZE) as usize];
     let eye = dvec3(0.31, 0.17, 4.0);

@@ -66,8 +66,8 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
     }
 }
 
-/// Where errors of 0 stand on a logarithmic axis: half of what the number of trials bounds, or a
-/// third of the least error; none where no error is above 0.
+/// Position of errors of 0 on a logarithmic axis: half the bound given by the number of trials, or
+/// a third of the least error; `None` if no error is above 0.
 fn floor(scene: &SceneOutcome) -> Option<f64> {
     let least = scene.rows.iter().map(|r| r.error.value()).filter(|e| *e > 0.0).reduce(f64::min)?;
     let bound = scene.rows.iter().find_map(|row| match row.error {

@@ -8,7 +8,7 @@ use crate::accuracy::error_of::ErrorOf;
 use statistics::estimate::Estimate;
 use statistics::series::Series;
 
-/// Where a variant stands among those of its axis on a scene.
+/// Standing of a variant among those of its axis on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum VariantStanding {
@@ -49,7 +49,7 @@ pub struct VariantRecord {
     pub setting: String,
     /// Known defect, by design.
     pub known_defect: Option<String>,
-    /// It is the one that all others are held against, or has the same answers.
+    /// It is the one that all others are compared with, or has the same answers.
     pub is_reference: bool,
     /// How wrong it is.
     pub error: ErrorOf,
@@ -105,7 +105,7 @@ pub struct SceneOutcome {
     pub reference_error: f64,
     /// Variants in the order of the axis.
     pub rows: Vec<VariantRecord>,
-    /// What cannot be and yet is, if anything; see [`crate::accuracy::audit`].
+    /// Impossible results, if any; see [`crate::accuracy::audit`].
     pub faults: Vec<String>,
     /// Processes that timed the variants, each in as many rounds.
     #[serde(default = "one", skip_serializing_if = "is_one")]

@@ -1,4 +1,4 @@
-//! Images with samples: their errors, and the reference they are held against.
+//! Images with samples: their errors, and the reference they are compared with.
 //!
 //! The reference is the mean of two images of many samples with different seeds; its own error is
 //! half the distance between the two. Errors that are not ten times that are indistinguishable from
@@ -35,7 +35,7 @@ pub struct SamplingPlan {
 }
 
 impl SamplingPlan {
-    /// Of a full run, or of a quick one.
+    /// Defaults of a full or a quick run.
     pub fn new(quick: bool) -> Self {
         if quick {
             Self { size: 12, samples: &[1, 4, 16], reference: 512 }
@@ -99,7 +99,7 @@ impl SampledEffect<'_> {
     /// # Errors
     /// [`StudyError`] for more samples than fit, or threads that cannot be started.
     pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-        let Judged { variants, said, .. } = self.judged(stage)?;
+        let ImageCheck { variants, said, .. } = self.judged(stage)?;
         Ok(timed(stage, said, variants))
     }
 
@@ -107,7 +107,7 @@ impl SampledEffect<'_> {
     ///
     /// # Errors
     /// [`StudyError`] for more samples than fit, or threads that cannot be started.
-    pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<Judged<'s>, StudyError> {
+    pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<ImageCheck<'s>, StudyError> {
         let mut plan = SamplingPlan::new(stage.quick);
         let seeds = if stage.only_times { 1 } else { SEEDS };
         if stage.only_times {
@@ -173,16 +173,16 @@ impl SampledEffect<'_> {
             pixels: plan.size * plan.size,
             ..AxisReport::default()
         };
-        Ok(Judged { variants, said, reference })
+        Ok(ImageCheck { variants, said, reference })
     }
 }
 
 /// Errors of sampled images, computed before they are timed.
-pub struct Judged<'a> {
+pub struct ImageCheck<'a> {
     pub variants: Vec<Variant<'a>>,
     /// Report on the images.
     pub said: AxisReport,
-    /// What they were held against.
+    /// Reference that they were compared with.
     pub reference: ConvergedImage,
 }
 

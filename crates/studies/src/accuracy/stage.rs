@@ -17,7 +17,7 @@ use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;
 use statistics::random::Random;
 
-/// Who traces what is not itself varied.
+/// Structure that traces whatever is not varied.
 pub const TRACER: &str = "obvhs-bvh2";
 
 /// Trials where nobody asks what they come to.
@@ -181,7 +181,7 @@ pub fn batches<S: Buildable>(
     kinds().map(|kind| (kind, thinned(kind))).filter(|(_, rays)| !rays.is_empty()).collect()
 }
 
-/// How many rays there are.
+/// Total number of rays.
 pub fn count<S: Scalar>(batches: &Batches<S>) -> usize {
     batches.iter().map(|(_, rays)| rays.len()).sum()
 }
@@ -210,7 +210,7 @@ impl<'a, S: Buildable> Replay<'a, S> {
         Self { is_by_kind: true, ..self }
     }
 
-    /// How many answers differ from those of another to the same rays.
+    /// Number of answers that differ from another's to the same rays.
     pub fn differing(&self, other: &Self) -> u64 {
         let pairs = self.answers.iter().zip(&other.answers);
         pairs.map(|(a, b)| a.differing(b).count() as u64).sum()
@@ -274,7 +274,7 @@ pub fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
     hasher.finish()
 }
 
-/// What is timed of a variant.
+/// Timed work of a variant.
 pub trait Work {
     /// Undoes what the last run left, so that it cannot pass for this one's.
     fn prepare(&mut self) {}

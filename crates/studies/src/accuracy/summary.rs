@@ -11,7 +11,7 @@ use presentation::numbers::short;
 use statistics::estimate::Estimate;
 use statistics::series::{Series, geometric_mean_of};
 
-/// What the accuracy of an axis costs: from the cheapest variant to the most accurate one.
+/// Cost of the accuracy of an axis: from the cheapest variant to the most accurate one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cost {
     /// All variants are equally accurate.
@@ -197,7 +197,7 @@ fn error(row: &VariantRecord) -> String {
     }
 }
 
-/// What the step from one variant to another takes away.
+/// Error removed by the step from one variant to another.
 fn removes(from: &VariantRecord, to: &VariantRecord) -> String {
     match (from.error, to.error) {
         (ErrorOf::Rmse { rmse: a }, ErrorOf::Rmse { rmse: b }) if b > 0.0 => {

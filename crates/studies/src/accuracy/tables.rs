@@ -59,7 +59,7 @@ pub(super) fn push_table(text: &mut String, table: &Table) {
     push_table_with(text, table, |column| (1..=3).contains(&column));
 }
 
-/// Where and how a run was made.
+/// Machine and settings of a run.
 pub fn facts(run: &AccuracyRecord) -> [String; 5] {
     let unknown = || "unknown".to_owned();
     let AccuracyRecord { machine, compiler, tool, .. } = run;

@@ -18,27 +18,26 @@ pub struct Variant<'a> {
     pub setting: String,
     /// Known defect, by design.
     pub known_defect: Option<&'static str>,
-    /// Whether all others are held against it.
+    /// True if all others are compared with it.
     pub is_reference: bool,
     /// How wrong it is.
     pub error: ErrorOf,
     /// More of it, by name.
     pub also: Vec<(&'static str, f64)>,
     pub work: Box<dyn Work + 'a>,
-    /// See [`VariantRecord::is_without`].
     pub is_without: bool,
 }
 
-/// What an axis says of a scene beside its variants.
+/// Findings of an axis on a scene beside its variants.
 #[derive(Debug, Clone, Default)]
 pub struct AxisReport {
-    /// What is timed, in words.
+    /// Description of the timed work.
     pub timed: String,
     /// Description of the judged answers.
     pub judged: String,
     /// The reference's own error; 0 where it is exact.
     pub reference_error: f64,
-    /// What an axis found that cannot be.
+    /// Impossible results that an axis found.
     pub faults: Vec<String>,
     /// Each variant is the one before it with one thing more.
     pub is_stepwise: bool,
@@ -132,8 +131,8 @@ impl Parts {
     }
 }
 
-/// Which variant is the cheapest, of those from `first` on: none takes less than it in the middle
-/// of the rounds that both were in. (Medians of times of their own would compare different rounds.)
+/// Cheapest variant from `first` on, by the median over common rounds. (Separate medians would
+/// compare different rounds.)
 fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
     let mut least = first;
     for (i, row) in outcome.rows.iter().enumerate().skip(first + 1) {
@@ -148,7 +147,7 @@ fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
 
 const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
 
-/// What is known of a variant before [`figure`] says what its times come to.
+/// Record of a variant before [`figure`] evaluates its times.
 fn row(
     variant: Variant<'_>,
     seconds: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What follows from the times of an animation.
+//! Figures derived from the times of an animation.
 
 use measurement::record::Verdict;
 use measurement::record::label;
@@ -31,7 +31,7 @@ impl LaneRecord {
         }
     }
 
-    /// Whether its times may be shown.
+    /// Returns whether its times may be shown.
     pub fn is_timed(&self) -> bool {
         matches!(self.verdict(), Verdict::Ok | Verdict::WrongAsShipped)
     }
@@ -86,7 +86,6 @@ impl LaneFrame {
 }
 
 impl Totals {
-    /// Frames per second.
     pub fn frames_per_second(&self, seed: u64) -> Option<Estimate> {
         let both = self.update_s.iter().zip(&self.trace_s).map(|(a, b)| 1.0 / (a + b));
         estimate(&both.collect::<Vec<_>>(), seed)

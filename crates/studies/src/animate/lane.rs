@@ -4,14 +4,14 @@ use crate::animate::quality::{SurfacePoint, quality};
 use crate::animate::record::{LaneFrame, LaneRecord};
 use crate::error::StudyError;
 use accel_core::params::Params;
-use accel_core::query::tracer::{Before, KeptStructure};
+use accel_core::query::tracer::{KeptStructure, PreviousFrame};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use accel_core::update;
 use measurement::answers::check::{count, stride_for};
 use measurement::answers::judge::judge;
-use measurement::plan::measured_row::{Built, MeasuredRow};
+use measurement::plan::measured_row::{BuiltRow, MeasuredRow};
 use measurement::rays::batches::{Answers, Batch, BatchSet};
 use measurement::record::WorkRecord;
 use measurement::rounds::scope::Scope;
@@ -23,7 +23,7 @@ use scene_loading::Scene;
 /// Rays of a kind that a first look takes.
 const LOOK_RAYS: usize = 1024;
 
-/// What a frame gives all rows.
+/// Input of a frame for all rows.
 pub struct FrameInput<'a, 'r, S: Buildable> {
     pub frame: &'a Frame<S>,
     /// Its rays, with the answers expected.
@@ -41,7 +41,7 @@ pub struct Lane<'p> {
     kept: Vec<Option<KeptStructure>>,
     /// Stride of the rays that are timed; none before the first look.
     stride: Option<usize>,
-    /// What is known of it.
+    /// Its record so far.
     pub record: LaneRecord,
 }
 
@@ -87,10 +87,10 @@ impl<'p> Lane<'p> {
         let prims = on.frame.geometry.prims();
         let kept = kept.get_mut(round).and_then(Option::take);
         let before = kept.zip(on.frame.moved.as_deref());
-        let before = before.map(|(kept, moved)| Before { kept, moved });
+        let before = before.map(|(kept, moved)| PreviousFrame { kept, moved });
         let build = entry.prepare(params);
         let (tracer, update_s) = pool.install(|| timed(on.scope.clock, || build(prims, before)));
-        let built = Built::Structure(tracer?);
+        let built = BuiltRow::Structure(tracer?);
         let update_s = built.foreign().map_or(update_s, |foreign| foreign.build_seconds());
         let stride = *self.stride.get_or_insert_with(|| first_look(&built, on, self.pool));
         let thinned = on.scope.all.thinned(stride);
@@ -98,7 +98,7 @@ impl<'p> Lane<'p> {
         built.alive()?;
         let is_looked_at = round == 0 && self.record.threads == 1;
         let work = is_looked_at.then(|| self.counted(&built, on, &thinned)).flatten();
-        let Built::Structure(tracer) = built else { return Ok(()) };
+        let BuiltRow::Structure(tracer) = built else { return Ok(()) };
         let number = on.frame.number;
         if self.record.frames.last().is_none_or(|frame| frame.frame != number) {
             let quality = is_looked_at.then(|| quality(&*tracer, on.points)).flatten();
@@ -130,7 +130,7 @@ impl<'p> Lane<'p> {
     /// Seconds of the rays; their answers are compared.
     fn traced<S: Buildable>(
         &mut self,
-        built: &Built<'_, S>,
+        built: &BuiltRow<'_, S>,
         on: &FrameInput<'_, '_, S>,
         asked: &BatchSet<'_, S>,
     ) -> f64 {
@@ -150,7 +150,7 @@ impl<'p> Lane<'p> {
     /// The work of the rays; the answers of the counting pass are compared as well.
     fn counted<S: Buildable>(
         &mut self,
-        built: &Built<'_, S>,
+        built: &BuiltRow<'_, S>,
         on: &FrameInput<'_, '_, S>,
         asked: &BatchSet<'_, S>,
     ) -> Option<WorkRecord> {
@@ -187,7 +187,7 @@ impl<'p> Lane<'p> {
 
 /// Stride of the rays to time, by what few rays take.
 fn first_look<S: Buildable>(
-    built: &Built<'_, S>,
+    built: &BuiltRow<'_, S>,
     on: &FrameInput<'_, '_, S>,
     pool: &ThreadPool,
 ) -> usize {
@@ -207,9 +207,9 @@ pub struct Frame<S: Buildable> {
     pub number: u32,
     /// The scene at rest.
     pub scene: Scene,
-    /// What structures are over.
+    /// Geometry that structures are built over.
     pub geometry: Geometry<S>,
-    /// What the oracle is over.
+    /// Geometry of the oracle.
     pub exact: Geometry<f64>,
     /// Ids of the primitives that are others than in the frame before, ascending; none in the
     /// first, and where there are not the same primitives in both.
@@ -217,8 +217,8 @@ pub struct Frame<S: Buildable> {
 }
 
 impl<S: Buildable> Frame<S> {
-    /// Of a scene. `first` and `before` are the primitives of the first frame measured and of the
-    /// one before.
+    /// Frame of a scene. `first` and `before` are the primitives of the first frame measured and of
+    /// the previous one.
     ///
     /// # Errors
     /// [`StudyError`] for primitives that cannot be used.

@@ -23,8 +23,8 @@ use crate::animate::quality::surface_points;
 use crate::animate::record::{FrameRecord, LaneRecord};
 use crate::error::StudyError;
 
-/// What is measured with.
-pub struct Equipment<'a> {
+/// Input of the measurement.
+pub struct AnimationInput<'a> {
     pub clock: &'a dyn Clock,
     /// The bar: a step each frame.
     pub progress: &'a Progress,
@@ -32,7 +32,7 @@ pub struct Equipment<'a> {
 
 /// Outcome of the comparison.
 #[derive(Debug, Default)]
-pub struct Measured {
+pub struct AnimationResults {
     /// The frames, in their order.
     pub frames: Vec<FrameRecord>,
     /// The rows, each with a number of threads.
@@ -47,9 +47,9 @@ pub struct Measured {
 pub fn measure<S: Buildable>(
     animate: &Animate<'_>,
     mut scene_of: impl FnMut(u32) -> Result<Scene, LoadError>,
-    equipment: &Equipment<'_>,
-    mut watch: impl FnMut(&Measured),
-) -> Result<Measured, StudyError> {
+    equipment: &AnimationInput<'_>,
+    mut watch: impl FnMut(&AnimationResults),
+) -> Result<AnimationResults, StudyError> {
     let plan = &animate.plan;
     let pools = Pools::new(plan.threads)?;
     let measured = animate.threads.iter();
@@ -59,7 +59,7 @@ pub fn measure<S: Buildable>(
         .iter()
         .flat_map(|row| measured.iter().filter_map(|pool| Lane::new(row, pool, animate.rounds)))
         .collect();
-    let mut all = Measured::default();
+    let mut all = AnimationResults::default();
     let mut first = None;
     let mut before = None;
     let [begin, end] = animate.frames;
@@ -88,7 +88,7 @@ fn visit_all<S: Buildable>(
     animate: &Animate<'_>,
     frame: &Frame<S>,
     pools: &Pools,
-    equipment: &Equipment<'_>,
+    equipment: &AnimationInput<'_>,
     lanes: &mut [Lane<'_>],
 ) -> Result<FrameRecord, StudyError> {
     let plan = &animate.plan;

@@ -32,7 +32,7 @@ const RAYS: [&str; 2] = ["primary", "shadow"];
 /// Tests of the oracle in a frame, at most: there are many frames.
 const ORACLE_TESTS: u64 = 40_000_000;
 
-/// What cannot be animated.
+/// Errors of animations.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnimateError {
@@ -44,7 +44,7 @@ pub enum AnimateError {
         first: u32,
         /// Last frame asked for.
         last: u32,
-        /// How many there are.
+        /// Number of elements.
         frames: u32,
     },
     /// Options of runs that mean nothing here.

@@ -5,7 +5,7 @@ use statistics::estimate::{Estimate, estimate};
 
 use crate::animate::record::{AnimationRecord, LaneFrame, LaneRecord};
 
-/// What is plotted of a frame.
+/// Quantity plotted for a frame.
 struct Quantity {
     title: &'static str,
     label: &'static str,
@@ -55,7 +55,7 @@ const QUANTITIES: [Quantity; 4] = [
     },
 ];
 
-/// The rows with the most frames per second, so that curves can be told apart.
+/// The rows with the most frames per second, so that curves can be distinguished.
 const MOST_ROWS: usize = 8;
 
 /// The panels, of one thread.

@@ -25,7 +25,7 @@ const POINTS: usize = 512;
 pub struct Quality {
     /// Expected cells and tests.
     pub expected_cost: f64,
-    /// Of what surfaces are made of; none without triangles.
+    /// Overlap of surfaces; `None` without triangles.
     pub overlap: Option<f64>,
 }
 
@@ -71,7 +71,7 @@ fn points_of<S: Buildable, P: PrimSet<S>>(prims: &P, seed: u64) -> Vec<SurfacePo
 }
 
 /// A cell, its primitives apart.
-struct Seen {
+struct CellOutline {
     bounds: Aabb<f64>,
     cost: f64,
     ids: std::ops::Range<usize>,
@@ -79,9 +79,9 @@ struct Seen {
     behind: usize,
 }
 
-/// The quality of a structure; none where its cells cannot be looked at.
+/// The quality of a structure; none where its cells cannot be shown.
 pub fn quality<S: Buildable>(tracer: &dyn Tracer<S>, points: &[SurfacePoint]) -> Option<Quality> {
-    let (mut cells, mut all_ids, mut open) = (Vec::<Seen>::new(), Vec::new(), Vec::new());
+    let (mut cells, mut all_ids, mut open) = (Vec::<CellOutline>::new(), Vec::new(), Vec::new());
     tracer
         .cells(&mut |cell| {
             while open.len() > cell.depth as usize {
@@ -96,7 +96,7 @@ pub fn quality<S: Buildable>(tracer: &dyn Tracer<S>, points: &[SurfacePoint]) ->
             let tests = cell.ids.len() as f64;
             let cost = if cell.kind == CellKind::Inner { 1.0 } else { 1.0 + tests };
             let (bounds, ids) = (cell.bounds, begin..all_ids.len());
-            cells.push(Seen { bounds, cost, ids, behind: usize::MAX });
+            cells.push(CellOutline { bounds, cost, ids, behind: usize::MAX });
         })
         .ok()?;
     let area = |b: &Aabb<f64>| {
@@ -116,7 +116,7 @@ pub fn quality<S: Buildable>(tracer: &dyn Tracer<S>, points: &[SurfacePoint]) ->
 }
 
 /// The cost of the cells that hold the point and nothing of its primitive.
-fn overlap_at(point: &SurfacePoint, cells: &[Seen], ids: &[u32]) -> f64 {
+fn overlap_at(point: &SurfacePoint, cells: &[CellOutline], ids: &[u32]) -> f64 {
     // the cells around the cell looked at, with the cost of those that hold the point
     let (mut sum, mut at) = (0.0, 0);
     let mut around: Vec<(usize, f64)> = Vec::new();
@@ -144,7 +144,7 @@ fn overlap_at(point: &SurfacePoint, cells: &[Seen], ids: &[u32]) -> f64 {
 mod tests {
     use super::*;
     use accel_core::primitives::TriangleSet;
-    use accel_core::query::tracer::Before;
+    use accel_core::query::tracer::PreviousFrame;
     use accel_core::structures::find;
 
     /// Triangles in a row, each moved to the place of another one of a row that is as long, by
@@ -171,7 +171,7 @@ mod tests {
             let first = entry.build(PrimsRef::Watertight(&sets[0]), &params).unwrap();
             let built = of(&*first, &sets[0]);
             let fresh = entry.build(PrimsRef::Watertight(&sets[1]), &params).unwrap();
-            let before = Before { kept: first.released().unwrap(), moved: &all };
+            let before = PreviousFrame { kept: first.released().unwrap(), moved: &all };
             let refitted = entry.update(PrimsRef::Watertight(&sets[1]), &params, before).unwrap();
             assert!(refitted.is_updated());
             let [fresh, refitted] = [fresh, refitted].map(|tracer| of(&*tracer, &sets[1]));

@@ -1,4 +1,4 @@
-//! What is recorded of an animation.
+//! Record of an animation.
 
 use measurement::record::{Compiler, Machine, OracleRecord, Tool, WorkRecord};
 use serde::Serialize;
@@ -36,8 +36,8 @@ pub struct AnimationRecord {
 pub struct FrameRecord {
     pub frame: u32,
     pub primitives: u64,
-    /// Of these, those that are others than in the frame before; none in the first, and where there
-    /// are not the same primitives in both.
+    /// Number of these that changed since the previous frame; `None` in the first, and if the sets
+    /// of primitives differ.
     pub moved: Option<u64>,
     /// Rays of all kinds.
     pub rays: u64,
@@ -53,7 +53,6 @@ pub struct LaneRecord {
     pub settings: String,
     /// Threads that update and trace.
     pub threads: usize,
-    /// What it does wrong on purpose.
     pub known_defect: Option<String>,
     /// Why it ended early.
     pub error: Option<String>,
@@ -71,7 +70,7 @@ pub struct LaneRecord {
 pub struct LaneFrame {
     /// Number of the frame.
     pub frame: u32,
-    /// How many of the rounds updated it; the others built it anew.
+    /// Number of rounds that updated it; the others rebuilt it.
     pub updated: usize,
     /// Seconds of the update or build, a round each.
     pub update_s: Vec<f64>,

@@ -1,4 +1,5 @@
-//! Tables of an animation, one per number of threads, rows with the most frames per second first; and its CSV.
+//! Tables of an animation, one per number of threads, rows with the most frames per second first;
+//! and its CSV.
 
 use crate::animate::record::{AnimationRecord, LaneRecord};
 use crate::animate::verdict;

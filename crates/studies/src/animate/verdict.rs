@@ -1,4 +1,4 @@
-//! Which row to take: the most frames per second, and by how many rays per frame has.
+//! Recommends a row: by frames per second, and by rays per frame.
 
 use presentation::numbers;
 use statistics::estimate::Estimate;
@@ -7,10 +7,10 @@ use crate::animate::figures::Totals;
 use crate::animate::record::{AnimationRecord, LaneRecord};
 
 /// A row and its times.
-type Timed<'a> = (&'a LaneRecord, Totals);
+type TimedLane<'a> = (&'a LaneRecord, Totals);
 
 /// Rows that are right, with that many threads.
-fn right(run: &AnimationRecord, threads: usize) -> Vec<Timed<'_>> {
+fn right(run: &AnimationRecord, threads: usize) -> Vec<TimedLane<'_>> {
     let lanes = run.lanes.iter().filter(|lane| lane.threads == threads);
     let right = lanes.filter(|lane| lane.mismatches == 0);
     right.filter_map(|lane| Some((lane, lane.totals(run)?))).collect()
@@ -19,7 +19,7 @@ fn right(run: &AnimationRecord, threads: usize) -> Vec<Timed<'_>> {
 /// In words, a line each, for a number of threads.
 pub fn lines(run: &AnimationRecord, threads: usize) -> Vec<String> {
     let rows = right(run, threads);
-    let fps = |(_, totals): &Timed<'_>| totals.frames_per_second(run.seed);
+    let fps = |(_, totals): &TimedLane<'_>| totals.frames_per_second(run.seed);
     let best = rows.iter().filter_map(|row| Some((row, fps(row)?)));
     let best = best.max_by(|a, b| a.1.median.total_cmp(&b.1.median));
     let Some((best, rate)) = best else { return Vec::new() };
@@ -44,11 +44,11 @@ fn interval(of: &Estimate) -> String {
 /// Rays a frame that are looked at: from few to those of a large image with many bounces.
 const RAYS: [f64; 2] = [1.0, 1e9];
 
-/// Which row is the fastest for how many rays per frame. Rows that put a part of their build off
-/// until rays come are left out: what a ray takes of theirs says nothing of fewer rays.
-fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
-    let is_line = |(lane, _): &&Timed<'_>| !lane.settings.contains("build=lazy");
-    let rows: Vec<&Timed<'_>> = rows.iter().filter(is_line).collect();
+/// Fastest rows by number of rays per frame. Rows that defer a part of their build to the first
+/// rays are left out: their time per ray does not apply to fewer rays.
+fn by_rays(rows: &[TimedLane<'_>]) -> Option<String> {
+    let is_line = |(lane, _): &&TimedLane<'_>| !lane.settings.contains("build=lazy");
+    let rows: Vec<&TimedLane<'_>> = rows.iter().filter(is_line).collect();
     let fastest = |rays: f64| {
         let rows = rows.iter().copied();
         rows.min_by(|a, b| a.1.seconds_of(rays).total_cmp(&b.1.seconds_of(rays)))
@@ -58,8 +58,8 @@ fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
     let mut parts = Vec::new();
     // each row's seconds are a line over the rays: the next row is the one whose line is met first
     while rays < RAYS[1] {
-        let meets = |row: &Timed<'_>| {
-            let slope = |row: &Timed<'_>| row.1.seconds_of(1.0) - row.1.seconds_of(0.0);
+        let meets = |row: &TimedLane<'_>| {
+            let slope = |row: &TimedLane<'_>| row.1.seconds_of(1.0) - row.1.seconds_of(0.0);
             let (ahead, gains) =
                 (row.1.seconds_of(0.0) - current.1.seconds_of(0.0), slope(current) - slope(row));
             (gains > 0.0).then(|| ahead / gains).filter(|&at| at > rays)
@@ -81,9 +81,9 @@ fn by_rays(rows: &[Timed<'_>]) -> Option<String> {
     Some(format!("The fastest by rays per frame: {}.", parts.join(", ")))
 }
 
-/// Where a grid that is built anew and a BVH that is refitted break even: of the grids the one with
-/// the most frames per second, and so of the BVHs.
-fn grid_and_bvh(run: &AnimationRecord, rows: &[Timed<'_>]) -> Option<String> {
+/// Break-even point of a rebuilt grid and a refitted BVH, each the one with the most frames per
+/// second.
+fn grid_and_bvh(run: &AnimationRecord, rows: &[TimedLane<'_>]) -> Option<String> {
     let best = |is: &dyn Fn(&LaneRecord) -> bool| {
         let own = rows.iter().filter(|(lane, _)| is(lane));
         own.min_by(|a, b| a.1.seconds_of(a.1.rays).total_cmp(&b.1.seconds_of(b.1.rays)))

@@ -42,9 +42,8 @@ pub struct TracedStructure<'t> {
 pub struct Factor {
     /// Name in the table.
     pub name: &'static str,
-    /// What the product multiplies with.
     pub nominal: f64,
-    /// Where the number comes from, in words.
+    /// Explanation of the number.
     pub says: String,
     /// The image with it.
     pub plan: EffectPlan,
@@ -154,11 +153,10 @@ pub fn measured(
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostRow {
     pub name: &'static str,
-    /// What the product multiplies with.
     pub nominal: f64,
     /// The same in words.
     pub says: String,
-    /// What was counted, all factors so far together.
+    /// Counted work with all factors so far.
     pub work: CountedWork,
     /// Seconds that the model predicts.
     pub predicted: f64,
@@ -200,7 +198,7 @@ pub fn rows(
     rows
 }
 
-/// Whether a prediction is as good as asked for: between half and twice the measured time.
+/// Returns whether a prediction is as good as asked for: between half and twice the measured time.
 pub fn is_near(predicted: f64, measured: f64) -> bool {
     (0.5..=2.0).contains(&(predicted / measured))
 }

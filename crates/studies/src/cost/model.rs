@@ -1,4 +1,4 @@
-//! What an image costs, from what its rays do: seconds = a x rays + b x steps + its tests.
+//! Cost of an image from the work of its rays: seconds = a x rays + b x steps + its tests.
 //!
 //! What a test takes is measured in the scene itself ([`super::test_time`]). The times of a ray
 //! (with its shading) and of a step belong to machine and structure; they are found by least
@@ -6,7 +6,6 @@
 //! unknowns all sets of those above 0 are simply tried; C. Lawson, R. Hanson, "Solving Least
 //! Squares Problems", 1974, has the general case).
 
-/// What an image took.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CountedWork {
     /// Rays of all kinds.
@@ -65,7 +64,6 @@ impl Model {
         candidates.into_iter().filter(is_valid).min_by(|a, b| error(a).total_cmp(&error(b)))
     }
 
-    /// Predicted seconds.
     pub fn seconds(&self, work: CountedWork) -> f64 {
         self.ray * work.rays + self.step * work.steps + work.tests * work.seconds_per_test
     }

@@ -1,4 +1,4 @@
-//! What an intersection test costs in a scene: a polygon with 144 corners is not a sphere.
+//! Cost of an intersection test in a scene: a polygon with 144 corners is not a sphere.
 //!
 //! Tests are made as the leaves of a structure make them: of primitives drawn by the area of their
 //! boxes (the chance that a ray meets them: J. Goldsmith, J. Salmon, "Automatic Creation of Object

@@ -1,5 +1,5 @@
-//! What of a row is code and not structure: whose setup and tests, how triangles are tested, how
-//! rays are asked. Rows that differ in nothing else are the same structure.
+//! Implementation choices of a row apart from its structure: setup and tests, triangle kernel,
+//! query mode. Rows that differ only in these are the same structure.
 
 use accel_core::params::{ParamKind, Params};
 
@@ -13,7 +13,7 @@ const SETTINGS: [&str; 3] = ["adapter", "kernel", "query"];
 /// Structures without a setting for it that always have their triangles in blocks.
 const ALWAYS_BLOCKS: [&str; 2] = ["irregular-grid", "wide-bvh"];
 
-/// Who sets rays up and tests primitives.
+/// Code that sets up rays and tests primitives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Adapter {
     /// A library, as its authors use it.
@@ -34,7 +34,7 @@ pub enum Kernel {
 
 /// How rays are asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Asked {
+pub enum QueryMode {
     /// One at a time.
     OneRay,
     /// Many in one call.
@@ -46,12 +46,12 @@ pub enum Asked {
 /// Properties of a row's code, as opposed to its structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodeDifferences {
-    /// Who sets rays up and tests.
+    /// Code that sets up rays and tests primitives.
     pub adapter: Adapter,
     /// How triangles are tested.
     pub kernel: Kernel,
     /// How rays are asked.
-    pub query: Asked,
+    pub query: QueryMode,
 }
 
 impl CodeDifferences {
@@ -68,10 +68,10 @@ impl CodeDifferences {
         };
         // what can be asked for scalar tests answers batches by blocks alone
         let query = match params.get("query") {
-            _ if !has_blocks && params.get("kernel").is_some() => Asked::OneRay,
-            Some("batch") => Asked::Batch,
-            Some("packets") => Asked::Packets,
-            _ => Asked::OneRay,
+            _ if !has_blocks && params.get("kernel").is_some() => QueryMode::OneRay,
+            Some("batch") => QueryMode::Batch,
+            Some("packets") => QueryMode::Packets,
+            _ => QueryMode::OneRay,
         };
         Self {
             adapter,
@@ -90,9 +90,9 @@ impl CodeDifferences {
         };
         let kernel = if only_triangles { self.kernel } else { Kernel::Scalar };
         let query = match (row.query, self.query) {
-            (Query::OneRay, _) => Asked::OneRay,
-            (Query::Batch, Asked::Packets) => Asked::Packets,
-            (Query::Batch, _) => Asked::Batch,
+            (Query::OneRay, _) => QueryMode::OneRay,
+            (Query::Batch, QueryMode::Packets) => QueryMode::Packets,
+            (Query::Batch, _) => QueryMode::Batch,
         };
         Self { adapter, kernel, query }
     }
@@ -102,12 +102,12 @@ impl CodeDifferences {
         match (self.adapter, self.kernel, self.query) {
             (Adapter::Direct, ..) => "direct",
             (Adapter::AsShipped, ..) => "as shipped",
-            (_, Kernel::Scalar, Asked::OneRay) => "scalar",
-            (_, Kernel::Block, Asked::OneRay) => "block",
-            (_, Kernel::Scalar, Asked::Batch) => "scalar, batch",
-            (_, Kernel::Block, Asked::Batch) => "block, batch",
-            (_, Kernel::Scalar, Asked::Packets) => "scalar, packets",
-            (_, Kernel::Block, Asked::Packets) => "block, packets",
+            (_, Kernel::Scalar, QueryMode::OneRay) => "scalar",
+            (_, Kernel::Block, QueryMode::OneRay) => "block",
+            (_, Kernel::Scalar, QueryMode::Batch) => "scalar, batch",
+            (_, Kernel::Block, QueryMode::Batch) => "block, batch",
+            (_, Kernel::Scalar, QueryMode::Packets) => "scalar, packets",
+            (_, Kernel::Block, QueryMode::Packets) => "block, packets",
         }
     }
 }
@@ -122,7 +122,7 @@ impl Adapter {
     }
 }
 
-impl Asked {
+impl QueryMode {
     pub fn name(self) -> &'static str {
         match self {
             Self::OneRay => Query::OneRay.name(),
@@ -150,7 +150,6 @@ pub struct Variant {
 }
 
 impl Variant {
-    /// Classifies a row.
     pub fn of(row: &Row<'_>) -> Self {
         let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
         let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();

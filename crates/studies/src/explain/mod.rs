@@ -1,4 +1,4 @@
-//! What the difference in time between two rows is made of: the plan of `rtbench explain`.
+//! Explains the difference in time between two rows: the plan of `rtbench explain`.
 //!
 //! The row, the reference, and both in all their crafts (adapter, kernel, query) are rows of one
 //! ordinary [`Plan`], so that they are checked, interleaved and timed as rows of a run are, all on
@@ -58,7 +58,7 @@ pub struct ExplainSettings {
 pub struct Explain<'r> {
     /// The rows, and how they are measured.
     pub plan: Plan<'r>,
-    /// What each row of the plan is, over triangles in f32.
+    /// Variant of each row of the plan, over triangles in f32.
     pub variants: Vec<Variant>,
     /// The index of the row in question; that of the other is the plan's baseline.
     pub row: usize,
@@ -118,9 +118,9 @@ pub struct Factor {
 /// The rays of a column of factors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rays<'k> {
-    /// Of one kind, as records call it.
+    /// Rays of one kind, named as in records.
     Kind(&'k str),
-    /// Of all kinds, one after the other.
+    /// Rays of all kinds, one after the other.
     All,
 }
 
@@ -155,14 +155,14 @@ impl Rays<'_> {
 pub struct Explanation<'a> {
     run: &'a RunRecord,
     pub scene: &'a SceneRecord,
-    /// What each row was in this scene; none for one that was the same as another before it.
+    /// Variant of each row in this scene; `None` for a duplicate of an earlier one.
     pub variants: Vec<Option<Variant>>,
     /// The factors, in the order of [`Axis`]; empty where one of the two rows has no time.
     pub factors: Vec<Factor>,
 }
 
 impl<'a> Explanation<'a> {
-    /// Of a finished scene.
+    /// Explanation of a finished scene.
     pub fn of(explain: &Explain<'_>, run: &'a RunRecord, scene: &'a SceneRecord) -> Self {
         let ends = [explain.row, explain.plan.baseline];
         let mut variants: Vec<Option<Variant>> = vec![None; scene.rows.len()];
@@ -227,7 +227,7 @@ mod tests {
     use accel_core::structures::REGISTRY;
     use measurement::record::Verdict;
     use measurement::record::made_up::{Rows, run};
-    use measurement::scenes::Installed;
+    use measurement::scenes::InstalledScenes;
 
     use super::*;
     use crate::explain::table::rays_of;
@@ -253,7 +253,7 @@ mod tests {
                 ..MeasuringSettings::default()
             },
         };
-        Explain::new(&settings, REGISTRY, &Installed).map_err(|e| e.to_string())
+        Explain::new(&settings, REGISTRY, &InstalledScenes).map_err(|e| e.to_string())
     }
 
     /// Their record, with ratios to the row of [`Explain`]'s baseline.

@@ -1,7 +1,7 @@
-//! What is said below the tables of an explanation: settings that a row has not, what does not
-//! serve in a scene, rows without a time.
+//! Notes below the tables of an explanation: settings that a row lacks or a scene does not support,
+//! rows without a time.
 
-use crate::explain::craft::{Adapter, Asked, CodeDifferences, Kernel, Variant};
+use crate::explain::craft::{Adapter, CodeDifferences, Kernel, QueryMode, Variant};
 use crate::explain::{Explain, Explanation};
 use crate::run::tables::scene_notes;
 use measurement::record::Verdict;
@@ -49,7 +49,7 @@ pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
         notes.push("Nothing is explained: in this scene both rows are the same.".to_owned());
     }
     for (row, nominal) in scene.rows.iter().zip(&explain.variants) {
-        let is_alone = nominal.craft.query != Asked::OneRay && row.query == Query::OneRay;
+        let is_alone = nominal.craft.query != QueryMode::OneRay && row.query == Query::OneRay;
         if row.verdict.is_timed() && is_alone {
             notes.push(format!("{}: its rays are asked one by one here.", row.label()));
         }
@@ -85,7 +85,7 @@ fn lacks(structure: &str, variants: &[Variant], only_triangles: Option<bool>) ->
         (false, true) if !is_mixed => lacking.push("no kernel=scalar"),
         _ => {}
     }
-    if own().all(|v| v.craft.query == Asked::OneRay) {
+    if own().all(|v| v.craft.query == QueryMode::OneRay) {
         lacking.push("no query=batch");
     }
     if lacking.is_empty() {

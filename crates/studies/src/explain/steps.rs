@@ -11,7 +11,7 @@ use crate::explain::craft::{CodeDifferences, Variant};
 /// Properties in which two rows may differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
-    /// Who sets rays up and tests primitives.
+    /// Code that sets up rays and tests primitives.
     Adapter,
     /// How triangles are tested.
     Kernel,
@@ -47,7 +47,7 @@ impl Axis {
 /// A factor of the whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// What changes; more than one thing where no row has only one of them changed.
+    /// Properties that change; several if no row changes only one of them.
     pub axes: Vec<Axis>,
     /// The factor: the product of the times of rows, by index, raised to these powers.
     pub powers: Vec<(usize, f64)>,

@@ -56,9 +56,9 @@ fn build<'g>(
     Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
 }
 
-/// Where both we and the paper have one grid over all primitives, but of different sizes: the grid
-/// with the published number of cells. What sized it is not known; as for uniform grids, what is
-/// counted in it can be compared nevertheless. N_V itself is compared as our own rule has it.
+/// If we and the paper have one grid over all primitives, but of different sizes: the grid with the
+/// published number of cells. Its sizing rule is unknown; as for uniform grids, its counters can be
+/// compared nevertheless. N_V itself is compared by our own rule.
 fn sized_as_published<'g>(
     geometry: &'g Geometry<f64>,
     setting: &Setting,

@@ -81,7 +81,7 @@ pub struct Line {
     /// Verdict on its answers.
     pub verdict: Verdict,
     pub build: Ratios,
-    /// Of tracing all rays.
+    /// Ratios of tracing all rays.
     pub run: Ratios,
 }
 
@@ -137,7 +137,7 @@ impl Comparison {
         rank_correlation(&pairs)
     }
 
-    /// Who won then, who wins now, and how far ahead the modern structure is: one sentence.
+    /// One sentence: the winner then, the winner now, and the lead of the modern structure.
     pub fn sentence(&self) -> String {
         let of_lecture = || self.lines.iter().filter(|l| l.lecture.is_some());
         let then = of_lecture()

@@ -19,7 +19,6 @@ pub struct Figure {
     /// Setting as the paper names it: `woo D=1.0`.
     pub params: String,
     pub scene: String,
-    /// Counter: `N_OIV`.
     pub counter: String,
     pub value: String,
 }

@@ -93,7 +93,6 @@ pub struct PublishedScene {
 pub(crate) struct SceneWork {
     pub(crate) stats: StructureStats,
     pub(crate) counters: WorkCounters,
-    /// Primary, secondary: hits.
     pub(super) primary_hits: u64,
     pub(super) secondary_hits: u64,
     /// Blocked shadow rays, plus glass hit by the others.

@@ -1,22 +1,23 @@
-//! Which row is the fastest at what, and which the smallest: the questions that a run is made for.
+//! Conclusions of a run: the fastest row by question, and the smallest.
 //!
-//! A row that is known to be wrong, or whose answers were not all compared, never leads. What a plugin says of
-//! its own memory is not counted. Rows that answer ray by ray stand against one another; where others answer
-//! batches and one of those is faster than all, that is a second answer.
+//! A row that is known to be wrong, or whose answers were not all compared, never leads. What a
+//! plugin says of its own memory is not counted. Rows that answer ray by ray stand against one
+//! another; where others answer batches and one of those is faster than all, that is a second
+//! answer.
 
 use std::collections::BTreeSet;
 
 use measurement::record::query::Query;
 use measurement::record::with_query;
 use measurement::record::{
-    Answered, Conclusion, Defective, LeastTime, Next, Question, RowRecord, RunRecord, SceneRecord,
-    Verdict,
+    Answered, Conclusion, Defective, LeastTime, NextRow, Question, RowRecord, RunRecord,
+    SceneRecord, Verdict,
 };
 
 use crate::run::break_even::{count_interval, envelope};
 use crate::run::costs::{Cost, Profile, all_rays_s, profiles, reference};
 use crate::run::kind_tables::kinds_of;
-use crate::run::leads::{Lead, Timed, lead};
+use crate::run::leads::{Ranking, TimedRow, lead};
 use crate::run::time_to_image::TimesToImage;
 use statistics::series::geometric_mean_of;
 
@@ -48,32 +49,32 @@ fn conclusions(scenes: &[&SceneRecord], seed: u64) -> Vec<Conclusion> {
     questions.flat_map(|question| answers(question, scenes, seed)).collect()
 }
 
-/// What rows took of what is asked about, by scene; scenes where it was not asked are left out.
+/// Values of rows for a question, by scene; scenes without values are left out.
 fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclusion> {
     let is_asked = |scene: &&&SceneRecord| match &question {
         Question::Trace(kind) => scene.rays.contains_key(kind),
         Question::FirstImage | Question::Memory => true,
     };
-    let mut all: Vec<Vec<Timed>> =
+    let mut all: Vec<Vec<TimedRow>> =
         scenes.iter().filter(is_asked).map(|scene| timed(&question, scene)).collect();
     let defective: Vec<Vec<Suspect<'_>>> =
         scenes.iter().filter(is_asked).map(|scene| suspects(&question, scene)).collect();
-    let is_batch = |t: &&Timed| t.query == Query::Batch;
+    let is_batch = |t: &&TimedRow| t.query == Query::Batch;
     let batches: BTreeSet<String> =
         all.iter().flatten().filter(is_batch).map(|t| t.label.clone()).collect();
-    let conclusion = |query, lead: Lead, all: &[Vec<Timed>]| Conclusion {
+    let conclusion = |query, lead: Ranking, all: &[Vec<TimedRow>]| Conclusion {
         question: question.clone(),
         query,
         defective: as_fast(&lead.first, query, all, &defective, seed),
         row: lead.first,
         figure: lead.took,
         not_different: lead.ties,
-        next: lead.next.map(|(row, times)| Next { row, times }),
+        next: lead.next.map(|(row, times)| NextRow { row, times }),
     };
-    let is_one_ray = |t: &&Timed| !batches.contains(&t.label);
+    let is_one_ray = |t: &&TimedRow| !batches.contains(&t.label);
     let ray_by_ray = || {
-        let one_ray = |scene: &Vec<Timed>| scene.iter().filter(is_one_ray).cloned().collect();
-        lead(&all.iter().map(one_ray).collect::<Vec<Vec<Timed>>>(), seed)
+        let one_ray = |scene: &Vec<TimedRow>| scene.iter().filter(is_one_ray).cloned().collect();
+        lead(&all.iter().map(one_ray).collect::<Vec<Vec<TimedRow>>>(), seed)
     };
     if batches.is_empty() {
         let first = lead(&all, seed);
@@ -84,7 +85,7 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
     for row in all.iter_mut().flatten().filter(|t| batches.contains(&t.label)) {
         row.label = with_query(std::mem::take(&mut row.label), true);
     }
-    let is_faster = |lead: &Lead| first.as_ref().is_none_or(|first| first.first != lead.first);
+    let is_faster = |lead: &Ranking| first.as_ref().is_none_or(|first| first.first != lead.first);
     let second = lead(&all, seed).filter(is_faster);
     let first = first.map(|lead| conclusion(Query::OneRay, lead, &one_ray));
     first.into_iter().chain(second.map(|lead| conclusion(Query::Batch, lead, &all))).collect()
@@ -92,7 +93,7 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
 
 /// A row that is not the best of anything since answers of it are wrong by a known defect.
 struct Suspect<'r> {
-    timed: Timed,
+    timed: TimedRow,
     row: &'r RowRecord,
 }
 
@@ -108,15 +109,16 @@ fn suspects<'r>(question: &Question, scene: &'r SceneRecord) -> Vec<Suspect<'r>>
     rows.filter_map(|row| Some(Suspect { timed: timed(row)?, row })).collect()
 }
 
-/// The rows with a known defect that every scene has and that are not significantly slower than the first.
+/// The rows with a known defect that every scene has and that are not significantly slower than the
+/// first.
 fn as_fast(
     first: &str,
     query: Query,
-    all: &[Vec<Timed>],
+    all: &[Vec<TimedRow>],
     suspects: &[Vec<Suspect<'_>>],
     seed: u64,
 ) -> Vec<Defective> {
-    let firsts: Option<Vec<&Timed>> =
+    let firsts: Option<Vec<&TimedRow>> =
         all.iter().map(|scene| scene.iter().find(|timed| timed.label == first)).collect();
     let (Some(firsts), Some(of_first)) = (firsts, suspects.first()) else { return Vec::new() };
     let is_asked_so = |s: &&Suspect<'_>| query == Query::Batch || s.timed.query == Query::OneRay;
@@ -139,8 +141,8 @@ fn as_fast(
     found
 }
 
-/// What the rows of a scene took that may lead.
-fn timed(question: &Question, scene: &SceneRecord) -> Vec<Timed> {
+/// Values of the rows of a scene that may lead.
+fn timed(question: &Question, scene: &SceneRecord) -> Vec<TimedRow> {
     let rows = scene.rows.iter().filter(|row| scene.may_lead(row));
     match question {
         Question::FirstImage => TimesToImage::of(scene).leading().cloned().collect(),
@@ -150,7 +152,7 @@ fn timed(question: &Question, scene: &SceneRecord) -> Vec<Timed> {
 }
 
 /// Seconds for a ray of a kind.
-fn of_kind(scene: &SceneRecord, row: &RowRecord, kind: &str) -> Option<Timed> {
+fn of_kind(scene: &SceneRecord, row: &RowRecord, kind: &str) -> Option<TimedRow> {
     let rays = *scene.rays.get(kind)? as f64;
     let reference = reference(scene);
     let of = |sample| {
@@ -161,17 +163,18 @@ fn of_kind(scene: &SceneRecord, row: &RowRecord, kind: &str) -> Option<Timed> {
         Answered::AllRays => row.label(),
         Answered::ShadowRays => format!("{} (shadow rays only)", row.label()),
     };
-    Timed::new(label, row.query, row.samples.iter().filter_map(of).collect())
+    TimedRow::new(label, row.query, row.samples.iter().filter_map(of).collect())
 }
 
 /// Bytes of what was built.
-fn bytes(row: &RowRecord) -> Option<Timed> {
+fn bytes(row: &RowRecord) -> Option<TimedRow> {
     let counts = row.answers == Answered::AllRays && row.plugin.is_none();
     let bytes = row.stats.as_ref().filter(|_| counts)?.memory_bytes;
-    Timed::new(row.label(), row.query, [((0, 0), bytes as f64)].into())
+    TimedRow::new(row.label(), row.query, [((0, 0), bytes as f64)].into())
 }
 
-/// Which of the rows that may lead takes the least time, build included, from how many rays on.
+/// Lower envelope of the cost lines of rows that may lead: the cheapest row, build included, by
+/// number of rays.
 pub fn least_time(profiles: &[Profile], seed: u64) -> Vec<LeastTime> {
     let may_lead: Vec<&Profile> = profiles.iter().filter(|p| p.may_lead).collect();
     let costs: Vec<Cost> = may_lead.iter().map(|p| p.cost).collect();
@@ -206,7 +209,8 @@ mod tests {
         ROUNDS.map(|s| s * by).into()
     }
 
-    /// A scene of which the reference is known to be wrong, with a sampled row, a plugin and a batch.
+    /// A scene of which the reference is known to be wrong, with a sampled row, a plugin and a
+    /// batch.
     fn made() -> RunRecord {
         let times = [0.2, 2.0, 2.0, 3.0, 0.1, 0.05, 1.0].map(scaled);
         let labels = ["known", "grid", "other", "slow", "sampled", "wrong", "grid query=batch"];

@@ -1,4 +1,4 @@
-//! What each row of a scene costs: the build, and a ray.
+//! Costs of the rows of a scene: of the build, and per ray.
 //!
 //! A row that is too slow for all rays is timed on every k-th. Its time per ray is then its ratio
 //! to the reference on these rays, times what the reference takes per ray over all of its own: so
@@ -11,7 +11,7 @@ use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
 use statistics::estimate::{Estimate, median};
 use statistics::series::Series;
 
-use crate::run::leads::{Lead, Timed, Visit, lead};
+use crate::run::leads::{Ranking, TimedRow, Visit, lead};
 
 /// Seconds of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,7 +42,7 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// Of rounds, as a row that may lead; none without any.
+    /// Profile of a row that may lead; `None` without rounds.
     pub fn new(number: usize, label: String, rounds: BTreeMap<Visit, Cost>) -> Option<Self> {
         let of = |f: fn(&Cost) -> f64| median(&rounds.values().map(f).collect::<Vec<_>>());
         let cost = Cost { build_s: of(|c| c.build_s)?, ray_s: of(|c| c.ray_s)? };
@@ -68,9 +68,9 @@ impl Profile {
     }
 
     /// Cost in each round; `None` if it has none.
-    pub fn timed(&self, of: impl Fn(&Cost) -> f64) -> Option<Timed> {
+    pub fn timed(&self, of: impl Fn(&Cost) -> f64) -> Option<TimedRow> {
         let rounds = self.rounds.iter().map(|(visit, cost)| (*visit, of(cost))).collect();
-        Timed::new(self.label.clone(), Query::default(), rounds)
+        TimedRow::new(self.label.clone(), Query::default(), rounds)
     }
 
     fn quotients(&self, other: &Self, of: impl Fn([Cost; 2]) -> f64) -> Series {
@@ -130,11 +130,11 @@ pub fn all_rays_s(
     through_reference().or_else(|| Some(own * (all / timed_on(row)?)))
 }
 
-/// Who is fastest for so many rays, build included, of the rows that may lead; none without such
+/// Fastest row for this many rays, build included, of those that may lead; `None` without such
 /// rows.
-pub fn lead_for(profiles: &[Profile], rays: f64, seed: u64) -> Option<Lead> {
+pub fn lead_for(profiles: &[Profile], rays: f64, seed: u64) -> Option<Ranking> {
     let may_lead = profiles.iter().filter(|p| p.may_lead);
-    let timed: Vec<Timed> = may_lead.filter_map(|p| p.timed(|c| c.total_s(rays))).collect();
+    let timed: Vec<TimedRow> = may_lead.filter_map(|p| p.timed(|c| c.total_s(rays))).collect();
     lead(&[timed], seed)
 }
 

@@ -1,5 +1,5 @@
-//! What runs of a few rounds may say: their brackets are the least and the largest round, no intervals of 95%, and
-//! nothing is significant.
+//! Wording for runs of a few rounds: brackets are the least and the largest round, not 95%
+//! intervals, and nothing is significant.
 
 use measurement::record::RunRecord;
 use presentation::table::{Cell, Table};
@@ -47,7 +47,7 @@ impl Few {
         is_few.then_some(Self { rounds })
     }
 
-    /// What stands above the figures.
+    /// Heading above the figures.
     pub fn heading(self) -> String {
         match self.rounds {
             1 => "One round: figures without intervals.".to_owned(),
@@ -71,7 +71,6 @@ impl Few {
         table
     }
 
-    /// Answers likewise.
     pub fn lines(self, lines: Lines) -> Lines {
         let own = lines.lines.into_iter();
         let lines_of = own.map(|line| Line { text: self.text(&line.text), ..line });

@@ -8,7 +8,7 @@ use presentation::table::Table;
 use crate::run::columns::{RowOf, columns};
 use presentation::column::headed;
 
-/// What is said below the table.
+/// Note below the table.
 const NOTE: &str = "foreign: a program outside. Its times are what it says of itself, on whatever it ran; its answers \
                     were checked from a file (`rtbench hits check`). No ratio, mean or comparison has it.";
 

@@ -1,5 +1,4 @@
-//! Who takes the least time, and who is significantly slower: paired by round, over one scene or
-//! several.
+//! Ranks rows by time, with significance: paired by round, over one scene or several.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +11,7 @@ pub type Visit = (u32, u32);
 
 /// A row and what it took in each round: seconds of something, or bytes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Timed {
+pub struct TimedRow {
     pub label: String,
     /// How it was asked.
     pub query: Query,
@@ -21,8 +20,8 @@ pub struct Timed {
     pub middle: f64,
 }
 
-impl Timed {
-    /// Of rounds; none without any that took some time.
+impl TimedRow {
+    /// Row with these rounds; `None` if no round took time.
     pub fn new(label: String, query: Query, mut rounds: BTreeMap<Visit, f64>) -> Option<Self> {
         rounds.retain(|_, took| took.is_finite() && *took > 0.0);
         let middle = series(&rounds).middle()?;
@@ -44,12 +43,12 @@ fn series(rounds: &BTreeMap<Visit, f64>) -> Series {
 
 /// How the fastest of several stands against the others.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Lead {
+pub struct Ranking {
     /// The fastest, by its median.
     pub first: String,
     /// Its time; over several scenes the geometric mean.
     pub took: Estimate,
-    /// Those that are not significantly slower.
+    /// Rows that are not significantly slower.
     pub ties: Vec<String>,
     /// The nearest that is significantly slower, and how many times as much it takes.
     pub next: Option<(String, Estimate)>,
@@ -79,8 +78,8 @@ impl Competitor {
         }
     }
 
-    /// Whether so few rounds of one scene say that it may be the faster one: their interval reaches
-    /// to the largest quotient, as [`Estimate`] says, and need not be resampled.
+    /// Returns whether so few rounds of one scene say that it may be the faster one: their interval
+    /// reaches to the largest quotient, as [`Estimate`] says, and need not be resampled.
     fn is_tied_by_few(&self) -> bool {
         match &self.groups[..] {
             [group] => {
@@ -91,7 +90,7 @@ impl Competitor {
         }
     }
 
-    /// Whether it is slower in every round: resampling them does not change that.
+    /// Returns whether it is slower in every round: resampling them does not change that.
     fn is_always_slower(&self) -> bool {
         self.groups.iter().flat_map(Series::values).all(|quotient| *quotient < 1.0)
     }
@@ -101,7 +100,7 @@ fn mean(groups: &[Series], seed: u64) -> Option<Estimate> {
     geometric_mean_of(&groups.iter().collect::<Vec<_>>(), seed)
 }
 
-impl Lead {
+impl Ranking {
     /// From the others, in any order.
     fn new(first: String, took: Estimate, others: Vec<Competitor>, seed: u64) -> Self {
         let mut others: Vec<(f64, Competitor)> =
@@ -127,40 +126,40 @@ impl Lead {
     }
 }
 
-/// Who takes the least, of the rows that every scene has, by geometric means over the scenes; none
-/// where there is no such row. Of rows of a scene with the same label the first counts.
-pub fn lead<R: AsRef<[Timed]>>(scenes: &[R], seed: u64) -> Option<Lead> {
+/// Ranks the rows that every scene has by geometric means over the scenes; `None` without such
+/// rows. The first of rows with the same label counts.
+pub fn lead<R: AsRef<[TimedRow]>>(scenes: &[R], seed: u64) -> Option<Ranking> {
     let by_label = |scene: &R| -> BTreeMap<String, usize> {
         scene.as_ref().iter().enumerate().rev().map(|(i, t)| (t.label.clone(), i)).collect()
     };
     let places: Vec<BTreeMap<String, usize>> = scenes.iter().map(by_label).collect();
-    let everywhere = |label: &str| -> Option<Vec<&Timed>> {
+    let everywhere = |label: &str| -> Option<Vec<&TimedRow>> {
         let found = scenes.iter().zip(&places);
         found.map(|(scene, places)| scene.as_ref().get(*places.get(label)?)).collect()
     };
     let labels = places.first()?;
-    let mut candidates: Vec<(usize, Vec<&Timed>)> =
+    let mut candidates: Vec<(usize, Vec<&TimedRow>)> =
         labels.iter().filter_map(|(label, place)| Some((*place, everywhere(label)?))).collect();
     candidates.sort_by_key(|(place, _)| *place);
-    let took = |rows: &[&Timed]| rows.iter().map(|t| t.middle.ln()).sum::<f64>();
+    let took = |rows: &[&TimedRow]| rows.iter().map(|t| t.middle.ln()).sum::<f64>();
     let (place, first) = candidates.iter().min_by(|a, b| took(&a.1).total_cmp(&took(&b.1)))?;
-    let label = |rows: &[&Timed]| rows.first().map_or(String::new(), |t| t.label.clone());
+    let label = |rows: &[&TimedRow]| rows.first().map_or(String::new(), |t| t.label.clone());
     let others =
         candidates.iter().filter(|(other, _)| other != place).map(|(_, rows)| Competitor {
             label: label(rows),
             groups: first.iter().zip(rows).map(|(a, b)| a.quotients(b)).collect(),
         });
     let own: Vec<Series> = first.iter().map(|t| series(&t.rounds)).collect();
-    Some(Lead::new(label(first), mean(&own, seed)?, others.collect(), seed))
+    Some(Ranking::new(label(first), mean(&own, seed)?, others.collect(), seed))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn timed(number: usize, times: &[f64]) -> Timed {
+    fn timed(number: usize, times: &[f64]) -> TimedRow {
         let rounds = times.iter().zip(0..).map(|(took, i)| ((0, i), *took)).collect();
-        Timed::new(format!("row {number}"), Query::default(), rounds).unwrap()
+        TimedRow::new(format!("row {number}"), Query::default(), rounds).unwrap()
     }
 
     #[test]
@@ -201,7 +200,7 @@ mod tests {
     #[test]
     fn rounds_that_took_nothing_are_left_out() {
         let rounds = [((0, 0), 0.0), ((0, 1), f64::NAN), ((0, 2), 2.0)].into();
-        assert_eq!(Timed::new("a".into(), Query::default(), rounds).unwrap().middle, 2.0);
-        assert_eq!(Timed::new("a".into(), Query::default(), BTreeMap::new()), None);
+        assert_eq!(TimedRow::new("a".into(), Query::default(), rounds).unwrap().middle, 2.0);
+        assert_eq!(TimedRow::new("a".into(), Query::default(), BTreeMap::new()), None);
     }
 }

@@ -1,10 +1,11 @@
-//! Conclusions in words: one line per question, the same on the terminal, in Markdown and in a report.
+//! Conclusions in words: one line per question, the same on the terminal, in Markdown and in a
+//! report.
 
 use std::fmt::Write;
 
 use measurement::record::query::Query;
 use measurement::record::{
-    Conclusion, Defective, LeastTime, Next, Question, RunRecord, SceneRecord,
+    Conclusion, Defective, LeastTime, NextRow, Question, RunRecord, SceneRecord,
 };
 use presentation::numbers::short;
 use statistics::estimate::Estimate;
@@ -15,29 +16,28 @@ const NAMES: usize = 3;
 /// A question and its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
-    /// What is asked, in a few words.
+    /// The question in a few words.
     pub head: String,
     /// The row, its figure, and how it stands against the others.
     pub text: String,
 }
 
-/// What the lines are of.
+/// Subject of the lines.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Lines {
-    /// Which scenes.
     pub title: String,
     /// One for each question.
     pub lines: Vec<Line>,
 }
 
-/// What the words mean.
+/// Explanation of the terms.
 pub const NOTE: &str = "first image: build, one million primary rays and their shadow rays. next: \
                         the nearest row that takes significantly more, and how many times as much. \
                         A row with a known defect, or whose answers were not all compared and \
                         right, never leads: one that is as fast or faster is named with its wrong \
                         rays.";
 
-/// Those of all scenes together, of one scene its own; none of a run that finished none.
+/// Lines over all scenes, or of the only scene; `None` for a run without finished scenes.
 pub fn of_run(run: &RunRecord) -> Option<Lines> {
     match &run.scenes[..] {
         [] => None,
@@ -49,7 +49,7 @@ pub fn of_run(run: &RunRecord) -> Option<Lines> {
     }
 }
 
-/// Those of a scene.
+/// Values of one scene.
 pub fn of_scene(scene: &SceneRecord) -> Lines {
     Lines {
         title: format!("Answers for {} ({} primitives)", scene.name, scene.primitives),
@@ -94,10 +94,10 @@ fn line(conclusion: &Conclusion) -> Line {
         let _ = write!(text, "; {}", names("not significantly different:", not_different));
     }
     match next {
-        Some(Next { row, times }) if times.low == times.high => {
+        Some(NextRow { row, times }) if times.low == times.high => {
             let _ = write!(text, "; next: {row} {} x", short(times.median));
         }
-        Some(Next { row, times }) => {
+        Some(NextRow { row, times }) => {
             let _ =
                 write!(text, "; next: {row} {} x {}", short(times.median), interval(times, 1.0));
         }
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn every_line_has_its_figure_and_the_next_row() {
         let times = Estimate { median: 1.25, low: 1.2, high: 1.31 };
-        let next = Some(Next { row: "grid".into(), times });
+        let next = Some(NextRow { row: "grid".into(), times });
         let of = |c: Conclusion| {
             let Line { head, text } = line(&c);
             format!("{head}: {text}")
@@ -258,7 +258,7 @@ mod tests {
         let exact = |bytes| Estimate { median: bytes, low: bytes, high: bytes };
         let memory = Conclusion {
             figure: exact(3.0 * 1024.0 * 1024.0),
-            next: Some(Next { row: "grid".into(), times: exact(2.0) }),
+            next: Some(NextRow { row: "grid".into(), times: exact(2.0) }),
             ..conclusion(Question::Memory)
         };
         assert_eq!(of(memory), "least memory: bvh 3.00 MiB; next: grid 2.00 x");

@@ -36,7 +36,7 @@ pub fn table(record: &MachinesRecord) -> Table {
     }
 }
 
-/// Which machines these are, and how often they decide.
+/// Describes the machines, and how often they matter.
 fn notes(record: &MachinesRecord) -> Vec<String> {
     let machine = |(i, run): (usize, &measurement::record::machines::MachineRun)| {
         let cpu = run.machine.cpu.as_deref().unwrap_or("unknown processor");

@@ -40,7 +40,7 @@ pub fn to_string(run: &RunRecord) -> String {
     with_answers("rtbench results", run, &all, &glossary, &answers)
 }
 
-/// What the run says, one list per scene, that of all scenes first.
+/// Conclusions of the run, one list per scene, that of all scenes first.
 fn answers(run: &RunRecord) -> String {
     let mut text = String::new();
     let overall = lines::of_run(run).filter(|_| run.scenes.len() > 1);
@@ -58,7 +58,7 @@ fn answers(run: &RunRecord) -> String {
     text
 }
 
-/// Where and how a run was measured, tables, and what their symbols mean.
+/// Document with machine and settings of a run, tables, and a glossary.
 pub fn document(title: &str, run: &RunRecord, tables: &[Table], glossary: &[&str]) -> String {
     with_answers(title, run, tables, glossary, "")
 }
@@ -160,7 +160,8 @@ fn facts(run: &RunRecord) -> Vec<String> {
     std::iter::once(command).chain(facts.iter().map(|fact| escaped(fact))).collect()
 }
 
-/// All finished scenes: [`columns::columns`], and behind them those of [`kind_tables::csv_columns`].
+/// All finished scenes: [`columns::columns`], and behind them those of
+/// [`kind_tables::csv_columns`].
 pub fn to_csv(run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
         let kinds = kind_tables::kinds(run);

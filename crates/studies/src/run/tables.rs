@@ -143,7 +143,7 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
     notes
 }
 
-/// Which row took the place of the run's reference.
+/// Names the row that replaced the run's reference.
 fn reference_note(run: &RunRecord, scene: &SceneRecord) -> Option<String> {
     let planned = &run.settings.reference;
     let own = reference::of_scene(scene).filter(|own| own != planned)?;
@@ -151,7 +151,7 @@ fn reference_note(run: &RunRecord, scene: &SceneRecord) -> Option<String> {
     Some(format!("Ratios are to {own}, as {planned} is {} here.", row.verdict.name()))
 }
 
-/// How many rounds were far from the others, and where most of them were.
+/// Number of outlier rounds, and the rows with most of them.
 fn outlier_note(scene: &SceneRecord) -> Option<String> {
     let count = |row: &RowRecord| [row.outliers.build, row.outliers.trace].map(|[a, b]| a + b);
     let rows = || scene.rows.iter().filter(|row| !row.samples.is_empty());
@@ -183,7 +183,7 @@ fn levels_note(row: &RowRecord) -> Option<String> {
     ))
 }
 
-/// How many processes the figures are of, and how far the program is from itself.
+/// Number of processes, and the A/A floor.
 fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
     let processes = run.settings.processes;
     let many = (processes > 1).then(|| {
@@ -203,11 +203,10 @@ fn saved_note(row: &RowRecord) -> Option<String> {
 
 /// Rays of a batch, for what the border of a process costs.
 const BATCH: f64 = 1e5;
-/// What part of the time of a row of one thread may be of other threads without a word.
+/// Share of a single-threaded row's time that other threads may take without a note.
 const SPINNING: f64 = 0.05;
 
-/// Where a row comes from that is not of this program, what its process costs, and how often its
-/// own test differs.
+/// Origin of a plugin row, the cost of its process, and how often its own test differs.
 fn plugin_note(row: &RowRecord) -> Option<String> {
     let plugin = row.plugin.as_ref()?;
     let digest = plugin.sha256.get(..12).unwrap_or_default();
@@ -241,7 +240,7 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
     Some(note)
 }
 
-/// Which rays the figures of an occluder are over.
+/// Rays that the figures of an occluder cover.
 fn shadow_note(row: &RowRecord) -> Option<String> {
     (row.answers == Answered::ShadowRays).then(|| {
         format!(
@@ -334,7 +333,7 @@ fn summary_verdict(row: &SummaryRow) -> Cell {
     Cell { text, style: Style::Bad }
 }
 
-/// What the symbols mean: the heads of columns, and a line about them.
+/// Column heads with one line that explains them.
 const SYMBOLS: [(&[&str], &str); 4] = [
     (
         &["N_IN", "N_V", "N_EV", "N_OIV", "N_IT", "N_TS", "N_ETS", "N_EETS"],

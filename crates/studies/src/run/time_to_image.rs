@@ -6,15 +6,15 @@
 //! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all
 //! rays by its ratio to the reference on that sample, as in [`costs`].
 //!
-//! What it is compared with is the fastest row of obvhs in the same scene, whichever preset that
-//! is; its known wrong hits are no excuse.
+//! It is compared with the fastest row of obvhs in the same scene, whatever its preset and its
+//! known wrong hits.
 
 use std::collections::BTreeMap;
 
 use accel_core::structures::obvhs::{bvh2, cwbvh};
 
 use crate::run::costs::{self, all_rays_s};
-use crate::run::leads::Timed;
+use crate::run::leads::TimedRow;
 use measurement::record::query::Query;
 use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
 use statistics::estimate::Estimate;
@@ -26,8 +26,7 @@ pub const PRIMARY_RAYS: f64 = 1e6;
 /// Times of a row by round.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeToImage {
-    /// Its seconds.
-    pub timed: Timed,
+    pub timed: TimedRow,
     /// It is a row of obvhs.
     pub is_obvhs: bool,
     /// It may be called the best of anything.
@@ -35,8 +34,8 @@ pub struct TimeToImage {
 }
 
 impl TimeToImage {
-    /// Of a row that answers all rays rightly, or of obvhs with a known defect; none where primary
-    /// and shadow rays were not both timed in the order of the image.
+    /// Time of a correct row, or of obvhs with a known defect; `None` unless primary and shadow
+    /// rays were both timed in the order of the image.
     fn of(scene: &SceneRecord, row: &RowRecord, reference: Option<&RowRecord>) -> Option<Self> {
         let is_obvhs = [bvh2::INFO.name, cwbvh::INFO.name].contains(&&*row.structure);
         let serves = row.verdict == Verdict::Ok || is_obvhs && row.verdict.is_timed();
@@ -48,16 +47,16 @@ impl TimeToImage {
             Some(((sample.process, sample.round), seconds))
         };
         let rounds = row.samples.iter().filter_map(of).collect();
-        let timed = Timed::new(row.label(), row.query, rounds)?;
+        let timed = TimedRow::new(row.label(), row.query, rounds)?;
         Some(Self { timed, is_obvhs, may_lead: scene.may_lead(row) })
     }
 }
 
-/// Those of a scene.
+/// Values of one scene.
 #[derive(Debug)]
 pub struct TimesToImage<'a> {
     scene: &'a SceneRecord,
-    /// Of all rows that have one, in the scene's order.
+    /// Times of all rows that have one, in the scene's order.
     times: Vec<TimeToImage>,
     /// The first of each label.
     places: BTreeMap<String, usize>,
@@ -66,7 +65,7 @@ pub struct TimesToImage<'a> {
 }
 
 impl<'a> TimesToImage<'a> {
-    /// Of all rows of a scene that have one.
+    /// Times of all rows of a scene that have one.
     pub fn of(scene: &'a SceneRecord) -> Self {
         let reference = costs::reference(scene);
         let times = scene.rows.iter().filter_map(|row| TimeToImage::of(scene, row, reference));
@@ -79,12 +78,12 @@ impl<'a> TimesToImage<'a> {
         Self { scene, times, places, obvhs }
     }
 
-    /// Of the rows that may lead.
-    pub fn leading(&self) -> impl Iterator<Item = &Timed> {
+    /// Times of the rows that may lead.
+    pub fn leading(&self) -> impl Iterator<Item = &TimedRow> {
         self.times.iter().filter(|time| time.may_lead).map(|time| &time.timed)
     }
 
-    /// That of the row with that label.
+    /// Time of the row with this label.
     pub fn of_row(&self, label: &str) -> Option<&TimeToImage> {
         self.times.get(*self.places.get(label)?)
     }
@@ -94,7 +93,7 @@ impl<'a> TimesToImage<'a> {
         self.times.get(self.obvhs?)
     }
 
-    /// Of all others that are asked so, the one that is done first.
+    /// Fastest of all others with this query mode.
     pub fn fastest_other(&self, query: Query) -> Option<&TimeToImage> {
         self.times.get(fastest(&self.times, |time| !time.is_obvhs && time.timed.query == query)?)
     }

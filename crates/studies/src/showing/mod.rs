@@ -9,11 +9,11 @@ pub mod outline;
 pub mod picture;
 pub mod plane;
 pub mod projection;
+pub mod ray_path;
 pub mod sections;
-pub mod way;
 
-pub use picture::{Seen, Shown, picture};
+pub use picture::{DrawnStructure, SectionKind, picture};
 pub use plane::{Plane, scene_box};
 pub use projection::Projection;
+pub use ray_path::{PathThrough, focus, path_through};
 pub use sections::{Body, Section, bodies, sections};
-pub use way::{PathThrough, focus, path_through};

@@ -9,8 +9,8 @@ use super::plane::Plane;
 /// Lines from point to point in a plane.
 pub type Line = Vec<[f64; 2]>;
 
-/// What a plane cuts of all primitives. Cones, and polygons of many corners, are cut as triangles;
-/// nothing where a scene cannot be made of triangles.
+/// Section of all primitives by a plane. Cones and polygons of many corners are cut as triangles;
+/// empty if a scene cannot be tessellated.
 pub fn outline(scene: &Scene, plane: &Plane) -> Vec<Line> {
     let is_known =
         |shape: Shape| matches!(shape, Shape::Sphere(_)) || corners(scene, shape).is_some();
@@ -25,7 +25,7 @@ pub fn outline(scene: &Scene, plane: &Plane) -> Vec<Line> {
     (0..scene.primitives.len() as u32).filter_map(|id| outline_of(scene, id, plane)).collect()
 }
 
-/// What a plane cuts of one primitive; nothing of cones, and of polygons of many corners.
+/// Section of one primitive by a plane; empty for cones and polygons of many corners.
 pub fn outline_of(scene: &Scene, id: u32, plane: &Plane) -> Option<Line> {
     let shape = scene.primitives.get(id as usize)?.shape;
     if let Shape::Sphere(i) = shape {

@@ -9,8 +9,8 @@ use presentation::svg_plot::palette::{BEST, GREY, INK, MARK};
 use super::outline::Line;
 use super::plane::Plane;
 use super::projection::Projection;
+use super::ray_path::PathThrough;
 use super::sections::{Body, Section};
-use super::way::PathThrough;
 
 /// Room around and between.
 const MARGIN: f64 = 18.0;
@@ -28,7 +28,7 @@ const NUMBER: f64 = 9.0;
 
 /// Cells of a structure, as a picture shows them.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Seen {
+pub enum SectionKind {
     /// Cells cut by a plane.
     Sections(Vec<Section>),
     Bodies(Vec<Body>),
@@ -36,10 +36,10 @@ pub enum Seen {
 
 /// A structure as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shown {
+pub struct DrawnStructure {
     pub label: String,
     pub stats: StructureStats,
-    pub seen: Seen,
+    pub seen: SectionKind,
     pub path: Option<PathThrough>,
 }
 
@@ -122,7 +122,7 @@ impl ViewTransform {
 }
 
 /// The structures, from left to right and row by row, and the legend.
-pub fn picture(frame: &Frame<'_>, structures: &[Shown]) -> Drawing {
+pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
     let placed = ViewTransform::new(frame);
     let [width, height] = placed.size();
     let columns = match structures.len() {
@@ -132,12 +132,12 @@ pub fn picture(frame: &Frame<'_>, structures: &[Shown]) -> Drawing {
     };
     let most = structures.iter().map(most_references).max().unwrap_or(1);
     let classes = Classes::up_to(most);
-    let titles = |shown: &Shown| wrapped(&shown.label, width, 14.0);
-    let notes = |shown: &Shown| {
+    let titles = |shown: &DrawnStructure| wrapped(&shown.label, width, 14.0);
+    let notes = |shown: &DrawnStructure| {
         let path = shown.path.as_ref().map(|path| wrapped(&path.summary(), width, 12.0));
         [wrapped(&counted(shown), width, 12.0), path.unwrap_or_default()].concat()
     };
-    let lines = |of: &dyn Fn(&Shown) -> Vec<String>| {
+    let lines = |of: &dyn Fn(&DrawnStructure) -> Vec<String>| {
         structures.iter().map(|shown| of(shown).len()).max().unwrap_or(0) as f64
     };
     let head = TEXT * lines(&titles) + 6.0;
@@ -175,16 +175,16 @@ pub fn picture(frame: &Frame<'_>, structures: &[Shown]) -> Drawing {
     drawing
 }
 
-fn most_references(shown: &Shown) -> u64 {
+fn most_references(shown: &DrawnStructure) -> u64 {
     let most = match &shown.seen {
-        Seen::Sections(all) => all.iter().map(|section| section.references).max(),
-        Seen::Bodies(all) => all.iter().map(|body| body.references).max(),
+        SectionKind::Sections(all) => all.iter().map(|section| section.references).max(),
+        SectionKind::Bodies(all) => all.iter().map(|body| body.references).max(),
     };
     most.unwrap_or(1).max(1)
 }
 
 /// Summary of a structure: its cells and references.
-fn counted(shown: &Shown) -> String {
+fn counted(shown: &DrawnStructure) -> String {
     let stats = &shown.stats;
     let inner = match stats.inner_cells {
         0 => String::new(),
@@ -197,13 +197,18 @@ fn counted(shown: &Shown) -> String {
     )
 }
 
-fn panel(frame: &Frame<'_>, placed: &ViewTransform, shown: &Shown, classes: Classes) -> Drawing {
+fn panel(
+    frame: &Frame<'_>,
+    placed: &ViewTransform,
+    shown: &DrawnStructure,
+    classes: Classes,
+) -> Drawing {
     let [width, height] = placed.size();
     let ground = Paint { fill: Some((GROUND, 1.0)), stroke: Some((FAINT, 0.75)) };
     let mut drawing = Drawing::default();
     drawing.items.push(Item::Boxes(vec![[0.0, 0.0, width, height]], ground));
     match (&shown.seen, frame.view) {
-        (Seen::Sections(sections), View::Cut(_, surfaces)) => {
+        (SectionKind::Sections(sections), View::Cut(_, surfaces)) => {
             cells(&mut drawing, placed, sections, classes);
             let visible = |line: &Line| {
                 let parts = line.iter().zip(line.iter().skip(1));
@@ -214,7 +219,7 @@ fn panel(frame: &Frame<'_>, placed: &ViewTransform, shown: &Shown, classes: Clas
                 overlay(&mut drawing, placed, path);
             }
         }
-        (Seen::Bodies(bodies), View::Boxes(projection)) => {
+        (SectionKind::Bodies(bodies), View::Boxes(projection)) => {
             boxes(&mut drawing, placed, bodies, &projection, classes);
         }
         _ => {}

@@ -19,7 +19,7 @@ pub struct Plane {
 pub const LETTERS: [char; 3] = ['x', 'y', 'z'];
 
 impl Plane {
-    /// Where the coordinate of an axis has a value; the camera decides what is to the right, and what is up.
+    /// Plane at a coordinate of an axis; the camera decides the directions right and up.
     pub fn at(axis: usize, position: f64, camera: &Camera) -> Self {
         let forward = camera.at - camera.from;
         let mut up = up_axis(camera);
@@ -41,8 +41,8 @@ impl Plane {
         Self { origin, across, up }
     }
 
-    /// The axis that a view's direction is nearest to, but not what is up: what slices are across unless
-    /// another one is asked for.
+    /// The axis that a view's direction is nearest to, but not what is up: what slices are across
+    /// unless another one is asked for.
     pub fn usual_axis(camera: &Camera) -> usize {
         let mut forward = camera.at - camera.from;
         forward[up_axis(camera)] = 0.0;
@@ -52,8 +52,8 @@ impl Plane {
         }
     }
 
-    /// The plane through a ray that is upright, or nearly: it holds the axis that is up unless the ray is
-    /// along that.
+    /// The plane through a ray that is upright, or nearly: it holds the axis that is up unless the
+    /// ray is along that.
     pub fn through(ray: &Ray<f64>, camera: &Camera) -> Self {
         let direction = ray.direction.normalize_or(DVec3::X);
         let mut up = up_axis(camera);
@@ -88,8 +88,8 @@ impl Plane {
         (p - self.origin).dot(self.across.cross(axis))
     }
 
-    /// What it cuts of a box: left, lower, right and upper coordinates. Of two boxes that touch in it, one
-    /// is cut.
+    /// Section of a box: left, lower, right and upper coordinates. Of two boxes that touch in the
+    /// plane, one is cut.
     pub fn cut(&self, b: &Aabb<f64>) -> Option<[f64; 4]> {
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
         for k in (0..3).filter(|k| *k != self.up) {
@@ -107,8 +107,8 @@ impl Plane {
         (from < to).then_some([from, b.min[self.up], to, b.max[self.up]])
     }
 
-    /// What it is, in words: `z = 1.5`, or upright through a ray. `origin` is that of the scene in
-    /// the coordinates of its file, which are named.
+    /// Description: `z = 1.5`, or upright through a ray, in coordinates of the file. `origin` is
+    /// the scene's origin in them.
     pub fn name(&self, origin: DVec3) -> String {
         let on_axis = (0..3).find(|&k| k != self.up && self.across[k] == 0.0);
         match on_axis {
@@ -121,7 +121,7 @@ impl Plane {
     }
 }
 
-/// Which axis is up in pictures of a scene: the one nearest to the camera's.
+/// Up axis in pictures of a scene: the one nearest to the camera's.
 pub fn up_axis(camera: &Camera) -> usize {
     largest(camera.up)
 }

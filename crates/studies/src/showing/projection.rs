@@ -22,7 +22,7 @@ impl Projection {
         Self { right, up: right.cross(forward), forward }
     }
 
-    /// Where a point is seen: to the right, and up.
+    /// Image position of a point: right, up.
     pub fn coordinates(&self, p: DVec3) -> [f64; 2] {
         [p.dot(self.right), p.dot(self.up)]
     }

@@ -13,7 +13,7 @@ pub struct Section {
     pub ends: [f64; 4],
     /// References in it, or below it.
     pub references: u64,
-    /// Whether it is divided further.
+    /// True if it is divided further.
     pub is_inner: bool,
 }
 
@@ -65,7 +65,7 @@ fn drawn<T>(
     Ok(all)
 }
 
-/// What a plane cuts of a structure's cells: all, or with a depth those at that depth and the
+/// Sections of a structure's cells by a plane: all, or with a depth those at that depth and the
 /// leaves above; large ones first.
 pub fn sections(
     tracer: &dyn Tracer<f32>,

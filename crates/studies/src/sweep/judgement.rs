@@ -1,4 +1,4 @@
-//! Which value is best, which are as good, and how the rules of thumb do beside them.
+//! Best value, values as good as it, and the rank of the rules of thumb.
 
 use crate::sweep::{Line, Sweep};
 use measurement::record::{RowRecord, SceneRecord, Verdict};

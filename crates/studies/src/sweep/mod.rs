@@ -146,7 +146,7 @@ impl<'r> Sweep<'r> {
 }
 
 impl Sweep<'_> {
-    /// Whether the values are numbers, which have an order.
+    /// Returns whether the values are numbers, which have an order.
     pub fn has_numbers(&self) -> bool {
         matches!(self.parameter.kind, ParamKind::Integer { .. } | ParamKind::Real { .. })
     }
@@ -156,7 +156,7 @@ impl Sweep<'_> {
 struct SweptParameter<'r, 't> {
     entry: &'r Entry,
     parameter: &'static ParamSpec,
-    /// Of the other parameters.
+    /// Settings of the other parameters.
     settings: Assignments<'t>,
 }
 

@@ -107,7 +107,7 @@ fn words(sweep: &Sweep<'_>) -> Vec<String> {
     }
 }
 
-/// Where a row lies on the horizontal axis; none for the reference.
+/// Position of a row on the horizontal axis; `None` for the reference.
 fn abscissa(
     sweep: &Sweep<'_>,
     line: &Line,
@@ -143,7 +143,7 @@ fn vertical(placed: &[PlottedRow<'_>]) -> Scale {
     if fastest > 0.0 && slowest / fastest >= WIDE { Scale::Log } else { Scale::FromZero }
 }
 
-/// What is pointed out: the best value and those as good, the default, the rules of thumb.
+/// Mark for the best value and those as good, the default, the rules of thumb.
 fn mark(placed: &PlottedRow<'_>) -> Option<Mark> {
     let ring = match placed.judgement.standing {
         Some(ValueStanding::Best) => Ring::Best,

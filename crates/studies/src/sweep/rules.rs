@@ -10,7 +10,8 @@ use measurement::plan::rows::Assignments;
 /// others know their density, or have the structure's default.
 const ONE_PER_PRIMITIVE: [&str; 3] = ["regular", "woo", "heterogeneous"];
 
-/// Whether the parameter decides the number of voxels of a grid, so that rules compete with it.
+/// Returns whether the parameter decides the number of voxels of a grid, so that rules compete with
+/// it.
 pub fn apply_to(entry: &Entry, parameter: &ParamSpec) -> bool {
     let names_rules = |p: &ParamSpec| matches!(p.kind, ParamKind::Resolution);
     names_rules(parameter)

@@ -101,7 +101,7 @@ fn number(x: Option<f64>) -> Cell {
     x.map_or(Cell { text: "-".into(), style: Style::Dim }, |x| numbers::short(x).into())
 }
 
-/// Which value is best, and what that is worth.
+/// Best value, and its advantage.
 pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     let of = |standing| {
         let lines = sweep.lines.iter().zip(judgements);

@@ -85,7 +85,7 @@ pub fn in_order(kind: ParamKind, typed: &[String]) -> Vec<String> {
     }
 }
 
-/// Whether the numbers span so much that their ratios matter more than their differences.
+/// Returns whether the numbers span so much that their ratios matter more than their differences.
 pub fn spread_by_ratios(values: &[String]) -> bool {
     let numbers = numbers(values);
     let smallest = numbers.iter().copied().fold(f64::INFINITY, f64::min);

@@ -5,7 +5,7 @@ use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style};
 
 use super::equal_error::AtError;
-use super::{Measured, TracerRow};
+use super::{ImageMeasurement, TracerRow};
 use crate::accuracy::record::VariantStanding;
 use statistics::estimate::estimate;
 
@@ -21,13 +21,13 @@ pub struct ImageRow<'a> {
 }
 
 impl ImageRow<'_> {
-    /// Of an image that was measured.
-    fn value(&self, of: impl FnOnce(&Measured) -> Value) -> Value {
+    /// Value of an image that was measured.
+    fn value(&self, of: impl FnOnce(&ImageMeasurement) -> Value) -> Value {
         self.row.outcome.as_ref().map_or(Value::None, of)
     }
 
     /// The same in words.
-    fn said(&self, of: impl FnOnce(&Measured) -> String) -> Option<Cell> {
+    fn said(&self, of: impl FnOnce(&ImageMeasurement) -> String) -> Option<Cell> {
         self.row.outcome.as_ref().ok().map(|measured| of(measured).into())
     }
 }
@@ -69,16 +69,16 @@ pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
 }
 
 /// No other image takes less and is nearer to the right one.
-pub fn is_on_front(measured: &Measured) -> bool {
+pub fn is_on_front(measured: &ImageMeasurement) -> bool {
     measured.standing == VariantStanding::OnFront
 }
 
-fn rmse(measured: &Measured) -> String {
+fn rmse(measured: &ImageMeasurement) -> String {
     let below = if measured.is_below_reference { "<" } else { "" };
     format!("{below}{}", short(measured.error))
 }
 
-/// Whether anything beats a row: `*` where nothing does, `~` where it is not significantly
+/// Returns whether anything beats a row: `*` where nothing does, `~` where it is not significantly
 /// different.
 fn front(standing: VariantStanding) -> &'static str {
     match standing {
@@ -101,12 +101,12 @@ fn against(seconds: f64, at: AtError) -> String {
     }
 }
 
-fn counted(measured: &Measured) -> String {
+fn counted(measured: &ImageMeasurement) -> String {
     let counts = measured.counts.iter().map(|(kind, n)| format!("{n} {kind}"));
     counts.collect::<Vec<_>>().join(", ")
 }
 
-/// What a tracer refuses, in the place of what it counted.
+/// Refusal of a tracer, shown instead of its counters.
 fn refused(of: &ImageRow<'_>) -> Option<Cell> {
     let refusal = of.row.outcome.as_ref().err()?;
     Some(Cell { text: format!("refused: it has {}", refusal.what), style: Style::Dim })

@@ -1,5 +1,5 @@
-//! What an error would have cost by samples: between two numbers of samples, time and error follow
-//! a power law.
+//! Cost of reaching an error by sampling: between two numbers of samples, time and error follow a
+//! power law.
 
 /// Measurements of a sampled image.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +34,7 @@ pub enum AtError {
     },
 }
 
-/// Where a series by samples, in rising order, first has an error of at most `error`.
+/// Point at which a series by samples, ascending, first has an error of at most `error`.
 pub fn at_error(series: &[SampledImage], error: f64) -> Option<AtError> {
     let (first, last) = (series.first()?, series.last()?);
     if first.error <= error {

@@ -73,14 +73,14 @@ pub fn ways(
 }
 
 /// Input of a comparison.
-pub struct Question<'a> {
+pub struct ComparisonInput<'a> {
     pub scene: &'a Scene,
     /// Structure that samples are traced through.
     pub sampler: &'a dyn Tracer<f32>,
     /// Structures that cones and beams query.
     pub structures: Structures<'a>,
     /// Size, depth and seed.
-    pub frame: Sampled,
+    pub frame: SampledReference,
     /// Numbers of samples per pixel, in rising order.
     pub samples: &'a [u32],
     /// The tracers to compare, by name.
@@ -98,7 +98,7 @@ pub struct TracerRow {
     /// Samples per pixel, for the tracer by samples.
     pub samples: Option<u32>,
     /// The measurements, or the reason why the tracer does not support the scene.
-    pub outcome: Result<Measured, Refusal>,
+    pub outcome: Result<ImageMeasurement, Refusal>,
 }
 
 impl TracerRow {
@@ -113,7 +113,7 @@ impl TracerRow {
 
 /// Measurements of an image.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
+pub struct ImageMeasurement {
     /// Seconds of each round.
     pub seconds: Vec<f64>,
     /// Root mean square error.
@@ -124,7 +124,7 @@ pub struct Measured {
     pub is_below_reference: bool,
     /// Time over that of the cheapest row, round by round.
     pub ratio: Option<Estimate>,
-    /// Whether another row is faster and has a smaller error.
+    /// True if another row is faster and has a smaller error.
     pub standing: VariantStanding,
     pub counts: BTreeMap<&'static str, u64>,
     pub image: Image,
@@ -132,7 +132,7 @@ pub struct Measured {
     pub by_samples: Option<AtError>,
 }
 
-impl Measured {
+impl ImageMeasurement {
     /// Median of the seconds.
     pub fn median(&self) -> f64 {
         statistics::estimate::median(&self.seconds).unwrap_or(f64::NAN)
@@ -142,14 +142,14 @@ impl Measured {
 /// Draws with every tracer that is asked for, `rounds` times in seeded random order, in the
 /// current rayon pool. Times are those of the image alone: structures are built before.
 pub fn compare(
-    question: &Question<'_>,
+    question: &ComparisonInput<'_>,
     reference: &ConvergedImage,
     clock: &dyn Clock,
 ) -> Vec<TracerRow> {
     let mut rows = Vec::new();
     let mut makers: Vec<Box<dyn Fn() -> Result<ImageWithCounts, Refusal> + '_>> = Vec::new();
     let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
-    let Question { scene, frame, .. } = *question;
+    let ComparisonInput { scene, frame, .. } = *question;
     if is_asked(&whitted::INFO) {
         for &samples in question.samples {
             let plan = frame.plan(scene, samples, frame.seed);
@@ -181,7 +181,7 @@ pub fn compare(
         let (tracer, settings, samples) = row;
         let outcome = made?.map(|made| {
             let error = rmse(&made.image, &reference.image);
-            Measured {
+            ImageMeasurement {
                 seconds,
                 error,
                 edge_error: edge_rmse(&made.image, &reference.image, &edges),
@@ -207,7 +207,7 @@ struct ImageWithCounts {
 }
 
 impl ImageWithCounts {
-    fn by_samples(question: &Question<'_>, plan: &renderer::EffectPlan) -> Self {
+    fn by_samples(question: &ComparisonInput<'_>, plan: &renderer::EffectPlan) -> Self {
         let rendered = render_plan(question.scene, question.sampler, plan);
         let counts = BTreeMap::from([("rays", rendered.counts.total())]);
         Self { image: rendered.image, counts }
@@ -297,7 +297,7 @@ pub fn without(mut scene: Scene, kinds: &[String]) -> Scene {
 pub fn converged(
     scene: &Scene,
     tracer: &dyn Tracer<f32>,
-    frame: Sampled,
+    frame: SampledReference,
     samples: u32,
 ) -> ConvergedImage {
     let image = |seed| frame.image(scene, tracer, samples, seed);
@@ -307,7 +307,7 @@ pub fn converged(
 
 /// An image by samples: size, depth, and the seed of its patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Sampled {
+pub struct SampledReference {
     /// Width and height in pixels.
     pub resolution: [u32; 2],
     /// Longest chain of rays.
@@ -315,7 +315,7 @@ pub struct Sampled {
     pub seed: u64,
 }
 
-impl Sampled {
+impl SampledReference {
     /// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a
     /// light with an extent has one sample of each for every eye ray.
     pub fn plan(&self, scene: &Scene, samples: u32, seed: u64) -> EffectPlan {
@@ -334,7 +334,7 @@ mod tests {
     use super::*;
 
     fn row(samples: Option<u32>, seconds: f64, error: f64) -> TracerRow {
-        let measured = Measured {
+        let measured = ImageMeasurement {
             seconds: vec![seconds; 3],
             error,
             edge_error: None,

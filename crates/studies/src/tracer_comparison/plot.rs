@@ -13,7 +13,7 @@ pub struct PlottedImage {
     /// Samples per pixel, of images that are sampled.
     pub samples: Option<u32>,
     pub label: String,
-    /// Whether anything beats it.
+    /// True if anything beats it.
     pub standing: VariantStanding,
 }
 

@@ -1,5 +1,5 @@
-//! What it costs to find the candidates of a beam or cone: one query a pixel, through every
-//! structure that answers frusta. Brute force is what they are compared with.
+//! Cost of finding the candidates of a beam or cone: one query per pixel, through every structure
+//! with frustum queries, compared with brute force.
 
 use accel_core::primitives::PrimsRef;
 use accel_core::query::region::{Candidates, Frustum, FrustumQueries, FrustumWork};
@@ -49,7 +49,7 @@ pub fn pixel_frusta(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Ve
 }
 
 /// A structure to be asked.
-struct Asked {
+struct QuerySubject {
     name: &'static str,
     queries: Box<dyn FrustumQueries>,
     seconds: Vec<f64>,
@@ -67,7 +67,7 @@ pub struct Rounds {
     pub primitives: usize,
 }
 
-/// How many queries do not find what they must.
+/// Number of queries that miss a required primitive.
 fn missed(queries: &dyn FrustumQueries, frusta: &[&(Frustum, Option<u32>)]) -> usize {
     let mut candidates = Candidates::default();
     let misses = |(frustum, seen): &&&(Frustum, Option<u32>)| {
@@ -98,12 +98,12 @@ pub fn measure(
         let queries = entry.build(prims, &entry.params([])?)?;
         let missed = missed(queries.as_ref(), &sample);
         let (name, seconds, work) = (entry.info.name, Vec::new(), FrustumWork::default());
-        asked.push(Asked { name, queries, seconds, work, missed });
+        asked.push(QuerySubject { name, queries, seconds, work, missed });
     }
     let seed = rounds.seed;
     let is_left = |round| round < rounds.rounds as usize;
     interleaved(asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
-        let Asked { queries, seconds, work, .. } = &mut asked[row];
+        let QuerySubject { queries, seconds, work, .. } = &mut asked[row];
         let mut candidates = Candidates::default();
         let ((), own) = timed(clock, || {
             for (frustum, _) in &sample {
@@ -116,7 +116,7 @@ pub fn measure(
     });
     let brute = asked.iter().find(|a| a.name == "brute-force").or(asked.first());
     let Some(base) = brute.map(|b| b.seconds.clone()) else { return Ok(Vec::new()) };
-    let row = |a: &Asked| {
+    let row = |a: &QuerySubject| {
         let per_query: Vec<f64> =
             a.seconds.iter().map(|s| s * 1e6 / sample.len().max(1) as f64).collect();
         let ratios: Vec<f64> =
@@ -148,7 +148,7 @@ mod tests {
     use renderer::Geometry;
 
     use super::*;
-    use measurement::scenes::{Installed, SceneSource};
+    use measurement::scenes::{InstalledScenes, SceneSource};
     use measurement::system::clock::SteppingClock;
 
     /// A grid that loses two of three cells.
@@ -189,7 +189,8 @@ mod tests {
 
     #[test]
     fn structures_that_lose_candidates_are_wrong() {
-        let scene = Installed.resolve(&["tetra:3".to_owned()]).unwrap()[0].load().unwrap().scene;
+        let scene =
+            InstalledScenes.resolve(&["tetra:3".to_owned()]).unwrap()[0].load().unwrap().scene;
         let geometry = Geometry::<f64>::of(&scene).unwrap();
         let eye = EyeRays::new(&scene.camera, [24; 2], Sampling::PixelCentres);
         let rays: Vec<Ray<f64>> = (0..24 * 24)

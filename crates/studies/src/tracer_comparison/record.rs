@@ -1,4 +1,4 @@
-//! What `tracers.json` holds: one type for those who write it and those who read it.
+//! Content of `tracers.json`: one type for writer and reader.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::accuracy::record::VariantStanding;
 pub struct TracersRecord {
     /// The command line, program first.
     pub command_line: Vec<String>,
-    /// What it ran on; not read, as older records have other machines.
+    /// Machine of the run; not read, as older records have other machines.
     #[serde(skip_deserializing)]
     pub machine: Option<Machine>,
     /// Name of the scene.
@@ -41,7 +41,7 @@ impl TracersRecord {
     }
 }
 
-/// What images were compared with: the mean of two.
+/// Reference of images: the mean of two.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct ReferenceRecord {
     pub own_error: f64,
@@ -93,14 +93,14 @@ pub enum Outcome {
         edge_rmse: Option<f64>,
         /// The error is not ten times that of the reference.
         below_reference: bool,
-        /// Whether another row is faster and has a smaller error.
+        /// True if another row is faster and has a smaller error.
         standing: VariantStanding,
         #[serde(default)]
         counts: BTreeMap<String, u64>,
     },
 }
 
-/// What the queries of a structure cost, and did in one round.
+/// Cost of the queries of a structure, and their work in one round.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct QueryRecord {
     pub structure: String,

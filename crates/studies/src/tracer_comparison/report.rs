@@ -9,7 +9,7 @@ use super::equal_error::AtError;
 use super::plot::{PlottedImage, error_over_time};
 use super::queries::QueryRow;
 use super::record::{ImageRecord, Outcome, QueryRecord, ReferenceRecord, RowName, TracersRecord};
-use super::{Measured, TracerRow};
+use super::{ImageMeasurement, TracerRow};
 use crate::image_error::ConvergedImage;
 use measurement::record::Machine;
 use presentation::column;
@@ -48,12 +48,12 @@ impl Report {
         self.queries.iter().any(|q| q.missed > 0)
     }
 
-    fn measured(&self) -> impl Iterator<Item = (&TracerRow, &Measured)> {
+    fn measured(&self) -> impl Iterator<Item = (&TracerRow, &ImageMeasurement)> {
         self.rows.iter().filter_map(|row| Some((row, row.outcome.as_ref().ok()?)))
     }
 
     /// Seconds of an image with their interval.
-    fn seconds(&self, m: &Measured) -> Option<Estimate> {
+    fn seconds(&self, m: &ImageMeasurement) -> Option<Estimate> {
         estimate(&m.seconds, self.seed)
     }
 
@@ -95,7 +95,7 @@ impl Report {
 
     /// Conclusions of the table on cones and beams.
     fn verdicts(&self) -> Vec<String> {
-        let say = |(row, m): (&TracerRow, &Measured)| {
+        let say = |(row, m): (&TracerRow, &ImageMeasurement)| {
             let label = row.label();
             Some(match m.by_samples? {
                 AtError::Reached { samples, seconds } => {

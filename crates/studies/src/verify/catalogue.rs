@@ -15,10 +15,10 @@ pub static GROUPS: &[&Group] = &[
 ];
 
 /// A case and its group.
-pub type Listed = (&'static Group, &'static Case);
+pub type CatalogueEntry = (&'static Group, &'static Case);
 
 /// All cases in the order of the catalogue.
-pub fn all() -> impl Iterator<Item = Listed> {
+pub fn all() -> impl Iterator<Item = CatalogueEntry> {
     GROUPS.iter().flat_map(|&g| g.cases.iter().map(move |c| (g, c)))
 }
 
@@ -26,15 +26,16 @@ pub fn all() -> impl Iterator<Item = Listed> {
 ///
 /// # Errors
 /// [`PlanError::UnknownCase`] naming what is valid.
-pub fn select(names: &[String]) -> Result<Vec<Listed>, PlanError> {
-    let is_named = |name: &str, (group, case): &Listed| {
+pub fn select(names: &[String]) -> Result<Vec<CatalogueEntry>, PlanError> {
+    let is_named = |name: &str, (group, case): &CatalogueEntry| {
         name.eq_ignore_ascii_case(group.name) || name.eq_ignore_ascii_case(case.id)
     };
     if let Some(name) = names.iter().find(|name| !all().any(|listed| is_named(name, &listed))) {
         return Err(unknown(name));
     }
-    let is_wanted =
-        |listed: &Listed| names.is_empty() || names.iter().any(|name| is_named(name, listed));
+    let is_wanted = |listed: &CatalogueEntry| {
+        names.is_empty() || names.iter().any(|name| is_named(name, listed))
+    };
     Ok(all().filter(is_wanted).collect())
 }
 
@@ -42,7 +43,7 @@ pub fn select(names: &[String]) -> Result<Vec<Listed>, PlanError> {
 ///
 /// # Errors
 /// [`PlanError::UnknownCase`].
-pub fn find(id: &str) -> Result<Listed, PlanError> {
+pub fn find(id: &str) -> Result<CatalogueEntry, PlanError> {
     all().find(|(_, case)| case.id.eq_ignore_ascii_case(id)).ok_or_else(|| unknown(id))
 }
 

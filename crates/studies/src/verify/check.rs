@@ -6,14 +6,14 @@ use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use rayon::prelude::*;
 
-use super::catalogue::Listed;
-use super::judge::{Judge, Judged, Mismatch};
+use super::catalogue::CatalogueEntry;
+use super::judge::{Judge, Mismatch, RoundVerdict};
 use super::registry::{Case, Draw};
 use super::replay::Replay;
-use super::report::{Line, Tally};
+use super::report::{Line, SubjectCounts};
 use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
 use super::subject::Subject;
-use super::watch::Watch;
+use super::watch::CheckWatch;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
 use statistics::random::Random;
@@ -21,27 +21,21 @@ use statistics::random::Random;
 /// Rounds of a case that is asked for many rays, until rounds have [`MOST_RAYS`].
 const ROUNDS: usize = 32;
 
-/// Both precisions.
 pub const PRECISIONS: [Precision; 2] = [Precision::F32, Precision::F64];
 
-/// What to check.
 pub struct CheckPlan<'r> {
-    /// The cases.
-    pub cases: Vec<Listed>,
-    /// Structures there are.
+    pub cases: Vec<CatalogueEntry>,
     pub registry: &'r [Entry],
-    /// Who is asked.
     pub subjects: Vec<Subject<'r>>,
     /// Rays a case and precision.
     pub rays: usize,
-    /// Seed.
     pub seed: u64,
 }
 
 impl CheckPlan<'_> {
     /// Rounds of all cases in both precisions.
     pub fn all_rounds(&self) -> u64 {
-        let of_case = |(_, case): &Listed| self.rounds(case).len() * PRECISIONS.len();
+        let of_case = |(_, case): &CatalogueEntry| self.rounds(case).len() * PRECISIONS.len();
         self.cases.iter().map(of_case).sum::<usize>() as u64
     }
 
@@ -60,9 +54,9 @@ impl CheckPlan<'_> {
     /// [`PlanError`] when settings of the case's own are not valid.
     pub fn check(
         &self,
-        (group, case): Listed,
+        (group, case): CatalogueEntry,
         precision: Precision,
-        watch: &Watch<'_>,
+        watch: &CheckWatch<'_>,
     ) -> Result<(Vec<Line>, u64), PlanError> {
         let subjects = Subject::asked(case, &self.subjects, self.registry)?;
         let sizes = self.rounds(case);
@@ -76,7 +70,7 @@ impl CheckPlan<'_> {
             .into_par_iter()
             .map(|(number, &rays)| {
                 if watch.cut().is_some() {
-                    return vec![Tally::default(); subjects.len()];
+                    return vec![SubjectCounts::default(); subjects.len()];
                 }
                 let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
                 let of_round = match precision {
@@ -86,9 +80,9 @@ impl CheckPlan<'_> {
                 watch.round();
                 of_round
             })
-            .reduce(|| vec![Tally::default(); subjects.len()], added);
-        let complete = tallies.iter().map(Tally::rounds).min().unwrap_or_default();
-        let told = |(tally, subject): (Tally, &Subject<'_>)| {
+            .reduce(|| vec![SubjectCounts::default(); subjects.len()], added);
+        let complete = tallies.iter().map(SubjectCounts::rounds).min().unwrap_or_default();
+        let told = |(tally, subject): (SubjectCounts, &Subject<'_>)| {
             let replay = |round: u64, ray| Replay {
                 case: case.id.to_owned(),
                 precision,
@@ -105,7 +99,7 @@ impl CheckPlan<'_> {
     }
 }
 
-/// What the rays and scenes of a round are drawn from.
+/// Random source of the rays and scenes of a round.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Drawing<'c> {
     pub(super) id: &'c str,
@@ -128,10 +122,10 @@ impl Drawing<'_> {
         &self,
         draw: Draw<S>,
         subjects: &[Subject<'_>],
-        watch: &Watch<'_>,
-    ) -> Vec<Tally> {
+        watch: &CheckWatch<'_>,
+    ) -> Vec<SubjectCounts> {
         let failed = |what: String| {
-            subjects.iter().map(|_| Tally::refused(self.number, what.clone())).collect()
+            subjects.iter().map(|_| SubjectCounts::refused(self.number, what.clone())).collect()
         };
         let round = match self.drawn(draw) {
             Ok(round) => round,
@@ -140,8 +134,8 @@ impl Drawing<'_> {
         match Judge::new(&round) {
             Ok(judge) => {
                 let judged = |s| match watch.cut() {
-                    None => Tally::of(self.number, round.rays.len(), judge.judge(s)),
-                    Some(_) => Tally::default(),
+                    None => SubjectCounts::of(self.number, round.rays.len(), judge.judge(s)),
+                    Some(_) => SubjectCounts::default(),
                 };
                 subjects.iter().map(judged).collect()
             }
@@ -151,16 +145,16 @@ impl Drawing<'_> {
 }
 
 /// The tallies of two sets of rounds.
-fn added(mut all: Vec<Tally>, more: Vec<Tally>) -> Vec<Tally> {
+fn added(mut all: Vec<SubjectCounts>, more: Vec<SubjectCounts>) -> Vec<SubjectCounts> {
     for (tally, more) in all.iter_mut().zip(more) {
         tally.add(more);
     }
     all
 }
 
-/// What came of one trial.
+/// Result of one trial.
 #[derive(Debug)]
-pub struct Replayed {
+pub struct ReplayOutcome {
     /// The ray and what was expected of it.
     pub question: String,
     /// Why the answer is wrong, or `None`.
@@ -177,7 +171,7 @@ pub fn replay(
     case: &Case,
     line: &Replay,
     subject: &Subject<'_>,
-) -> Result<Option<Replayed>, BuildError> {
+) -> Result<Option<ReplayOutcome>, BuildError> {
     let &Replay { seed, round: number, rays, .. } = line;
     let drawing = Drawing { id: case.id, seed, number, rays };
     match line.precision {
@@ -186,25 +180,24 @@ pub fn replay(
     }
 }
 
-/// Repeats one ray.
 fn asked<S: Buildable>(
     replay: &Replay,
     drawing: Drawing<'_>,
     draw: Draw<S>,
     subject: &Subject<'_>,
-) -> Result<Option<Replayed>, BuildError> {
+) -> Result<Option<ReplayOutcome>, BuildError> {
     let Ok(round) = drawing.drawn(draw) else { return Ok(None) };
     let (Some(ray), Some(expected)) = (round.rays.get(replay.ray), round.expected.get(replay.ray))
     else {
         return Ok(None);
     };
     let (wrong, refused) = match Judge::new(&round)?.judge(subject) {
-        Judged::Asked(all, _) => (of_ray(all, replay.ray), None),
-        Judged::Refused(why) => (None, Some(why)),
-        Judged::NotAsked => (None, Some("has no such primitives".to_owned())),
+        RoundVerdict::Asked(all, _) => (of_ray(all, replay.ray), None),
+        RoundVerdict::Refused(why) => (None, Some(why)),
+        RoundVerdict::NotAsked => (None, Some("has no such primitives".to_owned())),
     };
     let question = format!("ray {}\nexpected: {expected:?}", told(ray));
-    Ok(Some(Replayed { question, wrong, refused }))
+    Ok(Some(ReplayOutcome { question, wrong, refused }))
 }
 
 fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {

@@ -1,4 +1,4 @@
-//! Where a ray meets a cone: an oracle of its own, in numbers of twice the digits of f64.
+//! Oracle of rays against cones, in double-double arithmetic.
 //!
 //! Along a ray, the square of the distance from the axis less that of the radius is a quadratic. It
 //! is solved for the cone with its radius a little larger and a little smaller: what rounding may
@@ -8,7 +8,7 @@ use accel_core::{Ray, Scalar, Vector};
 use glam::DVec3;
 
 use super::double_double::{DoubleDouble, difference, dot, vector};
-use super::round::Expected;
+use super::round::OracleAnswer;
 
 /// Epsilons of the distance to the farthest point, or of the largest coordinate, by which the
 /// product's rounding may move a ray sideways: half of what structures pad boxes by.
@@ -20,17 +20,16 @@ const SHIFT: f64 = 32.0;
 pub struct ConeShape {
     /// Centre of the first disc, and its radius.
     pub base: (DVec3, f64),
-    /// Of the second.
     pub apex: (DVec3, f64),
 }
 
-/// Where the surface of the endless cone is met.
+/// Crossing of the surface of the infinite cone.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     t: f64,
     /// Height over the base.
     height: f64,
-    /// That of the cone there, negative beyond its tip.
+    /// Radius of the cone there, negative beyond its apex.
     radius: f64,
 }
 
@@ -39,11 +38,11 @@ impl ConeShape {
         self.apex.0 - self.base.0
     }
 
-    /// What is expected of a ray in a scene whose largest coordinate is `magnitude`.
-    pub fn expected<S: Scalar>(&self, ray: &Ray<S>, magnitude: f64) -> Expected {
+    /// Expected answer for a ray in a scene whose largest coordinate is `magnitude`.
+    pub fn expected<S: Scalar>(&self, ray: &Ray<S>, magnitude: f64) -> OracleAnswer {
         let length = self.axis().length();
         if length == 0.0 {
-            return Expected::Miss;
+            return OracleAnswer::Miss;
         }
         let (origin, direction) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
         let far = [self.base, self.apex].map(|(p, r)| p.distance(origin) + r.abs());
@@ -59,37 +58,39 @@ impl ConeShape {
             radius.abs() <= near_tip && away <= near_tip + 4.0 * shift
         };
         if passes(self.base) || passes(self.apex) {
-            return Expected::Anything;
+            return OracleAnswer::Anything;
         }
         let outer = match self.crossing(origin, direction, more) {
             Some(outer) if outer.radius > near_tip => outer,
-            Some(outer) if outer.radius > -near_tip => return Expected::Anything,
-            _ => return Expected::Miss,
+            Some(outer) if outer.radius > -near_tip => return OracleAnswer::Anything,
+            _ => return OracleAnswer::Miss,
         };
         let inner = match self.crossing(origin, direction, -more) {
             Some(inner) if inner.radius > near_tip => inner,
-            _ => return Expected::Anything,
+            _ => return OracleAnswer::Anything,
         };
         let (low, high) = ordered(outer.height, inner.height);
         if high < -shift || low > length + shift {
-            return Expected::Miss;
+            return OracleAnswer::Miss;
         }
         if low < shift || high > length - shift {
-            return Expected::Anything;
+            return OracleAnswer::Anything;
         }
         let (low, high) = ordered(outer.t, inner.t);
         let slack = shift / direction.length();
         let t = [low - slack, high + slack];
         let [start, end] = [ray.t_min, ray.t_max].map(S::to_f64);
-        match () {
-            () if start <= t[0] && t[1] <= end => Expected::Hit { id: None, t },
-            () if t[1] < start || end < t[0] => Expected::Miss,
-            () => Expected::Anything,
+        if start <= t[0] && t[1] <= end {
+            OracleAnswer::Hit { id: None, t }
+        } else if t[1] < start || end < t[0] {
+            OracleAnswer::Miss
+        } else {
+            OracleAnswer::Anything
         }
     }
 
-    /// Where the ray's line enters (or leaves, if that is seen) the endless cone with a radius
-    /// larger by `more`.
+    /// Crossing at which the ray's line enters (or leaves, if that side is visible) the infinite
+    /// cone with a radius larger by `more`.
     fn crossing(&self, origin: DVec3, direction: DVec3, more: f64) -> Option<Crossing> {
         type D = DoubleDouble;
         let is_inside_out = self.base.1 + self.apex.1 < 0.0;
@@ -111,30 +112,27 @@ impl ConeShape {
         let root = discriminant.sqrt();
         // where the quadratic falls, or rises
         let root = if is_inside_out { root } else { -root };
-        let t = match (b > D::ZERO) == is_inside_out {
-            true => -c / (b + root),
-            false => (root - b) / a,
-        };
+        let t = if (b > D::ZERO) == is_inside_out { -c / (b + root) } else { (root - b) / a };
         let height = ((mh + dh * t) * squared.sqrt()).high;
         t.high.is_finite().then_some(Crossing { t: t.high, height, radius: (r + dr * t).high })
     }
 }
 
-/// What is met first, by the expectations of all primitives, each alone.
-pub fn first_of(all: impl Iterator<Item = (u32, Expected)>) -> Expected {
+/// First hit according to the expectations of all primitives, each alone.
+pub fn first_of(all: impl Iterator<Item = (u32, OracleAnswer)>) -> OracleAnswer {
     let mut hits = Vec::new();
     for (id, expected) in all {
         match expected {
-            Expected::Hit { t, .. } => hits.push((t, id)),
-            Expected::Miss => {}
-            _ => return Expected::Anything,
+            OracleAnswer::Hit { t, .. } => hits.push((t, id)),
+            OracleAnswer::Miss => {}
+            _ => return OracleAnswer::Anything,
         }
     }
     hits.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
-    let Some(&(first, id)) = hits.first() else { return Expected::Miss };
+    let Some(&(first, id)) = hits.first() else { return OracleAnswer::Miss };
     let is_alone = hits.iter().skip(1).all(|(t, _)| t[0] > first[1]);
     let high = hits.iter().map(|(t, _)| t[1]).fold(f64::INFINITY, f64::min);
-    Expected::Hit { id: is_alone.then_some(id), t: [first[0], high] }
+    OracleAnswer::Hit { id: is_alone.then_some(id), t: [first[0], high] }
 }
 
 fn ordered(a: f64, b: f64) -> (f64, f64) {
@@ -146,12 +144,12 @@ mod tests {
     use super::*;
     use glam::dvec3;
 
-    fn expected(shape: &ConeShape, origin: DVec3, direction: DVec3) -> Expected {
+    fn expected(shape: &ConeShape, origin: DVec3, direction: DVec3) -> OracleAnswer {
         shape.expected(&Ray::<f64>::new(origin, direction), 4.0)
     }
 
-    fn is_hit_at(expected: &Expected, at: f64) -> bool {
-        matches!(*expected, Expected::Hit { t: [low, high], .. }
+    fn is_hit_at(expected: &OracleAnswer, at: f64) -> bool {
+        matches!(*expected, OracleAnswer::Hit { t: [low, high], .. }
             if low < at && at < high && high - low < 1e-6)
     }
 
@@ -162,14 +160,14 @@ mod tests {
         assert!(is_hit_at(&expected(&cone, dvec3(-2.0, 0.0, 0.5), DVec3::X), 1.5));
         // parallel to the axis, from above: at (0.25, 0) the surface is 0.75 high
         assert!(is_hit_at(&expected(&cone, dvec3(0.25, 0.0, 3.0), -DVec3::Z), 2.25));
-        assert_eq!(expected(&cone, dvec3(0.1, 0.0, 0.3), DVec3::X), Expected::Miss);
-        assert_eq!(expected(&cone, dvec3(-2.0, 0.0, 1.5), DVec3::X), Expected::Miss);
-        assert_eq!(expected(&cone, dvec3(-2.0, 1.2, 0.1), DVec3::X), Expected::Miss);
-        assert_eq!(expected(&cone, dvec3(0.0, 0.0, 3.0), -DVec3::Z), Expected::Anything);
+        assert_eq!(expected(&cone, dvec3(0.1, 0.0, 0.3), DVec3::X), OracleAnswer::Miss);
+        assert_eq!(expected(&cone, dvec3(-2.0, 0.0, 1.5), DVec3::X), OracleAnswer::Miss);
+        assert_eq!(expected(&cone, dvec3(-2.0, 1.2, 0.1), DVec3::X), OracleAnswer::Miss);
+        assert_eq!(expected(&cone, dvec3(0.0, 0.0, 3.0), -DVec3::Z), OracleAnswer::Anything);
         let inside_out = ConeShape { base: (DVec3::ZERO, -1.0), apex: (DVec3::Z, 0.0) };
         assert!(is_hit_at(&expected(&inside_out, dvec3(-2.0, 0.0, 0.5), DVec3::X), 2.5));
         let flat = ConeShape { base: (DVec3::ZERO, 1.0), apex: (DVec3::ZERO, 0.5) };
-        assert_eq!(expected(&flat, dvec3(0.7, 0.0, 3.0), -DVec3::Z), Expected::Miss);
+        assert_eq!(expected(&flat, dvec3(0.7, 0.0, 3.0), -DVec3::Z), OracleAnswer::Miss);
     }
 
     #[test]
@@ -178,27 +176,27 @@ mod tests {
         for part in [0.0, 0.5, 0.99] {
             let y = 1e-3 * part;
             let ray = Ray::<f64>::new(dvec3(2.0, y, -1.0), dvec3(-2.0, 0.0, 100.0));
-            let Expected::Hit { t: [low, high], .. } = wire.expected(&ray, 100.0) else {
+            let OracleAnswer::Hit { t: [low, high], .. } = wire.expected(&ray, 100.0) else {
                 panic!("{part}")
             };
             let t = (2.0 - (1e-6 - y * y).sqrt()) / 2.0;
             assert!(low < t && t < high && high - low < 1e-9, "{part}: {low} {t} {high}");
         }
         let beside = Ray::<f64>::new(dvec3(2.0, 1.001e-3, -1.0), dvec3(-2.0, 0.0, 100.0));
-        assert_eq!(wire.expected(&beside, 100.0), Expected::Miss);
+        assert_eq!(wire.expected(&beside, 100.0), OracleAnswer::Miss);
         // single precision cannot tell
         let beside = Ray::<f32>::new(glam::vec3(2.0, 1.001e-3, -1.0), glam::vec3(-2.0, 0.0, 100.0));
-        assert_eq!(wire.expected(&beside, 100.0), Expected::Anything);
+        assert_eq!(wire.expected(&beside, 100.0), OracleAnswer::Anything);
     }
 
     #[test]
     fn of_hits_in_one_place_none_is_the_first() {
-        let hit = |low, high| Expected::Hit { id: None, t: [low, high] };
-        let first = |all: Vec<Expected>| first_of((0..).zip(all));
-        let named = |id, t| Expected::Hit { id, t };
+        let hit = |low, high| OracleAnswer::Hit { id: None, t: [low, high] };
+        let first = |all: Vec<OracleAnswer>| first_of((0..).zip(all));
+        let named = |id, t| OracleAnswer::Hit { id, t };
         assert_eq!(first(vec![hit(3.0, 4.0), hit(1.0, 2.0)]), named(Some(1), [1.0, 2.0]));
         assert_eq!(first(vec![hit(1.0, 4.0), hit(2.0, 3.0)]), named(None, [1.0, 3.0]));
-        assert_eq!(first(vec![Expected::Miss]), Expected::Miss);
-        assert_eq!(first(vec![hit(1.0, 2.0), Expected::Anything]), Expected::Anything);
+        assert_eq!(first(vec![OracleAnswer::Miss]), OracleAnswer::Miss);
+        assert_eq!(first(vec![hit(1.0, 2.0), OracleAnswer::Anything]), OracleAnswer::Anything);
     }
 }

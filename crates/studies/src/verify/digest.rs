@@ -8,7 +8,7 @@ use accel_core::{Hit, Scalar};
 pub struct Digest(pub u64);
 
 impl Digest {
-    /// Of one round, whose number makes it another than the same answers to other rays.
+    /// Digest of one round; its number distinguishes equal answers to other rays.
     pub fn of_round(self, number: u64) -> Self {
         Self(mixed(self.0 ^ mixed(number)))
     }

@@ -10,13 +10,11 @@ use glam::DVec3;
 /// `high + low`, of which `low` is at most half an ulp of `high`.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct DoubleDouble {
-    /// The nearest f64.
     pub high: f64,
     low: f64,
 }
 
 impl DoubleDouble {
-    /// Zero.
     pub const ZERO: Self = Self { high: 0.0, low: 0.0 };
 
     fn sum(high: f64, low: f64) -> Self {

@@ -6,7 +6,7 @@ use accel_core::primitives::PrimSet;
 use accel_core::{Hit, Ray, Scalar};
 
 use super::model::Model;
-use super::round::{Expected, Round};
+use super::round::{OracleAnswer, Round};
 
 /// A line meets a convex surface twice; more hits of one primitive are a fault, and enough of one.
 const MOST_OF_ONE: usize = 8;
@@ -39,11 +39,14 @@ fn order<S: Scalar>(a: &Hit<S>, b: &Hit<S>) -> Ordering {
     a.t.partial_cmp(&b.t).unwrap_or(Ordering::Equal).then(a.id.cmp(&b.id))
 }
 
-/// What the closest hit in `[t_min, t_max]` is, to the last bit, when these sorted ones are all
-/// there are: the first of them, and so the lowest id of equal ones.
-pub fn first_within<S: Scalar>(hits: &[Hit<S>], t_min: S, t_max: S) -> Expected {
+/// Closest hit in `[t_min, t_max]`, bit by bit, among these sorted hits: the first, and so the
+/// lowest id of equal ones.
+pub fn first_within<S: Scalar>(hits: &[Hit<S>], t_min: S, t_max: S) -> OracleAnswer {
     let first = hits.iter().find(|hit| t_min <= hit.t && hit.t <= t_max);
-    first.map_or(Expected::Miss, |hit| Expected::Hit { id: Some(hit.id), t: [hit.t.to_f64(); 2] })
+    first.map_or(OracleAnswer::Miss, |hit| OracleAnswer::Hit {
+        id: Some(hit.id),
+        t: [hit.t.to_f64(); 2],
+    })
 }
 
 /// Adds the ray, and again with its interval begun just after each of its hits (`hits`, sorted):
@@ -80,8 +83,8 @@ mod tests {
         assert_eq!(told, [(-0.25, 0), (0.25, 1), (0.25, 2), (0.75, 0)]);
         let mut round = Round::new(model);
         push_chain(&mut round, line, &hits, 9);
-        let hit = |t, id| Expected::Hit { id: Some(id), t: [t, t] };
-        assert_eq!(round.expected, [hit(-0.25, 0), hit(0.25, 1), hit(0.75, 0), Expected::Miss]);
+        let hit = |t, id| OracleAnswer::Hit { id: Some(id), t: [t, t] };
+        assert_eq!(round.expected, [hit(-0.25, 0), hit(0.25, 1), hit(0.75, 0), OracleAnswer::Miss]);
         assert_eq!(round.rays[2].t_min, 0.25_f32.next_up());
     }
 }

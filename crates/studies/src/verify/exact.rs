@@ -14,7 +14,7 @@ use super::model::Corners;
 
 /// A triangle that the line of the ray meets, or passes closely.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Meeting {
+pub struct LineCrossing {
     pub id: u32,
     /// The ray's parameter in its plane; correct to a few ulps of f64.
     pub t: f64,
@@ -25,15 +25,14 @@ pub struct Meeting {
     pub blur: Blur,
 }
 
-/// See [`Meeting::blur`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Blur {
     pub t: f64,
-    /// Of the barycentric coordinates.
+    /// Depth of the barycentric coordinates.
     pub depth: f64,
 }
 
-impl Meeting {
+impl LineCrossing {
     /// Inside, on an edge or on a corner.
     pub fn is_hit(&self) -> bool {
         self.depth >= 0.0
@@ -92,8 +91,8 @@ impl ExactRay {
     /// All triangles whose plane the line crosses no farther than `margin` (in barycentric
     /// coordinates) outside, or that it would meet when moved by `shift`, a length; by rising
     /// parameter; equal ones by id.
-    pub fn meetings(&self, soup: &Soup, margin: f64, shift: f64) -> Vec<Meeting> {
-        let near = |m: &Meeting| m.depth >= -(margin + shift * m.blur.depth);
+    pub fn meetings(&self, soup: &Soup, margin: f64, shift: f64) -> Vec<LineCrossing> {
+        let near = |m: &LineCrossing| m.depth >= -(margin + shift * m.blur.depth);
         let along = self.to - self.from;
         // barycentric coordinates of at least -margin: their sizes sum up to 1 + 6 margin at most
         let grown = (1.1 + 6.0 * margin) * (1.1 + 6.0 * margin);
@@ -106,13 +105,13 @@ impl ExactRay {
             !is_far
         });
         let all = close.filter_map(|(id, _)| self.meeting(id, soup.triangles.get(id as usize)?));
-        let mut found: Vec<Meeting> = all.filter(near).collect();
+        let mut found: Vec<LineCrossing> = all.filter(near).collect();
         found.sort_by(|a, b| a.t.total_cmp(&b.t).then(a.id.cmp(&b.id)));
         found
     }
 
     /// Where the line crosses the plane; `None` when they are parallel.
-    fn meeting(&self, id: u32, &[a, b, c]: &Corners) -> Option<Meeting> {
+    fn meeting(&self, id: u32, &[a, b, c]: &Corners) -> Option<LineCrossing> {
         let along = self.to - self.from;
         let across = cross(difference(b, a), difference(c, a));
         let slope = dot(across, vector(along));
@@ -132,7 +131,7 @@ impl ExactRay {
         // of the angle between line and plane
         let sine = slope.high.abs() / (normal * along.length());
         let blur = Blur { t: 1.0 / (sine * along.length()), depth: longest / (normal * sine) };
-        Some(Meeting { id, t, depth, blur })
+        Some(LineCrossing { id, t, depth, blur })
     }
 
     /// Whether the line passes within the triangle or through its border, by exact signs.
@@ -174,7 +173,7 @@ mod tests {
         let ray = Ray::<f64>::new(dvec3(-7.0, 1.0, -1.0), dvec3(8.0, 0.0, 1.0));
         let found = ExactRay::new(&ray).unwrap().meetings(&Soup::new(&[TRIANGLE]), 0.0, 0.0);
         // a unit sideways is 8 along the plane and more: 2 in barycentric coordinates
-        let Meeting { t, blur, .. } = found[0];
+        let LineCrossing { t, blur, .. } = found[0];
         assert!(t == 1.0 && (1.0..1.1).contains(&blur.t), "{blur:?}");
         assert!((2.8..2.9).contains(&blur.depth), "{blur:?}");
         let beside = Ray::<f64>::new(dvec3(-12.0, 1.0, -1.0), dvec3(8.0, 0.0, 1.0));

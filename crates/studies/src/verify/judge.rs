@@ -3,27 +3,27 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use accel_core::occluders::Occluding;
+use accel_core::occluders::OccluderRegistry;
 use accel_core::primitives::PrimSet;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
 
-use super::company::Company;
+use super::coherent_batch::CoherentBatch;
 use super::digest::Digest;
-use super::metamorphic::{MetamorphicPair, Same};
+use super::metamorphic::{Invariant, MetamorphicPair};
 pub use super::mismatch::{Difference, Mismatch};
 use super::model::Model;
 use super::own_test::OwnTestJudge;
-use super::round::{Expected, Near, Round};
+use super::round::{NearbyPrimitives, OracleAnswer, Round};
 use super::subject::{Subject, with_brute_force};
 use measurement::plan::rows::Row;
 use measurement::rays::exactness::Exactness;
 
-/// What came of a round.
+/// Verdict on a round.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Judged {
+pub enum RoundVerdict {
     /// All rays were asked: what differs, and what stands for all answers.
     Asked(Vec<Mismatch>, Digest),
     /// The scene was refused with a typed error.
@@ -40,21 +40,20 @@ const COUNTED: usize = 8;
 #[derive(Debug, Clone)]
 struct Answers<S: Scalar> {
     closest: Vec<Hit<S>>,
-    /// Of every [`COUNTED`]th ray.
+    /// Hits of every [`COUNTED`]th ray.
     counted: Vec<Hit<S>>,
     blocked: Vec<bool>,
-    /// Likewise.
     counted_blocked: Vec<bool>,
     /// The closest hits of the same rays, each asked alone; nothing where batches are asked so
     /// anyway.
     alone: Vec<Hit<S>>,
     /// The same rays, each among others that run nearly as it does.
-    in_company: Vec<(Hit<S>, bool)>,
+    in_batch: Vec<(Hit<S>, bool)>,
 }
 
 impl<S: Scalar> Answers<S> {
-    /// What is not written is wrong: where a hit was found stands that nothing blocks the ray, and
-    /// the other way round.
+    /// Buffers are preset to wrong answers (blocked where nothing is hit, and vice versa), so that
+    /// unwritten answers are wrong.
     fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
         let closest = closest(tracer, rays);
         let mut blocked: Vec<bool> = closest.iter().map(|hit| !hit.is_hit()).collect();
@@ -66,24 +65,24 @@ impl<S: Scalar> Answers<S> {
         tracer.count_closest_hits(&some, &mut counted);
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
-        let (mut alone, mut in_company) = (Vec::new(), Vec::new());
+        let (mut alone, mut in_batch) = (Vec::new(), Vec::new());
         if tracer.batches().are_together() {
             alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
-            in_company = Self::in_company(tracer, &Company::of(&some));
+            in_batch = Self::in_batch(tracer, &CoherentBatch::of(&some));
         }
-        Self { closest, counted, blocked, counted_blocked, alone, in_company }
+        Self { closest, counted, blocked, counted_blocked, alone, in_batch }
     }
 
-    /// Of the rays that company is kept.
-    fn in_company(tracer: &dyn Tracer<S>, company: &Company<S>) -> Vec<(Hit<S>, bool)> {
-        let hits = closest(tracer, &company.rays);
+    /// Answers to the rays within the coherent batch.
+    fn in_batch(tracer: &dyn Tracer<S>, batch: &CoherentBatch<S>) -> Vec<(Hit<S>, bool)> {
+        let hits = closest(tracer, &batch.rays);
         let mut blocked: Vec<bool> = hits.iter().map(|hit| !hit.is_hit()).collect();
-        tracer.occlusions(&company.rays, &mut blocked);
-        company.places.iter().filter_map(|&i| Some((*hits.get(i)?, *blocked.get(i)?))).collect()
+        tracer.occlusions(&batch.rays, &mut blocked);
+        batch.places.iter().filter_map(|&i| Some((*hits.get(i)?, *blocked.get(i)?))).collect()
     }
 
     /// By brute force over the primitives near each ray alone.
-    fn near(model: &Model<S>, rays: &[Ray<S>], near: &Near) -> Self {
+    fn near(model: &Model<S>, rays: &[Ray<S>], near: &NearbyPrimitives) -> Self {
         let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
             Model::Triangles(set) => nearest(set, ray, ids),
             Model::Mixed(set) => nearest(set, ray, ids),
@@ -96,7 +95,7 @@ impl<S: Scalar> Answers<S> {
             counted: closest.iter().copied().step_by(COUNTED).collect(),
             counted_blocked: blocked.iter().copied().step_by(COUNTED).collect(),
             alone: Vec::new(),
-            in_company: Vec::new(),
+            in_batch: Vec::new(),
             closest,
             blocked,
         }
@@ -106,23 +105,23 @@ impl<S: Scalar> Answers<S> {
     fn hits_of(&self, ray: usize) -> impl Iterator<Item = Hit<S>> {
         let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
         let of = |hits: &[Hit<S>], i: usize| hits.get(i).copied();
-        let company = some.and_then(|i| Some(self.in_company.get(i)?.0));
+        let batched = some.and_then(|i| Some(self.in_batch.get(i)?.0));
         let asked = [
             of(&self.closest, ray),
             some.and_then(|i| of(&self.counted, i)),
             some.and_then(|i| of(&self.alone, i)),
-            company,
+            batched,
         ];
         asked.into_iter().flatten()
     }
 
-    /// Whether it is blocked, likewise.
+    /// Occlusion answers for it, likewise.
     fn occlusions_of(&self, ray: usize) -> impl Iterator<Item = bool> {
         let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
         let asked = [
             self.blocked.get(ray).copied(),
             some.and_then(|i| self.counted_blocked.get(i).copied()),
-            some.and_then(|i| Some(self.in_company.get(i)?.1)),
+            some.and_then(|i| Some(self.in_batch.get(i)?.1)),
         ];
         asked.into_iter().flatten()
     }
@@ -203,40 +202,41 @@ impl<'a, S: Buildable> Judge<'a, S> {
     }
 
     /// Asks a subject. A panic, or the end of a plugin's process, is a mismatch of the first ray.
-    pub fn judge(&self, subject: &Subject<'_>) -> Judged {
+    pub fn judge(&self, subject: &Subject<'_>) -> RoundVerdict {
         let ask = || match subject {
             Subject::Structure(_) => self.of_structure(subject),
             Subject::Control => self.of_control(subject),
             Subject::Occluder(row) => self.of_occluder(row),
         };
-        let ended = |how| Judged::Asked(vec![Mismatch::wrong(0, None, how)], Digest::default());
+        let ended =
+            |how| RoundVerdict::Asked(vec![Mismatch::wrong(0, None, how)], Digest::default());
         match catch_unwind(AssertUnwindSafe(ask)).unwrap_or_else(|_| Ok(ended("panicked".into()))) {
             Ok(judged) => judged,
             Err(BuildError::Died(how)) => ended(how),
-            Err(error) => Judged::Refused(error.to_string()),
+            Err(error) => RoundVerdict::Refused(error.to_string()),
         }
     }
 
-    fn of_structure(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
+    fn of_structure(&self, subject: &Subject<'_>) -> Result<RoundVerdict, BuildError> {
         if subject.is_reference() {
             return Ok(self.judged(&self.reference, &self.pairs));
         }
-        let mut judged = Judged::NotAsked;
+        let mut judged = RoundVerdict::NotAsked;
         for threads in self.round.threads {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build();
             judged = match pool {
                 Ok(pool) => pool.install(|| self.of_built(subject))?,
                 Err(_) => self.of_built(subject)?,
             };
-            if !matches!(&judged, Judged::Asked(wrong, _) if wrong.is_empty()) {
+            if !matches!(&judged, RoundVerdict::Asked(wrong, _) if wrong.is_empty()) {
                 return Ok(judged);
             }
         }
         if self.round.threads.is_empty() { self.of_built(subject) } else { Ok(judged) }
     }
 
-    /// Of a structure that is built, or taken from the frame before.
-    fn of_built(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
+    /// Verdict on a structure that is built, or updated from the previous frame.
+    fn of_built(&self, subject: &Subject<'_>) -> Result<RoundVerdict, BuildError> {
         let ask = |tracer: &dyn Tracer<S>| {
             let exactness = Exactness::of(tracer.foreign(), tracer.batches());
             let answers = Answers::of(tracer, &self.round.rays);
@@ -247,7 +247,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
             Some(before) => subject.taken_over(before, model, ask)?,
             None => subject.over(model, ask)?,
         };
-        let Some((exactness, answers, failure)) = asked else { return Ok(Judged::NotAsked) };
+        let Some((exactness, answers, failure)) = asked else { return Ok(RoundVerdict::NotAsked) };
         if let Some(how) = failure {
             return Err(BuildError::Died(how));
         }
@@ -264,7 +264,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
     }
 
     /// Shadow rays alone: asked together, each alone, and counted.
-    fn of_occluder(&self, row: &Row<'_, Occluding>) -> Result<Judged, BuildError> {
+    fn of_occluder(&self, row: &Row<'_, OccluderRegistry>) -> Result<RoundVerdict, BuildError> {
         let Round { model, rays, lights, light_of, .. } = self.round;
         let occluder = row.entry.build(model.prims(), lights, &row.params)?;
         // what is not written is wrong
@@ -284,11 +284,15 @@ impl<'a, S: Buildable> Judge<'a, S> {
             let what = format!("blocked{how}: said {}, the oracle {right}", !right);
             Some(Mismatch::wrong(ray, None, what))
         };
-        Ok(Judged::Asked((0..rays.len()).filter_map(complaint).collect(), digest))
+        Ok(RoundVerdict::Asked((0..rays.len()).filter_map(complaint).collect(), digest))
     }
 
     /// Judges answers by another primitive test than ours; none where there are no exact triangles.
-    fn judged_by_oracle(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<Judged> {
+    fn judged_by_oracle(
+        &self,
+        answers: &Answers<S>,
+        pairs: &[Vec<Hit<S>>],
+    ) -> Option<RoundVerdict> {
         let exact = |model: &Model<S>| Model::<f64>::triangles(&model.corners()?).ok();
         let model = exact(&self.round.model)?;
         let judge = OwnTestJudge::new(&model);
@@ -318,13 +322,14 @@ impl<'a, S: Buildable> Judge<'a, S> {
             let all = hits.chain(occlusions).chain(paired);
             let all = all.filter_map(|(found, words)| Some((found?, words)));
             let ((difference, is_wrong), words) = all.max_by_key(|((_, is_wrong), _)| *is_wrong)?;
-            Some(match is_wrong {
-                true => Mismatch::wrong(i, Some(difference), words),
-                false => Mismatch::tolerated(i, difference),
+            Some(if is_wrong {
+                Mismatch::wrong(i, Some(difference), words)
+            } else {
+                Mismatch::tolerated(i, difference)
             })
         };
         let different = self.round.rays.iter().enumerate().filter_map(different).collect();
-        Some(Judged::Asked(different, self.digest(answers, pairs)))
+        Some(RoundVerdict::Asked(different, self.digest(answers, pairs)))
     }
 
     /// Stands for all answers.
@@ -334,14 +339,14 @@ impl<'a, S: Buildable> Judge<'a, S> {
         digest
     }
 
-    fn judged(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Judged {
+    fn judged(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> RoundVerdict {
         let complaint = |ray| {
             let what = self.complaint(ray, answers);
             let what = what.or_else(|| self.of_pairs(ray, answers, pairs))?;
             Some(Mismatch::wrong(ray, self.difference(ray, answers), what))
         };
         let wrong = (0..self.round.rays.len()).filter_map(complaint).collect();
-        Judged::Asked(wrong, self.digest(answers, pairs))
+        RoundVerdict::Asked(wrong, self.digest(answers, pairs))
     }
 
     /// How the answers to a ray differ from those of brute force; none where only the oracle or a
@@ -356,10 +361,10 @@ impl<'a, S: Buildable> Judge<'a, S> {
     }
 
     /// Only the oracle judges the control: its answers are its own.
-    fn of_control(&self, subject: &Subject<'_>) -> Result<Judged, BuildError> {
+    fn of_control(&self, subject: &Subject<'_>) -> Result<RoundVerdict, BuildError> {
         let ask = |tracer: &dyn Tracer<S>| closest(tracer, &self.round.rays);
         let Some(hits) = subject.over(&self.round.model, ask)? else {
-            return Ok(Judged::NotAsked);
+            return Ok(RoundVerdict::NotAsked);
         };
         let answers = self.round.expected.iter().zip(&hits).enumerate();
         let wrong = answers
@@ -367,10 +372,10 @@ impl<'a, S: Buildable> Judge<'a, S> {
             .map(|(ray, (expected, hit))| Mismatch::wrong(ray, None, unexpected(hit, expected)));
         let mut digest = Digest::default();
         hits.iter().for_each(|hit| digest.hit(hit));
-        Ok(Judged::Asked(wrong.collect(), digest))
+        Ok(RoundVerdict::Asked(wrong.collect(), digest))
     }
 
-    /// What is wrong with the answers to one ray.
+    /// Fault of the answers to one ray, if any.
     fn complaint(&self, ray: usize, answers: &Answers<S>) -> Option<String> {
         let (hit, right) = (answers.closest.get(ray)?, self.reference.closest.get(ray)?);
         let expected = self.round.expected.get(ray)?;
@@ -402,9 +407,9 @@ impl<'a, S: Buildable> Judge<'a, S> {
         {
             return Some(format!("said {}, when asked alone {}", told(hit), told(alone)));
         }
-        if let Some((company, is_blocked)) = answers.in_company.get(ray / COUNTED) {
-            if !is_same(hit, company) {
-                return Some(format!("said {}, in company {}", told(hit), told(company)));
+        if let Some((batched, is_blocked)) = answers.in_batch.get(ray / COUNTED) {
+            if !is_same(hit, batched) {
+                return Some(format!("said {}, in company {}", told(hit), told(batched)));
             }
             if *is_blocked != blocked {
                 return Some(format!("blocked: said {is_blocked} in company, not {blocked}"));
@@ -414,7 +419,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
         (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))
     }
 
-    /// What is wrong with the answers of the pairs to one ray.
+    /// Fault of the pairs' answers to one ray, if any.
     fn of_pairs(&self, ray: usize, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<String> {
         let hit = answers.closest.get(ray)?;
         let both = pairs.iter().zip(&self.pairs).zip(&self.round.pairs);
@@ -436,23 +441,23 @@ impl<'a, S: Buildable> Judge<'a, S> {
     }
 }
 
-/// Whether the answer to the pair is that to the round. Where renumbering changed which of two
-/// equal hits has the lowest id, only brute force knows which is right.
+/// Returns whether the answer to the pair is that to the round. Where renumbering changed which of
+/// two equal hits has the lowest id, only brute force knows which is right.
 fn is_kept<S: Scalar>(
     pair: &MetamorphicPair<S>,
     hit: &Hit<S>,
     said: &Hit<S>,
-    expected: &Expected,
+    expected: &OracleAnswer,
 ) -> bool {
     match (pair.same, expected) {
-        (Same::Bits, _) => {
+        (Invariant::Bits, _) => {
             is_same_parameter(&pair.told_back(*said), hit)
                 && (!pair.ids.is_empty() || said.id == hit.id)
         }
-        (Same::Ids, Expected::Hit { id: Some(id), .. }) => said.id == *id,
-        (Same::Ids, Expected::Hit { .. }) => said.is_hit(),
-        (Same::Ids, Expected::Miss) => !said.is_hit(),
-        (Same::Ids, Expected::Anything | Expected::Broken(_)) => true,
+        (Invariant::Ids, OracleAnswer::Hit { id: Some(id), .. }) => said.id == *id,
+        (Invariant::Ids, OracleAnswer::Hit { .. }) => said.is_hit(),
+        (Invariant::Ids, OracleAnswer::Miss) => !said.is_hit(),
+        (Invariant::Ids, OracleAnswer::Anything | OracleAnswer::Broken(_)) => true,
     }
 }
 
@@ -465,7 +470,7 @@ fn is_same_parameter<S: Scalar>(a: &Hit<S>, b: &Hit<S>) -> bool {
     a.is_hit() == b.is_hit() && (!a.is_hit() || a.t == b.t)
 }
 
-fn unexpected<S: Scalar>(hit: &Hit<S>, expected: &Expected) -> String {
+fn unexpected<S: Scalar>(hit: &Hit<S>, expected: &OracleAnswer) -> String {
     format!("said {}, the oracle {expected:?}", told(hit))
 }
 

@@ -89,7 +89,7 @@ pub struct Cubes {
 }
 
 impl Cubes {
-    /// Whether a cube is there.
+    /// Returns whether a cube is there.
     pub fn has(&self, at: [i32; 3]) -> bool {
         let is_within = at.iter().all(|x| (0..self.side).contains(x));
         is_within && (self.is_solid || at.iter().sum::<i32>() % 2 == 0)
@@ -136,7 +136,7 @@ pub fn soup(random: &mut Random, count: usize, size: f64) -> Vec<Corners> {
 mod tests {
     use super::*;
 
-    /// How many triangles meet at each edge; the key's ends are sorted.
+    /// Numbers of triangles that meet at each edge; the key's ends are sorted.
     fn edges(faces: &[Corners]) -> Vec<usize> {
         let mut edges = std::collections::BTreeMap::new();
         for f in faces {

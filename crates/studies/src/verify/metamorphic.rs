@@ -8,7 +8,7 @@ use super::rays::ray;
 
 /// Invariant of a metamorphic pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Same {
+pub enum Invariant {
     /// The parameter of the hit, to the last bit, and the primitive.
     Bits,
     /// The primitive, where the oracle says which it is: sums are made in another order.
@@ -21,7 +21,7 @@ pub struct MetamorphicPair<S: Scalar> {
     /// Name of the transformation.
     pub name: String,
     /// Invariant that must hold.
-    pub same: Same,
+    pub same: Invariant,
     pub model: Model<S>,
     /// The rays, in the order of the round.
     pub rays: Vec<Ray<S>>,
@@ -43,12 +43,12 @@ impl<S: Scalar> MetamorphicPair<S> {
 
 /// A scene of triangles and the rays through it, from which pairs are made.
 #[derive(Debug)]
-pub struct Original<'a, S: Scalar> {
+pub struct OriginalScene<'a, S: Scalar> {
     pub triangles: &'a [Corners],
     pub rays: &'a [Ray<S>],
 }
 
-impl<S: Scalar> Original<'_, S> {
+impl<S: Scalar> OriginalScene<'_, S> {
     /// Everything by `2^exponent`: `t` keeps its bits.
     pub fn scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
@@ -78,7 +78,10 @@ impl<S: Scalar> Original<'_, S> {
             DVec3::from_array([0, 1, 2].map(at))
         };
         let pair = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
-        Some(MetamorphicPair { same: if order == 0 { Same::Bits } else { Same::Ids }, ..pair })
+        Some(MetamorphicPair {
+            same: if order == 0 { Invariant::Bits } else { Invariant::Ids },
+            ..pair
+        })
     }
 
     /// The triangles in another order: `order[new] = old`.
@@ -87,7 +90,7 @@ impl<S: Scalar> Original<'_, S> {
         let model = Model::triangles(&moved.collect::<Vec<_>>()).ok()?;
         let name = "renumbered".to_owned();
         let rays = self.rays.to_vec();
-        Some(MetamorphicPair { name, same: Same::Bits, model, rays, factor: 1.0, ids: order })
+        Some(MetamorphicPair { name, same: Invariant::Bits, model, rays, factor: 1.0, ids: order })
     }
 
     /// `None` when the numbers do not fit.
@@ -107,6 +110,6 @@ impl<S: Scalar> Original<'_, S> {
         };
         let model = Model::triangles(&triangles).ok()?;
         let rays = self.rays.iter().map(told).collect();
-        Some(MetamorphicPair { name, same: Same::Bits, model, rays, factor, ids: Vec::new() })
+        Some(MetamorphicPair { name, same: Invariant::Bits, model, rays, factor, ids: Vec::new() })
     }
 }

@@ -55,14 +55,13 @@ pub struct Mismatch {
     pub ray: usize,
     /// How it differs; none where the structure panicked, or only an oracle sees it.
     pub difference: Option<Difference>,
-    /// Whether it is wrong. Last bits and edges are so only of our own primitive tests.
+    /// True if it is wrong. Last bits and edges are so only of our own primitive tests.
     pub is_wrong: bool,
-    /// What was said and what is right; empty where it is not wrong.
+    /// The answer and the right one; empty if it is not wrong.
     pub what: String,
 }
 
 impl Mismatch {
-    /// A wrong answer.
     pub fn wrong(ray: usize, difference: Option<Difference>, what: String) -> Self {
         Self { ray, difference, is_wrong: true, what }
     }

@@ -10,7 +10,7 @@ pub mod cases;
 pub mod catalogue;
 pub mod check;
 pub mod closed_form;
-mod company;
+mod coherent_batch;
 pub mod digest;
 mod double_double;
 pub mod draw;

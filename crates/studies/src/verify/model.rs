@@ -6,7 +6,6 @@ use accel_core::primitives::{
 use accel_core::{Aabb, Scalar};
 use glam::DVec3;
 
-/// Three corners.
 pub type Corners = [DVec3; 3];
 
 /// A set of primitives of either kind.
@@ -28,7 +27,7 @@ impl<S: Scalar> Model<S> {
         Ok(Self::Triangles(TriangleSet::new(rounded, |_| false)?))
     }
 
-    /// What `add` puts into a builder.
+    /// Model of the primitives that `add` puts into a builder.
     ///
     /// # Errors
     /// That of `add`.
@@ -40,7 +39,6 @@ impl<S: Scalar> Model<S> {
         Ok(Self::Mixed(builder.finish()))
     }
 
-    /// The largest coordinate.
     pub fn magnitude(&self) -> f64 {
         match self {
             Self::Triangles(set) => set.magnitude().to_f64(),
@@ -63,7 +61,7 @@ impl<S: Scalar> Model<S> {
         Some(set.triangles().iter().map(|triangle| triangle.each_ref().map(exact)).collect())
     }
 
-    /// How many primitives there are.
+    /// Number of primitives.
     pub fn len(&self) -> usize {
         match self {
             Self::Triangles(set) => set.len(),
@@ -71,7 +69,7 @@ impl<S: Scalar> Model<S> {
         }
     }
 
-    /// Whether there are none.
+    /// Returns whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

@@ -8,9 +8,9 @@ use super::model::Model;
 /// Epsilons of the distance to the farthest corner that rounding may add up to.
 const ROUNDING: f64 = 16.0;
 
-/// Whether a parameter lies before or behind the triangle: outside the slab that holds it on the
-/// axis along which the ray runs most. The test's parameter is a mean of its corners', whatever
-/// rounding did to their weights, and so never should.
+/// Returns whether a parameter lies before or behind the triangle: outside the slab that holds it
+/// on the axis along which the ray runs most. The test's parameter is a mean of its corners',
+/// whatever rounding did to their weights, and so never should.
 pub fn is_beside_it<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) -> bool {
     let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
     let corners = triangle.map(|p| DVec3::from_array(p.map(S::to_f64)));
@@ -19,8 +19,8 @@ pub fn is_beside_it<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) -> bo
     is_outside(&corners.map(|p| p[axis]), o[axis] + d[axis] * t.to_f64(), slack)
 }
 
-/// Whether the hit point lies outside the box of the triangle by more than rounding explains for a
-/// ray at this angle to its plane.
+/// Returns whether the hit point lies outside the box of the triangle by more than rounding
+/// explains for a ray at this angle to its plane.
 pub fn is_out_of_its_box<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) -> bool {
     let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
     let corners = triangle.map(|p| DVec3::from_array(p.map(S::to_f64)));

@@ -164,10 +164,8 @@ mod tests {
             for (i, a) in outline.iter().enumerate() {
                 let b = outline[(i + 1) % outline.len()];
                 let ends = [*a, b].map(|p| p.to_array().map(|x| (x + 0.0).to_bits()));
-                let (ends, way) = match ends[0] < ends[1] {
-                    true => (ends, 0),
-                    false => ([ends[1], ends[0]], 1),
-                };
+                let (ends, way) =
+                    if ends[0] < ends[1] { (ends, 0) } else { ([ends[1], ends[0]], 1) };
                 edges.entry(ends).or_insert([0, 0])[way] += 1;
             }
         }

@@ -8,9 +8,9 @@ use statistics::random::Random;
 /// Draws a round of at most so many rays.
 pub type Draw<S> = fn(&mut Random, usize) -> Result<Round<S>, PrimitiveError>;
 
-/// Who is asked what.
+/// Runner of a case.
 #[derive(Debug)]
-pub struct Ask {
+pub struct CaseRunner {
     /// Rounds in single precision.
     pub single: Draw<f32>,
     /// Rounds in double precision.
@@ -23,14 +23,13 @@ pub struct Ask {
 /// One line of the catalogue.
 #[derive(Debug)]
 pub struct Case {
-    /// `G1`.
     pub id: &'static str,
     /// Description of the difficulty.
     pub summary: &'static str,
     /// The oracle that decides which answer is right.
     pub oracle: &'static str,
-    /// Who is asked what.
-    pub ask: Ask,
+    /// Runner of a case.
+    pub ask: CaseRunner,
     /// One ray of so many asked for is drawn: for scenes that make rays dear.
     pub share: usize,
 }
@@ -46,7 +45,7 @@ macro_rules! case {
             id: $id,
             summary: $summary,
             oracle: $oracle,
-            ask: $crate::verify::registry::Ask { single: $draw, double: $draw, rows: $rows },
+            ask: $crate::verify::registry::CaseRunner { single: $draw, double: $draw, rows: $rows },
             share: $share,
         }
     };
@@ -55,7 +54,6 @@ macro_rules! case {
 /// Cases of a kind.
 #[derive(Debug)]
 pub struct Group {
-    /// `geometry`.
     pub name: &'static str,
     pub cases: &'static [Case],
 }

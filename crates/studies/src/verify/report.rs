@@ -1,14 +1,14 @@
-//! What a check found: tallies, the table, and the exported record.
+//! Results of a check: counts, the table, and the exported record.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
 use super::digest::Digest;
-use super::judge::{Difference, Judged, Mismatch};
+use super::judge::{Difference, Mismatch, RoundVerdict};
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
-use super::watch::Cut;
+use super::watch::StopReason;
 use measurement::answers::edges::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
@@ -19,12 +19,11 @@ use presentation::table::{Cell, Style, Table};
 /// Mismatches of a subject and case that are shown.
 const SHOWN: usize = 3;
 
-/// What came of some rounds for one subject.
+/// Counts of some rounds for one subject.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Tally {
+pub struct SubjectCounts {
     trials: u64,
     mismatches: u64,
-    /// By [`Difference::ALL`].
     differences: [u64; Difference::ALL.len()],
     refused: u64,
     /// Rounds that were asked.
@@ -36,11 +35,10 @@ pub struct Tally {
     first: Vec<(u64, usize, String)>,
 }
 
-impl Tally {
-    /// Of one round.
-    pub fn of(round: u64, rays: usize, judged: Judged) -> Self {
+impl SubjectCounts {
+    pub fn of(round: u64, rays: usize, judged: RoundVerdict) -> Self {
         match judged {
-            Judged::Asked(wrong, answers) => Self {
+            RoundVerdict::Asked(wrong, answers) => Self {
                 trials: rays as u64,
                 mismatches: wrong.iter().filter(|m| m.is_wrong).count() as u64,
                 differences: Difference::ALL.map(|(difference, _)| {
@@ -56,12 +54,12 @@ impl Tally {
                     .collect(),
                 ..Self::default()
             },
-            Judged::Refused(why) => Self::refused(round, why),
-            Judged::NotAsked => Self { rounds: 1, ..Self::default() },
+            RoundVerdict::Refused(why) => Self::refused(round, why),
+            RoundVerdict::NotAsked => Self { rounds: 1, ..Self::default() },
         }
     }
 
-    /// Of a round that was refused.
+    /// Counts of a round that was refused.
     pub fn refused(round: u64, why: String) -> Self {
         Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
     }
@@ -89,9 +87,8 @@ impl Tally {
 /// A mismatch that can be repeated.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Example {
-    /// For `--replay`.
     pub replay: String,
-    /// What was said and what is right.
+    /// The answer and the right one.
     pub what: String,
 }
 
@@ -100,17 +97,13 @@ pub struct Example {
 pub struct Line {
     /// Group of the case.
     pub group: &'static str,
-    /// The case.
     pub case: &'static str,
-    /// Precision.
     pub precision: &'static str,
     /// Label of the subject.
     pub structure: String,
     /// Why its mismatches are no failure, if so.
     pub known_defect: Option<&'static str>,
-    /// Rays asked.
     pub trials: u64,
-    /// Rays answered wrongly.
     pub mismatches: u64,
     /// Answers that differ from those of brute force, by how they do.
     #[serde(flatten)]
@@ -123,7 +116,6 @@ pub struct Line {
     pub rounds: u64,
     /// Stands for all answers: the same on every instruction set.
     pub answers: String,
-    /// The first mismatches.
     pub examples: Vec<Example>,
 }
 
@@ -134,7 +126,7 @@ impl Line {
         case: &'static str,
         precision: Precision,
         subject: &Subject<'_>,
-        tally: &Tally,
+        tally: &SubjectCounts,
         replay: impl Fn(u64, usize) -> Replay,
     ) -> Self {
         let example = |(round, ray, what): &(u64, usize, String)| Example {
@@ -166,7 +158,7 @@ impl Line {
         Value::Count(self.differences.get(difference).copied().unwrap_or_default())
     }
 
-    /// Whether it fails the check.
+    /// Returns whether it fails the check.
     pub fn is_failure(&self) -> bool {
         self.mismatches > 0 && self.known_defect.is_none()
     }
@@ -175,19 +167,16 @@ impl Line {
 /// Everything that was found.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Report {
-    /// The command line.
     pub command_line: Vec<String>,
-    /// Seed.
     pub seed: u64,
     /// Rays a case and precision.
     pub rays: usize,
-    /// Seconds.
     pub seconds: f64,
     /// Why it ended before all was asked, if so.
-    pub cut: Option<Cut>,
-    /// Of a complete check: a round of a case in a precision each.
+    pub cut: Option<StopReason>,
+    /// Rounds of a complete check: one per case and precision.
     pub rounds: u64,
-    /// Those that were asked.
+    /// Rounds that were run.
     pub rounds_asked: u64,
     /// One line per case, precision and subject.
     pub lines: Vec<Line>,
@@ -243,10 +232,10 @@ impl Report {
     }
 
     /// How it ended, and how far it came.
-    fn said(&self, cut: Cut) -> String {
+    fn said(&self, cut: StopReason) -> String {
         let why = match cut {
-            Cut::Interrupted(signal) => format!("interrupted by signal {signal}"),
-            Cut::OutOfTime => "out of time".to_owned(),
+            StopReason::Interrupted(signal) => format!("interrupted by signal {signal}"),
+            StopReason::OutOfTime => "out of time".to_owned(),
         };
         format!("{why} after {} of {} rounds", self.rounds_asked, self.rounds)
     }
@@ -262,7 +251,7 @@ impl Report {
         format!("{:016x}", all.0)
     }
 
-    /// What the table cannot say.
+    /// Notes beyond the table.
     fn notes(&self) -> Vec<String> {
         let mut notes = vec![
             "<x: no mismatch; its rate is below x with 95% confidence (3/trials)".to_owned(),
@@ -297,8 +286,8 @@ impl Report {
         })
     }
 
-    /// One note for all that were refused for the same reason: brute force refuses for all, a plugin all
-    /// cases in f64.
+    /// One note for all that were refused for the same reason: brute force refuses for all, a
+    /// plugin all cases in f64.
     fn refusals(&self) -> impl Iterator<Item = String> {
         let mut who: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
         for line in &self.lines {

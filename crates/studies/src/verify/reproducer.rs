@@ -7,7 +7,7 @@ use accel_core::Hit;
 use glam::DVec3;
 
 use super::replay::precision_name;
-use super::shrink::Shrunk;
+use super::shrink::ReducedFailure;
 use measurement::rays::exactness::ROUNDING;
 use measurement::rays::text::{hexadecimal, line};
 use measurement::settings::Precision;
@@ -15,7 +15,7 @@ use measurement::settings::Precision;
 /// The C program; words in capitals are replaced.
 const PROGRAM: &str = include_str!("reproducer.c");
 
-impl Shrunk {
+impl ReducedFailure {
     /// A name for its files: letters, digits and hyphens.
     pub fn name(&self) -> String {
         let precision = precision_name(self.replay.precision);
@@ -34,7 +34,7 @@ impl Shrunk {
         files
     }
 
-    /// What is printed: exact numbers, and what was said and is right.
+    /// Printed text: exact numbers, the answer and the right one.
     pub fn text(&self) -> String {
         let mut text = self.heading();
         for (i, corners) in self.triangles.iter().enumerate() {
@@ -90,9 +90,12 @@ impl Shrunk {
             format!("    {{{{{origin}}}, {}, {{{direction}}}, {}}},\n", c(ray.t_min), c(ray.t_max))
         };
         let (hits, blocked) = &self.right;
-        let hit = |hit: &Hit<f64>| match hit.is_hit() {
-            true => format!("    {{{}, {}}},\n", c(hit.t), hit.id),
-            false => "    {0, RTBENCH_MISS},\n".to_owned(),
+        let hit = |hit: &Hit<f64>| {
+            if hit.is_hit() {
+                format!("    {{{}, {}}},\n", c(hit.t), hit.id)
+            } else {
+                "    {0, RTBENCH_MISS},\n".to_owned()
+            }
         };
         let settings = self.replay.subject.split_whitespace().skip(1);
         let settings = settings.filter_map(|s| s.split_once('='));

@@ -1,4 +1,4 @@
-//! What a case draws from a seed: a scene, rays, and what is expected of them.
+//! A round drawn by a case from a seed: a scene, rays, and the expected answers.
 
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
@@ -15,32 +15,30 @@ pub const FEWEST_RAYS: usize = 500;
 /// The most: many, so that large runs do not spend their time on building.
 pub const MOST_RAYS: usize = 20_000;
 
-/// What the oracle of a case says of the closest hit of a ray. Agreement with brute force is
-/// demanded in any case.
+/// Answer of a case's oracle for the closest hit of a ray. Agreement with brute force is required
+/// in any case.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Expected {
+pub enum OracleAnswer {
     /// Nothing: agreement is the only oracle.
     Anything,
-    /// No hit.
     Miss,
     /// The tests of primitives break a law of geometry here, said in words: no answer is right.
     Broken(String),
-    /// A hit.
     Hit {
-        /// Of this primitive; of any when `None`.
+        /// Primitive that is hit; any if `None`.
         id: Option<u32>,
         /// At a parameter in this closed interval.
         t: [f64; 2],
     },
 }
 
-impl Expected {
+impl OracleAnswer {
     /// A hit of whichever primitive, at `t` but for `slack`.
     pub fn hit_at(t: f64, slack: f64) -> Self {
         Self::Hit { id: None, t: [t - slack, t + slack] }
     }
 
-    /// Whether an answer is what is expected.
+    /// Returns whether an answer is what is expected.
     pub fn admits<S: Scalar>(&self, hit: &Hit<S>) -> bool {
         match *self {
             Self::Anything => true,
@@ -57,27 +55,25 @@ impl Expected {
 /// For each ray the only primitives that it can meet: a reference for scenes so large that asking
 /// all of them would take too long.
 #[derive(Debug, Default)]
-pub struct Near {
+pub struct NearbyPrimitives {
     /// Ids in rising order.
     pub lists: Vec<Vec<u32>>,
-    /// Which of the lists is that of each ray.
+    /// Index of the list of each ray.
     pub of: Vec<usize>,
 }
 
 /// A scene and its rays.
 #[derive(Debug)]
 pub struct Round<S: Scalar> {
-    /// The scene.
     pub model: Model<S>,
-    /// The rays.
     pub rays: Vec<Ray<S>>,
-    /// What is expected of each.
-    pub expected: Vec<Expected>,
-    /// Whether each is blocked, where that is known otherwise than by its closest hit; or empty.
+    /// Expected answer for each ray.
+    pub expected: Vec<OracleAnswer>,
+    /// True if each is blocked, where that is known otherwise than by its closest hit; or empty.
     pub blocked: Vec<bool>,
     /// Point lights, for what answers shadow rays alone.
     pub lights: Vec<DVec3>,
-    /// Which of them each ray runs to.
+    /// Index of the light that each ray runs to.
     pub light_of: Vec<u32>,
     /// The frame before: structures are built over it, and then taken to the scene.
     pub before: Option<Model<S>>,
@@ -87,7 +83,7 @@ pub struct Round<S: Scalar> {
     /// The same in other guises, which must not change the answers.
     pub pairs: Vec<MetamorphicPair<S>>,
     /// Brute force is asked for those primitives alone; for all where there is none.
-    pub near: Option<Near>,
+    pub near: Option<NearbyPrimitives>,
 }
 
 impl<S: Scalar> Round<S> {
@@ -107,8 +103,7 @@ impl<S: Scalar> Round<S> {
         }
     }
 
-    /// Adds a ray.
-    pub fn push(&mut self, ray: Ray<S>, expected: Expected) {
+    pub fn push(&mut self, ray: Ray<S>, expected: OracleAnswer) {
         self.rays.push(ray);
         self.expected.push(expected);
     }

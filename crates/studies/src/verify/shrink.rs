@@ -11,11 +11,11 @@ use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 
 use super::check::Drawing;
-use super::judge::{Difference, Judge, Judged, Mismatch, brute_force_answers};
+use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
 use super::model::{Corners, Model};
 use super::registry::Case;
 use super::replay::Replay;
-use super::round::{Expected, Round};
+use super::round::{OracleAnswer, Round};
 use super::subject::Subject;
 use measurement::settings::Precision;
 
@@ -30,18 +30,15 @@ const MOST_DEATHS: usize = 300;
 const PER_TRIANGLE: usize = 9;
 const PER_RAY: usize = 8;
 
-/// A failure, reduced.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Shrunk {
-    /// What was reduced.
+pub struct ReducedFailure {
     pub replay: Replay,
     /// Triangles and rays of the round.
     pub from: [usize; 2],
-    /// The triangles.
     pub triangles: Vec<Corners>,
     /// The rays: more than one only if no single ray fails alone.
     pub rays: Vec<Ray<f64>>,
-    /// What is wrong, in words.
+    /// Description of the fault.
     pub what: String,
     /// The answers of brute force to the rays: hits, and which of them are blocked.
     pub right: (Vec<Hit<f64>>, Vec<bool>),
@@ -49,7 +46,7 @@ pub struct Shrunk {
 
 /// Reduces the failure of one trial; none where it has no triangles, where only the case's oracle
 /// sees it, or where it does not repeat.
-pub fn shrink(case: &Case, replay: &Replay, subject: &Subject<'_>) -> Option<Shrunk> {
+pub fn shrink(case: &Case, replay: &Replay, subject: &Subject<'_>) -> Option<ReducedFailure> {
     let &Replay { seed, round: number, rays, .. } = replay;
     let drawing = Drawing { id: case.id, seed, number, rays };
     match replay.precision {
@@ -62,7 +59,7 @@ fn reduced<S: Buildable>(
     round: &Round<S>,
     replay: &Replay,
     subject: &Subject<'_>,
-) -> Option<Shrunk> {
+) -> Option<ReducedFailure> {
     let search = Search {
         ask: &|triangles, rays| wrong::<S>(triangles, rays, subject),
         trials: Cell::new(MOST_TRIALS),
@@ -87,10 +84,10 @@ fn reduced<S: Buildable>(
     triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
     let what = wrong::<S>(&triangles, &rays, subject)?.what;
     let right = brute_force_answers(&round_of::<S>(&triangles, &rays)?)?;
-    Some(Shrunk { replay: replay.clone(), from, triangles, rays, what, right })
+    Some(ReducedFailure { replay: replay.clone(), from, triangles, rays, what, right })
 }
 
-/// What is asked about a scene: the first wrong answer, if any.
+/// Test of a scene that returns the first wrong answer, if any.
 type Question<'a> = &'a dyn Fn(&[Corners], &[Ray<f64>]) -> Option<Mismatch>;
 
 /// The trials of a search, which end when the work is done.
@@ -101,7 +98,7 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
-    /// What is wrong; nothing once there were enough trials.
+    /// The fault; `None` once there were enough trials.
     fn failure(&self, triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Mismatch> {
         self.trials.set(self.trials.get().checked_sub(1)?);
         self.work.set(self.work.get().checked_sub(triangles.len() + rays.len())?);
@@ -188,7 +185,7 @@ fn scene_of(numbers: &[f64], triangles: usize) -> (Vec<Corners>, Vec<Ray<f64>>) 
     (corners.collect(), rays.collect())
 }
 
-/// How many triangles have no area.
+/// Number of triangles without area.
 fn flat(triangles: &[Corners]) -> usize {
     let is_flat = |[a, b, c]: &&Corners| (*b - *a).cross(*c - *a) == DVec3::ZERO;
     triangles.iter().filter(is_flat).count()
@@ -233,8 +230,8 @@ fn wrong<S: Buildable>(
 ) -> Option<Mismatch> {
     let round = round_of::<S>(triangles, rays)?;
     match Judge::new(&round).ok()?.judge(subject) {
-        Judged::Asked(all, _) => all.into_iter().find(|mismatch| mismatch.is_wrong),
-        Judged::Refused(_) | Judged::NotAsked => None,
+        RoundVerdict::Asked(all, _) => all.into_iter().find(|mismatch| mismatch.is_wrong),
+        RoundVerdict::Refused(_) | RoundVerdict::NotAsked => None,
     }
 }
 
@@ -244,7 +241,7 @@ fn round_of<S: Scalar>(triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Round
         let vector = Vec3::<S>::from_dvec3;
         let (t_min, t_max) = (S::from_f64(ray.t_min), S::from_f64(ray.t_max));
         let ray = Ray { t_min, t_max, ..Ray::new(vector(ray.origin), vector(ray.direction)) };
-        round.push(ray, Expected::Anything);
+        round.push(ray, OracleAnswer::Anything);
     }
     Some(round)
 }

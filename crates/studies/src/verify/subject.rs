@@ -1,8 +1,8 @@
-//! What is put to the test: a structure, or the negative control.
+//! Subject of a check: a structure, or the negative control.
 
-use accel_core::occluders::{self, Occluding};
+use accel_core::occluders::{self, OccluderRegistry};
 use accel_core::primitives::PrimsRef;
-use accel_core::query::tracer::{Before, Tracer};
+use accel_core::query::tracer::{PreviousFrame, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::{Entry, find};
@@ -16,13 +16,12 @@ use measurement::plan::rows::{Row, select};
 /// The negative control's name.
 pub const CONTROL: &str = "moeller-trumbore";
 
-/// Who answers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Subject<'r> {
     /// A structure with settings, over the primitive tests that are the default.
     Structure(Row<'r>),
-    /// What answers shadow rays alone, with settings.
-    Occluder(Row<'static, Occluding>),
+    /// An occluder with settings.
+    Occluder(Row<'static, OccluderRegistry>),
     /// Brute force over plain Moeller-Trumbore tests, which leak at edges: where it misses
     /// nothing, the rays have no power.
     Control,
@@ -67,7 +66,7 @@ impl<'r> Subject<'r> {
         Ok(subjects)
     }
 
-    /// Those of `subjects` that a case asks, with the settings that it asks for.
+    /// Selects the `subjects` of a case, with the settings that it requires.
     ///
     /// # Errors
     /// [`PlanError`] when the case's own settings are not valid.
@@ -105,7 +104,6 @@ impl<'r> Subject<'r> {
         Row::parse(registry, label).map(Self::Structure)
     }
 
-    /// Name and settings.
     pub fn label(&self) -> String {
         match self {
             Self::Structure(row) => row.label(),
@@ -173,7 +171,7 @@ impl<'r> Subject<'r> {
             _ => None,
         };
         let (Some(kept), Some(moved)) = (kept, moved) else { return self.over(model, ask) };
-        let before = Before { kept, moved: &moved };
+        let before = PreviousFrame { kept, moved: &moved };
         Ok(Some(ask(&*row.entry.update(model.prims(), &row.params, before)?)))
     }
 }

@@ -1,5 +1,5 @@
-//! Which polygons a line meets for sure, and which perhaps: the oracle of polygons, in f64. It
-//! shares no arithmetic with the product's test.
+//! Oracle of polygons, in f64: polygons that a line certainly or possibly meets. It shares no
+//! arithmetic with the product's test.
 //!
 //! Everything is seen along the line: vertices are projected onto the plane across it, where the
 //! line is a point. A polygon is met for sure where the even-odd rule says so and no edge is nearer
@@ -45,18 +45,18 @@ struct Face {
 
 /// A polygon that a line meets, or may meet.
 #[derive(Debug, Clone, PartialEq)]
-struct Meeting {
+struct LineContact {
     id: u32,
     /// Between these the line is in its plane.
     t: [f64; 2],
     /// Edges too near to say more; none where it is met for sure.
     near: Vec<usize>,
-    /// Whether it is seen from the side that its normal points to; `None` where it is seen edge-on.
+    /// True if it is seen from the side that its normal points to; `None` where it is seen edge-on.
     is_front: Option<bool>,
 }
 
 impl Surface {
-    /// Of polygons whose coordinates the product's scalar holds exactly.
+    /// Surface of polygons whose coordinates the product's scalar represents exactly.
     pub fn new(outlines: &[Vec<DVec3>]) -> Self {
         let mut numbers = BTreeMap::new();
         let mut beside: Vec<Vec<u32>> = Vec::new();
@@ -86,7 +86,6 @@ impl Surface {
         Self { faces, beside, bounds }
     }
 
-    /// The largest coordinate.
     pub fn magnitude(&self) -> f64 {
         let [low, high] = self.bounds;
         low.abs().max(high.abs()).max_element()
@@ -100,7 +99,7 @@ impl Surface {
         SHIFT * S::EPSILON.to_f64() * far.min(9.0 * self.magnitude()).max(self.magnitude())
     }
 
-    /// What is wrong with `hits`, which ought to be all that polygons tested alone have within the
+    /// Fault of `hits`, which should be all hits of the polygons, each tested alone, within the
     /// interval of the ray.
     pub fn fault<S: Scalar>(&self, ray: &Ray<S>, hits: &[Hit<S>]) -> Option<String> {
         let met = self.meetings(ray);
@@ -111,10 +110,10 @@ impl Surface {
                 return Some(format!("polygon {} is hit at {t}, not within {place:?}", hit.id));
             }
         }
-        let is_hit = |m: &Meeting| hits.iter().any(|hit| hit.id == m.id);
+        let is_hit = |m: &LineContact| hits.iter().any(|hit| hit.id == m.id);
         let [start, end] = [ray.t_min, ray.t_max].map(S::to_f64);
-        let is_within = |m: &Meeting| start <= m.t[0] && m.t[1] <= end;
-        let lost = |m: &&Meeting| m.near.is_empty() && is_within(m) && !is_hit(m);
+        let is_within = |m: &LineContact| start <= m.t[0] && m.t[1] <= end;
+        let lost = |m: &&LineContact| m.near.is_empty() && is_within(m) && !is_hit(m);
         if let Some(m) = met.iter().find(lost) {
             return Some(format!("polygon {} is not hit at {:?}", m.id, m.t));
         }
@@ -127,7 +126,7 @@ impl Surface {
     }
 
     /// Polygons whose edges are near, those that are joined by such edges together.
-    fn joined(&self, met: &[Meeting]) -> Vec<Vec<usize>> {
+    fn joined(&self, met: &[LineContact]) -> Vec<Vec<usize>> {
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for (i, m) in met.iter().enumerate().filter(|(_, m)| !m.near.is_empty()) {
             let touches = |g: &Vec<usize>| {
@@ -141,8 +140,8 @@ impl Surface {
         groups
     }
 
-    /// Whether both sides of each near edge are seen from the same side.
-    fn is_sealed(&self, group: &[usize], met: &[Meeting]) -> bool {
+    /// Returns whether both sides of each near edge are seen from the same side.
+    fn is_sealed(&self, group: &[usize], met: &[LineContact]) -> bool {
         let front = |id: &u32| met.iter().find(|m| m.id == *id).and_then(|m| m.is_front);
         group.iter().flat_map(|i| &met[*i].near).all(|edge| match self.beside[*edge].as_slice() {
             [a, b] => front(a).is_some() && front(a) == front(b),
@@ -151,7 +150,7 @@ impl Surface {
     }
 
     /// All polygons that the line of a ray meets, or may meet.
-    fn meetings<S: Scalar>(&self, ray: &Ray<S>) -> Vec<Meeting> {
+    fn meetings<S: Scalar>(&self, ray: &Ray<S>) -> Vec<LineContact> {
         let (origin, direction) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
         let length = direction.length();
         let along = direction / length;
@@ -178,7 +177,7 @@ impl Surface {
                 false => [nearest - face.radius - slack, nearest + face.radius + slack],
             };
             let t = [t[0] - shift, t[1] + shift].map(|t| t / length);
-            Some(Meeting { id, t, near, is_front: is_clear.then_some(sine < 0.0) })
+            Some(LineContact { id, t, near, is_front: is_clear.then_some(sine < 0.0) })
         };
         (0..).zip(&self.faces).filter_map(meeting).collect()
     }

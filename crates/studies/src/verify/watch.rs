@@ -12,15 +12,14 @@ use measurement::system::progress::Progress;
 /// Why a check ended before all was asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Cut {
+pub enum StopReason {
     Interrupted(usize),
-    /// By `--time-limit`.
     OutOfTime,
 }
 
 /// Watches over a check. What is being asked when it must end is asked to its end: one structure,
 /// the rays of one round.
-pub struct Watch<'a> {
+pub struct CheckWatch<'a> {
     clock: &'a dyn Clock,
     /// A reading of the clock.
     deadline: Option<Duration>,
@@ -30,7 +29,7 @@ pub struct Watch<'a> {
     progress: Progress,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> CheckWatch<'a> {
     /// From now on; `signal` is 0 as long as none came.
     pub fn new(
         clock: &'a dyn Clock,
@@ -43,13 +42,13 @@ impl<'a> Watch<'a> {
     }
 
     /// Why the check must end, if it must.
-    pub fn cut(&self) -> Option<Cut> {
+    pub fn cut(&self) -> Option<StopReason> {
         match self.signal.load(SeqCst) {
             0 => {}
-            signal => return Some(Cut::Interrupted(signal)),
+            signal => return Some(StopReason::Interrupted(signal)),
         }
         let is_late = self.deadline.is_some_and(|deadline| self.clock.now() >= deadline);
-        is_late.then_some(Cut::OutOfTime)
+        is_late.then_some(StopReason::OutOfTime)
     }
 
     /// Says what is asked.
@@ -77,12 +76,12 @@ mod tests {
         let clock = SteppingClock::new(Duration::from_secs(1));
         let signal = Arc::new(AtomicUsize::new(0));
         let limit = Some(Duration::from_secs(3));
-        let watch = Watch::new(&clock, limit, Arc::clone(&signal), Progress::hidden());
+        let watch = CheckWatch::new(&clock, limit, Arc::clone(&signal), Progress::hidden());
         let cuts = [(); 3].map(|()| watch.cut());
-        assert_eq!(cuts, [None, None, Some(Cut::OutOfTime)]);
+        assert_eq!(cuts, [None, None, Some(StopReason::OutOfTime)]);
         signal.store(2, SeqCst);
-        assert_eq!(watch.cut(), Some(Cut::Interrupted(2)));
-        let endless = Watch::new(&clock, None, Arc::default(), Progress::hidden());
+        assert_eq!(watch.cut(), Some(StopReason::Interrupted(2)));
+        let endless = CheckWatch::new(&clock, None, Arc::default(), Progress::hidden());
         assert_eq!(endless.cut(), None);
     }
 }

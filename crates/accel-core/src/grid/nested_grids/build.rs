@@ -3,15 +3,15 @@
 use std::sync::{Mutex, PoisonError};
 
 use super::{CellStart, Grid, NestedGrids};
+use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::{BlockPlacement, DenseRows, block_lists};
 use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::memory::Counted;
-use crate::parallel::{forks, is_worth_a_fork, map};
-use crate::room::CapacityLimits;
+use crate::memory::CountedItem;
+use crate::parallel::{forks, map, should_parallelize};
 use crate::structure::BuildError;
 
 /// Limits and conventions of a build.
@@ -26,8 +26,8 @@ pub(crate) struct BuildRules {
 }
 
 /// Voxels of nested grids: where the ids and the grids of each begin.
-pub(crate) static VOXELS: Counted = Counted::cells("number of voxels", 8);
-pub(crate) static REFERENCES: Counted = Counted::references("references in voxels");
+pub(crate) static VOXELS: CountedItem = CountedItem::cells("number of voxels", 8);
+pub(crate) static REFERENCES: CountedItem = CountedItem::references("references in voxels");
 
 /// References that boxes would have in a grid; counted without visiting cells.
 pub(crate) fn references_in<S: Scalar>(
@@ -69,7 +69,7 @@ fn lists<S: Scalar>(
     block_lists(&rows, boxes.len(), rules.order, room, &placement).map_err(refused)
 }
 
-/// How much there is in all grids.
+/// Totals over all grids.
 #[derive(Debug, Clone, Copy, Default)]
 struct GridTotals {
     cells: u64,
@@ -102,7 +102,7 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         [self.starts.len(), self.ids.len()].map(|n| n as u64)
     }
 
-    /// How much is used by all, where a grid of so many cells is added.
+    /// Totals after adding a grid of this many cells.
     fn used_with(&self, cells: usize, rules: &BuildRules) -> Result<GridTotals, BuildError> {
         let Self { starts, ids, inner, before, .. } = self;
         let used = GridTotals {
@@ -148,7 +148,7 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         let memory = std::mem::take(&mut self.lists);
         let lists = lists(frame, boxes, [used.cells, used.ids], rules, memory)?;
         let grid_in = |cell: &usize| divide(frame.cell_bounds(*cell), lists.list(*cell));
-        let mut inner_grids = is_worth_a_fork(lists.references()).then(|| {
+        let mut inner_grids = should_parallelize(lists.references()).then(|| {
             let all: Vec<usize> = (0..frame.cells()).collect();
             map(&all, &grid_in).into_iter()
         });
@@ -245,7 +245,7 @@ impl<S: Scalar> NestedGrids<S> {
         GridTotals { cells, ids, inner }
     }
 
-    /// Whether these would have been made with what is used now before them.
+    /// Returns whether these grids would also have been built after those that exist now.
     fn has_room_for<I>(&self, grids: &LooseGrids<S, I>, rules: &BuildRules) -> bool {
         let used = self.used();
         let references = (used.ids + grids.peak).max(used.inner + grids.inner.len() as u64);

@@ -1,4 +1,4 @@
-//! Which primitive goes to which cells of a regular grid, and the settings that say so.
+//! Assignment of primitives to the cells of a regular grid, and its settings.
 
 use std::ops::Range;
 

@@ -1,4 +1,4 @@
-//! What the regular grids share: frame, placement, traversal. They differ in where cells are stored.
+//! Parts that regular grids share: frame, placement, traversal. They differ in cell storage.
 //!
 //! `uniform_grid.rs` (an array), `hashed_grid.rs` (a hash table) and `bricked_grid.rs` (blocks)
 //! are this grid over one [`CellStorage`] each, so they have the same cells and do the same work.
@@ -15,7 +15,7 @@ use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::ResolutionRule;
 use crate::grid::voxel_traversal::{GridFrame, IndexedCell};
 use crate::grid::voxel_traversal_lanes::MOST_CELLS;
-use crate::memory::Counted;
+use crate::memory::CountedItem;
 use crate::memory::Limits;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, specs};
@@ -24,7 +24,7 @@ use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::counters::NoCounters;
 use crate::query::kernel::ListBlocks;
-use crate::query::side_by_side::InLanes;
+use crate::query::side_by_side::LaneDriver;
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{BatchAnswers, Batches, BuildError, Structure, StructureStats};
@@ -32,9 +32,9 @@ use crate::update::{Change, ChangedLists, is_worth_changing};
 use crate::variants::double_traversal::DoubleTraversal;
 pub(crate) use contents::contents_of;
 pub use contents::{Contents, GridConfig};
-use side_by_side::InBlocks;
+use side_by_side::BlockGrid;
 
-/// Where the lists of a grid's cells are kept.
+/// Storage of the cell lists of a grid.
 pub trait CellStorage: Sized + Send + Sync + 'static {
     /// Bytes that so many cells take, about, whether they hold ids or not.
     fn cell_bytes(cells: u128) -> u128 {
@@ -42,7 +42,7 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     }
     /// Bytes that a reference takes, at most.
     const REFERENCE_BYTES: u64 = 4;
-    /// Whether the traversals that are there for comparison are compiled for it.
+    /// True if the traversals that are there for comparison are compiled for it.
     const COMPARES_TRAVERSALS: bool = false;
 
     /// Its settings beside those of the grid.
@@ -57,8 +57,9 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
         config: &Self::Config,
     ) -> Result<Self, TooManyReferences>;
 
-    /// Changes the lists of cells that `moved` primitives were in, or are in now: those of `contents`, of the same
-    /// grid. `None` where it stores lists in a way that has no room for that: they are to be built anew.
+    /// Changes the lists of cells that `moved` primitives were in, or are in now: those of
+    /// `contents`, of the same grid. `None` where it stores lists in a way that has no room for
+    /// that: they are to be built anew.
     fn change<S: Scalar, P: PrimSet<S>>(
         &mut self,
         _contents: &Contents<S, P>,
@@ -69,13 +70,13 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
 
     /// The ids of a cell.
     fn list(&self, cell: &impl CellPosition) -> &[u32];
-    /// Calls `each` with every list, in the order in which they stand; those that hold no ids may be left out.
+    /// Calls `each` with every list, in the order in which they stand; those that hold no ids may
+    /// be left out.
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32]));
     /// Cells that hold ids.
     fn occupied_cells(&self) -> u64;
     /// Ids in all cells together.
     fn references(&self) -> u64;
-    /// Bytes occupied.
     fn bytes(&self) -> u64;
 }
 
@@ -94,12 +95,12 @@ pub struct RegularGrid<S: Scalar, G> {
     from_origin: bool,
     traversal: Traversal,
     is_batch: bool,
-    /// For [`Traversal::Double`].
+    /// Used by [`Traversal::Double`] only.
     wide_frame: GridFrame<f64>,
 }
 
 impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
-    /// Where its cells are.
+    /// Position and size of its cells.
     pub fn frame(&self) -> &GridFrame<S> {
         &self.frame
     }
@@ -135,7 +136,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     ) -> Result<Change, BuildError> {
         if settings.is_incremental && is_worth_changing(moved.len(), prims.len()) {
             let mut contents = contents_of(prims, settings.limits(), settings)?;
-            let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
+            let references = CountedItem { bytes: G::REFERENCE_BYTES, ..REFERENCES };
             contents.max_references = settings.limits().most(&references, settings.max_references);
             if contents.frame == self.frame
                 && let Some(lists) = self.storage.change(&contents, moved)
@@ -196,14 +197,14 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         answers: BatchAnswers<'_, S>,
     ) {
         if let Some(blocks) = blocks {
-            let grid = &InBlocks {
+            let grid = &BlockGrid {
                 grid: self,
                 frame: &self.frame,
                 from_origin: self.from_origin,
                 list: |index| self.storage.list(&IndexedCell { frame: &self.frame, index }),
                 blocks,
             };
-            batch::answer::<InLanes, NoCounters, _, _, _>(grid, prims, rays, reach, answers);
+            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, rays, reach, answers);
         }
     }
 
@@ -248,11 +249,11 @@ fn visit<S: Scalar>(
     }
 }
 
-const REFERENCES: Counted = Counted::references("references in voxels");
+const REFERENCES: CountedItem = CountedItem::references("references in voxels");
 
 /// References a primitive, on average, beyond which a computed resolution is made coarser. On the
 /// scenes of 1999 no rule needs more than 12.
-const REFERENCES_A_PRIMITIVE: u64 = 64;
+const MAX_REFS_PER_PRIM: u64 = 64;
 
 /// How many references a computed resolution may have.
 fn soft_limit<S: Scalar, P: PrimSet<S>>(prims: &P) -> u64 {
@@ -260,7 +261,7 @@ fn soft_limit<S: Scalar, P: PrimSet<S>>(prims: &P) -> u64 {
     if are_copies(prims) {
         return MOST_REFERENCES_A_COPY * number;
     }
-    (REFERENCES_A_PRIMITIVE * number).max(1 << 20)
+    (MAX_REFS_PER_PRIM * number).max(1 << 20)
 }
 
 /// Contents under the settings, and their storage. A resolution that is not given in
@@ -276,7 +277,7 @@ pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
 ) -> Result<(Contents<'a, S, P>, G), BuildError> {
     let mut contents = contents_of(prims, limits, config)?;
     let hard_limit = contents.max_references;
-    let references = Counted { bytes: G::REFERENCE_BYTES, ..REFERENCES };
+    let references = CountedItem { bytes: G::REFERENCE_BYTES, ..REFERENCES };
     let is_given = matches!(config.resolution, ResolutionRule::Fixed(_));
     let soft_limit = if is_given { hard_limit } else { soft_limit(prims) };
     loop {

@@ -10,12 +10,12 @@ use crate::grid::voxel_traversal_lanes::TraversalLanes;
 use crate::query::batch::Traverse;
 use crate::query::by_blocks;
 use crate::query::kernel::ListBlocks;
-use crate::query::side_by_side::{RAYS, SideBySide};
+use crate::query::side_by_side::{LaneTraversal, RAYS};
 use crate::query::sink::Sink;
 use crate::structure::Structure;
 
 /// The grid, where its traversals start, its lists by the indices of cells, and their blocks.
-pub(super) struct InBlocks<'a, S: Scalar, T, L> {
+pub(super) struct BlockGrid<'a, S: Scalar, T, L> {
     pub(super) grid: &'a T,
     pub(super) frame: &'a GridFrame<S>,
     pub(super) from_origin: bool,
@@ -24,22 +24,22 @@ pub(super) struct InBlocks<'a, S: Scalar, T, L> {
 }
 
 /// Eight rays that are to begin; none where the grid is not met.
-pub(crate) struct Beginnings<S: Scalar>([Option<VoxelTraversal<S>>; LANES]);
+pub(crate) struct StartStates<S: Scalar>([Option<VoxelTraversal<S>>; LANES]);
 
-impl<S: Scalar, T: Structure<S>, L> Traverse<S> for &InBlocks<'_, S, T, L> {
+impl<S: Scalar, T: Structure<S>, L> Traverse<S> for &BlockGrid<'_, S, T, L> {
     #[inline(always)]
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         by_blocks::traverse(self.grid, self.blocks, ray, sink);
     }
 }
 
-impl<'a, S, T, L> SideBySide<S> for InBlocks<'a, S, T, L>
+impl<'a, S, T, L> LaneTraversal<S> for BlockGrid<'a, S, T, L>
 where
     S: Scalar,
     T: Structure<S>,
     L: Fn(usize) -> &'a [u32],
 {
-    type Eight = Beginnings<S>;
+    type Eight = StartStates<S>;
     type State = TraversalLanes<S>;
 
     #[inline(always)]
@@ -48,18 +48,18 @@ where
     }
 
     #[inline(always)]
-    fn prepare(&self, rays: &RayLanes<S>) -> Beginnings<S> {
+    fn prepare(&self, rays: &RayLanes<S>) -> StartStates<S> {
         let mut beginnings = [const { None }; LANES];
         for (lane, beginning) in beginnings.iter_mut().enumerate() {
             let ray = rays.ray(lane);
             let start = if self.from_origin { S::ZERO } else { ray.t_min };
             *beginning = self.frame.traversal_from(&ray, start);
         }
-        Beginnings(beginnings)
+        StartStates(beginnings)
     }
 
     #[inline(always)]
-    fn meeting(eight: &Beginnings<S>) -> u32 {
+    fn meeting(eight: &StartStates<S>) -> u32 {
         let met = eight.0.iter().enumerate();
         met.fold(0, |met, (lane, traversal)| met | u32::from(traversal.is_some()) << lane)
     }
@@ -69,7 +69,7 @@ where
     }
 
     #[inline(always)]
-    fn begin(&self, state: &mut Self::State, lane: usize, eight: &Beginnings<S>, ray: usize) {
+    fn begin(&self, state: &mut Self::State, lane: usize, eight: &StartStates<S>, ray: usize) {
         if let Some(traversal) = &eight.0[ray] {
             state.begin(lane, traversal);
         }

@@ -1,4 +1,4 @@
-//! Which rays a light buffer answers by its cells.
+//! Rays that a light buffer answers from its cells.
 
 use super::direction_cube::{CubePoint, place};
 use super::margins::Margins;
@@ -7,22 +7,21 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::PrimSet;
 
-/// Which rays the cells speak for: those from the scene to the light.
+/// Rays that cells can answer: those from the scene to the light.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Aim<S> {
+pub(super) struct LightRays<S> {
     /// Largest distance on an axis from the end of a ray to its light.
     end: S,
-    /// See `far_ray.rs`.
     reach: S,
 }
 
-impl<S: Scalar> Aim<S> {
+impl<S: Scalar> LightRays<S> {
     pub(super) fn new<P: PrimSet<S>>(prims: &P, margins: &Margins) -> Self {
         let reach = far_ray::reach(prims.magnitude());
         Self { end: S::from_f64(margins.end), reach }
     }
 
-    /// Where a ray starts as seen from its light, or `None` for a ray that does not run there.
+    /// Origin of a ray relative to its light; `None` if the ray does not run there.
     #[inline(always)]
     pub(super) fn place(&self, ray: &Ray<S>, light: Vec3<S>) -> Option<CubePoint<S>> {
         let from_light = ray.origin - light;
@@ -36,7 +35,7 @@ impl<S: Scalar> Aim<S> {
     }
 }
 
-/// Whether no component is larger than `limit`; false for NaN.
+/// Returns whether no component is larger than `limit`; false for NaN.
 #[inline(always)]
 fn is_within<S: Scalar>(v: Vec3<S>, limit: S) -> bool {
     let [x, y, z] = v.to_array();

@@ -23,7 +23,7 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// Of all opaque primitives, grown by `margin`.
+    /// Balls around all opaque primitives, grown by `margin`.
     pub(super) fn of<S: Scalar, P: PrimSet<S>>(prims: &P, margin: f64) -> Self {
         let are_tight = prims.is_watertight();
         let mut this =
@@ -59,7 +59,7 @@ impl FaceView<'_> {
         Ball { center: in_frame(self.face, ball.center - self.light), ..*ball }
     }
 
-    /// Whether bodies that share edges leave no gap there.
+    /// Returns whether bodies that share edges leave no gap there.
     pub(super) fn is_tight(&self) -> bool {
         self.bodies.are_tight
     }

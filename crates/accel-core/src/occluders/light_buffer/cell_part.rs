@@ -1,4 +1,4 @@
-//! Which part of a cell shows a primitive, in one word: bounds along u, v, u + v and u - v.
+//! Region of a cell that shows a primitive, in one word: bounds of u, v, u + v and u - v.
 //!
 //! A cell is thought of as 128 x 128 spots. Whether the spot that a ray passes lies within the
 //! bounds of a primitive is one subtraction, as all eight comparisons are made at once, a byte
@@ -23,11 +23,11 @@ const SLACK: f64 = 1e-6;
 /// Outlines of half as many spots are not cut.
 const SMALL: f64 = 2.0;
 
-/// Where a ray passes through a cell.
+/// Point at which a ray passes through a cell.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Spot(u64);
+pub(super) struct CellPoint(u64);
 
-impl Spot {
+impl CellPoint {
     /// From coordinates whose lowest [`SPOT_BITS`] bits are those within the cell.
     #[inline(always)]
     pub(super) fn of(x: u32, y: u32) -> Self {
@@ -40,14 +40,14 @@ impl Spot {
 /// A part of a cell: for each of four directions the least that a spot may have there, and 127
 /// less the most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Part(u64);
+pub(super) struct CellRegion(u64);
 
-impl Part {
+impl CellRegion {
     pub(super) const ALL: Self = Self(0);
 
-    /// Whether the spot may show what the part was made from.
+    /// Returns whether the spot may show what the part was made from.
     #[inline(always)]
-    pub(super) fn holds(self, spot: Spot) -> bool {
+    pub(super) fn holds(self, spot: CellPoint) -> bool {
         // each byte of the difference keeps its highest bit where it is not below
         spot.0.wrapping_sub(self.0) & HIGH == HIGH
     }
@@ -100,7 +100,7 @@ impl OutlineClipper {
         sides: &[HalfPlane],
         low: DVec2,
         spot: DVec2,
-    ) -> Part {
+    ) -> CellRegion {
         let size = spot * f64::from(SPOTS);
         let (from, to) = (rectangle[0].max(low), rectangle[1].min(low + size));
         self.points.clear();
@@ -118,7 +118,7 @@ impl OutlineClipper {
         for p in &mut self.points {
             *p = (*p - low) * scale;
         }
-        Part::around(&self.points)
+        CellRegion::around(&self.points)
     }
 
     fn cut(&mut self, side: &HalfPlane) {
@@ -175,7 +175,7 @@ mod tests {
             for _ in 0..200 {
                 let p = dvec2(random.unit(), random.unit()) * 0.5;
                 let (x, y) = ((p.x / spot.x) as u32, (p.y / spot.y) as u32);
-                let held = part.holds(Spot::of(x + 128 * 7, y + 128 * 3));
+                let held = part.holds(CellPoint::of(x + 128 * 7, y + 128 * 3));
                 if sides.iter().all(|s| s.normal.dot(p) <= s.limit) {
                     within += 1;
                     assert!(held, "{corners:?} {p}");
@@ -191,15 +191,19 @@ mod tests {
     #[test]
     fn the_whole_cell_holds_every_spot_and_a_planted_fault_is_caught() {
         let corners = [(0, 0), (0, 127), (127, 0), (127, 127), (64, 3)];
-        assert!(corners.iter().all(|&(x, y)| Part::ALL.holds(Spot::of(x, y))));
-        let all =
-            Part::around(&[DVec2::ZERO, dvec2(128.0, 128.0), dvec2(0., 128.), dvec2(128., 0.)]);
-        assert_eq!(all, Part::ALL);
-        assert_eq!(Part::around(&[DVec2::NAN]), Part::ALL);
+        assert!(corners.iter().all(|&(x, y)| CellRegion::ALL.holds(CellPoint::of(x, y))));
+        let all = CellRegion::around(&[
+            DVec2::ZERO,
+            dvec2(128.0, 128.0),
+            dvec2(0., 128.),
+            dvec2(128., 0.),
+        ]);
+        assert_eq!(all, CellRegion::ALL);
+        assert_eq!(CellRegion::around(&[DVec2::NAN]), CellRegion::ALL);
         // bounds that are too narrow by a spot lose the corners
-        let narrow = Part::around(&[dvec2(1.5, 1.5), dvec2(126.5, 126.5)]);
-        let lost = |&&(x, y): &&(u32, u32)| !narrow.holds(Spot::of(x, y));
+        let narrow = CellRegion::around(&[dvec2(1.5, 1.5), dvec2(126.5, 126.5)]);
+        let lost = |&&(x, y): &&(u32, u32)| !narrow.holds(CellPoint::of(x, y));
         assert_eq!(corners.iter().filter(lost).count(), 5);
-        assert!(narrow.holds(Spot::of(60, 61)));
+        assert!(narrow.holds(CellPoint::of(60, 61)));
     }
 }

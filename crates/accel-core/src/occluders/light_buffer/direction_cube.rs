@@ -12,7 +12,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 /// Faces of a cube.
 pub(super) const FACES: usize = 6;
 
-/// Where a direction meets the cube.
+/// Point at which a direction meets the cube.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CubePoint<S> {
     pub(super) face: usize,
@@ -21,7 +21,7 @@ pub(super) struct CubePoint<S> {
     pub(super) depth: S,
 }
 
-/// Where `v` meets the cube; u and v are NaN for a zero vector.
+/// Point at which `v` meets the cube; u and v are NaN for a zero vector.
 #[inline(always)]
 pub(super) fn place<S: Scalar>(v: Vec3<S>) -> CubePoint<S> {
     let [x, y, z] = v.to_array();

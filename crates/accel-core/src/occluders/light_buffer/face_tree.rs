@@ -10,7 +10,7 @@ use glam::{DVec2, dvec2};
 use crate::geometry::ray::MISS;
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
-use crate::occluders::light_buffer::cell_part::{Part, SPOT_BITS, Spot};
+use crate::occluders::light_buffer::cell_part::{CellPoint, CellRegion, SPOT_BITS};
 use crate::occluders::light_buffer::margins::Margins;
 
 /// An entry of a list.
@@ -21,13 +21,13 @@ pub(super) struct Record<S> {
     /// The primitive, or one of [`END`], [`COVERED`], [`LONG`].
     pub(super) id: u32,
     /// Rays through other parts of the cell cannot meet it.
-    pub(super) part: Part,
+    pub(super) part: CellRegion,
 }
 
 impl<S: Scalar> Record<S> {
     /// End marker of a list.
     pub(super) fn end() -> Self {
-        Self { near: S::INFINITY, id: END, part: Part::ALL }
+        Self { near: S::INFINITY, id: END, part: CellRegion::ALL }
     }
 }
 
@@ -59,13 +59,13 @@ pub(super) struct Face<S> {
 
 /// Result of looking up a direction on a face.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct FaceLookup {
     /// The first record of the list.
     pub(super) first: u32,
     /// Levels passed on the way.
     pub(super) levels: u32,
-    /// Where the direction passes through the cell.
-    pub(super) spot: Spot,
+    /// Point at which the direction passes through the cell.
+    pub(super) spot: CellPoint,
 }
 
 impl<S: Scalar> Face<S> {
@@ -125,7 +125,7 @@ impl<S: Scalar> Face<S> {
 
     /// The list for a direction; `None` outside the part that shows anything.
     #[inline(always)]
-    pub(super) fn find(&self, cells: &[u32], at: [S; 2]) -> Option<Found> {
+    pub(super) fn find(&self, cells: &[u32], at: [S; 2]) -> Option<FaceLookup> {
         let (x, y) = self.spot(at)?;
         let mut shift = self.shift;
         let mut cell = cells[(self.first + ((y >> shift) << self.bits) + (x >> shift)) as usize];
@@ -137,17 +137,17 @@ impl<S: Scalar> Face<S> {
             levels += 1;
         }
         let shift = shift - SPOT_BITS;
-        Some(Found { first: cell, levels, spot: Spot::of(x >> shift, y >> shift) })
+        Some(FaceLookup { first: cell, levels, spot: CellPoint::of(x >> shift, y >> shift) })
     }
 }
 
 /// Counts of a build.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Tally {
+pub(super) struct BuildCounts {
     /// Cells that are divided, and coarse grids.
     pub(super) inner: u64,
     pub(super) leaves: u64,
-    /// Of those, empty ones.
+    /// Number of empty ones.
     pub(super) empty: u64,
     pub(super) references: u64,
     /// Lists left to a structure.
@@ -156,7 +156,7 @@ pub(super) struct Tally {
     pub(super) covered: u64,
 }
 
-impl Tally {
+impl BuildCounts {
     fn add(&mut self, other: &Self) {
         self.inner += other.inner;
         self.leaves += other.leaves;
@@ -170,29 +170,28 @@ impl Tally {
 /// All cells and lists of a buffer.
 #[derive(Debug)]
 pub(super) struct Cells<S> {
-    /// See [`Face::find`].
     pub(super) cells: Vec<u32>,
     /// The lists; the first one is empty.
     pub(super) records: Vec<Record<S>>,
-    pub(super) tally: Tally,
+    pub(super) tally: BuildCounts,
 }
 
 impl<S: Scalar> Cells<S> {
     pub(super) fn new() -> Self {
-        Self { cells: Vec::new(), records: vec![Record::end()], tally: Tally::default() }
+        Self { cells: Vec::new(), records: vec![Record::end()], tally: BuildCounts::default() }
     }
 
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice()) + size_of_val(self.records.as_slice())
     }
 
-    /// What there is now, for [`Cells::cut`].
-    pub(super) fn extent(&self) -> (usize, usize, Tally) {
+    /// Current sizes, for [`Cells::cut`].
+    pub(super) fn extent(&self) -> (usize, usize, BuildCounts) {
         (self.cells.len(), self.records.len(), self.tally)
     }
 
     /// Goes back to what there was.
-    pub(super) fn cut(&mut self, (cells, records, tally): (usize, usize, Tally)) {
+    pub(super) fn cut(&mut self, (cells, records, tally): (usize, usize, BuildCounts)) {
         self.cells.truncate(cells);
         self.records.truncate(records);
         self.tally = tally;
@@ -200,8 +199,9 @@ impl<S: Scalar> Cells<S> {
 
     /// Takes over the cells and lists of another, whose first record is moved to here as well;
     /// says by how much its words for divided cells and for lists are to grow.
-    pub(super) fn append(&mut self, mut other: Self) -> Moved {
-        let moved = Moved { cells: self.cells.len() as u32, records: self.records.len() as u32 };
+    pub(super) fn append(&mut self, mut other: Self) -> Relocations {
+        let moved =
+            Relocations { cells: self.cells.len() as u32, records: self.records.len() as u32 };
         self.cells.extend(other.cells.iter().map(|&word| moved.word(word)));
         self.records.append(&mut other.records);
         self.tally.add(&other.tally);
@@ -209,14 +209,14 @@ impl<S: Scalar> Cells<S> {
     }
 }
 
-/// Where cells and lists went.
+/// New places of cells and lists.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Moved {
+pub(super) struct Relocations {
     cells: u32,
     records: u32,
 }
 
-impl Moved {
+impl Relocations {
     /// The word of a cell at its new place; the empty list stays where it is.
     pub(super) fn word(self, word: u32) -> u32 {
         match word {

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::occluders::light_buffer::footprint::Seen;
+use crate::occluders::light_buffer::footprint::ProjectedBody;
 use crate::occluders::light_buffer::margins::Margins;
 
 /// Planes that the light sees under an angle whose sine is less than this cover nothing: the
@@ -42,7 +42,11 @@ fn range(n: DVec3, center: DVec2, half: DVec2) -> (f64, f64) {
 
 impl FacingPlane {
     /// The plane of an outline; `None` when it is seen too obliquely, or is no plane.
-    pub(super) fn of(seen: &Seen, margins: &Margins, store: &mut Vec<DVec3>) -> Option<Self> {
+    pub(super) fn of(
+        seen: &ProjectedBody,
+        margins: &Margins,
+        store: &mut Vec<DVec3>,
+    ) -> Option<Self> {
         let balls = seen.balls.as_slice();
         let [first, rest @ ..] = balls else { return None };
         if !seen.is_outline || balls.len() < 3 {
@@ -106,7 +110,7 @@ impl FacingPlane {
 
 /// Stores the planes through the light and the edges of a convex outline; false for any other
 /// outline.
-fn push_convex_edges(seen: &Seen, is_turned: bool, store: &mut Vec<DVec3>) -> bool {
+fn push_convex_edges(seen: &ProjectedBody, is_turned: bool, store: &mut Vec<DVec3>) -> bool {
     let balls = seen.balls.as_slice();
     let sign = if is_turned { -1.0 } else { 1.0 };
     balls.iter().zip(balls.iter().cycle().skip(1)).all(|(a, b)| {

@@ -13,7 +13,7 @@ use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::face_tree::{Cells, DIVIDED, END, Face, LONG};
 use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::filling::{Limits, fill_face};
-use crate::occluders::light_buffer::footprint::{Projection, Seen};
+use crate::occluders::light_buffer::footprint::{ProjectedBody, Projection};
 use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::Ball;
 
@@ -44,7 +44,7 @@ pub(super) fn faces<S: Scalar>(
 /// Footprints of [`BATCH`] bodies on all faces.
 fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Batch; FACES] {
     let mut out: [Batch; FACES] = std::array::from_fn(|_| Batch::default());
-    let (mut seen, mut normals) = (Seen::default(), Vec::new());
+    let (mut seen, mut normals) = (ProjectedBody::default(), Vec::new());
     let run = bodies.bodies.iter().enumerate().skip(first).take(BATCH);
     for (i, body) in run {
         let own = bodies.own(i);

@@ -43,7 +43,7 @@ pub(super) struct Limits {
     pub(super) growth: f64,
     /// Lists that remain longer than this are left to a structure.
     pub(super) longest: usize,
-    /// Whether what covers a cell cuts its list off.
+    /// True if what covers a cell cuts its list off.
     pub(super) cut_off: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Where a primitive may be seen on a face of the direction cube: a convex outline that holds its
-//! projection, and the least depth at which it can be met.
+//! Footprint of a primitive on a face of the direction cube: a convex outline that contains its
+//! projection, and a lower bound of its depth.
 //!
 //! Instead of clipping and projecting polygons, the outline is the intersection of half-planes,
 //! each found from the angles under which the light sees the balls whose hull holds the primitive.
@@ -31,7 +31,6 @@ pub(super) struct Footprint {
     pub(super) body: u32,
     /// Its lower and upper bounds on the face.
     pub(super) low: DVec2,
-    /// See `low`.
     pub(super) high: DVec2,
     /// Its other half-planes, in a store of all.
     pub(super) sides: Range<u32>,
@@ -43,14 +42,14 @@ pub(super) struct Footprint {
 
 /// A body as the light sees it: balls in the frame of a face, the light at the origin.
 #[derive(Debug, Default)]
-pub(super) struct Seen {
+pub(super) struct ProjectedBody {
     /// Their hull holds the primitive; margins are in the radii.
     pub(super) balls: Vec<Ball>,
     /// The balls are the vertices of an outline, in order.
     pub(super) is_outline: bool,
 }
 
-impl Seen {
+impl ProjectedBody {
     /// Nothing of the body is within the pyramid of the face.
     fn is_out_of_pyramid(&self) -> bool {
         let beyond = |normal: DVec3, length: f64| {
@@ -154,7 +153,7 @@ pub(super) struct Projection<'a> {
 
 impl Projection<'_> {
     /// The footprint of a body, or `None` when the face does not show it.
-    pub(super) fn of(&mut self, id: u32, seen: &Seen) -> Option<Footprint> {
+    pub(super) fn of(&mut self, id: u32, seen: &ProjectedBody) -> Option<Footprint> {
         if seen.is_out_of_pyramid() {
             return None;
         }
@@ -187,14 +186,14 @@ impl Projection<'_> {
 }
 
 impl Footprint {
-    /// Whether its bounds hold the rectangle: what covers that does.
+    /// Returns whether its bounds hold the rectangle: what covers that does.
     #[inline(always)]
     pub(super) fn spans(&self, center: DVec2, half: DVec2) -> bool {
         let (low, high) = (center - half, center + half);
         self.low.cmple(low).all() && self.high.cmpge(high).all()
     }
 
-    /// Whether it may reach into the rectangle; `own` are its half-planes.
+    /// Returns whether it may reach into the rectangle; `own` are its half-planes.
     #[inline(always)]
     pub(super) fn overlaps(&self, own: &[HalfPlane], center: DVec2, half: DVec2) -> bool {
         let (low, high) = (center - half, center + half);

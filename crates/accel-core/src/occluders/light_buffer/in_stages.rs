@@ -7,7 +7,7 @@
 //! test nothing. The rays that a structure has to answer go to it together.
 
 use super::direction_cube::CubePoint;
-use super::face_tree::{Face, Found, LONG};
+use super::face_tree::{Face, FaceLookup, LONG};
 use super::{Answer, LightBuffer};
 use crate::geometry::ray::Ray;
 use crate::memory::prefetch;
@@ -21,16 +21,15 @@ const TURNS: usize = 16;
 /// How far a ray has come.
 #[derive(Clone, Copy)]
 enum Stage<'f, S> {
-    /// Nothing is asked, or the answer is known.
+    /// No query, or the answer is known.
     Over,
     /// Its place is known.
     Placed(CubePoint<S>, &'f Face<S>),
-    /// So is its list.
-    Found(CubePoint<S>, Found),
+    /// Its place and its list are known.
+    Found(CubePoint<S>, FaceLookup),
 }
 
 impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
-    /// [`Occluder::occlusions`](crate::occluders::Occluder::occlusions).
     pub(super) fn occlusions_in_stages(
         &self,
         rays: &[Ray<S>],

@@ -128,7 +128,7 @@ impl Layers {
         }
     }
 
-    /// Of all closed sets of tiles that hold the middle, the one that ends first.
+    /// Smallest far depth over the closed sets of tiles that contain the middle.
     fn least_depth(&mut self) -> Option<f64> {
         for i in 0..self.tiles.len() as u32 {
             let first = self.stands_for(i) as usize;
@@ -199,7 +199,7 @@ impl Tile {
         i32::from(distance > margin) - i32::from(distance < -margin)
     }
 
-    /// Whether an edge may come into the rectangle, which rounding may move.
+    /// Returns whether an edge may come into the rectangle, which rounding may move.
     fn edge_is_near(&self, corner: usize, center: DVec2, half: DVec2) -> bool {
         let (a, b) = (self.points[corner] - center, self.points[(corner + 1) % 3] - center);
         let half = half + self.pad;

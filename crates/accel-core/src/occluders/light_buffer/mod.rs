@@ -34,10 +34,10 @@ mod tests;
 
 use glam::DVec3;
 
-use self::aim::Aim;
+use self::aim::LightRays;
 use self::bodies::Bodies;
 use self::direction_cube::{CubePoint, FACES};
-use self::face_tree::{COVERED, Cells, Face, Found, LONG, Record};
+use self::face_tree::{COVERED, Cells, Face, FaceLookup, LONG, Record};
 use self::fill::{ID_LIMIT, INDEX_LIMIT, largest_index};
 use self::filling::Limits;
 use self::margins::Margins;
@@ -117,7 +117,7 @@ struct LightBuffer<'a, S: Scalar, P> {
     prims: &'a P,
     cubes: Vec<Cube<S>>,
     cells: Cells<S>,
-    aim: Aim<S>,
+    aim: LightRays<S>,
     /// Answers what the buffer does not.
     remainder: Remainder<'a, S, P>,
     is_batch: bool,
@@ -263,10 +263,10 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         if cells.tally.long > 0 || cubes.len() < lights.len() {
             remainder.make()?;
         }
-        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, &margins), remainder, is_batch })
+        Ok(Self { prims, cubes, cells, aim: LightRays::new(prims, &margins), remainder, is_batch })
     }
 
-    /// Where a ray starts as seen from its light; `None` where the buffer does not say.
+    /// Origin of a ray relative to its light; `None` if the buffer has no answer.
     #[inline(always)]
     fn place(&self, ray: &Ray<S>, light: u32) -> Option<(CubePoint<S>, &Face<S>)> {
         let cube = self.cubes.get(light as usize)?;
@@ -288,14 +288,14 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         self.in_list(ray, &place, &found, counters)
     }
 
-    /// What a ray may meet, nearest first, of the list that was found; or the answer, where what
-    /// covers the cell says it.
+    /// Candidates of the list that was found, nearest first; or the answer, if an occluder covers
+    /// the cell.
     #[inline(always)]
     fn candidates(
         &self,
         ray: &Ray<S>,
         place: &CubePoint<S>,
-        found: &Found,
+        found: &FaceLookup,
     ) -> Result<impl Iterator<Item = &Record<S>>, Answer> {
         let mut list = self.cells.records.get(found.first as usize..).ok_or(Answer::Unknown)?;
         if let [head, rest @ ..] = list
@@ -320,7 +320,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         &self,
         ray: &Ray<S>,
         place: &CubePoint<S>,
-        found: &Found,
+        found: &FaceLookup,
         counters: &mut C,
     ) -> Answer {
         let candidates = match self.candidates(ray, place, found) {

@@ -15,10 +15,10 @@ use glam::DVec3;
 use crate::geometry::ray::{MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::occluders::Occluder;
-use crate::occluders::light_buffer::aim::Aim;
+use crate::occluders::light_buffer::aim::LightRays;
 use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::face_tree::Face;
-use crate::occluders::light_buffer::footprint::{Projection, Seen};
+use crate::occluders::light_buffer::footprint::{ProjectedBody, Projection};
 use crate::occluders::light_buffer::margins::Margins;
 use crate::occluders::light_buffer::remainder::Remainder;
 use crate::primitives::PrimsRef;
@@ -39,7 +39,7 @@ pub(super) struct LazyBuffer<'a, S: Scalar, P> {
     cubes: Vec<FlatCube<S>>,
     /// The last occluder found in each cell, or [`MISS`].
     cells: Vec<AtomicU32>,
-    aim: Aim<S>,
+    aim: LightRays<S>,
     remainder: Remainder<'a, S, P>,
 }
 
@@ -75,7 +75,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LazyBuffer<'a, S, P> {
         };
         let cubes: Vec<FlatCube<S>> = lights.iter().map(cube).collect();
         let cells = (0..count).map(|_| AtomicU32::new(MISS)).collect();
-        Ok(Self { prims, cubes, cells, aim: Aim::new(prims, margins), remainder })
+        Ok(Self { prims, cubes, cells, aim: LightRays::new(prims, margins), remainder })
     }
 
     /// The cell of a ray: `Err` for one that the buffer does not speak for, `None` where no
@@ -96,7 +96,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LazyBuffer<'a, S, P> {
     }
 }
 
-/// Where a face shows the scene's box.
+/// Bounds of the scene's box on a face.
 fn scene_on_face(
     corners: [DVec3; 2],
     light: DVec3,
@@ -108,7 +108,7 @@ fn scene_on_face(
         let center = in_frame(face, DVec3::new(pick(0), pick(1), pick(2)) - light);
         Ball { center, radius: margins.position }
     };
-    let seen = Seen { balls: (0..8).map(corner).collect(), is_outline: false };
+    let seen = ProjectedBody { balls: (0..8).map(corner).collect(), is_outline: false };
     let (mut sides, mut normals) = (Vec::new(), Vec::new());
     let mut projection = Projection { margins, sides: &mut sides, normals: &mut normals };
     projection.of(0, &seen).map(|f| (f.low, f.high))

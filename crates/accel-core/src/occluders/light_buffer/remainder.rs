@@ -46,7 +46,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
         made.map_or(0, |tracer| tracer.stats().bytes)
     }
 
-    /// Whether the ray is blocked.
+    /// Returns whether the ray is blocked.
     #[cold]
     #[inline(never)]
     pub(super) fn is_blocked(&self, ray: &Ray<S>) -> bool {
@@ -56,7 +56,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
         blocked == [true]
     }
 
-    /// Whether the rays at these places are blocked.
+    /// Writes whether the rays at these places are blocked.
     pub(super) fn answer(&self, rays: &[Ray<S>], places: &[u32], blocked: &mut [bool]) {
         if places.is_empty() {
             return;

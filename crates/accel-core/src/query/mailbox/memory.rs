@@ -1,4 +1,4 @@
-//! What a mailbox is, and the one that remembers nothing.
+//! The mailbox interface, and the mailbox that remembers nothing.
 
 /// Remembers what one ray has been tested against.
 pub trait Mailbox {

@@ -47,9 +47,8 @@ pub const PARAM: ParamSpec =
 pub const SLOTS_PARAM: ParamSpec = ParamSpec::integer("mailbox-slots", "64", 1, 1 << 20)
     .about("slots of the mailbox 'hash' (rounded up to a power of two)");
 
-/// Whichever mailbox, decided at run time: one type, so that traversals are compiled once for all.
+/// A mailbox chosen at run time; one type, so that traversals are compiled once.
 pub enum AnyMailbox<'m> {
-    /// None.
     None,
     Stamps(&'m mut Stamps<u32>),
     Slots(&'m mut Slots<u32>),
@@ -84,10 +83,9 @@ impl MailboxSource for AnyMailbox<'_> {
     }
 }
 
-/// Which mailbox the settings of a structure ask for.
+/// Mailbox chosen by the settings of a structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Choice {
-    /// None.
     None,
     /// Stamps in the primitives.
     Primitive,
@@ -112,7 +110,6 @@ impl Choice {
 /// The mailbox of a tracer.
 #[derive(Debug)]
 pub enum Setting {
-    /// None.
     None,
     /// Stamps beside the primitives, one set for all threads.
     Primitive(Mutex<Stamps<u32>>),
@@ -129,7 +126,7 @@ thread_local! {
 }
 
 impl Setting {
-    /// Of the choice; `bytes` is what the set of `primitives` occupies.
+    /// Creates the chosen mailbox; `bytes` is the size of the set of `primitives`.
     pub fn of(choice: Choice, primitives: usize, bytes: usize) -> Self {
         match choice {
             Choice::Primitive => {
@@ -142,7 +139,7 @@ impl Setting {
         }
     }
 
-    /// Whether there is one.
+    /// Returns whether there is one.
     pub fn is_used(&self) -> bool {
         !matches!(self, Self::None)
     }

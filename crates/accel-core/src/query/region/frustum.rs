@@ -170,10 +170,10 @@ pub struct AxisFrustum<'a> {
     frustum: &'a Frustum,
     axis: usize,
     upwards: bool,
-    /// Where the near outline ends and the far one begins: planes between cut all edges.
+    /// Depths at which the near outline ends and the far one begins: planes between cut all edges.
     near_max: f64,
     far_min: f64,
-    /// Where the frustum begins and ends.
+    /// Depths at which the frustum begins and ends.
     least: f64,
     most: f64,
 }

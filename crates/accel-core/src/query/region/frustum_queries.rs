@@ -27,7 +27,7 @@ pub trait FrustumQueries: Send + Sync {
     }
 }
 
-/// What queries cost, counted always: it is small beside what beams and cones do with the answer.
+/// Cost of queries; always counted, since beams and cones do far more work with the answer.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrustumWork {
     pub queries: u64,

@@ -77,7 +77,6 @@ pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> 
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
-    /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
         Self::prepared(prims, ray, prims.setup(ray))
@@ -177,7 +176,6 @@ pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
-    /// Starts a query.
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
         Self::prepared(prims, ray, prims.setup(ray))

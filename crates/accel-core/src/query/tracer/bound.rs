@@ -15,14 +15,14 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::memory::OutOfMemory;
 use crate::primitives::PrimSet;
-use crate::query::batch::{self, RayByRay, Whole};
+use crate::query::batch::{self, PlainStructure, RayByRay};
 use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
-use crate::query::way::TraversalTrace;
+use crate::query::trace::TraversalTrace;
 use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
 
@@ -32,7 +32,6 @@ pub struct Bound<S, H, T> {
     prims: H,
     structure: T,
     mailbox: Setting,
-    /// With `kernel=block`.
     blocks: Option<ListBlocks<S>>,
     reach: S,
     is_updated: bool,
@@ -239,7 +238,7 @@ where
             }
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Closest(hits);
-                let structure = &Whole(&self.structure);
+                let structure = &PlainStructure(&self.structure);
                 batch::answer::<RayByRay, NoCounters, _, _, _>(
                     structure,
                     &*self.prims,
@@ -280,7 +279,7 @@ where
             }
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Occlusion(blocked);
-                let structure = &Whole(&self.structure);
+                let structure = &PlainStructure(&self.structure);
                 batch::answer::<RayByRay, NoCounters, _, _, _>(
                     structure,
                     &*self.prims,

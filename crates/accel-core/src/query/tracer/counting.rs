@@ -11,7 +11,7 @@ use crate::primitives::PrimSet;
 use crate::query::counters::WorkCounters;
 use crate::query::mailbox::{AnyMailbox, MailboxSource, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
-use crate::query::way::{Recorder, TraversalTrace};
+use crate::query::trace::{Recorder, TraversalTrace};
 
 /// A structure's traversal with the primitives it was built over.
 pub(super) struct CountingTracer<'a, S: Scalar, P> {

@@ -5,24 +5,23 @@
 ///
 /// A batch is answered in one call, whatever the number of threads: it divides rays among its own.
 pub trait Foreign: Sync {
-    /// Where it comes from.
+    /// The origin of the structure.
     fn origin(&self) -> &Origin;
     /// Seconds of the call that built it.
     fn build_seconds(&self) -> f64;
     /// Seconds of the calls that answered rays since this was asked last.
     fn take_seconds(&self) -> f64;
-    /// What part of the time of all calls that answered rays went to threads other than the one
-    /// that asked; 0 where that is not known.
+    /// Share of the time of all ray queries spent by threads other than the caller; 0 if unknown.
     fn share_of_other_threads(&self) -> f64;
     /// Why nothing that it answers counts: how its process ended.
     fn failure(&self) -> Option<String>;
-    /// Whether it counts its work.
+    /// Returns whether it counts its work.
     fn has_counters(&self) -> bool;
-    /// Whether it has several rays of a batch in flight.
+    /// Returns whether it has several rays of a batch in flight.
     fn answers_batches(&self) -> bool;
 }
 
-/// Where a foreign structure comes from, and how it is asked.
+/// Origin of a foreign structure, and how it is queried.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Origin {
     /// Name of the file, without folders.

@@ -20,7 +20,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::mailbox::{NoMailbox, Setting};
 use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
-use crate::query::way::TraversalTrace;
+use crate::query::trace::TraversalTrace;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
 

@@ -9,7 +9,7 @@ use crate::structure::Structure;
 /// A structure apart from the primitives of its frame.
 pub struct KeptStructure(Box<dyn Any + Send>);
 
-pub struct Before<'m> {
+pub struct PreviousFrame<'m> {
     pub kept: KeptStructure,
     /// Ids of the primitives that stand elsewhere now or have another shape, ascending. All others
     /// are the same.
@@ -20,7 +20,7 @@ pub struct Before<'m> {
 pub(crate) struct Parts<S, T> {
     pub(crate) structure: T,
     pub(crate) blocks: Option<ListBlocks<S>>,
-    /// How many there are.
+    /// Number of items.
     pub(crate) primitives: usize,
 }
 
@@ -30,7 +30,7 @@ impl KeptStructure {
     }
 }
 
-impl<'m> Before<'m> {
+impl<'m> PreviousFrame<'m> {
     /// The structure, if it is a `T`.
     pub(crate) fn parts<S: Scalar, T: Structure<S>>(self) -> Option<(Parts<S, T>, &'m [u32])> {
         let parts = self.kept.0.downcast::<Parts<S, T>>().ok()?;

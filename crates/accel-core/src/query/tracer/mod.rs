@@ -13,17 +13,17 @@ mod timing;
 pub use bound::Bound;
 pub use foreign::{Foreign, Origin};
 pub use in_motion::BoundInMotion;
-pub use kept::{Before, KeptStructure};
+pub use kept::{KeptStructure, PreviousFrame};
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
-use crate::query::way::TraversalTrace;
+use crate::query::trace::TraversalTrace;
 use crate::structure::{Batches, StructureStats};
 
-/// What a shadow ray of the counting pass does; the historical rules are explained in
-/// `results/published/README.md`.
+/// Behaviour of shadow rays when counting; `results/published/README.md` explains the historical
+/// rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ShadowRule {
     /// Stops at the first opaque hit; transmissive primitives are ignored.
@@ -51,7 +51,7 @@ pub struct ShadowCount {
 pub trait Tracer<S: Scalar>: Send + Sync {
     /// The closest hit of every ray.
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]);
-    /// Whether every ray is blocked by an opaque primitive.
+    /// Writes for each ray whether an opaque primitive blocks it.
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]);
     /// [`Tracer::closest_hits`], counting the work.
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters;
@@ -83,7 +83,7 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     fn released(self: Box<Self>) -> Option<KeptStructure> {
         None
     }
-    /// Whether it was taken from the frame before, and not built.
+    /// Returns whether it was taken from the frame before, and not built.
     fn is_updated(&self) -> bool {
         false
     }

@@ -8,7 +8,7 @@ use crate::query::mailbox::MailboxSource;
 /// The ray, or the one that it was brought near as, kept in `moved`, and what its parameters
 /// became; none where it cannot hit anything.
 #[inline(always)]
-pub(crate) fn brought_near<'r, S: Scalar>(
+pub(crate) fn rebase_origin<'r, S: Scalar>(
     ray: &'r Ray<S>,
     reach: S,
     moved: &'r mut Option<Ray<S>>,
@@ -28,7 +28,7 @@ pub(crate) fn near<S: Scalar, R>(
     nowhere: R,
     query: impl FnOnce(&Ray<S>, Parameters<S>) -> R,
 ) -> R {
-    match brought_near(ray, reach, &mut None) {
+    match rebase_origin(ray, reach, &mut None) {
         Some((near, parameters)) => query(near, parameters),
         None => nowhere,
     }

@@ -1,7 +1,7 @@
 //! Structures built over a set whose primitives are tested as another set does, and the settings
 //! that all structures have or may have.
 
-use super::kept::{Before, Parts};
+use super::kept::{Parts, PreviousFrame};
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
@@ -71,13 +71,13 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
     over: &B,
     prims: &'a P,
     (settings, testing): (&Settings<T::Config>, &TestChoice),
-    before: Option<Before<'_>>,
+    before: Option<PreviousFrame<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let limits = settings.limits();
     let mailbox = testing.mailbox::<S, B>(over, limits)?;
     let of_frame = |parts: &Parts<S, T>| parts.primitives == over.len();
     let Some((mut parts, moved)) =
-        before.and_then(Before::parts::<S, T>).filter(|b| of_frame(&b.0))
+        before.and_then(PreviousFrame::parts::<S, T>).filter(|b| of_frame(&b.0))
     else {
         let bound = Bound::new(prims, T::build(over, settings)?).with_mailbox(mailbox);
         return Ok(Box::new(if testing.has_blocks {

@@ -46,7 +46,7 @@ impl<S: Scalar, P: PrimSet<S>> TimingTracer<'_, S, P> {
         });
     }
 
-    /// Whether every ray is blocked.
+    /// Writes for each ray whether it is blocked.
     fn occlusions<B: MailboxSource>(
         &self,
         rays: &[Ray<S>],

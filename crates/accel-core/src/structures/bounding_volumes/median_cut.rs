@@ -1,7 +1,7 @@
 //! Neighbouring primitives: sets of them, halved at the median of their centres.
 
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::parallel::{collect, is_worth_a_fork};
+use crate::parallel::{collect, should_parallelize};
 use crate::primitives::PrimSet;
 
 /// The centres of the boxes of all primitives.
@@ -49,7 +49,7 @@ impl<S: Scalar> Centres<S> {
     ) {
         let Some(middle) = lower(ids.len()) else { return };
         self.cut(ids, middle);
-        let pays = is_worth_a_fork(ids.len());
+        let pays = should_parallelize(ids.len());
         let (front, back) = ids.split_at_mut(middle);
         if pays {
             rayon::join(|| self.cut_again(front, lower), || self.cut_again(back, lower));

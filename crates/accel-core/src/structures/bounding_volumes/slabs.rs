@@ -69,14 +69,14 @@ impl<S: Scalar, const K: usize> Slabs<S, K> {
 
 /// A ray along one normal.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Along<S> {
+pub(crate) struct ProjectedRay<S> {
     /// Dot product of the origin; NaN, which constrains nothing, if a dot product overflows.
     origin: S,
     /// Reciprocal of the dot product of the direction; infinity if that is zero.
     inverse: S,
 }
 
-impl<S: Scalar> Along<S> {
+impl<S: Scalar> ProjectedRay<S> {
     #[inline(always)]
     fn new(ray: &Ray<S>, normal: DVec3) -> Self {
         let normal = Vec3::<S>::from_dvec3(normal);
@@ -98,7 +98,7 @@ impl<S: Scalar> Along<S> {
 }
 
 impl<S: Scalar, const K: usize> Volume<S> for Slabs<S, K> {
-    type RaySetup = [Along<S>; K];
+    type RaySetup = [ProjectedRay<S>; K];
 
     fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
         let intervals = normals::<K>().map(|normal| {
@@ -114,7 +114,7 @@ impl<S: Scalar, const K: usize> Volume<S> for Slabs<S, K> {
 
     #[inline(always)]
     fn setup(ray: &Ray<S>) -> Self::RaySetup {
-        normals::<K>().map(|normal| Along::new(ray, normal))
+        normals::<K>().map(|normal| ProjectedRay::new(ray, normal))
     }
 
     #[inline(always)]

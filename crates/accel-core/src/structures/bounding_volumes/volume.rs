@@ -1,4 +1,4 @@
-//! What a bounding volume is to the structures that use one; boxes as the simplest kind.
+//! The interface of bounding volumes, and boxes as the simplest kind.
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::box_test::BoxTest;

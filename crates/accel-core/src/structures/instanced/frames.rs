@@ -10,7 +10,8 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 
-/// How much more than it needs a margin is when objects are built, so that it serves other frames.
+/// Factor by which margins are enlarged when objects are built, so that they suffice for later
+/// frames.
 pub(super) const ROOM_FOR_FRAMES: f64 = 4.0;
 
 /// State of the build that updates need.
@@ -26,9 +27,9 @@ impl<S: Scalar> Default for Frames<S> {
     }
 }
 
-/// Where an object's structure stands.
+/// Place of an object's structure.
 pub(super) struct FirstCopy {
-    /// Where its first copy was placed; none for what is part of nothing, and stays where it is.
+    /// Placement of its first copy; `None` for primitives outside of copies, which do not move.
     placement: Option<DAffine3>,
     /// Epsilons by which the boxes of its primitives are larger.
     margin: f64,

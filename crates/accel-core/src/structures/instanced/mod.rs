@@ -23,7 +23,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::params::config::{Config, Settings};
-use crate::primitives::instances::{self, Copied};
+use crate::primitives::instances::{self, ConfirmedCopy};
 use crate::primitives::{Instance, PrimSet};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
@@ -33,7 +33,7 @@ use frames::{FirstCopy, Frames, ROOM_FOR_FRAMES};
 use object::{Boxes, Copy, Members, Object, margin, padding_of};
 use sinks::WorldSink;
 
-/// Of which structure both levels are.
+/// Chooses the structure of both levels.
 pub trait Levels<S: Scalar>: Structure<S> {
     /// The settings of the structure over copies, and of those over objects.
     fn settings(params: &Params) -> [Params; 2];
@@ -60,7 +60,7 @@ fn plan<S: Scalar, P: PrimSet<S>>(
     copies.sort_unstable();
     let alone = parts.iter().filter(|part| copies.binary_search(&part.first).is_err());
     known.extend(alone.map(|part| {
-        let copies = vec![Copied { first: part.first, to_first: None }];
+        let copies = vec![ConfirmedCopy { first: part.first, to_first: None }];
         instances::Object { count: part.count, copies }
     }));
     let mut is_copied = vec![false; prims.len()];
@@ -74,7 +74,7 @@ fn plan<S: Scalar, P: PrimSet<S>>(
         known.into_iter().map(|object| (Members::Consecutive, object)).collect();
     let left: Vec<u32> = (0..prims.len() as u32).filter(|&id| !is_copied[id as usize]).collect();
     if !left.is_empty() {
-        let copies = vec![Copied { first: 0, to_first: None }];
+        let copies = vec![ConfirmedCopy { first: 0, to_first: None }];
         let rest = instances::Object { count: left.len() as u32, copies };
         let members = if is_all { Members::Consecutive } else { Members::List(left) };
         planned.push((members, rest));
@@ -137,7 +137,7 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
         let (mut objects, mut copies) = (Vec::new(), Vec::<Copy<S>>::new());
         let mut boxes = Vec::new();
         for (members, instances::Object { count, copies: placed }) in planned {
-            for &Copied { first, to_first } in placed.iter().rev() {
+            for &ConfirmedCopy { first, to_first } in placed.iter().rev() {
                 // the first copy comes last, and its boxes stay
                 boxes.clear();
                 let ids = (0..count).map(|own| members.id(first, own));
@@ -224,7 +224,7 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
         all
     }
 
-    /// Of a scene without copies. The cells of an object that stands several times are in no copy's
+    /// Cells of a scene without copies; those of an object with several copies belong to no single
     /// place.
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         let [Object { structure, .. }] = &self.objects[..] else { return Err(IN_NO_PLACE) };

@@ -30,7 +30,7 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Whether its numbers still fit.
+    /// Checks that its numbers still fit.
     pub(super) fn check(&self) -> Result<(), TooLarge> {
         let (needed, limit) = (self.entries.len() as u64, u64::from(FIRST_PART));
         if needed > limit {

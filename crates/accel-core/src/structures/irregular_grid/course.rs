@@ -9,7 +9,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{EightOf, FourOf, Scalar, Vector};
 use crate::structures::irregular_grid::voxels::{Point, Voxel};
 
-/// Where a grid's lattice lies.
+/// Position of a grid's lattice.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LatticeFrame<S: Scalar> {
     low: FourOf<S>,
@@ -76,7 +76,7 @@ fn four<S: Scalar>(v: [S; 3]) -> FourOf<S> {
 
 /// A ray in lattice cells; its parameter stays what it was.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Course<S: Scalar> {
+pub(super) struct LatticeRayState<S: Scalar> {
     origin: FourOf<S>,
     direction: FourOf<S>,
     inverse: FourOf<S>,
@@ -86,7 +86,7 @@ pub(super) struct Course<S: Scalar> {
     down: Point,
 }
 
-impl<S: Scalar> Course<S> {
+impl<S: Scalar> LatticeRayState<S> {
     pub(super) fn idle() -> Self {
         let zero = FourOf::<S>::splat(S::ZERO);
         let down = Point::ZERO;

@@ -24,14 +24,14 @@ struct EightCourses<S> {
 }
 
 /// Eight rays that are to begin.
-pub struct Beginnings<S> {
+pub struct StartStates<S> {
     courses: EightCourses<S>,
     /// A bit for each that meets the lattice.
     pub(super) meeting: u32,
 }
 
-impl<S: Scalar> Beginnings<S> {
-    /// Of rays; what [`Course::of`](super::course::Course::of) says of each.
+impl<S: Scalar> StartStates<S> {
+    /// States of rays, each as [`LatticeRayState::of`](super::course::LatticeRayState::of) has it.
     #[inline(always)]
     pub(super) fn of(rays: &RayLanes<S>, place: &LatticeFrame<S>) -> Self {
         let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);
@@ -71,7 +71,7 @@ impl<S: Scalar> Beginnings<S> {
 /// Rays side by side, and where they are.
 pub struct Courses<S: Scalar> {
     eights: [EightCourses<S>; EIGHTS],
-    /// Of the undivided parts that they have come to.
+    /// Records of the undivided voxels that the rays are in.
     records: [Records; EIGHTS],
 }
 
@@ -81,7 +81,7 @@ impl<S: Scalar> Courses<S> {
     }
 
     #[inline(always)]
-    pub(super) fn begin(&mut self, lane: usize, beginnings: &Beginnings<S>, ray: usize) {
+    pub(super) fn begin(&mut self, lane: usize, beginnings: &StartStates<S>, ray: usize) {
         let (to, from) = (&mut self.eights[lane / LANES], &beginnings.courses);
         let lane = lane % LANES;
         for axis in 0..3 {
@@ -138,7 +138,6 @@ impl<S: Scalar> EightCourses<S> {
         [u32x8::new(x), u32x8::new(y), u32x8::new(z)]
     }
 
-    /// [`Course::leave`](super::course::Course::leave).
     #[inline(always)]
     fn leave(&mut self, records: &Records, t_max: EightOf<S>, place: &LatticeFrame<S>) -> u32 {
         let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);
@@ -182,14 +181,14 @@ mod tests {
     use crate::params::config::Settings;
     use crate::primitives::{TriangleSet, Watertight};
     use crate::structure::Structure;
-    use crate::structures::irregular_grid::course::Course;
+    use crate::structures::irregular_grid::course::LatticeRayState;
     use crate::structures::irregular_grid::{INFO, IrregularGrid};
     use crate::structures::test_scenes::Random;
 
     /// The lists of a ray that goes alone.
     fn alone<S: Scalar>(grid: &IrregularGrid<S>, ray: &Ray<S>) -> Vec<u32> {
         let mut lists = Vec::new();
-        if let Some((course, mut at)) = Course::of(ray, &grid.place) {
+        if let Some((course, mut at)) = LatticeRayState::of(ray, &grid.place) {
             loop {
                 let voxel = grid.voxels.at(at);
                 lists.push(voxel.list());
@@ -217,7 +216,7 @@ mod tests {
         for round in 0..400 {
             let rays: [Ray<S>; LANES] = rays_at_unit_cube(&mut random, round);
             let expected = rays.each_ref().map(|ray| alone(&grid, ray));
-            let beginnings = Beginnings::of(&RayLanes::of(&rays), &grid.place);
+            let beginnings = StartStates::of(&RayLanes::of(&rays), &grid.place);
             let mut courses = Courses::idle();
             // among other lanes, which go on for ever
             let lanes = [round, round + 9, round + 18, round + 27];

@@ -1,16 +1,16 @@
 //! Empty parts of a division joined to boxes: the largest cubes of two, four, eight... parts a side
 //! that are empty, at places that are multiples of their size.
 
-/// Which cubes of a division are empty.
+/// Marks the empty cubes of a division.
 #[derive(Debug)]
 pub(super) struct EmptyBoxes {
     parts: [u32; 3],
-    /// Of parts, of cubes of two parts a side, of four...; x fastest.
+    /// Marks of parts, of cubes of two parts a side, of four...; x fastest.
     levels: Vec<Vec<bool>>,
 }
 
 impl EmptyBoxes {
-    /// Of a division into so many parts on each axis.
+    /// Marks for a division into this many parts per axis.
     pub(super) fn new(parts: [u32; 3], is_empty: impl Fn(usize) -> bool) -> Self {
         let count = |n: [u32; 3]| n.iter().map(|&n| n as usize).product::<usize>();
         let mut levels = vec![(0..count(parts)).map(is_empty).collect::<Vec<bool>>()];

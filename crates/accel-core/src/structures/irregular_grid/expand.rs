@@ -98,7 +98,7 @@ impl Growth<'_> {
         true
     }
 
-    /// Whether the cell has all primitives of another list; both ascend.
+    /// Returns whether the cell has all primitives of another list; both ascend.
     fn has_all_of(&self, list: u32) -> bool {
         if list == 0 || list == self.cell.list {
             return true;

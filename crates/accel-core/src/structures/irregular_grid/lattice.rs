@@ -8,7 +8,7 @@ const MOST_CELLS: u32 = (1 << 16) - 1;
 /// Most halvings of a cell of the top grid.
 const MOST_LEVELS: u32 = 15;
 
-/// Where the lattice lies; in f64 for the build.
+/// Position of the lattice; in f64 for the build.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lattice {
     /// Lower corner, world units.
@@ -91,7 +91,7 @@ impl Division {
         std::array::from_fn(|k| self.first[k] + (at[k] << self.shift[k]))
     }
 
-    /// Where part `i` is among the parts.
+    /// Coordinates of part `i`.
     pub(super) fn place(&self, i: usize) -> [u32; 3] {
         let [x, y, _] = self.parts.map(|n| n as usize);
         [i % x, i / x % y, i / x / y].map(|at| at as u32)

@@ -40,26 +40,26 @@ use crate::grid::cell_overlap;
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::memory::Counted;
+use crate::memory::CountedItem;
 use crate::params::ParamSpec;
 use crate::params::{config, specs};
 use crate::primitives::PrimSet;
-use crate::query::batch::{self, Traverse, Whole};
+use crate::query::batch::{self, PlainStructure, Traverse};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::NoCounters;
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
 use crate::query::mailbox;
-use crate::query::resumable::{self, Resumable};
-use crate::query::side_by_side::{InLanes, RAYS, SideBySide};
+use crate::query::resumable::{self, StepwiseStructure};
+use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
 };
 use cells::{FIRST_PART, TooLarge};
-use course::{Course, LatticeFrame};
-use course_lanes::{Beginnings, Courses};
+use course::{LatticeFrame, LatticeRayState};
+use course_lanes::{Courses, StartStates};
 use lattice::Lattice;
 use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
@@ -69,7 +69,7 @@ config! {
     /// How the cells are divided and asked.
     pub struct IrregularGridConfig {
         /// quality divides to shorter lists and lets boxes grow over more neighbours
-        effort: Effort = ParamSpec::choice("build", "quality", &["fast", "quality"]) => |build| {
+        effort: BuildEffort = ParamSpec::choice("build", "quality", &["fast", "quality"]) => |build| {
             if build == "fast" { FAST } else { QUALITY }
         },
         /// cells of the coarse grid wanted per primitive
@@ -87,7 +87,6 @@ config! {
     and mailbox::PARAM, mailbox::SLOTS_PARAM
 }
 
-/// Registry line.
 pub static INFO: StructureInfo = StructureInfo {
     name: "irregular-grid",
     summary: "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
@@ -111,20 +110,19 @@ pub static INFO: StructureInfo = StructureInfo {
 
 /// Parameters in which the two builds differ.
 #[derive(Debug, Clone, Copy)]
-struct Effort {
+struct BuildEffort {
     longest_list: u64,
     /// Parts wanted for each primitive of a cell that is divided.
     density: f64,
-    /// That a face of a box may look at while it moves outward.
+    /// Maximum number of neighbours that a face of a box may look at while it moves outward.
     most_neighbours: usize,
 }
 
-const REFERENCES: Counted = Counted::references(cells::REFERENCES);
+const REFERENCES: CountedItem = CountedItem::references(cells::REFERENCES);
 
-const FAST: Effort = Effort { longest_list: 64, density: 0.125, most_neighbours: 2 };
-const QUALITY: Effort = Effort { longest_list: 32, density: 0.125, most_neighbours: 24 };
+const FAST: BuildEffort = BuildEffort { longest_list: 64, density: 0.125, most_neighbours: 2 };
+const QUALITY: BuildEffort = BuildEffort { longest_list: 32, density: 0.125, most_neighbours: 24 };
 
-/// The structure.
 pub struct IrregularGrid<S: Scalar> {
     voxels: Voxels,
     lists: Lists<S>,
@@ -132,7 +130,7 @@ pub struct IrregularGrid<S: Scalar> {
     /// Rays of a batch are side by side.
     is_batch: bool,
     stats: StructureStats,
-    /// Where cells are, for those who look at them.
+    /// Position of cells, for `cells`.
     lattice: Lattice,
 }
 
@@ -169,7 +167,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let are_copies = are_copies(prims);
         let top = if are_copies { [1; 3] } else { top };
         let most_growth = if are_copies { MOST_REFERENCES_A_COPY as f64 } else { f64::INFINITY };
-        let padded = Padded(&boxes);
+        let padded = PaddedBounds(&boxes);
         let whole = |top| Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
         let mut lattice = whole(top);
         while lattice.top != [1; 3]
@@ -188,9 +186,12 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             max_growth: config.max_growth.min(most_growth),
         };
         let mut cells = subdivide(&lattice, &padded, settings).map_err(
-            |TooLarge { what, needed, limit }| match what == cells::REFERENCES {
-                true => too_many(limits, &REFERENCES, config.max_references, needed),
-                false => too_large(what, needed.into(), limit.into()),
+            |TooLarge { what, needed, limit }| {
+                if what == cells::REFERENCES {
+                    too_many(limits, &REFERENCES, config.max_references, needed)
+                } else {
+                    too_large(what, needed.into(), limit.into())
+                }
             },
         )?;
         let mut voxels = Voxels::new(&cells, &lattice);
@@ -236,7 +237,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) {
-        batch::answer::<InLanes, NoCounters, _, _, _>(self, prims, rays, reach, answers);
+        batch::answer::<LaneDriver, NoCounters, _, _, _>(self, prims, rays, reach, answers);
     }
 
     fn stats(&self) -> StructureStats {
@@ -251,34 +252,33 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
 /// A ray's way over the lattice.
 pub struct State<S: Scalar> {
-    course: Course<S>,
+    course: LatticeRayState<S>,
     at: Point,
-    /// Of the part at that point.
+    /// Record of the part at that point.
     voxel: Voxel,
-    /// It passes by.
-    is_nowhere: bool,
+    misses: bool,
 }
 
-impl<S: Scalar> Resumable<S> for IrregularGrid<S> {
+impl<S: Scalar> StepwiseStructure<S> for IrregularGrid<S> {
     type State = State<S>;
     type Room = ();
 
     #[inline(always)]
     fn begin(&self, ray: &Ray<S>, _: S) -> State<S> {
-        match Course::of(ray, &self.place) {
-            Some((course, at)) => State { course, at, voxel: Voxel::NOTHING, is_nowhere: false },
+        match LatticeRayState::of(ray, &self.place) {
+            Some((course, at)) => State { course, at, voxel: Voxel::NOTHING, misses: false },
             None => State {
-                course: Course::idle(),
+                course: LatticeRayState::idle(),
                 at: Point::ZERO,
                 voxel: Voxel::NOTHING,
-                is_nowhere: true,
+                misses: true,
             },
         }
     }
 
     #[inline(always)]
-    fn is_nowhere(state: &State<S>) -> bool {
-        state.is_nowhere
+    fn misses(state: &State<S>) -> bool {
+        state.misses
     }
 
     #[inline(always)]
@@ -314,22 +314,22 @@ impl<S: Scalar> Resumable<S> for IrregularGrid<S> {
     }
 }
 
-impl<S: Scalar> SideBySide<S> for IrregularGrid<S> {
-    type Eight = Beginnings<S>;
+impl<S: Scalar> LaneTraversal<S> for IrregularGrid<S> {
+    type Eight = StartStates<S>;
     type State = Courses<S>;
 
     #[inline(always)]
     fn alone(&self) -> impl Traverse<S> {
-        Whole(self)
+        PlainStructure(self)
     }
 
     #[inline(always)]
-    fn prepare(&self, rays: &RayLanes<S>) -> Beginnings<S> {
-        Beginnings::of(rays, &self.place)
+    fn prepare(&self, rays: &RayLanes<S>) -> StartStates<S> {
+        StartStates::of(rays, &self.place)
     }
 
     #[inline(always)]
-    fn meeting(eight: &Beginnings<S>) -> u32 {
+    fn meeting(eight: &StartStates<S>) -> u32 {
         eight.meeting
     }
 
@@ -338,7 +338,7 @@ impl<S: Scalar> SideBySide<S> for IrregularGrid<S> {
     }
 
     #[inline(always)]
-    fn begin(&self, state: &mut Courses<S>, lane: usize, eight: &Beginnings<S>, ray: usize) {
+    fn begin(&self, state: &mut Courses<S>, lane: usize, eight: &StartStates<S>, ray: usize) {
         state.begin(lane, eight, ray);
     }
 
@@ -364,9 +364,9 @@ impl<S: Scalar> SideBySide<S> for IrregularGrid<S> {
 }
 
 /// The primitives with padded boxes.
-struct Padded<'a, S: Scalar, P: PrimSet<S>>(&'a BoundsOf<'a, S, P>);
+struct PaddedBounds<'a, S: Scalar, P: PrimSet<S>>(&'a BoundsOf<'a, S, P>);
 
-impl<S: Scalar, P: PrimSet<S>> Source for Padded<'_, S, P> {
+impl<S: Scalar, P: PrimSet<S>> Source for PaddedBounds<'_, S, P> {
     fn len(&self) -> u32 {
         self.0.prims().len() as u32
     }

@@ -1,4 +1,4 @@
-//! Which parts of a division a triangle overlaps, exactly but for a margin.
+//! Finds the parts of a division that a triangle overlaps, exactly up to a margin.
 //!
 //! Paper: M. Schwarz, H.-P. Seidel, "Fast Parallel Surface and Solid Voxelization on GPUs", ACM TOG
 //! 29(6), 2010: the separating axes of Akenine-Moeller (2001) for boxes of one size, set up once a
@@ -53,7 +53,8 @@ impl Overlap {
         Self { corner: a, normal, plane: [least - slack * largest, most + slack * largest], edges }
     }
 
-    /// Whether the box whose lower corner is `low` touches the triangle; its bounding box does.
+    /// Returns whether the box whose lower corner is `low` touches the triangle; its bounding box
+    /// does.
     #[inline(always)]
     pub(super) fn touches(&self, low: DVec3) -> bool {
         let p = low - self.corner;

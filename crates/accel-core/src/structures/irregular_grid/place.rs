@@ -1,4 +1,4 @@
-//! Which parts of a division each primitive goes to.
+//! Assigns primitives to the parts of a division.
 
 use std::ops::Range;
 
@@ -15,7 +15,7 @@ pub(super) trait Source {
     fn bounds(&self, id: u32) -> (DVec3, DVec3);
     /// The corners of one that is a triangle at rest.
     fn triangle(&self, id: u32) -> Option<[DVec3; 3]>;
-    /// Whether another touches the box between these corners.
+    /// Returns whether another touches the box between these corners.
     fn overlaps(&self, id: u32, low: DVec3, high: DVec3) -> bool;
     /// By how much boxes are padded.
     fn margin(&self) -> f64;
@@ -27,7 +27,7 @@ const MOST_TOP_CELLS: f64 = 16.0;
 
 pub(super) type Pair = (u32, u32);
 
-/// So many ids are placed at a time.
+/// Number of ids placed at a time.
 const CHUNK: usize = 1 << 13;
 
 /// Primitives and the lattice that they are placed on.
@@ -38,7 +38,7 @@ pub(super) struct Placement<'a> {
 }
 
 impl Placement<'_> {
-    /// Whether the boxes of the primitives meet few cells of the top grid each, on average.
+    /// Returns whether the boxes of the primitives meet few cells of the top grid each, on average.
     pub(super) fn is_sparse(&self) -> bool {
         let whole = self.lattice.whole();
         let cells = |id: u32| {
@@ -112,10 +112,10 @@ impl Placement<'_> {
     }
 }
 
-/// Where the ids of each part end, among ids in the order of their parts.
-pub(super) struct Ends(Vec<usize>);
+/// End of the ids of each part; ids are in the order of parts.
+pub(super) struct RangeEnds(Vec<usize>);
 
-impl Ends {
+impl RangeEnds {
     /// Appends the ids of pairs in the order of their parts, those of a part in the order of the
     /// pairs. Ends are counted from the first that is appended.
     pub(super) fn sort<'p>(
@@ -141,7 +141,7 @@ impl Ends {
         Self(ends)
     }
 
-    /// Where the ids of a part are.
+    /// Range of the ids of a part.
     pub(super) fn of(&self, part: usize) -> Range<usize> {
         part.checked_sub(1).map_or(0, |before| self.0[before])..self.0[part]
     }

@@ -12,7 +12,7 @@ use crate::structures::irregular_grid::cells::REFERENCES;
 use crate::structures::irregular_grid::cells::{Cell, Cells, DIVIDED, TooLarge};
 use crate::structures::irregular_grid::empty_boxes::EmptyBoxes;
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
-use crate::structures::irregular_grid::place::{Ends, Pair, Placement, Source};
+use crate::structures::irregular_grid::place::{Pair, Placement, RangeEnds, Source};
 
 /// How cells are divided.
 #[derive(Debug, Clone, Copy)]
@@ -25,8 +25,8 @@ pub(super) struct Settings {
     pub(super) step_cost: f64,
     /// Limit for the references in all lists.
     pub(super) max_references: u64,
-    /// What the divisions in one line of descent may multiply references by, and so the most
-    /// references to a primitive on average.
+    /// Limit of the factor by which the divisions on a path multiply references, and so of the
+    /// average number of references per primitive.
     pub(super) max_growth: f64,
 }
 
@@ -52,9 +52,9 @@ const LARGE: usize = 1 << 13;
 /// Into about so many groups of parts.
 const GROUPS: usize = 32;
 
-/// Of more primitives than this, the first of every so many is placed before all of them are.
+/// Above this number of primitives, a sample of them is placed first.
 const SAMPLED: usize = 1 << 9;
-/// So many at least.
+/// Minimum size of the sample.
 const SAMPLE: usize = 1 << 6;
 
 /// Input shared by all threads.
@@ -77,7 +77,7 @@ impl<'a> SharedInput<'a> {
     ) -> Result<Cells, TooLarge> {
         let count = division.count();
         let mut ids = Vec::new();
-        let ends = Ends::sort(count, pairs.iter().flatten(), &mut ids);
+        let ends = RangeEnds::sort(count, pairs.iter().flatten(), &mut ids);
         let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
         let mut groups: Vec<Range<usize>> = Vec::new();
         let wanted = (ids.len() + count) / GROUPS + 1;
@@ -122,7 +122,7 @@ struct Worker<'a> {
     cells: Cells,
     /// Lists of the cells on the way down, the innermost last.
     ids: Vec<u32>,
-    /// Of the division at hand.
+    /// Pairs of the current division.
     pairs: Vec<Pair>,
     /// Lists that are stored, by their hash.
     known: HashMap<u64, u32, BuildHasherDefault<IdHasher>>,
@@ -146,7 +146,7 @@ impl<'a> Worker<'a> {
         self.cells.check()?;
         self.cells.divided += 1;
         let base = self.ids.len();
-        let ends = Ends::sort(count, self.pairs.iter(), &mut self.ids);
+        let ends = RangeEnds::sort(count, self.pairs.iter(), &mut self.ids);
         let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
         for part in 0..count {
             let Range { start, end } = ends.of(part);
@@ -236,8 +236,8 @@ impl<'a> Worker<'a> {
         self.cell(ids, first, std::array::from_fn(|k| first[k] + (1 << levels[k]) - 1))
     }
 
-    /// Whether a sample of the primitives lets a division appear worth its time: placing all of
-    /// them only to find that they repeat would take that of as many parts.
+    /// Returns whether a sample of the primitives suggests that a division pays; placing all of
+    /// them in vain costs as much as that many parts.
     fn may_pay(&mut self, ids: Range<usize>, division: &Division, growth: f64) -> bool {
         let every = ids.len() / SAMPLE;
         let sample: Vec<u32> = self.ids[ids].iter().copied().step_by(every).collect();
@@ -248,8 +248,8 @@ impl<'a> Worker<'a> {
             && !self.repeats(sample.len(), division.count())
     }
 
-    /// Whether a part would have the whole list and others most of it again: all meet in a point or
-    /// along a line, and would do so in parts of any size.
+    /// Returns whether a part would have the whole list and others most of it: the primitives meet
+    /// in a point or line, and would do so in parts of any size.
     fn repeats(&self, n: usize, parts: usize) -> bool {
         if self.pairs.len() < 2 * n {
             return false;
@@ -298,7 +298,7 @@ impl<'a> Worker<'a> {
         Ok(number)
     }
 
-    /// Where a list is stored; equal ones are stored once.
+    /// Stores a list and returns its place; equal lists are stored once.
     fn list(&mut self, ids: Range<usize>) -> u32 {
         let ids = &self.ids[ids];
         if ids.is_empty() {

@@ -1,5 +1,4 @@
-//! What a ray reads on its way: a record of 16 bytes for each part of the grid, found by the
-//! coordinates of a lattice point.
+//! Records that traversals read: 16 bytes per part of the grid, found by lattice coordinates.
 
 use rayon::prelude::*;
 use wide::{i32x4, i32x8, u8x16, u32x4, u32x8};
@@ -125,7 +124,7 @@ impl Records {
         [[low(a), high(a), low(b)], [high(b), low(c), high(c)]]
     }
 
-    /// Of divided ones, the numbers of the records of the parts at these points.
+    /// For divided voxels: record numbers of the parts at these points.
     #[inline(always)]
     fn parts(&self, [x, y, z]: &[u32x8; 3]) -> u32x8 {
         let [right, left] = self.threes();
@@ -134,8 +133,8 @@ impl Records {
         (self.words() + x.unbounded_shr(right[0]) + y + z) & u32x8::splat(!DIVIDED)
     }
 
-    /// Of undivided ones, the coordinates after the last of their boxes, or the first on axes with
-    /// -1.
+    /// For undivided voxels: the coordinates after the last of their boxes, or the first on axes
+    /// with -1.
     #[inline(always)]
     pub(super) fn far_planes(&self, down: &[i32x8; 3]) -> [i32x8; 3] {
         let [first, end] = self.threes();

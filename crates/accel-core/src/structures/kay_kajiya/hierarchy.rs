@@ -32,7 +32,7 @@ enum Content {
         first: u32,
         count: u32,
     },
-    /// Of places in the list of ids.
+    /// Range in the list of ids.
     Leaf {
         first: u32,
         count: u32,
@@ -155,9 +155,8 @@ fn range(first: u32, count: u32) -> std::ops::Range<usize> {
     first as usize..(first + count) as usize
 }
 
-/// What each node over so many ids holds, parents before children, and where the levels of nodes
-/// stand. Every cut halves, so no leaf lies deeper than the logarithm of the number of primitives,
-/// whatever they look like.
+/// Contents of the nodes over this many ids, parents first, and the ranges of the levels. Every cut
+/// halves, so the depth is logarithmic in the number of primitives.
 fn contents(
     ids: usize,
     settings: &Settings<KayKajiyaConfig>,

@@ -1,11 +1,11 @@
 //! How the cells of a k-d tree are cut: where the heuristic says (`tree/build.rs` builds them).
 
+use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::memory::Counted;
+use crate::memory::CountedItem;
 use crate::parallel::concat;
 use crate::params::config::Settings;
-use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
 use crate::structures::kd_tree::config::KdTreeConfig;
@@ -37,8 +37,8 @@ pub(super) fn cells<S: Scalar>(
 }
 
 /// A node, and the start of a list.
-static CELLS: Counted = Counted::cells("number of cells", 16);
-static REFERENCES: Counted = Counted::references("references in cells");
+static CELLS: CountedItem = CountedItem::cells("number of cells", 16);
+static REFERENCES: CountedItem = CountedItem::references("references in cells");
 
 /// Settings that stay constant during a build.
 struct Rules<'a, S: Scalar> {

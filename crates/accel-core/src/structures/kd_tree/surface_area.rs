@@ -94,16 +94,16 @@ impl<S: Scalar> Heuristic<S> {
     }
 }
 
-/// Where boxes begin and end on an axis of a cell.
-struct Ends<S> {
-    /// How many, bin by bin.
+/// Sorted starts and ends of boxes on an axis of a cell.
+struct EdgeLists<S> {
+    /// Number of starts per bin.
     begin: [usize; BINS],
     end: [usize; BINS],
     lowest: S,
     highest: S,
 }
 
-impl<S: Scalar> Ends<S> {
+impl<S: Scalar> EdgeLists<S> {
     fn and(mut self, other: Self) -> Self {
         let both = self.begin.iter_mut().chain(&mut self.end);
         both.zip(other.begin.into_iter().chain(other.end)).for_each(|(n, more)| *n += more);
@@ -118,7 +118,7 @@ fn bins<S: Scalar>(boxes: &[Aabb<S>], ids: &[u32], trial: &mut Trial<S>) {
     let (axis, lo, hi) = (trial.axis, trial.lo, trial.hi);
     let scale = S::from_i32(BINS as i32) / (hi - lo);
     let bin = |x: S| ((x - lo) * scale).to_i32().clamp(0, BINS as i32 - 1) as usize;
-    let none = || Ends { begin: [0; BINS], end: [0; BINS], lowest: hi, highest: lo };
+    let none = || EdgeLists { begin: [0; BINS], end: [0; BINS], lowest: hi, highest: lo };
     let ends = map_parts(ids.len(), |part| {
         let mut ends = none();
         for &id in &ids[part.start as usize..part.end as usize] {
@@ -131,7 +131,7 @@ fn bins<S: Scalar>(boxes: &[Aabb<S>], ids: &[u32], trial: &mut Trial<S>) {
         }
         ends
     });
-    let Ends { begin, end, lowest, highest } = ends.into_iter().fold(none(), Ends::and);
+    let EdgeLists { begin, end, lowest, highest } = ends.into_iter().fold(none(), EdgeLists::and);
     trial.plane(lowest, 0, ids.len());
     trial.plane(highest, ids.len(), 0);
     let (mut below, mut above) = (0, ids.len());

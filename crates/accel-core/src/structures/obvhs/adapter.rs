@@ -15,11 +15,11 @@ use crate::params::config::Config;
 use crate::params::{ParamSpec, Params};
 use crate::update::refitted_until;
 
-/// Of binary trees that obvhs does not build.
+/// Build method of binary trees that obvhs does not build.
 pub(crate) const BINNED: &str = "binned";
 pub(crate) const MORTON: &str = "morton";
 
-/// How a binary tree can be built: so, or by a preset.
+/// Build methods of a binary tree, beside presets.
 pub(crate) const BUILDS: &[&str] =
     &[BINNED, MORTON, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
@@ -29,7 +29,7 @@ pub(crate) const PRESETS: &[&str] = BUILDS.split_at(2).1;
 pub(crate) const PRESET: ParamSpec =
     ParamSpec::choice("preset", "medium", PRESETS).about("obvhs's build preset");
 
-/// Whose traversal and whose tests.
+/// Chooses the traversal and the tests.
 pub(crate) const ADAPTER: ParamSpec =
     ParamSpec::choice("adapter", "robust", &["robust", "direct", "as-shipped"]).about(
         "robust gives right answers; direct is obvhs as its authors use it: its triangles, \
@@ -50,7 +50,7 @@ pub(crate) const KERNEL: ParamSpec = ParamSpec::choice("kernel", "block", &["sca
 pub(crate) const PADDING: ParamSpec = ParamSpec::choice("padding", "default", &["default", "none"])
     .about("for comparison: none leaves out what keeps rounding from losing boxes that hold hits");
 
-/// Whether padding is left out.
+/// Returns whether padding is left out.
 pub(crate) fn is_unpadded(params: &Params) -> bool {
     params.get("padding") == Some("none")
 }
@@ -100,7 +100,6 @@ pub struct AdapterConfig {
     pub(crate) is_direct: bool,
     pub(crate) is_block: bool,
     pub(crate) is_unpadded: bool,
-    /// See [`refitted_until`].
     pub(crate) refitted_until: Option<f64>,
 }
 

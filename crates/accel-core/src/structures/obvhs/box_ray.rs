@@ -8,7 +8,7 @@ use crate::geometry::ray::{Ray, unit_factor};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vector};
 
-/// How rays are told to trees.
+/// Representation of rays for trees.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum RaySetup<S: Scalar> {
     AsShipped,
@@ -75,7 +75,7 @@ impl<S: Scalar> RaySetup<S> {
         lanes
     }
 
-    /// Whether obvhs is to get bounds that rounding cannot make too small.
+    /// Returns whether obvhs is to get bounds that rounding cannot make too small.
     #[inline(always)]
     pub(super) fn is_robust(&self) -> bool {
         matches!(self, Self::Robust { .. })
@@ -89,7 +89,7 @@ pub(crate) enum Length {
     Own,
     /// Its largest component lies in [1, 2).
     Unit,
-    /// [`BRIEF`] times that.
+    /// Its largest component lies in [1, 2) times [`BRIEF`].
     Brief,
 }
 
@@ -110,7 +110,7 @@ pub(crate) struct BoxRayLanes<S: Scalar> {
 /// Maps our ray parameters to those of a [`BoxRay`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BoxParameters<S> {
-    /// So many times ours.
+    /// Ratio of its parameters to ours.
     scale: S,
     /// Our `t` is at most `t * scale + lead`: how far the ray starts before the true origin, or a
     /// little more.
@@ -121,7 +121,7 @@ pub(crate) struct BoxParameters<S> {
 /// origin finds them, in units of the scene's size if the largest component of its direction is in
 /// [1, 2).
 const LEAD: f32 = 1.0625e-4;
-/// Of a direction this much shorter, 1e-4 is a tenth of an ulp: no padded box ends before it.
+/// For a direction shorter by this factor, 1e-4 is a tenth of an ulp: no padded box ends before it.
 const BRIEF: f32 = f32::from_bits((127 - 14) << 23);
 
 /// Half the side of a cube around the origin that holds the scene, in units of its size.
@@ -148,7 +148,7 @@ impl<S: Scalar> BoxRay<S> {
         Self::scaled(ray, origin, unit, shorter, lead)
     }
 
-    /// Of a ray whose interval begins before its origin.
+    /// Moves the origin of a ray whose interval begins before it.
     #[cold]
     #[inline(never)]
     fn starting_earlier(ray: &Ray<S>, unit: S) -> Self {
@@ -194,7 +194,7 @@ impl<S: Scalar> BoxRay<S> {
 impl<S: Scalar> BoxParameters<S> {
     const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
 
-    /// Whether its origin is not the true one.
+    /// Returns whether its origin is not the true one.
     #[inline(always)]
     pub(crate) fn starts_earlier(&self) -> bool {
         self.lead > 0.0

@@ -132,16 +132,16 @@ fn agglomerated(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
 
 /// Fewer boxes are agglomerated in little time whatever they are.
 const FEW: usize = 8192;
-/// Of so many boxes one is looked at, but of no fewer than [`FEWEST_SEEN`] altogether: about a
-/// hundredth of the work of the fastest preset.
+/// One box of this many is sampled, but at least [`FEWEST_SEEN`]: about 1% of the work of the
+/// fastest preset.
 const SAMPLED: usize = 64;
 const FEWEST_SEEN: usize = 512;
 /// Passes that a sample of boxes that are not nested stays well below: about 20 are needed. Boxes
 /// in one another that are too few to be seen, up to 4,096 or an eighth of all, cost little.
 const PASSES: usize = 64;
 
-/// Whether agglomeration would take time in proportion to the square of the number of boxes: a
-/// regular sample of them, agglomerated with a search distance of 1, needs many passes.
+/// Returns whether agglomeration would take time in proportion to the square of the number of
+/// boxes: a regular sample of them, agglomerated with a search distance of 1, needs many passes.
 fn is_nested(boxes: &[Aabb]) -> bool {
     if boxes.len() <= FEW {
         return false;
@@ -226,12 +226,12 @@ fn halve(
 
 /// Summary of a subtree, its root included.
 #[derive(Debug, Clone, Copy)]
-struct Below {
+struct SubtreeSummary {
     levels: u32,
     leaves: u32,
 }
 
-impl Below {
+impl SubtreeSummary {
     /// Levels of a balanced tree over the same leaves.
     fn least_levels(self) -> u32 {
         1 + self.leaves.next_power_of_two().ilog2()
@@ -239,7 +239,7 @@ impl Below {
 }
 
 /// Summarises the subtree of each node.
-fn below(bvh: &Bvh2) -> Vec<Below> {
+fn below(bvh: &Bvh2) -> Vec<SubtreeSummary> {
     let mut order = Vec::with_capacity(bvh.nodes.len());
     let mut waiting = if bvh.nodes.is_empty() { vec![] } else { vec![0] };
     while let Some(at) = waiting.pop() {
@@ -249,14 +249,14 @@ fn below(bvh: &Bvh2) -> Vec<Below> {
             waiting.extend([node.first_index, node.first_index + 1]);
         }
     }
-    let mut all = vec![Below { levels: 1, leaves: 1 }; bvh.nodes.len()];
+    let mut all = vec![SubtreeSummary { levels: 1, leaves: 1 }; bvh.nodes.len()];
     for at in order.into_iter().rev() {
         let node = &bvh.nodes[at as usize];
         if !node.is_leaf() {
             let first = node.first_index as usize;
             let (a, b) = (all[first], all[first + 1]);
             let levels = 1 + a.levels.max(b.levels);
-            all[at as usize] = Below { levels, leaves: a.leaves + b.leaves };
+            all[at as usize] = SubtreeSummary { levels, leaves: a.leaves + b.leaves };
         }
     }
     all
@@ -329,8 +329,8 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// What is wrong with a tree over `boxes`: each box in one leaf, all leaves within their
-    /// ancestors, no more levels than said.
+    /// Checks a tree over `boxes`: each box in one leaf, leaves within their ancestors, at most
+    /// `limit` levels. Returns the fault.
     pub(crate) fn fault(bvh: &Bvh2, boxes: &[Aabb], limit: u32) -> Option<String> {
         let mut seen = vec![0; boxes.len()];
         let mut waiting = vec![(0u32, 1, Vec3A::NEG_INFINITY, Vec3A::INFINITY)];

@@ -23,14 +23,12 @@ use crate::structure::{BatchAnswers, Batches};
 pub(crate) trait Tree {
     /// The triangle of each place among its leaves.
     fn ids(&self) -> &[u32];
-    /// `ray_traverse`.
     fn hits(
         &self,
         ray: ObvhsRay,
         hit: &mut RayHit,
         test: impl FnMut(&ObvhsRay, usize) -> f32,
     ) -> bool;
-    /// `ray_traverse_miss`.
     fn misses(&self, ray: ObvhsRay, test: impl FnMut(&ObvhsRay, usize) -> f32) -> bool;
 }
 
@@ -76,7 +74,8 @@ pub(crate) fn triangles<S: Scalar, P: PrimSet<S>>(prims: &P) -> Option<Vec<Trian
     (0..prims.len() as u32).map(triangle).collect()
 }
 
-/// Whether triangles of the set are in f32, under the test of triangles that is the default.
+/// Returns whether triangles of the set are in f32, under the test of triangles that is the
+/// default.
 pub(crate) fn is_served<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
     S::NAME == <f32 as Scalar>::NAME && prims.is_watertight()
 }
@@ -91,7 +90,7 @@ fn to_obvhs<S: Scalar>(v: crate::Vec3<S>) -> Vec3A {
 pub(crate) struct DirectQueries {
     /// In the order of its leaves.
     triangles: Vec<RtTriangle>,
-    /// Which of them let shadow rays pass; empty where none does.
+    /// Marks triangles that let shadow rays pass; empty if none does.
     transmissive: Vec<bool>,
 }
 
@@ -109,7 +108,6 @@ impl DirectQueries {
         Self { triangles: laid_out.collect(), transmissive: transmissive.collect() }
     }
 
-    /// See [`crate::structure::Structure::batches`].
     #[inline(always)]
     pub(crate) fn batches<S: Scalar, P: PrimSet<S>>(this: Option<&Self>, prims: &P) -> Batches {
         // a set under another test may be asked, too
@@ -120,7 +118,6 @@ impl DirectQueries {
         }
     }
 
-    /// See [`crate::structure::Structure::answer_batch`].
     #[inline(always)]
     pub(crate) fn answer_batch<S: Scalar>(
         &self,

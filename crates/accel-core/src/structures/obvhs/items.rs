@@ -166,7 +166,8 @@ impl<S: Scalar> BoxScale<S> {
         Ok(Self::new((prims.magnitude() * padded).greater(S::from_f64(1e-30)), padding))
     }
 
-    /// Whether the boxes of primitives that have not moved are large enough in this scale, too.
+    /// Returns whether the boxes of primitives that have not moved are large enough in this scale,
+    /// too.
     pub(crate) fn serves(&self, before: &RaySetup<S>) -> bool {
         self.padding != Padding::OfScene && self.setup.unit() == before.unit()
     }

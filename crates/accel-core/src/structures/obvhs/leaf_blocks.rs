@@ -17,7 +17,7 @@ use crate::structures::obvhs::items::Groups;
 /// Triangles in a block.
 const LANES: u32 = TriangleBlock::<f32>::LANES as u32;
 
-/// Whether leaves become blocks: where it is asked for and each box is that of a triangle.
+/// Returns whether leaves become blocks: where it is asked for and each box is that of a triangle.
 pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     groups: &Groups,
@@ -29,7 +29,7 @@ pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(
     is_wanted && is_few && matches!(groups, Groups::Single) && blocks::serve(prims)
 }
 
-/// Whether memory has room for so many blocks, one per leaf or node at least.
+/// Checks that memory has room for so many blocks, one per leaf or node at least.
 pub(crate) fn fit<S: Scalar>(blocks: usize, limits: Limits) -> Result<(), OutOfMemory> {
     limits.fits((blocks * size_of::<TriangleBlock<S>>()) as u128)
 }

@@ -1,11 +1,11 @@
-//! Where the cells of an octree are cut, and when they are not (`tree/build.rs` builds them).
+//! Chooses the cuts of octree cells (`tree/build.rs` builds them).
 
+use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::memory::Counted;
+use crate::memory::CountedItem;
 use crate::parallel::concat;
 use crate::params::config::Settings;
-use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 use crate::structures::octree::cells::{Cells, LEAF};
 use crate::structures::octree::config::OctreeConfig;
@@ -36,8 +36,8 @@ pub(super) fn cells<S: Scalar>(
 }
 
 /// A link, and the planes of an eighth of a divided cell or the start of a list.
-static CELLS: Counted = Counted::cells("number of cells", 8);
-static REFERENCES: Counted = Counted::references("references in cells");
+static CELLS: CountedItem = CountedItem::cells("number of cells", 8);
+static REFERENCES: CountedItem = CountedItem::references("references in cells");
 
 /// Settings that stay constant during a build.
 struct Rules<'a, S: Scalar> {
@@ -52,7 +52,7 @@ struct Rules<'a, S: Scalar> {
 /// Statistics of the cuts on the path to a cell.
 #[derive(Debug, Clone, Copy)]
 struct Descent {
-    /// How many failed to lower the expected cost.
+    /// Number of cuts that did not lower the expected cost.
     useless: u64,
     /// The product of what each multiplied the references by. While it is at most `g`, all cells
     /// together have at most `g` references to each primitive, on average.
@@ -170,8 +170,8 @@ impl<S: Scalar> Rules<'_, S> {
         })
     }
 
-    /// Of eleven planes from the cell's centre to the mean centre of what is in it, the one with
-    /// the least sum of area times references on both sides; of equal ones the first.
+    /// Finds the cheapest of eleven planes between the cell's centre and the mean centre of its
+    /// contents, by the sum of area times references on both sides; the first on ties.
     fn least_cost(&self, bounds: &Aabb<S>, ids: &[u32], k: usize, centre: S) -> S {
         let rounded = |x: S| {
             if self.config.historical { S::from_f64(f64::from(x.to_f64() as f32)) } else { x }

@@ -1,10 +1,9 @@
-//! What the grids of a recursive grid may take of cells and references together; shared by the
-//! threads that build.
+//! Common limits of cells and references for the grids of a recursive grid, shared by threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use crate::room::CapacityLimits;
+use crate::capacity::CapacityLimits;
 
 /// A limit was exceeded: so many cells and references would have been there.
 #[derive(Debug, Clone, Copy)]
@@ -14,9 +13,9 @@ pub(super) struct LimitExceeded {
 
 /// A room and what is taken of it.
 ///
-/// What grids are refused, and how many voxels the last ones get, depends on what was taken before
-/// them. So that a build by several threads does not depend on their order, it goes on only as long
-/// as nothing is refused in any order ([`Budget::in_any_order`]).
+/// Whether a grid is refused, and how many voxels the last ones get, depends on the grids before.
+/// To stay independent of their order, a build by several threads continues only as long as nothing
+/// is refused in any order ([`Budget::in_any_order`]).
 #[derive(Debug)]
 pub(super) struct Budget {
     room: CapacityLimits,
@@ -40,7 +39,7 @@ impl Budget {
         Self { half: Some(room.halved()), ..Self::new(room) }
     }
 
-    /// Whether grids may come in any order.
+    /// Returns whether grids may come in any order.
     pub(super) fn is_in_any_order(&self) -> bool {
         self.half.is_some()
     }
@@ -56,7 +55,7 @@ impl Budget {
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// How many more cells there may be.
+    /// Number of cells that remain.
     pub(super) fn cells_left(&self) -> u64 {
         if self.half.is_some() {
             return self.room.most_cells();
@@ -65,7 +64,7 @@ impl Budget {
         self.room.cells_beside(references).saturating_sub(cells)
     }
 
-    /// How many more references.
+    /// Number of references that remain.
     pub(super) fn references_left(&self) -> u64 {
         if let Some(half) = self.half {
             return half.references_beside(0);

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
+use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::block_lists::{DenseRows, block_lists};
@@ -12,19 +13,18 @@ use crate::grid::box_placement::BoxPlacement;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::parallel::is_worth_a_fork;
+use crate::parallel::should_parallelize;
 use crate::query::cells::{Cell, CellVisitor};
-use crate::room::CapacityLimits;
 use crate::structures::recursive_grid::budget::{Budget, LimitExceeded};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
 
-/// How many primitives a recursive grid can hold: their ids must leave the mark free.
+/// Maximum number of primitives: their ids must leave the mark bit free.
 pub(super) const MAX_PRIMITIVES: u64 = CHILD as u64;
 
 /// Voxels narrower than this many ulps of the scene's largest coordinate are not made: their
-/// planes could not be told apart.
+/// planes could not be distinguished.
 const NARROWEST_VOXEL_ULPS: f64 = 64.0;
 
 /// The factor by which an outermost grid that would not pay is made coarser.
@@ -147,8 +147,8 @@ impl<S: Scalar> Child<S> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is there; built now by the first ray that asks, while other threads that need this
-    /// very voxel wait. `bounds` and `depth` are those of the voxel.
+    /// Contents of the voxel; built by the first ray that needs them, while other threads wait.
+    /// `bounds` and `depth` are those of the voxel.
     #[inline(always)]
     pub(super) fn content(
         &self,
@@ -221,7 +221,7 @@ impl<S: Scalar> Division<S> {
         bounds: Aabb<S>,
         room: CapacityLimits,
     ) -> Result<Grid<S>, LimitExceeded> {
-        if is_worth_a_fork(self.boxes.len()) {
+        if should_parallelize(self.boxes.len()) {
             self.budget = Budget::in_any_order(room);
             if let Ok(root) = self.outermost(bounds) {
                 self.budget.in_order();
@@ -320,7 +320,7 @@ impl<S: Scalar> Division<S> {
         frame: &GridFrame<S>,
         depth: u32,
     ) -> Result<Option<Vec<Option<Child<S>>>>, LimitExceeded> {
-        let pays = depth < self.eager_depth && is_worth_a_fork(lists.references());
+        let pays = depth < self.eager_depth && should_parallelize(lists.references());
         if !(pays && self.budget.is_in_any_order()) {
             return Ok(None);
         }

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use crate::capacity::CapacityLimits;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::regular_grid::Contents;
@@ -14,12 +15,11 @@ use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
-use crate::room::CapacityLimits;
 use crate::structure::BuildError;
 use crate::structures::uniform_grid::DenseCells;
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
-const REFERENCES_A_PRIMITIVE: u64 = 16;
+const MAX_REFS_PER_PRIM: u64 = 16;
 
 /// How leaf grids are made.
 pub(super) struct LeafRules {
@@ -39,13 +39,13 @@ pub(super) struct UpperCell {
 }
 
 impl UpperCell {
-    /// Whether it holds a grid.
+    /// Returns whether it holds a grid.
     #[inline(always)]
     pub fn is_divided(&self) -> bool {
         self.n.iter().any(|&n| n > 1)
     }
 
-    /// Whether it holds nothing.
+    /// Returns whether it holds nothing.
     pub fn is_vacant(&self) -> bool {
         self.n == [0; 3]
     }
@@ -114,9 +114,9 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     rules.room.check([all_cells, 0])?;
     // counts, turned into ends that begin at 0 in each stretch
     let mut starts = vec![0u32; leaf_cells as usize + 1];
-    let mut parts: Vec<Part> = Vec::with_capacity(stretches.len());
+    let mut parts: Vec<CellRange> = Vec::with_capacity(stretches.len());
     for (range, counters) in stretches.iter().zip(split(&mut starts, &leaves_of)) {
-        parts.push(Part { range: range.clone(), cells: &cells[range.clone()], counters });
+        parts.push(CellRange { range: range.clone(), cells: &cells[range.clone()], counters });
     }
     let references = in_parallel_mut(&mut parts, |part| upper.count(part));
     let total: u64 = references.iter().sum();
@@ -173,7 +173,8 @@ pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
         if end < old_cells.len() {
             let cell = UpperCell { first: starts.len() as u32, ..upper.resolution(end) };
             let mut counters = vec![0; cell.leaf_cells()];
-            let mut part = Part { range: end..end + 1, cells: &[cell], counters: &mut counters };
+            let mut part =
+                CellRange { range: end..end + 1, cells: &[cell], counters: &mut counters };
             let references = upper.count(&mut part);
             let all = (starts.len() + cell.leaf_cells() + old_cells.len()) as u64;
             rules.room.check([all, ids.len() as u64 + references])?;
@@ -189,7 +190,7 @@ pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
     Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
 }
 
-/// What `f` makes of each, in their order; on one thread without a call to rayon.
+/// Maps items by `f` in parallel, in order; on one thread without rayon.
 fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
     match items {
         [only] => vec![f(only)],
@@ -219,7 +220,7 @@ fn split<'a>(mut all: &'a mut [u32], lengths: &[usize]) -> Vec<&'a mut [u32]> {
 }
 
 /// A stretch of upper cells with the counters of its leaf cells.
-struct Part<'a> {
+struct CellRange<'a> {
     range: Range<usize>,
     cells: &'a [UpperCell],
     counters: &'a mut [u32],
@@ -262,7 +263,8 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
         UpperCell { first: 0, n }
     }
 
-    /// Whether the cells of a grid hold fewer primitives than the whole, and do not multiply them.
+    /// Returns whether the cells of a grid hold fewer primitives than the whole, and do not
+    /// multiply them.
     fn is_useful(&self, cell: usize, n: [u8; 3], list: &[u32]) -> bool {
         let leaf = self.leaf(cell, n);
         let cells_of = |&id: &u32| {
@@ -271,8 +273,7 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
         };
         let references: u64 = list.iter().map(cells_of).sum();
         let length = list.len() as u64;
-        2 * references <= length * leaf.cells() as u64
-            && references <= length * REFERENCES_A_PRIMITIVE
+        2 * references <= length * leaf.cells() as u64 && references <= length * MAX_REFS_PER_PRIM
     }
 
     /// Calls `visit` with the place of each leaf cell of a stretch that primitive `id` goes to.
@@ -295,7 +296,7 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
 
     /// Counts the references of each leaf cell and turns the counts into ends; returns how many
     /// there are.
-    fn count(&self, part: &mut Part) -> u64 {
+    fn count(&self, part: &mut CellRange) -> u64 {
         let base = part.cells.first().map_or(0, |cell| cell.first as usize);
         for (at, cell) in part.range.clone().zip(part.cells) {
             let first_leaf = cell.first as usize - base;
@@ -324,7 +325,7 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
 
     /// Writes ids to their places and turns the ends into starts, `before` ids being those of
     /// earlier stretches.
-    fn fill(&self, part: &mut Part, ids: &mut [u32], before: u32) {
+    fn fill(&self, part: &mut CellRange, ids: &mut [u32], before: u32) {
         let base = part.cells.first().map_or(0, |cell| cell.first as usize);
         for (at, cell) in part.range.clone().zip(part.cells) {
             let list = self.lists.at(at);

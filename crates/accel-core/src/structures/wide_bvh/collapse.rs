@@ -1,5 +1,5 @@
-//! Which nodes of a binary tree become the children of an eight-wide one, and which subtrees
-//! leaves.
+//! Chooses the nodes of a binary tree that become children of an eight-wide node, and the subtrees
+//! that become leaves.
 //!
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017, section 3.1: the least expected cost of a subtree as one to
@@ -39,13 +39,13 @@ pub(super) struct Costs {
 struct Choice(u64);
 
 impl Choice {
-    /// Of roots and of sides 3 bits each.
+    /// Bits of each number of roots and of each side.
     const BITS: usize = 3;
     const SIDES: usize = Self::BITS * WIDTH;
     const LEAF: u64 = 1 << (2 * Self::SIDES);
 
-    /// Whether the subtree becomes a leaf; where at most `i + 1` roots are allowed, how many there
-    /// are less one; where there are `i + 1`, two or more, those on the lower child's side.
+    /// `is_leaf`: the subtree becomes a leaf. By `i`: the number of roots less one if at most `i +
+    /// 1` are allowed, and how many of `i + 1` roots are on the lower child's side.
     #[inline(always)]
     fn of(is_leaf: bool, roots: [u8; WIDTH], lower: [u8; WIDTH]) -> Self {
         let leaf = if is_leaf { Self::LEAF } else { 0 };
@@ -69,12 +69,12 @@ impl Choice {
         (self.0 >> shift) as usize & (WIDTH - 1)
     }
 
-    /// How many roots there are where at most so many are allowed.
+    /// Number of roots if at most this many are allowed.
     fn roots(self, allowed: usize) -> usize {
         self.number(Self::BITS * (allowed - 1)) + 1
     }
 
-    /// How many of so many roots are on the lower child's side.
+    /// Number of these roots on the lower child's side.
     fn lower(self, roots: usize) -> usize {
         self.number(Self::SIDES + Self::BITS * (roots - 1))
     }
@@ -121,7 +121,7 @@ impl CollapsedTree {
 pub(super) struct CollapsedNode {
     /// The subtrees that became its children, so many.
     subtrees: [u32; WIDTH],
-    /// Which nodes, or with [`LEAF`] which leaves, they are.
+    /// Node numbers, or leaf numbers with [`LEAF`].
     places: [u32; WIDTH],
     children: usize,
 }
@@ -180,7 +180,7 @@ impl<'a> Collapse<'a> {
         self.bvh.nodes[node as usize].aabb()
     }
 
-    /// Whether a subtree becomes a leaf.
+    /// Returns whether a subtree becomes a leaf.
     pub(super) fn is_leaf(&self, node: u32) -> bool {
         let node = &self.bvh.nodes[node as usize];
         node.is_leaf() || self.choices[pair_of(node)].is_leaf()

@@ -95,7 +95,7 @@ const PACKETS: &str = "packets";
 /// That of primitives for which [`Padding::OF_CORNERS`] has not been shown to suffice.
 const OTHER_PADDING: Padding = Padding::OfExtent { along: 0.0, largest: 5.0 };
 
-/// Whether a primitive that ends behind a ray's origin is not hit (`node.rs`).
+/// Returns whether a primitive that ends behind a ray's origin is not hit (`node.rs`).
 fn is_exact<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
     size_of::<S>() == size_of::<f32>() && prims.is_watertight()
 }
@@ -108,7 +108,7 @@ pub struct WideBvh<S: Scalar> {
     setup: RaySetup<S>,
     /// How batches of triangles are answered.
     batches: Batches,
-    /// Whether a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
+    /// True if a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
     is_exact: bool,
     /// Rays are not padded.
     #[cfg(feature = "compiled-tests")]
@@ -127,7 +127,7 @@ pub struct WideBvhConfig {
     build: Build,
 }
 
-/// Who builds the binary tree.
+/// Builder of the binary tree.
 #[derive(Clone)]
 enum Build {
     Binned,

@@ -11,7 +11,7 @@ use crate::geometry::lanes::{Eight, Lanes};
 #[repr(C, align(64))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node {
-    /// Lower planes on x, y, z, then upper ones; a box that is none has them the wrong way round.
+    /// Lower planes on x, y, z, then upper ones; empty slots have min > max.
     planes: [f32x8; 6],
     /// Number of a node, or that of a list with [`LEAF`].
     pub(super) children: [u32; WIDTH],
@@ -62,8 +62,7 @@ pub(super) struct NodeRay {
     /// where they are left.
     inverse: [[f32x8; 3]; 2],
     offset: [[f32x8; 3]; 2],
-    /// Of the planes where boxes are entered, by axis, and of those where they are left: see
-    /// [`PLANES`].
+    /// Indices of the entry and exit planes of boxes, by axis: see [`PLANES`].
     planes: &'static [[usize; 3]; 2],
 }
 
@@ -100,15 +99,16 @@ pub(super) const LARGE: f32 = 1e37;
 /// origin's, at either end one for corners, one for the slope, two for the slab; two of the
 /// origin's coordinate for its product and for its rounding in f64; the rest is left over.
 pub(super) const SHIFT: [f32; 2] = [76.0, 14.0];
-/// Of the product of a ray's origin: it is rounded, and so is its sum with this.
+/// Rounding error of the product with a ray's origin, and of the sum with it.
 pub(super) const PRODUCT_ROUNDING: f32 = (1.0 + 1.0 / 32.0) * EPSILON;
-/// Where a plane's product is rounded before the ray's offset is added: coordinates are below 2.
+/// Rounding error of the product with a plane, before the ray's offset is added: coordinates are
+/// below 2.
 pub(super) const PLANE_ROUNDING: f32 =
     if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
 
 impl NodeRay {
-    /// Of a ray in a scene of unit size, its direction neither longer than 1e18 nor shorter than
-    /// 1e-18, no component -0. `is_exact`: a triangle that ends behind the origin is not hit.
+    /// Prepares a ray in a scene of unit size. Its direction has a length from 1e-18 to 1e18 and no
+    /// component -0. `is_exact`: a triangle that ends behind the origin is not hit.
     #[inline(always)]
     pub(super) fn of(o: Vec3A, d: Vec3A, is_exact: bool) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
@@ -129,7 +129,7 @@ impl NodeRay {
         )
     }
 
-    /// Of what it is made of; of the octant that it runs into, see [`OCTANTS`].
+    /// Assembles its parts; for the octant see [`OCTANTS`].
     #[inline(always)]
     pub(super) fn with(inverse: [[f32; 3]; 2], offset: [[f32; 3]; 2], octant: u32) -> Self {
         // one by one: `map` of arrays of arrays becomes a call
@@ -141,8 +141,7 @@ impl NodeRay {
         }
     }
 
-    /// Where a child's box is entered, by axis, and where it is left, by rays into the octant of
-    /// this one.
+    /// Entry and exit planes of a child's box, by axis, for rays into the octant of this one.
     #[inline(always)]
     pub(super) fn bounds(&self, node: &Node, child: usize) -> [[f32; 3]; 2] {
         let bound = |side: usize, k: usize| {

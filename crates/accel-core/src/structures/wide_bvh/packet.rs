@@ -40,9 +40,9 @@ pub struct Packet {
 
 /// By lane, as long as one vector is.
 #[repr(align(32))]
-struct Ends([f32; LANES]);
+struct LaneEnds([f32; LANES]);
 
-impl Ends {
+impl LaneEnds {
     fn last(&self) -> f32 {
         let [a, b, c, d, e, f, g, h] = self.0;
         a.max(b).max(c.max(d)).max(e.max(f).max(g.max(h)))
@@ -50,7 +50,7 @@ impl Ends {
 }
 
 impl Packet {
-    /// Of rays as [`NodeRay::of`] takes them, by axis and lane; none where they do not run alike.
+    /// Packet of rays as for [`NodeRay::of`], by axis and lane; `None` if their octants differ.
     #[inline(always)]
     pub(super) fn of(
         origin: &[[f32; LANES]; 3],
@@ -116,7 +116,7 @@ impl Packet {
         parameters: &[BoxParameters<S>; LANES],
         sinks: &mut [K],
     ) {
-        let mut ends = Ends([f32::NEG_INFINITY; LANES]);
+        let mut ends = LaneEnds([f32::NEG_INFINITY; LANES]);
         for ((end, parameters), sink) in ends.0.iter_mut().zip(parameters).zip(&*sinks) {
             *end = parameters.bound(sink.t_max());
         }

@@ -104,7 +104,7 @@ impl Cost {
         self.sum += f64::from(bounds.half_area()) * self.node;
     }
 
-    /// Of a ray that meets the root's box.
+    /// Cost of a ray that meets the root's box.
     fn of_ray(&self, root: Option<&Aabb>) -> f64 {
         let area = root.map_or(0.0, |root| f64::from(root.half_area()));
         if area > 0.0 { self.sum / area } else { 1.0 }

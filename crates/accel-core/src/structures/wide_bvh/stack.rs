@@ -34,7 +34,7 @@ pub(super) struct Stack<'a> {
 }
 
 impl<'a> Stack<'a> {
-    /// Of the first so many entries.
+    /// Stack of the first `len` entries of the storage.
     ///
     /// # Safety
     /// A stack wrote them.

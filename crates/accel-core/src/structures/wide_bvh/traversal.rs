@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
-use crate::query::resumable::Resumable;
+use crate::query::resumable::StepwiseStructure;
 use crate::query::sink::Sink;
 use crate::structures::obvhs::box_ray::{BoxParameters, BoxRay, Length};
 use crate::structures::wide_bvh::WideBvh;
@@ -17,7 +17,7 @@ use crate::structures::wide_bvh::stack::{Stack, StackStorage};
 pub struct State<S: Scalar> {
     parameters: BoxParameters<S>,
     ray: NodeRay,
-    /// Where the query ends, on `ray`.
+    /// End of the query, as a parameter of `ray`.
     end: f32,
     at: u32,
     waiting: usize,
@@ -47,7 +47,7 @@ impl<S: Scalar> State<S> {
     }
 }
 
-impl<S: Scalar> Resumable<S> for WideBvh<S> {
+impl<S: Scalar> StepwiseStructure<S> for WideBvh<S> {
     type State = State<S>;
     type Room = StackStorage;
 
@@ -62,7 +62,7 @@ impl<S: Scalar> Resumable<S> for WideBvh<S> {
     }
 
     #[inline(always)]
-    fn is_nowhere(_: &State<S>) -> bool {
+    fn misses(_: &State<S>) -> bool {
         false
     }
 

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::parallel::{forks, is_worth_a_fork};
+use crate::parallel::{forks, should_parallelize};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 
 /// The components, each ascending, in the order of their lowest members; on all threads.
@@ -32,7 +32,7 @@ fn in_halves<S: Scalar>(
     mut ids: Vec<u32>,
     forks: u32,
 ) -> Vec<Vec<u32>> {
-    if forks == 0 || !is_worth_a_fork(ids.len()) {
+    if forks == 0 || !should_parallelize(ids.len()) {
         return flooded(boxes, near, &ids);
     }
     let around = |ids: &[u32]| ids.iter().fold(Aabb::empty(), |b, &i| boxes[i as usize].union(b));

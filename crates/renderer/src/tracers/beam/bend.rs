@@ -23,13 +23,12 @@ const SMALLEST: f64 = 1.0 / 64.0;
 
 /// A part of a beam that meets glass.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct BeamPart {
     pub piece: ConvexPolygon,
-    /// What becomes of it.
     pub beam: BendOutcome,
 }
 
-/// What becomes of a beam at glass.
+/// Result of a beam that meets glass.
 #[derive(Debug, Clone)]
 pub enum BendOutcome {
     /// It goes through, as this one.
@@ -45,14 +44,14 @@ pub struct BendSetup<'a> {
     pub plane: &'a Plane,
     /// Its outer unit normal.
     pub normal: DVec3,
-    /// Of refraction, of the inside.
+    /// Index of refraction of the inside.
     pub index: f64,
 }
 
 impl BendSetup<'_> {
     /// The parts of a piece. Rays of a part are off by at most `most` times the angle that a pixel
     /// spans, but for parts of less than 1/64 of a pixel.
-    pub fn parts(&self, piece: &ConvexPolygon, most: f64) -> Vec<Part> {
+    pub fn parts(&self, piece: &ConvexPolygon, most: f64) -> Vec<BeamPart> {
         let mut parts = Vec::new();
         let mut todo = vec![piece.clone()];
         while let Some(piece) = todo.pop() {
@@ -60,7 +59,7 @@ impl BendSetup<'_> {
             let halves = if error > most { halves(&piece) } else { None };
             match halves {
                 Some(halves) => todo.extend(halves),
-                None => parts.push(Part { piece, beam }),
+                None => parts.push(BeamPart { piece, beam }),
             }
         }
         parts
@@ -130,7 +129,7 @@ mod tests {
     use glam::DMat3;
 
     /// An eye over water, or below it, that sees (x, y) in the direction (x - 4, y, 8).
-    fn parts(normal: DVec3, most: f64) -> Vec<Part> {
+    fn parts(normal: DVec3, most: f64) -> Vec<BeamPart> {
         let frame = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::new(-4.0, 0.0, 8.0));
         let pyramid = Pyramid::new(DVec3::ZERO, frame, 10.0).unwrap();
         let depth = Affine { slope: DVec2::ZERO, offset: 8.0 };
@@ -188,13 +187,13 @@ mod tests {
         let parts = parts(DVec3::Z, 0.3);
         let radius = 8.0 / 1.25_f64.sqrt();
         let leaves = |p: DVec2| (p - DVec2::new(4.0, 0.0)).length() < radius;
-        let is_through = |part: &Part| matches!(part.beam, BendOutcome::Through(_));
+        let is_through = |part: &BeamPart| matches!(part.beam, BendOutcome::Through(_));
         assert!(parts.iter().all(|part| is_through(part) == leaves(part.piece.centroid())));
         assert!(!parts.iter().all(is_through));
         // only small parts lie across the circle
         let across =
-            |part: &&Part| part.piece.corners().iter().any(|p| leaves(*p) != is_through(part));
-        let across: Vec<&Part> = parts.iter().filter(across).collect();
+            |part: &&BeamPart| part.piece.corners().iter().any(|p| leaves(*p) != is_through(part));
+        let across: Vec<&BeamPart> = parts.iter().filter(across).collect();
         assert!(across.len() > 10 && across.iter().all(|part| part.piece.area() < SMALLEST));
     }
 }

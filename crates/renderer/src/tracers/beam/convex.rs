@@ -46,7 +46,7 @@ pub struct ConvexPolygon {
     corners: Vec<DVec2>,
 }
 
-/// What a line does to a piece.
+/// Result of cutting a piece by a line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CutSide {
     /// All of it lies inside.
@@ -103,7 +103,7 @@ impl ConvexPolygon {
         })
     }
 
-    /// Which sides of the line it has corners on: inside, outside.
+    /// True for each side of the line with a corner: inside, outside.
     pub fn sides(&self, line: &Affine) -> [bool; 2] {
         let mut sides = [false; 2];
         for p in &self.corners {

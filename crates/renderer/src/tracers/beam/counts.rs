@@ -1,4 +1,4 @@
-//! How many beams an image took.
+//! Numbers of beams of an image.
 
 use std::ops::AddAssign;
 
@@ -19,7 +19,7 @@ pub struct Counts {
     pub internal: u64,
     /// Beams that would have no volume.
     pub degenerate: u64,
-    /// What finding them took.
+    /// Cost of finding them.
     pub cuts: CutLists,
 }
 

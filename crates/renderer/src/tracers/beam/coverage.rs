@@ -8,7 +8,7 @@ use super::tile::{CoveredArea, Tile};
 use crate::tracers::drawing::{Frame, Structures};
 use crate::tracers::info::Refusal;
 
-/// What the pixels of an image see, row by row: one line for each depth and primitive, in that
+/// Surfaces seen by the pixels of an image, row by row: one line per depth and primitive, in that
 /// order.
 ///
 /// # Errors

@@ -34,7 +34,7 @@ pub struct Faces {
 }
 
 impl Faces {
-    /// Those of a scene. Spheres, cones and what has no area have none.
+    /// Faces of a scene. Spheres, cones and degenerate primitives have none.
     pub fn of(scene: &Scene) -> Self {
         let mut this = Self { faces: Vec::with_capacity(scene.primitives.len()), first: vec![0] };
         for (primitive, id) in scene.primitives.iter().zip(0..) {

@@ -37,8 +37,8 @@ pub enum Relation {
 }
 
 impl Outline {
-    /// Of a face; `None` where the pyramid behind the rectangle of the image from `low` to `high`
-    /// cannot meet it.
+    /// Outline of a face; `None` if the pyramid behind the rectangle of the image from `low` to
+    /// `high` cannot meet it.
     pub fn of(face: &Face, pyramid: &Pyramid, [low, high]: [DVec2; 2]) -> Option<Self> {
         if pyramid.is_beside(&face.corners, low, high) {
             return None;

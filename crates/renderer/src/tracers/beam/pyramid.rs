@@ -11,8 +11,8 @@ use glam::{DMat3, DVec2, DVec3};
 
 use super::convex::{Affine, ConvexPolygon};
 
-/// What lies nearer than this to the surface a beam leaves, or to its apex, is not met: in units
-/// of the scene's largest coordinate.
+/// Surfaces nearer than this to the surface a beam leaves, or to its apex, are not met: in units of
+/// the scene's largest coordinate.
 const OFFSET: f64 = 1e-12;
 
 /// The part of space with `normal . x >= least`.
@@ -146,7 +146,7 @@ impl Pyramid {
         Frustum::new(&near, &far)
     }
 
-    /// Where the ray through an image point starts.
+    /// Origin of the ray through an image point.
     fn start(&self, p: DVec2) -> DVec3 {
         self.from.map_or(self.apex, |depth| self.point(p, depth.at(p)))
     }

@@ -1,4 +1,4 @@
-//! What beam tracing is, and how it is set.
+//! Settings of beam tracing.
 
 use crate::tracers::info::TracerInfo;
 

@@ -5,7 +5,7 @@ use accel_core::query::region::{Candidates, Frustum, FrustumWork};
 use glam::{DMat3, DVec2};
 use scene_loading::Rgb;
 
-use super::bend::{BendOutcome, BendSetup, Part};
+use super::bend::{BeamPart, BendOutcome, BendSetup};
 use super::convex::ConvexPolygon;
 use super::counts::Counts;
 use super::outline::{Outline, Relation};
@@ -87,7 +87,7 @@ impl<'a> Tile<'a> {
         &self.colors
     }
 
-    /// What its pixels see, if it was recorded; not summed up.
+    /// Areas seen by its pixels, if recorded; not summed up.
     pub fn covered(&self) -> &[Vec<CoveredArea>] {
         self.covered.as_deref().unwrap_or_default()
     }
@@ -261,7 +261,7 @@ impl<'a> Tile<'a> {
             normal: surface.normal,
             index: m.refraction_index,
         };
-        for Part { piece, beam: bent } in bend.parts(piece, self.on.settings.bend) {
+        for BeamPart { piece, beam: bent } in bend.parts(piece, self.on.settings.bend) {
             match bent {
                 BendOutcome::Through(pyramid) => {
                     self.counts.refracted += 1;

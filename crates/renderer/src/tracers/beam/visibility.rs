@@ -1,4 +1,4 @@
-//! Which face is seen at every point of a piece of the image: exact cutting, front to back.
+//! Visible face at every point of a piece of the image: exact cutting, front to back.
 //!
 //! Papers: J. Warnock, "A Hidden Surface Algorithm for Computer Generated Halftone Pictures",
 //! thesis, University of Utah, 1969 (a piece with much in it is halved, a face that covers a piece
@@ -30,7 +30,7 @@ pub struct CutLists {
     pub pieces: u64,
     /// Pieces that were decided by the face in front of their centre, as too many cuts were made.
     pub unresolved: u64,
-    /// Area of pieces too small to go on with, square pixels.
+    /// Area of pieces too small to be processed further, square pixels.
     pub lost: f64,
 }
 

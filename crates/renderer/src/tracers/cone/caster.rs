@@ -16,8 +16,8 @@ use crate::tracers::drawing::Structures;
 /// A surface that is seen in less than this share of a cone is not shaded.
 pub(super) const UNSEEN: f64 = 1e-6;
 
-/// What a flat surface's neighbours in its plane may be off it by rounding, in epsilons of its
-/// largest coordinate.
+/// Distance by which rounding may move neighbours in the plane of a flat surface off it, in
+/// epsilons of its largest coordinate.
 const PLANE_SLACK: f64 = 64.0 * f64::EPSILON;
 
 /// A scene made ready for cones.

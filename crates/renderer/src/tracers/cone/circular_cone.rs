@@ -19,7 +19,7 @@ const QUARTER: f64 = 0.443_113_462_726_379;
 /// A cone; world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
-    /// Where the axis has depth 0.
+    /// Point of the axis with depth 0.
     pub origin: DVec3,
     /// Unit direction; depths are measured along it.
     pub axis: DVec3,
@@ -54,7 +54,7 @@ impl Cone {
         self
     }
 
-    /// Whether it is no more than a ray.
+    /// Returns whether it is no more than a ray.
     pub fn is_ray(&self) -> bool {
         self.radius == 0.0 && self.spread == 0.0
     }

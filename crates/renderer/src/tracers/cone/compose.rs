@@ -29,7 +29,7 @@ pub struct Fragment {
 
 /// A surface that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Seen {
+pub struct VisibleSurface {
     /// Index into the fragments.
     pub fragment: usize,
     /// Share of the cone, in (0, 1].
@@ -42,7 +42,7 @@ pub struct Seen {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Composition {
     /// From front to back. The shares are at most 1 together; the rest is background.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<VisibleSurface>,
     /// False where surfaces overlap or cross, so that the shares are guesses.
     pub is_certain: bool,
     /// Share that nothing covers.
@@ -77,7 +77,7 @@ pub fn compose(
             }
             *is_certain &= !doubtful;
             whole = Some(seen.len());
-            seen.push(Seen { fragment: index, share: *left_over, centroid: DVec2::ZERO });
+            seen.push(VisibleSurface { fragment: index, share: *left_over, centroid: DVec2::ZERO });
             *left_over = 0.0;
             continue;
         }
@@ -116,7 +116,7 @@ pub fn compose(
         if share <= 0.0 {
             continue;
         }
-        seen.push(Seen { fragment: index, share, centroid: overlap.centroid });
+        seen.push(VisibleSurface { fragment: index, share, centroid: overlap.centroid });
         if let Some(at) = whole {
             seen[at].share = free - share;
         } else {
@@ -131,7 +131,7 @@ pub fn compose(
     composition
 }
 
-/// Whether a surface is in front of another where the middle of that one is.
+/// Returns whether a surface is in front of another where the middle of that one is.
 fn in_front_of(
     front: &Fragment,
     behind: &Fragment,
@@ -142,7 +142,7 @@ fn in_front_of(
 }
 
 /// The middle of what others leave of the disc.
-fn rest(others: impl Iterator<Item = Seen>) -> DVec2 {
+fn rest(others: impl Iterator<Item = VisibleSurface>) -> DVec2 {
     let (covered, moment) = others.fold((0.0, DVec2::ZERO), |(covered, moment), s| {
         (covered + s.share, moment + s.centroid * s.share)
     });
@@ -150,7 +150,8 @@ fn rest(others: impl Iterator<Item = Seen>) -> DVec2 {
     if rest > LEFT_OVER { (moment / -rest).clamp_length_max(1.0) } else { DVec2::ZERO }
 }
 
-/// Whether the one behind comes to the front anywhere within the cone: looked at in four places.
+/// Returns whether the one behind comes to the front anywhere within the cone: looked at in four
+/// places.
 fn crosses(front: u32, behind: u32, depth_at: &dyn Fn(u32, DVec2) -> Option<f64>) -> bool {
     [(0.7, 0.0), (-0.7, 0.0), (0.0, 0.7), (0.0, -0.7)].into_iter().any(|place| {
         let place = DVec2::from(place);
@@ -161,7 +162,7 @@ fn crosses(front: u32, behind: u32, depth_at: &dyn Fn(u32, DVec2) -> Option<f64>
     })
 }
 
-/// How much of a cone surfaces cover together, in any order, and whether that is certain.
+/// Share of a cone covered by surfaces together, in any order, and whether that is certain.
 pub fn union(fragments: &[Fragment]) -> (f64, bool) {
     let are_compared = fragments.len() <= MOST_COMPARED;
     let (mut covered, mut is_certain) = (0.0, are_compared);

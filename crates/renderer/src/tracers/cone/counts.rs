@@ -1,4 +1,4 @@
-//! How many cones and rays an image took.
+//! Numbers of cones and rays of an image.
 
 use accel_core::query::region::Candidates;
 

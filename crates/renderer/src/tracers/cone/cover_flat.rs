@@ -1,4 +1,4 @@
-//! How much of a cone a polygon, a triangle or a patch covers, or a plane larger than the cone.
+//! Share of a cone covered by a polygon, a triangle, a patch, or a plane larger than the cone.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984, which replaces the polygon by
 //! the edges nearest to the axis. Deviation: the polygon is seen from the apex, as the outline on
@@ -19,14 +19,14 @@ const WINDOW: f64 = 2.0;
 /// A focus and an apex are left out by this part of the cone's largest radius.
 const LEAST_RADIUS: f64 = 1e-7;
 
-pub struct Flat {
+pub struct FlatCoverage {
     /// Unit normal; zero where it has no area.
     pub normal: DVec3,
     pub first: usize,
     pub count: usize,
 }
 
-impl Flat {
+impl FlatCoverage {
     pub fn cover(
         &self,
         cone: &Cone,
@@ -84,8 +84,8 @@ impl Corner {
     }
 }
 
-/// What the outline of a polygon in space covers, its outline in units of the radius, and its
-/// largest depth; `None` for nothing. Not flat ones are taken for their projection.
+/// Projects the outline of a polygon: coverage, outline in units of the radius, largest depth;
+/// `None` if it covers nothing. Non-planar ones are replaced by their projection.
 pub fn project(
     cone: &Cone,
     corners: &[DVec3],
@@ -175,9 +175,9 @@ fn clip(corners: &mut Vec<Corner>, distance: impl Fn(&Corner) -> f64) {
 mod tests {
     use super::*;
 
-    fn flat(corners: &[DVec3]) -> Flat {
+    fn flat(corners: &[DVec3]) -> FlatCoverage {
         let normal = accel_core::primitives::newell_normal(corners);
-        Flat { normal, first: 0, count: corners.len() }
+        FlatCoverage { normal, first: 0, count: corners.len() }
     }
 
     fn cover(cone: &Cone, corners: &[DVec3], left: Option<&DepartedSurface>) -> f64 {

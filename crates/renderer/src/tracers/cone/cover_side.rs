@@ -1,4 +1,4 @@
-//! How much of a cone (a bundle of rays) the side of a truncated cone or cylinder covers.
+//! Share of a cone (a bundle of rays) covered by the side of a truncated cone or cylinder.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984, has no such surface. Ours: a side
 //! without caps shows its outside alone, so that what is seen of it, from the apex of the bundle,
@@ -57,7 +57,7 @@ impl Side {
         (self.base + self.apex) * 0.5
     }
 
-    /// What it covers. `own`: the cone leaves this very side.
+    /// Its coverage. `own`: the cone leaves this very side.
     pub fn cover(
         &self,
         cone: &Cone,

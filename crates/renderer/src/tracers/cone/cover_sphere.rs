@@ -1,4 +1,4 @@
-//! How much of a cone a sphere covers.
+//! Share of a cone covered by a sphere.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984: the overlap of two discs.
 //! Deviation: the disc of the sphere is taken where its silhouette comes nearest to the axis, so
@@ -30,7 +30,7 @@ impl Ball {
         Self { sphere: Sphere { center: sphere.center, radius: sphere.radius.abs() } }
     }
 
-    /// What it covers. `own`: the cone leaves this very sphere.
+    /// Its coverage. `own`: the cone leaves this very sphere.
     pub fn cover(
         &self,
         cone: &Cone,

@@ -1,4 +1,4 @@
-//! How much of a cone a surface covers, and the surface that the cone leaves.
+//! Share of a cone covered by a surface, and the surface that the cone leaves.
 
 use glam::DVec3;
 
@@ -9,10 +9,10 @@ use super::outline::Outline;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepartedSurface {
     pub id: u32,
-    /// Whether the cone goes into the body: against the outer geometric normal.
+    /// True if the cone goes into the body: against the outer geometric normal.
     pub inwards: bool,
-    /// Where the surface is flat, or the cone goes into a ball, what lies behind is not met: a unit
-    /// normal on the side of the cone, and how far along it the surface lies.
+    /// For a flat surface, or a cone into a ball, surfaces behind are not met: unit normal on the
+    /// side of the cone, and the position of the surface along it.
     pub plane: Option<(DVec3, f64)>,
 }
 

@@ -1,4 +1,4 @@
-//! Which share of the unit disc a shape covers, and where: exact areas and centroids.
+//! Share of the unit disc covered by a shape: exact areas and centroids.
 //!
 //! Paper: J. Amanatides, "Ray Tracing with Cones", SIGGRAPH 1984, which estimates these areas by
 //! tables and lines. Deviation: they are exact. The disc and a polygon: by the signed sum over its

@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3};
 use scene_loading::{Scene, Shape};
 
 use super::circular_cone::Cone;
-use super::cover_flat::Flat;
+use super::cover_flat::FlatCoverage;
 use super::cover_side::Side;
 use super::cover_sphere::Ball;
 use super::coverage::{Coverage, DepartedSurface};
@@ -15,7 +15,7 @@ use super::coverage::{Coverage, DepartedSurface};
 enum Form {
     Ball(Ball),
     Side(Box<Side>),
-    Flat(Flat),
+    Flat(FlatCoverage),
 }
 
 /// All primitives of a scene.
@@ -36,7 +36,11 @@ impl Forms {
                 let outline = scene.outline(primitive.shape);
                 let first = corners.len();
                 corners.extend_from_slice(&outline);
-                Form::Flat(Flat { normal: newell_normal(&outline), first, count: outline.len() })
+                Form::Flat(FlatCoverage {
+                    normal: newell_normal(&outline),
+                    first,
+                    count: outline.len(),
+                })
             }
         };
         let forms = scene.primitives.iter().map(form).collect();
@@ -46,22 +50,22 @@ impl Forms {
         Self { forms, corners, clear: scene.primitives.iter().map(is_clear).collect() }
     }
 
-    /// Whether the primitive lets light pass.
+    /// Returns whether the primitive lets light pass.
     pub fn is_clear(&self, id: u32) -> bool {
         self.clear[id as usize]
     }
 
-    /// Whether the primitive is flat.
+    /// Returns whether the primitive is flat.
     pub fn is_flat(&self, id: u32) -> bool {
         matches!(self.forms[id as usize], Form::Flat(_))
     }
 
-    /// Whether the primitive is a sphere.
+    /// Returns whether the primitive is a sphere.
     pub fn is_ball(&self, id: u32) -> bool {
         matches!(self.forms[id as usize], Form::Ball(_))
     }
 
-    /// How much of the cone a primitive covers; `None` for nothing.
+    /// Share of the cone covered by a primitive; `None` for nothing.
     pub fn cover(&self, cone: &Cone, id: u32, left: Option<&DepartedSurface>) -> Option<Coverage> {
         let own = left.filter(|left| left.id == id);
         match &self.forms[id as usize] {
@@ -97,7 +101,7 @@ impl Forms {
         cone.locate(center).0.clamp(cone.begin, cone.end)
     }
 
-    fn outline(&self, flat: &Flat) -> &[DVec3] {
+    fn outline(&self, flat: &FlatCoverage) -> &[DVec3] {
         &self.corners[flat.first..][..flat.count]
     }
 }

@@ -80,9 +80,9 @@ impl Caster<'_> {
         fragments
     }
 
-    /// Whether a flat surface that a shadow cone meets at once is its neighbour in a crease: it
-    /// does not come between the middle of the footprint and the light, but the footprint, which is
-    /// thought round, sticks out through it.
+    /// Returns whether a flat surface that a shadow cone meets at once is its neighbour in a
+    /// crease: it does not come between the middle of the footprint and the light, but the
+    /// footprint, which is thought round, sticks out through it.
     fn is_beside_footprint(&self, cone: &Cone, id: u32, place: DVec2) -> bool {
         let is_near = |depth: f64| depth < BESIDE * cone.radius;
         self.forms.is_flat(id)

@@ -48,7 +48,7 @@ impl Outline {
         }
     }
 
-    /// Whether it holds a place.
+    /// Returns whether it holds a place.
     pub fn covers(&self, place: DVec2) -> bool {
         match self {
             Self::Disc { center, radius } => place.distance(*center) <= *radius,
@@ -67,8 +67,8 @@ impl Outline {
         }
     }
 
-    /// Whether they lie side by side for certain. Concave outlines may be said to overlap that do
-    /// not.
+    /// Returns whether they lie side by side for certain. Concave outlines may be said to overlap
+    /// that do not.
     pub fn is_beside(&self, other: &Self) -> bool {
         let ((lo, hi), (other_lo, other_hi)) = (self.bounds(), other.bounds());
         if (lo - other_hi).max_element() >= -SLACK || (other_lo - hi).max_element() >= -SLACK {
@@ -85,8 +85,8 @@ impl Outline {
     }
 }
 
-/// Whether the line through one of the edges has its own outline on one side and the other outline
-/// on the other.
+/// Returns whether the line through one of the edges has its own outline on one side and the other
+/// outline on the other.
 fn has_separating_edge(corners: &[DVec2], own: &Outline, other: &Outline) -> bool {
     let others = if let Outline::Polygon(others) = other { others.len() } else { 1 };
     let Some(&last) = corners.last() else { return true };

@@ -6,7 +6,7 @@ use scene_loading::Scene;
 use super::settings::INFO;
 use crate::tracers::info::Refusal;
 
-/// Whether cones can draw the scene.
+/// Checks that cones can draw the scene.
 ///
 /// # Errors
 /// [`Refusal`] for what moves while the shutter is open, a lens with an extent and rough mirrors.

@@ -1,4 +1,4 @@
-//! What cone tracing is, and how it is set.
+//! Settings of cone tracing.
 
 use crate::tracers::info::TracerInfo;
 
@@ -22,7 +22,7 @@ pub struct Settings {
     pub turn: f64,
     /// Radius of a pixel's cone over that of a disc with the pixel's area; 0 traces rays.
     pub width: f64,
-    /// Whether curved surfaces change the spread of a cone. Without, reflections are wrong: it
+    /// True if curved surfaces change the spread of a cone. Without, reflections are wrong: it
     /// shows what that is worth.
     pub widening: bool,
     /// Cones that contribute less than this part of a pixel go on as rays; those from surfaces

@@ -9,7 +9,7 @@ use scene_loading::Rgb;
 
 use super::caster::{Caster, Path, UNSEEN};
 use super::circular_cone::Cone;
-use super::compose::Seen;
+use super::compose::VisibleSurface;
 use super::counts::Scratch;
 use super::coverage::DepartedSurface;
 use super::widening::Incidence;
@@ -183,7 +183,7 @@ impl<'a> Caster<'a> {
         vec![Sighting { hit, incidence, right: DVec3::X, up: DVec3::Y }]
     }
 
-    /// What a cone sees, and the background between; `None` when it must be cut into four.
+    /// Surfaces and background seen by a cone; `None` if it must be split into four.
     fn sights(
         &self,
         cone: &Cone,
@@ -281,12 +281,11 @@ impl<'a> Caster<'a> {
     }
 }
 
-/// What is seen, and the share that each stands for: surfaces that are seen in less than `little`
-/// of the cone are taken together, in order, until they are as much, and the largest stands for
-/// all of them. A wide cone may see hundreds.
-fn together(seen: &[Seen], little: f64) -> Vec<(Seen, f64)> {
+/// Merges surfaces that cover less than `little` of the cone, in order; the largest represents them
+/// with their total share. A wide cone may see hundreds.
+fn together(seen: &[VisibleSurface], little: f64) -> Vec<(VisibleSurface, f64)> {
     let mut all = Vec::with_capacity(seen.len());
-    let mut group: Option<(Seen, f64)> = None;
+    let mut group: Option<(VisibleSurface, f64)> = None;
     for &one in seen.iter().filter(|seen| seen.share > UNSEEN) {
         if one.share >= little {
             all.push((one, one.share));

@@ -43,7 +43,7 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     SectionOutcome::Yes
 }
 
-/// Who takes the least time, from how many rays on.
+/// Lower envelope of the cost lines.
 fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     let rows = least_time(profiles, seed).into_iter().filter_map(|least| {
         let profile = profiles.iter().find(|p| p.label == least.row)?;
@@ -63,7 +63,7 @@ fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     words(format!("{scene}: who takes the least time, by medians"), header, rows.collect())
 }
 
-/// Who wins for 1, 10, 100... rays, and who is not significantly different from it.
+/// Winners for 1, 10, 100... rays, and rows not significantly different.
 fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     let rows = DECADES.filter_map(|decade| {
         let rays = 10f64.powi(decade);

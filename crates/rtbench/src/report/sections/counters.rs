@@ -16,7 +16,7 @@ const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];
 /// Name of the table of best settings.
 const BEST: &str = "best";
 
-/// How many agree, a plot of then and now, and the table of the best settings.
+/// Number of figures that agree, a plot of then and now, and the table of the best settings.
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(rows) = material.counters.as_deref().filter(|rows| !rows.is_empty()) else {
         return SectionOutcome::Missing;
@@ -44,7 +44,7 @@ const KINDS: [(&str, &str); 4] = [
     ("differs", "differs for a known reason"),
 ];
 
-/// How many figures of each structure agree.
+/// Numbers of figures of each structure that agree.
 fn verdicts(rows: &[ReproducedFigure]) -> Table {
     let kind =
         |row: &ReproducedFigure| KINDS.iter().position(|(begin, _)| row.verdict.starts_with(begin));

@@ -1,4 +1,4 @@
-//! What is needed to repeat the run: machine, compiler, settings, commands, scenes, raw data.
+//! Data needed to repeat the run: machine, compiler, settings, commands, scenes, raw data.
 
 use crate::report::date::utc;
 use crate::report::glossary::look;

@@ -1,4 +1,5 @@
-//! Sections from what studies left in the folder: sweeps, accuracy, tracers, costs, published times.
+//! Sections from what studies left in the folder: sweeps, accuracy, tracers, costs, published
+//! times.
 
 use crate::report::glossary::look;
 use crate::report::material::LectureRow;

@@ -1,5 +1,5 @@
-//! What a reader of the times must know: warnings of the run and of its scenes, and outliers, which
-//! are counted and never dropped.
+//! Caveats of times: warnings of the run and of its scenes, and outliers, which are counted and
+//! never dropped.
 
 use crate::report::glossary::look;
 use crate::report::material::Material;

@@ -173,8 +173,8 @@ fn options(command: &Command, out: &mut Vec<String>) {
     }
 }
 
-/// What a line of a synopsis names that is not there: the command, or options of it. `known` has
-/// the options of the lines before it of the same command.
+/// Unknown command or options in a line of a synopsis. `known` has the options of earlier lines of
+/// the same command.
 fn unknown_in(line: &str) -> Vec<String> {
     let mut cli = Cli::command();
     cli.build();
@@ -269,8 +269,7 @@ fn the_readme_is_short_and_the_book_has_every_chapter() {
     }
 }
 
-/// What is wrong with the exercises of a text: one without a command, or without a folded answer
-/// behind it.
+/// Faults of the exercises of a text: one without a command, or without a folded answer.
 fn unanswered(text: &str) -> Vec<String> {
     let exercises = text.split("\n**");
     let exercises = exercises.filter(|part| part.starts_with("Exercise.**") || is_numbered(part));

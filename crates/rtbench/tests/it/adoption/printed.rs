@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use accel_core::occluders;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
 use measurement::system::world::FixedWorld;
 
@@ -62,7 +62,7 @@ fn a_program_compiled_below_its_processor_says_so_once() {
         let clock = SteppingClock::new(Duration::from_millis(1));
         let processor_features = features.to_vec();
         let world = FixedWorld { processor_features, ..FixedWorld::default() };
-        run_in_world(&PLANTED, occluders::REGISTRY, &Installed, &clock, &world, arguments)
+        run_in_world(&PLANTED, occluders::REGISTRY, &InstalledScenes, &clock, &world, arguments)
     };
     let said = "compiled without bmi2, lzcnt, which this processor has";
     let (more, run) = (["avx2", "bmi2", "lzcnt"], "run tetra:1 tetra:2 --quick -s uniform-grid");
@@ -108,7 +108,7 @@ fn misspelt_names_are_answered_with_the_right_ones() {
     ] {
         let ended = crate::common::run_with(
             accel_core::structures::REGISTRY,
-            &measurement::scenes::Installed,
+            &measurement::scenes::InstalledScenes,
             &measurement::system::clock::SystemClock::default(),
             arguments,
         );

@@ -1,4 +1,5 @@
-//! Records in `results/`: the README beside each names its commit, and the warnings that the record has.
+//! Records in `results/`: the README beside each names its commit, and the warnings that the record
+//! has.
 
 use std::path::{Path, PathBuf};
 

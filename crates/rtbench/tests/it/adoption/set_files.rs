@@ -83,8 +83,8 @@ fn mistakes_in_a_set_file_are_errors_that_name_it() {
     refused("\"scenes\": [\"lost.obj\"]", 1, "scenes/sets/lost.obj");
 }
 
-/// A run of `mine`, and the same with shadow rays of its grid that take 15% longer: all else repeats to
-/// a part in a thousand.
+/// A run of `mine`, and the same with shadow rays of its grid that take 15% longer: all else
+/// repeats to a part in a thousand.
 fn slower_shadows(place: &Workplace) {
     let ended = place.rtbench("run mine -o before");
     assert!(ended.status.success(), "{}", text(&ended.stderr));

@@ -6,7 +6,7 @@ use rtbench::gate::contest::{Key, PairedTimes};
 use rtbench::gate::report::Report;
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{
-    Evidence, Finding, Instructions, Outcome, Times, comparable, judge, wall_clock,
+    Evidence, Finding, GateOutcome, Instructions, Times, comparable, judge, wall_clock,
 };
 
 use super::planted::{REFERENCE, ROW, record, row, timed};
@@ -20,14 +20,14 @@ fn of(base: &RunRecord, now: &RunRecord, instructions: Instructions<'_>) -> Vec<
     judge(&Evidence { thresholds, base, now, instructions, times: in_run(None) })
 }
 
-/// What a stage says of a quantity of [`ROW`].
-fn outcome(findings: &[Finding], stage: &str, quantity: &str) -> Outcome {
+/// Outcome of a stage for a quantity of [`ROW`].
+fn outcome(findings: &[Finding], stage: &str, quantity: &str) -> GateOutcome {
     let found = |f: &&Finding| f.stage == stage && f.quantity == quantity && f.row == ROW;
     findings.iter().find(found).map(|f| f.outcome).unwrap()
 }
 
 /// The outcome of a quantity after a fault was planted in [`ROW`].
-fn after(fault: impl Fn(&mut RunRecord), stage: &str, quantity: &str) -> Outcome {
+fn after(fault: impl Fn(&mut RunRecord), stage: &str, quantity: &str) -> GateOutcome {
     let mut now = record();
     fault(&mut now);
     outcome(&of(&record(), &now, Instructions::NotAsked), stage, quantity)
@@ -37,24 +37,24 @@ fn after(fault: impl Fn(&mut RunRecord), stage: &str, quantity: &str) -> Outcome
 fn a_record_held_against_itself_is_unchanged() {
     let record = timed(15, 2.0, 0.1, 1);
     let findings = of(&record, &record, Instructions::NotAsked);
-    assert!(findings.len() > 20 && findings.iter().all(|f| f.outcome == Outcome::Unchanged));
-    assert_eq!(Report::worst(&findings), Outcome::Unchanged);
+    assert!(findings.len() > 20 && findings.iter().all(|f| f.outcome == GateOutcome::Unchanged));
+    assert_eq!(Report::worst(&findings), GateOutcome::Unchanged);
 }
 
 #[test]
 fn other_answers_and_wrong_ones_are_found() {
     let answers = |fault: fn(&mut RunRecord)| after(fault, "answers", "answers");
-    assert_eq!(answers(|_| ()), Outcome::Unchanged);
+    assert_eq!(answers(|_| ()), GateOutcome::Unchanged);
     let other = answers(|r| row(r, ROW).answers_sha256 = Some("0".repeat(64)));
-    assert_eq!(other, Outcome::Regression);
-    assert_eq!(answers(|r| row(r, ROW).answers_sha256 = None), Outcome::NotJudged);
-    assert_eq!(answers(|r| row(r, ROW).checked_rays += 1), Outcome::NotJudged);
-    assert_eq!(answers(|r| row(r, ROW).verdict = Verdict::Wrong), Outcome::WrongHits);
+    assert_eq!(other, GateOutcome::Regression);
+    assert_eq!(answers(|r| row(r, ROW).answers_sha256 = None), GateOutcome::NotJudged);
+    assert_eq!(answers(|r| row(r, ROW).checked_rays += 1), GateOutcome::NotJudged);
+    assert_eq!(answers(|r| row(r, ROW).verdict = Verdict::Wrong), GateOutcome::WrongHits);
     for verdict in [Verdict::Panicked, Verdict::NotBuilt] {
         let mut now = record();
         row(&mut now, ROW).verdict = verdict;
         let findings = of(&record(), &now, Instructions::NotAsked);
-        assert_eq!(outcome(&findings, "answers", "answers"), Outcome::Regression);
+        assert_eq!(outcome(&findings, "answers", "answers"), GateOutcome::Regression);
     }
 }
 
@@ -67,24 +67,24 @@ fn counters_have_no_tolerance() {
         };
         after(fault, "counters", "n_it")
     };
-    assert_eq!(tests(0), Outcome::Unchanged);
-    assert_eq!(tests(1), Outcome::Regression);
-    assert_eq!(tests(-1), Outcome::Improved);
+    assert_eq!(tests(0), GateOutcome::Unchanged);
+    assert_eq!(tests(1), GateOutcome::Regression);
+    assert_eq!(tests(-1), GateOutcome::Improved);
     // a plugin that counts no more has not become better
     let none =
         after(|r| row(r, ROW).work.as_mut().unwrap().intersection_tests = 0, "counters", "n_it");
-    assert_eq!(none, Outcome::NotJudged);
+    assert_eq!(none, GateOutcome::NotJudged);
     let memory =
         after(|r| row(r, ROW).stats.as_mut().unwrap().memory_bytes += 1, "counters", "memory");
-    assert_eq!(memory, Outcome::Regression);
+    assert_eq!(memory, GateOutcome::Regression);
     let other_rays = after(|r| row(r, ROW).work.as_mut().unwrap().rays += 1, "counters", "n_it");
-    assert_eq!(other_rays, Outcome::NotJudged);
+    assert_eq!(other_rays, GateOutcome::NotJudged);
     let saved = after(|r| row(r, ROW).work.as_mut().unwrap().tests_saved += 1, "counters", "saved");
-    assert_eq!(saved, Outcome::NotJudged);
+    assert_eq!(saved, GateOutcome::NotJudged);
     let empty = after(|r| row(r, ROW).stats.as_mut().unwrap().n_ev += 1, "counters", "n_ev");
-    assert_eq!(empty, Outcome::NotJudged);
+    assert_eq!(empty, GateOutcome::NotJudged);
     let cells = after(|r| row(r, ROW).stats.as_mut().unwrap().n_v += 1, "counters", "n_v");
-    assert_eq!(cells, Outcome::Regression);
+    assert_eq!(cells, GateOutcome::Regression);
 }
 
 fn counted(trace: u64) -> Vec<CountedRow> {
@@ -106,18 +106,18 @@ fn half_a_percent_more_instructions_is_a_regression() {
     let trace = |now: &[CountedRow]| {
         let findings = of(&record, &record, Instructions::Counted { base: &base, now });
         let reference = |f: &&Finding| f.stage == "instructions" && f.row == REFERENCE;
-        assert!(findings.iter().filter(reference).all(|f| f.outcome == Outcome::Unchanged));
+        assert!(findings.iter().filter(reference).all(|f| f.outcome == GateOutcome::Unchanged));
         outcome(&findings, "instructions", "trace")
     };
-    assert_eq!(trace(&counted(1_030_000)), Outcome::Regression);
+    assert_eq!(trace(&counted(1_030_000)), GateOutcome::Regression);
     // planted: one percent
-    assert_eq!(trace(&counted(1_010_000)), Outcome::Regression);
-    assert_eq!(trace(&counted(1_004_900)), Outcome::Unchanged);
-    assert_eq!(trace(&counted(950_000)), Outcome::Improved);
+    assert_eq!(trace(&counted(1_010_000)), GateOutcome::Regression);
+    assert_eq!(trace(&counted(1_004_900)), GateOutcome::Unchanged);
+    assert_eq!(trace(&counted(950_000)), GateOutcome::Improved);
     let mut other = counted(1_030_000);
     other[0].rays += 1;
-    assert_eq!(trace(&other), Outcome::NotJudged);
-    assert_eq!(trace(&counted(1_000_000)[1..]), Outcome::NotJudged);
+    assert_eq!(trace(&other), GateOutcome::NotJudged);
+    assert_eq!(trace(&counted(1_000_000)[1..]), GateOutcome::NotJudged);
     let build = |instructions| {
         let mut now = counted(1_000_000);
         now[0].build = Some(instructions);
@@ -125,32 +125,32 @@ fn half_a_percent_more_instructions_is_a_regression() {
         outcome(&findings, "instructions", "build")
     };
     // what the allocator does of itself, and more than that
-    assert_eq!([build(50_400), build(49_600)], [Outcome::Unchanged; 2]);
-    assert_eq!([build(51_000), build(49_000)], [Outcome::Regression, Outcome::Improved]);
+    assert_eq!([build(50_400), build(49_600)], [GateOutcome::Unchanged; 2]);
+    assert_eq!([build(51_000), build(49_000)], [GateOutcome::Regression, GateOutcome::Improved]);
     let findings = of(&record, &record, Instructions::Missing("no valgrind"));
-    assert_eq!(Report::worst(&findings), Outcome::Inconclusive);
+    assert_eq!(Report::worst(&findings), GateOutcome::Inconclusive);
 }
 
-/// What becomes of the trace time of [`ROW`].
-fn time(base: &RunRecord, now: &RunRecord) -> Outcome {
+/// GateOutcome for the trace time of [`ROW`].
+fn time(base: &RunRecord, now: &RunRecord) -> GateOutcome {
     outcome(&of(base, now, Instructions::NotAsked), "times", "trace")
 }
 
 #[test]
 fn times_regress_where_the_interval_and_the_test_say_so() {
     let base = timed(15, 2.0, 0.02, 1);
-    assert_eq!(time(&base, &timed(15, 2.6, 0.02, 2)), Outcome::Regression);
-    assert_eq!(time(&base, &timed(15, 1.0, 0.02, 2)), Outcome::Improved);
-    assert_eq!(time(&base, &timed(15, 2.0, 0.02, 2)), Outcome::Unchanged);
+    assert_eq!(time(&base, &timed(15, 2.6, 0.02, 2)), GateOutcome::Regression);
+    assert_eq!(time(&base, &timed(15, 1.0, 0.02, 2)), GateOutcome::Improved);
+    assert_eq!(time(&base, &timed(15, 2.0, 0.02, 2)), GateOutcome::Unchanged);
     // 30% with noise of the same size: it may be
-    assert_eq!(time(&base, &timed(15, 2.2, 0.4, 2)), Outcome::Inconclusive);
+    assert_eq!(time(&base, &timed(15, 2.2, 0.4, 2)), GateOutcome::Inconclusive);
     // four rounds against four cannot be significant
-    assert_eq!(time(&timed(4, 2.0, 0.01, 1), &timed(4, 2.6, 0.01, 2)), Outcome::Inconclusive);
-    assert_eq!(time(&timed(2, 2.0, 0.01, 1), &timed(2, 2.6, 0.01, 2)), Outcome::NotJudged);
+    assert_eq!(time(&timed(4, 2.0, 0.01, 1), &timed(4, 2.6, 0.01, 2)), GateOutcome::Inconclusive);
+    assert_eq!(time(&timed(2, 2.0, 0.01, 1), &timed(2, 2.6, 0.01, 2)), GateOutcome::NotJudged);
     // as certain, but a copy of the program differs from it by more
     let mut floored = timed(15, 2.6, 0.02, 2);
     floored.floor = FloorRecord::of([("planted".to_owned(), 1.4)].into_iter());
-    assert_eq!(time(&base, &floored), Outcome::Inconclusive);
+    assert_eq!(time(&base, &floored), GateOutcome::Inconclusive);
 }
 
 /// The trace times of [`ROW`] times a factor, ratios too.
@@ -165,10 +165,10 @@ fn scaled(mut record: RunRecord, factor: f64) -> RunRecord {
 fn what_is_short_before_and_now_alone_is_not_judged() {
     let base = timed(15, 2.0, 0.02, 1);
     let short = scaled(timed(15, 2.0, 0.02, 2), 1e-3);
-    assert_eq!(time(&scaled(base.clone(), 1e-3), &short), Outcome::NotJudged);
+    assert_eq!(time(&scaled(base.clone(), 1e-3), &short), GateOutcome::NotJudged);
     // planted: microseconds became milliseconds, and the other way round
-    assert_eq!(time(&scaled(base.clone(), 1e-3), &base), Outcome::Regression);
-    assert_eq!(time(&base, &short), Outcome::Improved);
+    assert_eq!(time(&scaled(base.clone(), 1e-3), &base), GateOutcome::Regression);
+    assert_eq!(time(&base, &short), GateOutcome::Improved);
 }
 
 #[test]
@@ -179,11 +179,11 @@ fn noise_makes_nothing_unchanged() {
     for finding in &times {
         let change = finding.change.unwrap();
         let is_within = change.low >= 1.0 / 1.05 && change.high <= 1.05;
-        assert_eq!(finding.outcome == Outcome::Unchanged, is_within, "{finding:?}");
+        assert_eq!(finding.outcome == GateOutcome::Unchanged, is_within, "{finding:?}");
     }
     // what would decide it is said
     let trace = times.iter().find(|f| f.quantity == "trace" && f.row == ROW).unwrap();
-    assert_eq!(trace.outcome, Outcome::Inconclusive);
+    assert_eq!(trace.outcome, GateOutcome::Inconclusive);
     assert!(trace.note.contains("rounds") || trace.note.contains("too near"), "{}", trace.note);
     // planted: a floor of a third, which nothing that a check sees is beyond
     let mut floored = timed(15, 2.0, 0.1, 2);
@@ -191,7 +191,9 @@ fn noise_makes_nothing_unchanged() {
     let findings = of(&timed(15, 2.0, 0.1, 1), &floored, Instructions::NotAsked);
     let wide =
         findings.iter().filter(|f| f.change.is_some_and(|c| c.high > 1.05 && c.low != c.high));
-    assert!(wide.clone().count() > 0 && wide.clone().all(|f| f.outcome == Outcome::Inconclusive));
+    assert!(
+        wide.clone().count() > 0 && wide.clone().all(|f| f.outcome == GateOutcome::Inconclusive)
+    );
 }
 
 #[test]
@@ -208,18 +210,21 @@ fn times_of_another_processor_are_judged_where_that_is_said() {
     // 4 KiB of memory and a kernel's release are no other machine
     now.machine.memory_bytes = now.machine.memory_bytes.map(|bytes| bytes + 4096);
     now.machine.os += "-2";
-    assert_eq!(of(&now, false), Outcome::Regression);
+    assert_eq!(of(&now, false), GateOutcome::Regression);
     assert_eq!(comparable::remarks(&base, &now), Vec::<String>::new());
     now.machine.batches_by_avx512 = Some(!base.machine.batches_by_avx512.unwrap_or_default());
     now.machine.threads += 1;
-    assert_eq!([of(&now, false), of(&now, true)], [Outcome::NotJudged, Outcome::Regression]);
+    assert_eq!(
+        [of(&now, false), of(&now, true)],
+        [GateOutcome::NotJudged, GateOutcome::Regression]
+    );
     let remark = &comparable::remarks(&base, &now)[0];
     let known = base.machine.batches_by_avx512.is_some();
     assert!(remark.contains("threads of the machine") && remark.contains("AVX-512") == known);
     // counters are judged on any machine
     row(&mut now, ROW).work.as_mut().unwrap().traversal_steps += 1;
     let findings = self::of(&base, &now, Instructions::NotAsked);
-    assert_eq!(outcome(&findings, "counters", "n_ts"), Outcome::Regression);
+    assert_eq!(outcome(&findings, "counters", "n_ts"), GateOutcome::Regression);
 }
 
 #[test]
@@ -232,9 +237,9 @@ fn ratios_within_a_run_prove_nothing_on_a_busy_machine() {
         let findings = judge(&Evidence { thresholds, base: &base, now, instructions, times });
         outcome(&findings, "times", "trace")
     };
-    assert_eq!([of(2.6, 0.1), of(2.6, 0.5)], [Outcome::Regression, Outcome::Inconclusive]);
-    assert_eq!([of(1.0, 0.1), of(1.0, 0.5)], [Outcome::Improved, Outcome::Inconclusive]);
-    assert_eq!([of(2.0, 0.1), of(2.0, 0.5)], [Outcome::Unchanged; 2]);
+    assert_eq!([of(2.6, 0.1), of(2.6, 0.5)], [GateOutcome::Regression, GateOutcome::Inconclusive]);
+    assert_eq!([of(1.0, 0.1), of(1.0, 0.5)], [GateOutcome::Improved, GateOutcome::Inconclusive]);
+    assert_eq!([of(2.0, 0.1), of(2.0, 0.5)], [GateOutcome::Unchanged; 2]);
 }
 
 #[test]
@@ -244,8 +249,8 @@ fn the_reference_has_no_ratio_to_itself() {
     assert!(!findings.iter().any(|f| f.stage == "times" && f.row == REFERENCE));
 }
 
-/// Laps of [`ROW`] in so many processes, new over old `times`, all halved or doubled by what disturbs them;
-/// the copy takes as long as the new program, but for `copy`.
+/// Laps of [`ROW`] in so many processes, new over old `times`, all halved or doubled by what
+/// disturbs them; the copy takes as long as the new program, but for `copy`.
 fn turns(processes: u32, times: f64, copy: f64) -> Vec<PairedTimes> {
     let disturbed = |i: u32| 0.01 * [0.5, 1.0, 2.0][i as usize % 3];
     let jitter = |i: u32| [0.99, 1.0, 1.01, 1.0, 1.005][i as usize % 5];
@@ -275,14 +280,14 @@ fn paired(pairs: &[PairedTimes]) -> Vec<Finding> {
 #[test]
 fn pairs_cancel_what_disturbs_both() {
     let of = |n, times| outcome(&paired(&pairs(n, times)), "times", "trace");
-    assert_eq!(of(15, 1.3), Outcome::Regression);
+    assert_eq!(of(15, 1.3), GateOutcome::Regression);
     // planted: five percent
-    assert_eq!(of(15, 1.05), Outcome::Regression);
-    assert_eq!(of(15, 1.0), Outcome::Unchanged);
-    assert_eq!(of(15, 0.5), Outcome::Improved);
+    assert_eq!(of(15, 1.05), GateOutcome::Regression);
+    assert_eq!(of(15, 1.0), GateOutcome::Unchanged);
+    assert_eq!(of(15, 0.5), GateOutcome::Improved);
     // two processes say too little
-    assert_eq!(of(2, 1.03), Outcome::Inconclusive);
-    assert_eq!(outcome(&paired(&[]), "times", "trace"), Outcome::NotJudged);
+    assert_eq!(of(2, 1.03), GateOutcome::Inconclusive);
+    assert_eq!(outcome(&paired(&[]), "times", "trace"), GateOutcome::NotJudged);
 }
 
 #[test]
@@ -301,12 +306,12 @@ fn what_is_decided_is_measured_no_more() {
 #[test]
 fn nothing_is_claimed_below_what_a_copy_of_the_program_differs_by() {
     let of = |times, copy| outcome(&paired(&turns(15, times, copy)), "times", "trace");
-    assert_eq!(of(1.3, 1.0), Outcome::Regression);
+    assert_eq!(of(1.3, 1.0), GateOutcome::Regression);
     // planted: the program differs from itself by as much
-    assert_eq!(of(1.3, 1.4), Outcome::Inconclusive);
-    assert_eq!(of(1.3, 0.7), Outcome::Inconclusive);
-    assert_eq!(of(0.75, 1.4), Outcome::Inconclusive);
-    assert_eq!(of(0.5, 1.4), Outcome::Improved);
+    assert_eq!(of(1.3, 1.4), GateOutcome::Inconclusive);
+    assert_eq!(of(1.3, 0.7), GateOutcome::Inconclusive);
+    assert_eq!(of(0.75, 1.4), GateOutcome::Inconclusive);
+    assert_eq!(of(0.5, 1.4), GateOutcome::Improved);
 }
 
 #[test]
@@ -316,8 +321,8 @@ fn a_regression_of_times_must_be_seen_twice() {
         wall_clock::confirm(&mut findings, &paired(&pairs(15, second)));
         outcome(&findings, "times", "trace")
     };
-    assert_eq!(confirmed(1.3), Outcome::Regression);
-    assert_eq!(confirmed(1.0), Outcome::Inconclusive);
+    assert_eq!(confirmed(1.3), GateOutcome::Regression);
+    assert_eq!(confirmed(1.0), GateOutcome::Inconclusive);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use std::time::Duration;
 
 use crate::common::{Ended, PLANTED};
 use accel_core::structures::Entry;
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::{Clock, SteppingClock};
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
 
@@ -31,7 +31,7 @@ pub(crate) fn run_timed(
     let mut context = Context {
         registry,
         occluders: accel_core::occluders::REGISTRY,
-        scenes: &Installed,
+        scenes: &InstalledScenes,
         clock,
         world: &rtbench::program::world(),
         out: &mut out,

@@ -3,7 +3,7 @@
 /// A path with its segments, `crate` or a crate's name first.
 pub type Path = Vec<String>;
 
-/// What a file names.
+/// Names used in a file.
 #[derive(Debug, Default)]
 pub struct Imports {
     /// Paths that it uses.
@@ -130,7 +130,7 @@ fn closed(text: &str, open: usize) -> usize {
     text.len()
 }
 
-/// Where a word begins that stands by itself.
+/// Start of a whole word.
 fn find_word(text: &str, word: &str) -> Option<usize> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_';
     text.match_indices(word).map(|(i, _)| i).find(|&i| {

@@ -5,6 +5,7 @@
 
 mod imports;
 mod results;
+mod words;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -115,7 +116,7 @@ fn target(modules: &Crate, path: &[String]) -> Option<String> {
     None
 }
 
-/// Which module uses which.
+/// Dependencies between modules.
 fn arrows(modules: &Crate) -> Arrows {
     let mut arrows = Arrows::new();
     for (own, imports) in modules {

@@ -11,7 +11,7 @@ const MOST: u64 = 4_000_000;
 /// Endings of what is kept. Raw samples, plots and images are in the history.
 const KEPT: [&str; 3] = ["md", "csv", "txt"];
 
-/// What is wrong with files, by their paths within `results/` and their sizes, and the index.
+/// Faults of files, given by paths within `results/` and sizes, and of the index.
 fn faults(files: &[(String, u64)], index: &str) -> Vec<String> {
     let mut faults = Vec::new();
     let bytes: u64 = files.iter().map(|(_, bytes)| bytes).sum();

@@ -33,7 +33,7 @@ fn header(bytes: &[u8]) -> usize {
     if bytes[8] == 2 { HEADER + 24 } else { HEADER }
 }
 
-/// What a program outside makes of files of rays and triangles: a file of hits.
+/// An external program: reads files of rays and triangles, writes a file of hits.
 pub fn answered(rays: &[u8], triangles: &[u8]) -> Vec<u8> {
     let numbers = |bytes: &[u8], n: usize| -> Vec<f64> {
         (0..n).map(|i| f64::from(f32_at(bytes, 4 * i))).collect()

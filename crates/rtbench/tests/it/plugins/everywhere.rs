@@ -1,4 +1,5 @@
-//! Plugins in several processes, in the gate and in `verify`, with limits, and those of `peers/` that need more.
+//! Plugins in several processes, in the gate and in `verify`, with limits, and those of `peers/`
+//! that need more.
 
 use std::path::Path;
 use std::process::Command;

@@ -42,7 +42,7 @@ impl Outside {
         hits
     }
 
-    /// What comes of merging a file.
+    /// Result of merging a file.
     fn merged(&self, hits: &str, more: &[&str]) -> (i32, String) {
         let into = self.results.path();
         let check = ["hits", "check", "tetra:3", hits, "--into", &into, "--time-ms", "0.5"];

@@ -1,4 +1,5 @@
-//! Two builds of one plugin, in turns: what changed between them is found, by answers and by tables.
+//! Two builds of one plugin, in turns: what changed between them is found, by answers and by
+//! tables.
 
 use super::{compiled, minimal, rtbench};
 use crate::common::Folder;

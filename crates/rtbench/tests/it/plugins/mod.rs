@@ -1,5 +1,5 @@
-//! Plugins over rtbench.h: the two of `peers/`, compiled here with the machine's compiler. Without one these
-//! tests say so and pass.
+//! Plugins over rtbench.h: the two of `peers/`, compiled here with the machine's compiler. Without
+//! one these tests say so and pass.
 
 mod by_files;
 mod everywhere;

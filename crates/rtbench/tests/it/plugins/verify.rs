@@ -1,5 +1,5 @@
-//! `verify` of plugins: last bits and edges are no faults of a test of one's own, all else is; and a fault
-//! is reduced to what its author needs.
+//! `verify` of plugins: last bits and edges are no faults of a test of one's own, all else is; and
+//! a fault is reduced to what its author needs.
 
 use std::collections::HashMap;
 use std::fs;
@@ -8,7 +8,7 @@ use std::process::Command;
 
 use super::{compiled, minimal, root, rtbench};
 use crate::common::{Folder, PLANTED, run_with};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 /// Exit code, counts over all cases, and all it says.
@@ -137,7 +137,7 @@ fn failures_of_our_rows_are_reduced_too() {
     let folder = Folder::new();
     let arguments =
         format!("verify -j 2 --cases G1 -s dropper --rays 200 --shrink {}", folder.path());
-    let ended = run_with(&PLANTED, &Installed, &SystemClock::default(), &arguments);
+    let ended = run_with(&PLANTED, &InstalledScenes, &SystemClock::default(), &arguments);
     assert_eq!(ended.code, 4, "{}", ended.err);
     for precision in ["f32", "f64"] {
         assert!(ended.out.contains(&format!("dropper-G1-{precision}.obj")), "{}", ended.out);
@@ -146,6 +146,6 @@ fn failures_of_our_rows_are_reduced_too() {
     }
     // the interface is of f32 alone
     assert!(ended.out.contains("dropper-G1-f32.c") && !ended.out.contains("dropper-G1-f64.c"));
-    let again = run_with(&PLANTED, &Installed, &SystemClock::default(), &arguments);
+    let again = run_with(&PLANTED, &InstalledScenes, &SystemClock::default(), &arguments);
     assert!(again.code == 1 && again.err.contains("--overwrite"), "{}", again.err);
 }

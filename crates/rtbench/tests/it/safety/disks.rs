@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use accel_core::structures::REGISTRY;
 use measurement::record::file;
-use measurement::scenes::{Installed, KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::SystemClock;
 use measurement::system::world::FixedWorld;
 use rtbench::context::{Context, Environment, Terminal, Verbosity};
@@ -40,7 +40,7 @@ impl KnownScene for Last {
 
 impl SceneSource for Sabotage {
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
-        let mut scenes = Installed.resolve(names)?;
+        let mut scenes = InstalledScenes.resolve(names)?;
         if let Some(scene) = scenes.pop() {
             let (folder, act) = (self.folder.clone(), self.act);
             scenes.push(Box::new(Last { scene, folder, act }));
@@ -48,10 +48,10 @@ impl SceneSource for Sabotage {
         Ok(scenes)
     }
     fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
-        Installed.scenes()
+        InstalledScenes.scenes()
     }
     fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
-        Installed.sets()
+        InstalledScenes.sets()
     }
 }
 

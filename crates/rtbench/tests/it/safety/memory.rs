@@ -36,7 +36,7 @@ fn a_structure_over_the_limit_is_a_row_out_of_memory() {
     assert!(record.complete);
 }
 
-/// What grew over the limit unforeseen is refused once it is there: nothing of it is timed.
+/// A structure that exceeds the limit after its build is refused and not timed.
 #[test]
 fn a_limit_below_every_structure_leaves_no_row_timed() {
     let ended = run(
@@ -72,13 +72,13 @@ fn what_the_system_refuses_is_a_row_out_of_memory() {
 const ARGUMENTS: &str =
     "run tetra:1 tetra:2 -q --size 4 --rounds 1 -s obvhs-cwbvh,uniform-grid,kd-tree";
 
-/// Where the program of [`died`] ends.
+/// Point at which the program of [`died`] ends.
 enum Death {
     /// The second scene is begun, none of its rows.
     Preparing,
     /// Its row `uniform-grid` is built and checked.
     Checking,
-    /// That row is timed for the first time.
+    /// First timing of that row.
     Timing,
     /// All its rows were timed once.
     Later,
@@ -157,7 +157,7 @@ fn a_scene_that_ended_the_program_twice_is_skipped_and_tried_again() {
     }
 }
 
-/// What was timed once and ends later, as a `kill -9` would have it, is no row's fault.
+/// The end of the program after a row was timed once, as by `kill -9`, is not that row's fault.
 #[test]
 fn an_end_behind_the_first_round_is_remembered_of_no_row() {
     let folder = tempfile::tempdir().unwrap();

@@ -1,6 +1,5 @@
-//! What a second attack found, each by name: journals that are edited, results that would be
-//! written over, names that give orders to terminals, places that are no files, disks that take no
-//! more.
+//! Regression tests of an attack: edited journals, overwritten results, escape sequences in names,
+//! places that are not files, full disks.
 
 mod disks;
 mod journals;

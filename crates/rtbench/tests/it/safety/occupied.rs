@@ -175,7 +175,7 @@ fn every_command_that_writes_a_file_asks() {
     }
 }
 
-/// What `report` made may be made again; a pipe is written to.
+/// Output of `report` may be overwritten; a pipe is written to.
 #[test]
 fn pages_are_replaced_by_pages() {
     let folder = Folder::new();

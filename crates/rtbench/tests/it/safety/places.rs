@@ -1,4 +1,4 @@
-//! What is no file is refused at once: a pipe that nobody writes to would be waited for for ever.
+//! Non-files are refused at once: reading a pipe without a writer would block forever.
 #![cfg(unix)]
 
 use std::os::unix::net::UnixListener;
@@ -10,7 +10,7 @@ use std::time::Duration;
 use crate::common::run;
 use crate::resuming::show;
 
-/// What may lie where a file is expected.
+/// Non-files that may lie where a file is expected.
 const PLACES: [(&str, &str); 4] =
     [("pipe", "a pipe"), ("socket", "a socket"), ("device", "a device"), ("folder", "a folder")];
 

@@ -1,4 +1,5 @@
-//! Two outputs that are one file, and an output that is a result that is read: refused before anything is measured.
+//! Two outputs that are one file, and an output that is a result that is read: refused before
+//! anything is measured.
 
 use crate::common::{Folder, run_stepping};
 

@@ -9,7 +9,7 @@ use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{View, matte, stage};
 use crate::scene::{Primitive, Scene, Shape};
 
-/// How many times as many strips as rows there are.
+/// Number of strips per row.
 const SLIMNESS: u32 = 16;
 
 /// `n` rows of 16 n squares.
@@ -55,8 +55,8 @@ fn fill(scene: &mut Scene, material: u32, [rows, strips]: [u32; 2], time: f64) {
     }
 }
 
-/// Where a point of the cloth is, from (0, 0) at the left end of the rod to (1, 1) at the lower
-/// right corner: 2 units wide and long, waves that grow towards the free edge.
+/// Position of a point of the cloth, from (0, 0) at the left end of the rod to (1, 1) at the lower
+/// right corner: 2 units wide and long, with waves that grow towards the free edge.
 fn at(across: f64, down: f64, time: f64) -> DVec3 {
     let wave = |along: f64, often: f64, phase: f64| {
         (TAU * (along * often - time * often * 0.6 + phase)).sin()

@@ -13,7 +13,7 @@ use crate::procedural::parts::ground;
 use crate::tessellate::triangulate;
 
 /// Frames in which a gear turns by one tooth.
-const FRAMES_A_TOOTH: f64 = 4.0;
+const FRAMES_PER_TOOTH: f64 = 4.0;
 
 /// The floor, and for each gear two faces of 144 vertices and 144 squares between them.
 pub(super) fn count(size: u32) -> u64 {
@@ -31,7 +31,7 @@ pub(super) fn frames(size: u32) -> Frames {
         stage.part(gear, material);
     }
     Box::new(move |frame| {
-        let turned = TAU / TEETH as f64 * f64::from(frame) / FRAMES_A_TOOTH;
+        let turned = TAU / TEETH as f64 * f64::from(frame) / FRAMES_PER_TOOTH;
         let places = gears.iter().map(|gear| {
             let sense = if gear.is_turned { -1.0 } else { 1.0 };
             let turn = gears::turn(gear.is_turned) + sense * turned;

@@ -10,7 +10,7 @@ use crate::procedural::hare::face;
 #[derive(Default)]
 pub(super) struct Mesh {
     pub vertices: Vec<DVec3>,
-    /// Of each vertex; none where faces are flat.
+    /// Normal of each vertex; empty for flat faces.
     pub normals: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
 }

@@ -8,11 +8,11 @@ use glam::{DAffine3, DVec3};
 pub(super) struct Stage {
     pub scene: Scene,
     meshes: Vec<Mesh>,
-    parts: Vec<Part>,
+    parts: Vec<StagedMesh>,
 }
 
 /// A mesh that is somewhere.
-struct Part {
+struct StagedMesh {
     mesh: u32,
     material: u32,
 }
@@ -35,7 +35,7 @@ impl Stage {
 
     /// Adds a part of that mesh.
     pub fn part(&mut self, mesh: u32, material: u32) {
-        self.parts.push(Part { mesh, material });
+        self.parts.push(StagedMesh { mesh, material });
     }
 
     /// Adds a part of a mesh of its own.
@@ -44,7 +44,7 @@ impl Stage {
         self.part(mesh, material);
     }
 
-    /// How many parts there are.
+    /// Number of parts of the scene.
     pub fn parts(&self) -> usize {
         self.parts.len()
     }
@@ -68,7 +68,7 @@ impl Stage {
     }
 }
 
-fn push(scene: &mut Scene, part: &Part, mesh: &Mesh, placement: DAffine3) {
+fn push(scene: &mut Scene, part: &StagedMesh, mesh: &Mesh, placement: DAffine3) {
     let first = scene.primitives.len() as u32;
     let [first_v, first_n] = [scene.vertices.len(), scene.normals.len()].map(|n| n as u32);
     scene.vertices.extend(mesh.vertices.iter().map(|&v| placement.transform_point3(v)));

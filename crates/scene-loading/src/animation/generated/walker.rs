@@ -125,7 +125,7 @@ pub(super) fn frames(size: u32) -> Frames {
     })
 }
 
-/// Where the limbs are at a phase of the double step.
+/// Placements of the limbs at a phase of the double step.
 fn pose(phase: f64, ahead: DVec3) -> Vec<DAffine3> {
     let bob = 0.02 * (2.0 * phase).cos();
     let hip = DAffine3::from_translation(ahead + DVec3::new(0.0, 0.0, HIP + bob));

@@ -11,7 +11,7 @@ use crate::animation::generated::stage::Stage;
 use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{View, ground, matte, stage};
 
-/// Where the wall is hit: above the middle of its foot, for a wall 2 wide and 1 high.
+/// Point at which the wall is hit: above the middle of its foot, for a wall 2 wide and 1 high.
 const HIT: DVec3 = DVec3::new(0.1, 0.0, 0.45);
 
 /// When it is hit, seconds.

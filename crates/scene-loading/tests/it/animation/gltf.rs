@@ -41,7 +41,7 @@ impl File {
         [middle, animation.frame(0).unwrap()]
     }
 
-    /// What is wrong with it.
+    /// Description of the fault.
     fn error(&self) -> String {
         let scene = self.open().and_then(|mut animation| animation.frame(1));
         let text = scene.expect_err(&self.json.to_string()).to_string();

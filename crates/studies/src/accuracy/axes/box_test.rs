@@ -12,7 +12,7 @@ use glam::Vec3;
 use renderer::RayKind;
 
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -51,8 +51,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
         let replay = Replay::new(&*built.tracer, &batches).by_kind();
         let steps = replay.counted().elementary_steps;
-        let (mut lost, mut found) = (Tally::default(), 0_u64);
-        for Aim { bounds, ray, is_met } in &aims {
+        let (mut lost, mut found) = (TrialCounts::default(), 0_u64);
+        for SurfaceRay { bounds, ray, is_met } in &aims {
             let says = test.entry(bounds, ray, 0.0, f32::INFINITY).is_some();
             if *is_met {
                 lost.add(!says);
@@ -89,13 +89,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 }
 
 /// A box and a ray at a point of its surface.
-struct Aim {
+struct SurfaceRay {
     bounds: Aabb<f32>,
     ray: Ray<f32>,
     is_met: bool,
 }
 
-fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
+fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<SurfaceRay> {
     let mut random = stage.random("boxes");
     let scene = set.scene_bounds();
     let mut found = Vec::with_capacity(stage.trials());
@@ -105,7 +105,7 @@ fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
         let target = on_surface(&bounds, &mut random);
         let ray = Ray::<f32>::new(from, target - from);
         if ray.is_traceable() {
-            found.push(Aim { is_met: is_met(&bounds, &ray), bounds, ray });
+            found.push(SurfaceRay { is_met: is_met(&bounds, &ray), bounds, ray });
         }
     }
     found
@@ -124,10 +124,10 @@ fn on_surface(b: &Aabb<f32>, random: &mut Random) -> Vec3 {
     at
 }
 
-/// Whether the exact ray, from parameter 0 on, meets the exact box: every way in is no later than
-/// every way out. Parameters are fractions (plane - origin) / direction; differences of single
-/// precision are exact in f64 for coordinates within 2^29 of each other, and fractions are compared
-/// by the signs of error-free products.
+/// Returns whether the exact ray, from parameter 0 on, meets the exact box: every way in is no
+/// later than every way out. Parameters are fractions (plane - origin) / direction; differences of
+/// single precision are exact in f64 for coordinates within 2^29 of each other, and fractions are
+/// compared by the signs of error-free products.
 fn is_met(b: &Aabb<f32>, ray: &Ray<f32>) -> bool {
     let mut ways_in = vec![(0.0, 1.0)];
     let mut ways_out = Vec::new();

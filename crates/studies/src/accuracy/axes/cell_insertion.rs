@@ -1,4 +1,4 @@
-//! Which cells a primitive goes to, by its box or by itself, with and without a margin.
+//! Cells of a primitive: by its box or by itself, with and without a margin.
 //!
 //! The points that are judged lie on primitives exactly: corners, points of edges and inner points
 //! of triangles whose weights are 16ths, the six extreme points of spheres, corners of polygons.
@@ -17,7 +17,7 @@ use accel_core::{Aabb, Vec3, Vector};
 use glam::DVec3;
 
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -80,14 +80,18 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 }
 
 /// Points whose cells do not list their primitives.
-fn judged<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P, label: &str) -> Result<Tally, StudyError> {
+fn judged<P: PrimSet<f32>>(
+    stage: &Stage<'_>,
+    set: &P,
+    label: &str,
+) -> Result<TrialCounts, StudyError> {
     let row = Row::parse(stage.registry, label)?;
     let settings = Settings::of(&row.params);
     let grid = UniformGrid::<f32>::build(set, &settings).map_err(|e| stage.refused(e))?;
     let frame = grid.frame();
     let wide = frame.in_double();
     let mut random = stage.random("points");
-    let (mut tally, mut balls) = (Tally::default(), Vec::new());
+    let (mut tally, mut balls) = (TrialCounts::default(), Vec::new());
     for _ in 0..stage.trials() {
         let id = random.below(set.len()) as u32;
         let Some(point) = point_on(set, id, &mut random, &mut balls) else { continue };
@@ -103,7 +107,7 @@ fn judged<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P, label: &str) -> Result<Ta
     Ok(tally)
 }
 
-/// Where an edge of a triangle crosses a cell plane, if one does.
+/// Point at which an edge of a triangle crosses a cell plane, if any.
 fn crossing(
     frame: &GridFrame<f64>,
     kind: PrimitiveKind,

@@ -1,14 +1,14 @@
-//! What the axes of primitive tests have in common: a test chosen by name, its wrong answers
-//! counted, and how far its parameters are off.
+//! Parts shared by the axes of primitive tests: a test chosen by name, its number of wrong answers,
+//! and the error of its parameters.
 
 use accel_core::variants::chosen_tests::is_compiled;
 
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::stage::{Batches, Replay, StagedStructure};
 use crate::accuracy::timing::Variant;
 use statistics::estimate::median;
 
-/// The test that all others are held against.
+/// The test that all others are compared with.
 const REFERENCE: &str = "f64";
 
 /// Note on whether chosen tests are compiled in or called.
@@ -28,7 +28,7 @@ pub fn variant<'a>(
     batches: &'a Batches<f32>,
     answers: impl Iterator<Item = (Option<f32>, Option<f32>, bool)>,
 ) -> Variant<'a> {
-    let (mut tally, mut ulps) = (Tally::default(), Vec::new());
+    let (mut tally, mut ulps) = (TrialCounts::default(), Vec::new());
     for (t, exact, is_wrong) in answers {
         tally.add(is_wrong);
         if let (Some(t), Some(exact)) = (t, exact) {

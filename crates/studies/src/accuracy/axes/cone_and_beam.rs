@@ -10,7 +10,7 @@ use scene_loading::Scene;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::{Judged, SampledEffect, SamplingPlan, fingerprint};
+use crate::accuracy::sampled::{ImageCheck, SampledEffect, SamplingPlan, fingerprint};
 use crate::accuracy::stage::Work;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{Variant, timed};
@@ -54,7 +54,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         option: "--supersamples",
         without: None,
     };
-    let Judged { mut variants, mut said, reference } = sampled.judged(stage)?;
+    let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;
     let frame = Frame { resolution: [SamplingPlan::new(stage.quick).size; 2], max_depth: DEPTH };
     for way in ways(|_| true) {
         let mut drawing = Drawing {

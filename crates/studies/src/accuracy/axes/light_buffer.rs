@@ -43,7 +43,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let occluder = build(prims, &positions).map_err(|e| stage.refused(e))?;
         let build_s = stage.clock.seconds_since(start);
         let stats = occluder.stats();
-        let mut work = Asked::new(occluder, &batches, &positions);
+        let mut work = OccluderQuery::new(occluder, &batches, &positions);
         work.prepare();
         work.run();
         let pairs = work.answers.iter().zip(&reference.answers);
@@ -85,14 +85,14 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 }
 
 /// Shadow rays that an occluder answers.
-struct Asked<'a> {
+struct OccluderQuery<'a> {
     occluder: BoxedOccluder<'a, f32>,
     batches: &'a Batches<f32>,
     lights: Vec<Vec<u32>>,
     answers: Vec<Answers<f32>>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> OccluderQuery<'a> {
     fn new(
         occluder: BoxedOccluder<'a, f32>,
         batches: &'a Batches<f32>,
@@ -105,7 +105,7 @@ impl<'a> Asked<'a> {
     }
 }
 
-impl Work for Asked<'_> {
+impl Work for OccluderQuery<'_> {
     fn prepare(&mut self) {
         self.answers.iter_mut().for_each(Answers::clear);
     }

@@ -6,7 +6,7 @@ use renderer::Geometry;
 
 use super::chosen_tests;
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -83,8 +83,8 @@ fn mebibytes(bytes: usize) -> f64 {
     bytes as f64 / f64::from(1 << 20)
 }
 
-fn compared<S: Scalar>(answers: &[Answers<S>], exact: &[Answers<f64>]) -> Tally {
-    let mut tally = Tally::default();
+fn compared<S: Scalar>(answers: &[Answers<S>], exact: &[Answers<f64>]) -> TrialCounts {
+    let mut tally = TrialCounts::default();
     for pair in answers.iter().zip(exact) {
         match pair {
             (Answers::Hits(hits), Answers::Hits(exact)) => {

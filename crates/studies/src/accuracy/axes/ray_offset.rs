@@ -1,4 +1,4 @@
-//! What keeps a ray off the surface it leaves: self-hits against leaks.
+//! Rules that keep a ray off the surface it leaves: self-hits against leaks.
 //!
 //! From each hit of an eye ray a ray leaves into the outer half-space, made as the renderer makes
 //! it. Two demands are exact: flat primitives and spheres, seen from outside, are never met again
@@ -11,7 +11,7 @@ use scene_loading::Scene;
 
 use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height};
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -43,7 +43,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let work = here.work(rule, here.outward());
         let found = judged(&here, &work);
         let far = judged(&there, &there.work(rule, there.outward()));
-        let mut tally = Tally::default();
+        let mut tally = TrialCounts::default();
         tally.add_all(found.self_hits + found.leaks, found.trials);
         let share = |n: u64, all: u64| n as f64 / all.max(1) as f64 * 1e6;
         variants.push(Variant {
@@ -84,14 +84,14 @@ fn moved(scene: &Scene) -> Scene {
 
 /// Error counts of an offset rule.
 #[derive(Debug, Clone, Copy, Default)]
-struct Found {
+struct OffsetErrors {
     trials: u64,
     self_hits: u64,
     leaks: u64,
 }
 
-fn judged(secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> Found {
-    let mut found = Found::default();
+fn judged(secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> OffsetErrors {
+    let mut found = OffsetErrors::default();
     for (departure, (point, ray, hit)) in secondary.departures.iter().zip(work.outcomes()) {
         found.trials += 1;
         found.self_hits += u64::from(hit.id == departure.id);

@@ -1,4 +1,4 @@
-//! Where a refracted ray leaves a body of glass, with and without an offset at its entry.
+//! Exit points of refracted rays from glass, with and without an offset at their entry.
 //!
 //! An offset along the normal moves the ray sideways within the body, by the offset times the
 //! tangent of its angle to the normal, all to the same side: it defocuses a lens (W. Jakob and
@@ -13,7 +13,7 @@ use renderer::surface::{SurfacePoint, refract};
 
 use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, quantile};
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -74,7 +74,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let work = secondary.work(rule, ways.clone());
         let made: Vec<Ray<f64>> = work.outcomes().map(|(_, ray, _)| ray.widened()).collect();
         let found = Shifts::of(&exact, &exits(&*double, &made), GAP * diagonal);
-        let mut tally = Tally::default();
+        let mut tally = TrialCounts::default();
         tally.add_all(found.elsewhere, rays as u64);
         let of = |share| quantile(&found.shifts, share);
         variants.push(Variant {
@@ -107,7 +107,7 @@ fn refracted(point: &SurfacePoint<'_>, incoming: DVec3) -> Option<DVec3> {
     (within.dot(facing(point.refined.normal)) < 0.0).then_some(within)
 }
 
-/// Where rays meet a surface.
+/// Points at which rays meet a surface.
 fn exits(tracer: &dyn Tracer<f64>, rays: &[Ray<f64>]) -> Vec<Option<DVec3>> {
     let mut hits = vec![Hit::NONE; rays.len()];
     tracer.closest_hits(rays, &mut hits);
@@ -122,7 +122,7 @@ fn exits(tracer: &dyn Tracer<f64>, rays: &[Ray<f64>]) -> Vec<Option<DVec3>> {
 struct Shifts {
     /// Rays that leave another surface, or none: farther than the gap.
     elsewhere: u64,
-    /// Of the others, world units, rising.
+    /// Shifts of the others, in world units, ascending.
     shifts: Vec<f64>,
 }
 

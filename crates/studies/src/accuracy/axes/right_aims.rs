@@ -28,21 +28,21 @@ const NEAREST: f64 = 512.0;
 
 /// A ray, and the parameter by which it must have hit something.
 #[derive(Debug, Clone, Copy)]
-pub struct Known {
+pub struct KnownHit {
     pub ray: Ray<f32>,
     /// A later hit lies behind what is there.
     pub latest: f64,
 }
 
-impl Known {
-    /// Whether an answer cannot be right.
+impl KnownHit {
+    /// Returns whether an answer cannot be right.
     pub fn is_wrong<S: Scalar>(&self, hit: &Hit<S>) -> bool {
         !hit.is_hit() || hit.t.to_f64() > self.latest
     }
 }
 
-/// How many of the answers to such rays are wrong.
-pub fn wrong<S: Buildable>(tracer: &dyn Tracer<S>, known: &[Known], rays: &[Ray<S>]) -> u64 {
+/// Number of wrong answers to such rays.
+pub fn wrong<S: Buildable>(tracer: &dyn Tracer<S>, known: &[KnownHit], rays: &[Ray<S>]) -> u64 {
     let mut hits = vec![Hit::NONE; rays.len()];
     tracer.closest_hits(rays, &mut hits);
     known.iter().zip(&hits).filter(|(known, hit)| known.is_wrong(hit)).count() as u64
@@ -61,7 +61,7 @@ fn triangles(prims: PrimsRef<'_, f32>) -> Vec<(u32, [[f32; 3]; 3])> {
 }
 
 /// Rays at corners and edges, and rays along axes and from close by; `most` of each at most.
-pub fn known(stage: &Stage<'_>, most: usize) -> [Vec<Known>; 2] {
+pub fn known(stage: &Stage<'_>, most: usize) -> [Vec<KnownHit>; 2] {
     let triangles = triangles(stage.prepared.geometry.prims());
     let corners = || triangles.iter().flat_map(|(_, t)| t).map(|p| glam::Vec3::from(*p));
     let low = corners().fold(glam::Vec3::INFINITY, glam::Vec3::min);
@@ -71,7 +71,7 @@ pub fn known(stage: &Stage<'_>, most: usize) -> [Vec<Known>; 2] {
     let mut random = stage.random("edges");
     let drawn = (0..most * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
     // the direction goes from the origin to the target
-    let at_edges = drawn.map(|aim| Known { ray: aim.ray, latest: 1.0 + BEHIND }).take(most);
+    let at_edges = drawn.map(|aim| KnownHit { ray: aim.ray, latest: 1.0 + BEHIND }).take(most);
     let at_edges = at_edges.collect();
     let magnitude = f64::from(low.abs().max(high.abs()).max_element());
     let nearest = NEAREST * f64::from(f32::EPSILON) * magnitude;
@@ -89,7 +89,7 @@ pub fn known(stage: &Stage<'_>, most: usize) -> [Vec<Known>; 2] {
 }
 
 /// A ray along axis `k` at the middle of a triangle, from that far away.
-fn middle(t: [DVec3; 3], k: usize, sign: f64, away: f64, nearest: f64) -> Option<Known> {
+fn middle(t: [DVec3; 3], k: usize, sign: f64, away: f64, nearest: f64) -> Option<KnownHit> {
     let mut from = (t[0] + t[1] + t[2]) / 3.0;
     from[k] += sign * away;
     let mut direction = glam::Vec3::splat(-0.0);
@@ -98,7 +98,7 @@ fn middle(t: [DVec3; 3], k: usize, sign: f64, away: f64, nearest: f64) -> Option
     let met = ExactRay::new(&ray)?.meetings(&Soup::new(&[t]), 0.0, 0.0);
     let met = met.first().filter(|met| met.depth > DEEP && met.t > nearest)?;
     let latest = met.t * (1.0 + BEHIND) + nearest;
-    ray.is_traceable().then_some(Known { ray, latest })
+    ray.is_traceable().then_some(KnownHit { ray, latest })
 }
 
 #[cfg(test)]

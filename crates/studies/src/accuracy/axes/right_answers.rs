@@ -11,11 +11,11 @@ use accel_core::{Ray, Scalar, Vec3, Vector};
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::{Geometry, RayKind};
 
-use super::right_aims::{Known, known, wrong};
+use super::right_aims::{KnownHit, known, wrong};
 use super::right_work::{StepWork, wrong_departures};
 use super::secondary_rays::SecondaryRays;
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::{ErrorOf, Tally};
+use crate::accuracy::error_of::{ErrorOf, TrialCounts};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::Work;
 use crate::accuracy::stage::{Batches, Stage, count};
@@ -98,7 +98,7 @@ fn steps(subject: &str) -> &'static [Step] {
     }
 }
 
-/// How many kinds of trials there are.
+/// Number of kinds of trials.
 const KINDS: usize = 3;
 
 fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
@@ -163,11 +163,11 @@ fn widened(batches: &Batches<f32>) -> Batches<f64> {
 }
 
 /// Wrong answers by kind of trial, and trials.
-struct Found([(u64, u64); KINDS]);
+struct WrongCounts([(u64, u64); KINDS]);
 
-impl Found {
+impl WrongCounts {
     fn error(&self) -> ErrorOf {
-        let mut tally = Tally::default();
+        let mut tally = TrialCounts::default();
         self.0.iter().for_each(|(wrong, trials)| tally.add_all(*wrong, *trials));
         tally.error()
     }
@@ -186,7 +186,7 @@ impl Found {
 /// Reference data that judges all steps.
 struct Judge<'j, 'a> {
     stage: &'j Stage<'j>,
-    aims: &'j [Vec<Known>; 2],
+    aims: &'j [Vec<KnownHit>; 2],
     secondary: &'j SecondaryRays<'a>,
     most: usize,
 }
@@ -198,15 +198,15 @@ impl<'a> Judge<'_, 'a> {
         tracer: Box<dyn Tracer<S> + 'a>,
         batches: Batches<S>,
         offset: RayOffset,
-    ) -> (Found, Box<dyn Work + 'a>) {
-        let of_aims = |known: &Vec<Known>| {
+    ) -> (WrongCounts, Box<dyn Work + 'a>) {
+        let of_aims = |known: &Vec<KnownHit>| {
             let rays: Vec<Ray<S>> = known.iter().map(|known| exactly(&known.ray)).collect();
             (wrong(&*tracer, known, &rays), known.len() as u64)
         };
         let [edges, middles] = self.aims;
         let left = self.secondary.departures.len().min(self.most);
         let off = wrong_departures(&*tracer, offset, self.secondary, self.most);
-        let found = Found([of_aims(edges), of_aims(middles), (off, left as u64)]);
+        let found = WrongCounts([of_aims(edges), of_aims(middles), (off, left as u64)]);
         let most = self.stage.timed_rays / KINDS;
         let work = StepWork::new(tracer, batches, offset, self.secondary, most);
         (found, Box::new(work))

@@ -1,5 +1,5 @@
-//! What is timed of a step of `right-answers`: eye rays traced, rays made under a rule where those
-//! hit something and traced, shadow rays traced; each part by itself.
+//! Timed work of a step of `right-answers`: tracing eye rays, making secondary rays at their hits
+//! and tracing them, tracing shadow rays; each part by itself.
 
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
@@ -46,7 +46,7 @@ impl<'a, S: Buildable> StepWork<'a, S> {
     }
 }
 
-/// How many rays that leave surfaces hit what they leave, or begin beyond a sheet close above it.
+/// Number of rays that hit the surface they leave, or begin beyond a sheet close above it.
 pub fn wrong_departures<S: Buildable>(
     tracer: &dyn Tracer<S>,
     offset: RayOffset,

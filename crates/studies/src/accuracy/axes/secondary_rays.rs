@@ -1,6 +1,5 @@
-//! What the axes of rays that leave surfaces have in common: hit points of eye rays on flat
-//! primitives and on spheres seen from outside, and the rays that a rule makes from there, as the
-//! renderer makes them.
+//! Parts shared by the axes of secondary rays: hit points of eye rays on flat primitives and on
+//! spheres seen from outside, and the rays that a rule makes there, as the renderer does.
 
 use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Scalar, Vector};
@@ -34,7 +33,7 @@ pub struct Departure {
     pub out: DVec3,
 }
 
-/// Where a ray from a surface goes.
+/// Target of a ray from a surface.
 #[derive(Debug, Clone, Copy)]
 pub enum RayPurpose {
     /// Along a unit direction.
@@ -46,7 +45,7 @@ pub enum RayPurpose {
 /// Points of surfaces that rays leave, and who answers those.
 pub struct SecondaryRays<'a> {
     pub surfaces: Surfaces<'a>,
-    /// Where from; the first ones are all different hits.
+    /// Origins; the first ones are all different hits.
     pub departures: Vec<Departure>,
     pub tracer: Box<dyn Tracer<f32> + 'a>,
     /// Largest coordinate of the scene and the eye.
@@ -166,7 +165,7 @@ impl<'a> SecondaryWork<'a> {
             known_defect: None,
             is_without: false,
             is_reference: is_default,
-            error: crate::accuracy::error_of::Tally::default().error(),
+            error: crate::accuracy::error_of::TrialCounts::default().error(),
             also: Vec::new(),
             work: Box::new(self),
         }
@@ -195,7 +194,7 @@ impl Work for SecondaryWork<'_> {
     }
 }
 
-/// That of the scene's box, world units.
+/// Diagonal of the scene's box, world units.
 pub fn diagonal(scene: &Scene) -> f64 {
     scene.bounds().size().length()
 }

@@ -16,7 +16,7 @@ use scene_loading::{Scene, Shape};
 
 use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork};
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -43,7 +43,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         return Err(stage.unfit("the eye sees no smooth surface that faces a light"));
     }
     let meshes = meshes(scene);
-    let all: Vec<(&str, SecondaryWork<'_>, Vec<Blocked>)> = RULES
+    let all: Vec<(&str, SecondaryWork<'_>, Vec<FirstBlocker>)> = RULES
         .into_iter()
         .map(|(name, rule)| {
             let work = secondary.work(rule, lit.ways.clone());
@@ -58,18 +58,21 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let in_a_million = |n: usize| n as f64 / rays as f64 * 1e6;
     let mut variants = Vec::new();
     for (name, work, blocked) in all {
-        let count = |is: fn(Blocked) -> bool| blocked.iter().filter(|b| is(**b)).count();
+        let count = |is: fn(FirstBlocker) -> bool| blocked.iter().filter(|b| is(**b)).count();
         let turned = lit.turned_away.iter().zip(&blocked);
         let differing = blocked.iter().zip(&by_default).filter(|(b, d)| b != d).count();
-        let mut tally = Tally::default();
-        tally.add_all(count(|b| matches!(b, Blocked::Itself | Blocked::Mesh)) as u64, rays as u64);
+        let mut tally = TrialCounts::default();
+        tally.add_all(
+            count(|b| matches!(b, FirstBlocker::Itself | FirstBlocker::Mesh)) as u64,
+            rays as u64,
+        );
         variants.push(Variant {
             error: tally.error(),
             also: vec![
-                ("by the facet itself in 10^6", in_a_million(count(|b| b == Blocked::Itself))),
+                ("by the facet itself in 10^6", in_a_million(count(|b| b == FirstBlocker::Itself))),
                 (
                     "where the facet faces away in 10^6",
-                    in_a_million(turned.filter(|(t, b)| **t && **b != Blocked::No).count()),
+                    in_a_million(turned.filter(|(t, b)| **t && **b != FirstBlocker::No).count()),
                 ),
                 ("unlike the default in 10^6", in_a_million(differing)),
             ],
@@ -94,12 +97,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 struct LitPoints<'a> {
     ids: Vec<u32>,
     ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
-    /// Whether the facet faces away from the light.
+    /// True if the facet faces away from the light.
     turned_away: Vec<bool>,
 }
 
 impl<'a> LitPoints<'a> {
-    /// Of patches, each hit once, and each light.
+    /// Points on patches, each hit once, for each light.
     fn of(scene: &Scene, secondary: &SecondaryRays<'a>) -> Self {
         let mut lit = Self::default();
         let lights = light_positions(scene);
@@ -133,7 +136,7 @@ fn once(departures: &[Departure]) -> impl Iterator<Item = &Departure> {
 
 /// First blocker of a shadow ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Blocked {
+enum FirstBlocker {
     No,
     /// The facet that it leaves.
     Itself,
@@ -142,13 +145,13 @@ enum Blocked {
     Another,
 }
 
-fn blocked(meshes: &[u32], ids: &[u32], work: &SecondaryWork<'_>) -> Vec<Blocked> {
+fn blocked(meshes: &[u32], ids: &[u32], work: &SecondaryWork<'_>) -> Vec<FirstBlocker> {
     let mesh = |id: u32| meshes.get(id as usize);
     let of = |(id, (_, _, hit)): (&u32, (_, &Ray<f32>, &accel_core::Hit<f32>))| match hit.id {
-        _ if !hit.is_hit() => Blocked::No,
-        by if by == *id => Blocked::Itself,
-        by if mesh(by) == mesh(*id) => Blocked::Mesh,
-        _ => Blocked::Another,
+        _ if !hit.is_hit() => FirstBlocker::No,
+        by if by == *id => FirstBlocker::Itself,
+        by if mesh(by) == mesh(*id) => FirstBlocker::Mesh,
+        _ => FirstBlocker::Another,
     };
     ids.iter().zip(work.outcomes()).map(of).collect()
 }
@@ -200,7 +203,7 @@ mod tests {
 
     /// A coarse ball, smoothly shaded, lit from the side: what of its lit shading is blocked, and
     /// what faces away.
-    fn on_a_ball(rule: OffsetRule) -> (Vec<Blocked>, Vec<bool>) {
+    fn on_a_ball(rule: OffsetRule) -> (Vec<FirstBlocker>, Vec<bool>) {
         let mut scene = Scene::new("coarse ball");
         let material = scene.push_material(Material::default());
         for corners in icosphere(2, DVec3::ZERO) {
@@ -236,7 +239,7 @@ mod tests {
         let (blocked, turned_away) = on_a_ball(OffsetRule::default());
         assert!(turned_away.iter().filter(|t| **t).count() > 20);
         for (blocked, turned_away) in blocked.iter().zip(&turned_away) {
-            let expected = if *turned_away { Blocked::Mesh } else { Blocked::No };
+            let expected = if *turned_away { FirstBlocker::Mesh } else { FirstBlocker::No };
             assert_eq!(*blocked, expected);
         }
     }
@@ -246,9 +249,9 @@ mod tests {
         // planted: no offset blocks what faces the light, one as large as the ball nothing
         let (blocked, turned_away) = on_a_ball(OffsetRule::None);
         let acne = blocked.iter().zip(&turned_away);
-        assert!(acne.filter(|(b, t)| **b == Blocked::Itself && !**t).count() > 100);
+        assert!(acne.filter(|(b, t)| **b == FirstBlocker::Itself && !**t).count() > 100);
         let (blocked, _) = on_a_ball(OffsetRule::Fixed(3.0));
-        assert!(blocked.iter().all(|b| *b == Blocked::No));
+        assert!(blocked.iter().all(|b| *b == FirstBlocker::No));
     }
 
     #[test]

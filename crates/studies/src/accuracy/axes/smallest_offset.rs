@@ -1,4 +1,4 @@
-//! How much farther than needed a ray starts from the surface it leaves.
+//! Excess of the offset of a ray from the surface it leaves.
 //!
 //! For each hit and direction the smallest safe offset is bisected: the least one along the
 //! geometric normal, from the refined hit point, with which the primitive's own test no longer
@@ -16,7 +16,7 @@ use renderer::refined_hit::RefinedHit;
 
 use super::secondary_rays::{GAP, SecondaryRays, height, quantile};
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
@@ -44,9 +44,9 @@ const HALVINGS: u32 = 6;
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let geometry = &stage.prepared.geometry;
     let secondary = SecondaryRays::new(stage, stage.scene(), geometry)?;
-    let own = Own(geometry.prims());
+    let own = BareTests(geometry.prims());
     let double = Geometry::<f64>::of(stage.scene())?;
-    let exact = Own(double.prims());
+    let exact = BareTests(double.prims());
     let hits: Vec<RefinedHit> =
         secondary.departures.iter().map(|d| secondary.point(d).refined).collect();
     let needed: Vec<f64> = secondary
@@ -67,9 +67,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
                 is_false: hit.id != id && exact.refutes(hit, ray, GAP * secondary.diagonal),
             })
             .collect();
-        let found = Found::of(&needed, &chosen);
+        let found = OffsetComparison::of(&needed, &chosen);
         let in_a_million = |n: u64| n as f64 / needed.len() as f64 * 1e6;
-        let mut tally = Tally::default();
+        let mut tally = TrialCounts::default();
         tally.add_all(found.self_hits, needed.len() as u64);
         variants.push(Variant {
             error: tally.error(),
@@ -100,7 +100,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     Ok(timed(stage, said, variants))
 }
 
-/// How many rays need an offset, and how large a one.
+/// Number of rays that need an offset, and its size.
 fn said(needed: &[f64], hits: &[RefinedHit]) -> String {
     let mut units: Vec<f64> = needed
         .iter()
@@ -131,13 +131,13 @@ struct ChosenOffset {
     /// Height over the surface of the first point that counts, world units.
     offset: f64,
     is_self_hit: bool,
-    /// Whether it hits another primitive where none is.
+    /// True if it hits another primitive where none is.
     is_false: bool,
 }
 
 /// A rule's offsets against the smallest ones.
 #[derive(Debug, Default)]
-struct Found {
+struct OffsetComparison {
     self_hits: u64,
     below: u64,
     false_hits: u64,
@@ -147,7 +147,7 @@ struct Found {
     offsets: Vec<f64>,
 }
 
-impl Found {
+impl OffsetComparison {
     fn of(needed: &[f64], chosen: &[ChosenOffset]) -> Self {
         let mut found = Self::default();
         for (needed, chosen) in needed.iter().zip(chosen) {
@@ -166,9 +166,9 @@ impl Found {
 }
 
 /// The primitives' own tests, without a structure.
-struct Own<'a, S: Scalar>(PrimsRef<'a, S>);
+struct BareTests<'a, S: Scalar>(PrimsRef<'a, S>);
 
-impl<S: Buildable> Own<'_, S> {
+impl<S: Buildable> BareTests<'_, S> {
     fn is_hit(&self, id: u32, ray: &Ray<S>) -> bool {
         fn asked<S: Scalar, P: PrimSet<S>>(set: &P, id: u32, ray: &Ray<S>) -> bool {
             set.intersect(id, ray, &set.setup(ray), ray.t_max).is_some()
@@ -180,14 +180,14 @@ impl<S: Buildable> Own<'_, S> {
     }
 }
 
-impl Own<'_, f64> {
-    /// Whether a hit no farther than `near` is not there.
+impl BareTests<'_, f64> {
+    /// Returns whether a hit no farther than `near` is not there.
     fn refutes(&self, hit: &Hit<f32>, ray: &Ray<f32>, near: f64) -> bool {
         hit.is_hit() && f64::from(hit.t) <= near && !self.is_hit(hit.id, &ray.widened())
     }
 }
 
-impl Own<'_, f32> {
+impl BareTests<'_, f32> {
     /// World units; 0 where the refined point itself, rounded, is safe.
     fn smallest_offset(&self, id: u32, refined: &RefinedHit, out: DVec3) -> f64 {
         let is_hit = |offset| self.is_hit(id, &lifted(refined, offset, out));
@@ -226,7 +226,7 @@ mod tests {
     use statistics::random::Random;
 
     /// Slanted triangles far from the origin, and rays off them.
-    fn drawn(ask: impl FnOnce(&Own<'_, f32>, &[(u32, RefinedHit, DVec3)])) {
+    fn drawn(ask: impl FnOnce(&BareTests<'_, f32>, &[(u32, RefinedHit, DVec3)])) {
         let mut random = Random::new(3, "smallest offsets");
         let mut scene = Scene::new("slanted");
         let material = scene.push_material(Material::default());
@@ -246,12 +246,12 @@ mod tests {
             }
         }
         let geometry = Geometry::<f32>::of(&scene).unwrap();
-        ask(&Own(geometry.prims()), &rays);
+        ask(&BareTests(geometry.prims()), &rays);
     }
 
     /// A planted rule: so many times the smallest offset.
-    fn planted(times: f64) -> Found {
-        let mut found = Found::default();
+    fn planted(times: f64) -> OffsetComparison {
+        let mut found = OffsetComparison::default();
         drawn(|own, rays| {
             let needed: Vec<f64> = rays
                 .iter()
@@ -263,7 +263,7 @@ mod tests {
                 let is_self_hit = own.is_hit(*id, &lifted(refined, offset, *out));
                 ChosenOffset { offset, is_self_hit, is_false: false }
             });
-            found = Found::of(&needed, &chosen.collect::<Vec<_>>());
+            found = OffsetComparison::of(&needed, &chosen.collect::<Vec<_>>());
         });
         found
     }
@@ -297,7 +297,7 @@ mod tests {
         let material = scene.push_material(Material::default());
         scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);
         let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let exact = Own(geometry.prims());
+        let exact = BareTests(geometry.prims());
         let ray = |z: f32| Ray::<f32>::new(glam::vec3(0.2, 0.2, z), glam::Vec3::Z);
         let hit = Hit { t: 1e-3, id: 0 };
         assert!(!exact.refutes(&hit, &ray(-1e-3), 0.1));
@@ -314,7 +314,7 @@ mod tests {
         let material = scene.push_material(Material::default());
         scene.push_sphere(material, dvec3(30.0, -7.0, 11.0), 2.0);
         let geometry = Geometry::<f32>::of(&scene).unwrap();
-        let own = Own(geometry.prims());
+        let own = BareTests(geometry.prims());
         let mut random = Random::new(5, "balls");
         let mut needs = 0;
         for _ in 0..2000 {

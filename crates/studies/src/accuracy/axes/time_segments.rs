@@ -18,7 +18,7 @@ use renderer::Geometry;
 use scene_loading::{Scene, Shape};
 
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::Work;
 use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
@@ -90,7 +90,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let pairs = row.tracers.iter().zip(&row.batches);
         let replays: Vec<_> =
             pairs.map(|(tracer, batches)| Replay::new(&**tracer, batches)).collect();
-        let mut tally = Tally::default();
+        let mut tally = TrialCounts::default();
         for (replay, batches) in replays.iter().zip(&row.batches) {
             compare(&replay.answers, &Replay::new(&**reference, batches).answers, &mut tally);
         }
@@ -153,7 +153,7 @@ impl Work for Moments<'_> {
 }
 
 /// How often primitives, or what is blocked, differ.
-fn compare(answers: &[Answers<f32>], exact: &[Answers<f32>], tally: &mut Tally) {
+fn compare(answers: &[Answers<f32>], exact: &[Answers<f32>], tally: &mut TrialCounts) {
     for pair in answers.iter().zip(exact) {
         match pair {
             (Answers::Hits(hits), Answers::Hits(exact)) => {

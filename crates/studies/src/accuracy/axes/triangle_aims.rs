@@ -18,19 +18,19 @@ use statistics::random::Random;
 
 /// A ray and triangles of which it must hit one.
 #[derive(Debug, Clone)]
-pub struct Aim {
+pub struct CertainHit {
     pub ray: Ray<f32>,
     /// The triangles around the target.
     pub around: Vec<u32>,
 }
 
-/// How many roundings of the largest coordinate an outline keeps off the ray.
+/// Distance of an outline from the ray, in roundings of the largest coordinate.
 const ROUNDINGS: f64 = 64.0;
 
 /// Three corners in single precision.
 type Corners = [[f32; 3]; 3];
 
-/// Where edges and corners are shared, by the bits of coordinates.
+/// Shared edges and corners, by the bits of coordinates.
 pub struct SharedFeatures<'a> {
     triangles: &'a [(u32, Corners)],
     edges: HashMap<[[u32; 3]; 2], Vec<u32>>,
@@ -52,7 +52,7 @@ fn edge(a: [f32; 3], b: [f32; 3]) -> [[u32; 3]; 2] {
 }
 
 impl<'a> SharedFeatures<'a> {
-    /// Of the triangles of a scene with their ids; those without area are left out.
+    /// Collects the features of triangles with their ids, except those without area.
     pub fn new(triangles: &'a [(u32, Corners)]) -> Self {
         let (mut edges, mut corners) = (HashMap::new(), HashMap::new());
         let mut order = Vec::new();
@@ -86,7 +86,7 @@ impl<'a> SharedFeatures<'a> {
         target: Vec3,
         around: &[u32],
         is_inner: impl Fn([f32; 3], [f32; 3]) -> bool,
-    ) -> Option<Aim> {
+    ) -> Option<CertainHit> {
         let ray = Ray::<f32>::new(from, target - from);
         let reach = from.abs().max(target.abs()).max(ray.direction.abs()).max_element();
         let margin = f64::from(reach * f32::EPSILON) * ROUNDINGS;
@@ -100,7 +100,7 @@ impl<'a> SharedFeatures<'a> {
         }
         let id = |index: &u32| self.triangles.get(*index as usize).map(|(id, _)| *id);
         let around = around.iter().filter_map(id).collect();
-        ray.is_traceable().then_some(Aim { ray, around })
+        ray.is_traceable().then_some(CertainHit { ray, around })
     }
 
     /// The corner of a triangle that is none of the two.
@@ -134,7 +134,7 @@ impl<'a> SharedFeatures<'a> {
 
     /// A ray at a corner or, every other time, at an edge; none where what was drawn has an open or
     /// outer side.
-    pub fn aim(&self, random: &mut Random, centre: Vec3, reach: f32) -> Option<Aim> {
+    pub fn aim(&self, random: &mut Random, centre: Vec3, reach: f32) -> Option<CertainHit> {
         let corner = *self.order.get(random.below(self.order.len()))?;
         let from = centre + point(random).as_vec3() * (reach * 1.5);
         let eye = from.as_dvec3();
@@ -183,7 +183,7 @@ mod tests {
         let with_ids: Vec<_> = (0..).zip(corners.clone()).collect();
         let shared = SharedFeatures::new(&with_ids);
         let mut random = Random::new(1, "aims");
-        let aims: Vec<Aim> =
+        let aims: Vec<CertainHit> =
             (0..4000).filter_map(|_| shared.aim(&mut random, Vec3::ZERO, 2.0)).collect();
         assert!(aims.len() > 1000, "{}", aims.len());
         for aim in aims {

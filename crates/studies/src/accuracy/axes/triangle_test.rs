@@ -5,7 +5,7 @@ use accel_core::primitives::{PrimSet, PrimitiveKind};
 use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
 
 use super::chosen_tests;
-use super::triangle_aims::{Aim, SharedFeatures};
+use super::triangle_aims::{CertainHit, SharedFeatures};
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{PreparedScene, Stage, count};
@@ -73,7 +73,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
             PrimsRef::Watertight(set) => ChosenTests::of_triangles(set, choice),
             PrimsRef::Mixed(set) => ChosenTests::of_mixed(set, choice),
         };
-        let nearest = move |aim: &Aim| {
+        let nearest = move |aim: &CertainHit| {
             let setup = tested.setup(&aim.ray);
             let t = |id: &u32| tested.intersect(*id, &aim.ray, &setup, f32::INFINITY);
             aim.around.iter().filter_map(t).reduce(f32::min)
@@ -98,7 +98,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
 }
 
 /// Rays at the corners and edges of the scene's meshes.
-fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<Aim> {
+fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<CertainHit> {
     let mut balls = Vec::new();
     let corners = |id: u32| {
         balls.clear();

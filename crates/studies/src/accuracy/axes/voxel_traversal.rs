@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use renderer::RayKind;
 
 use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::Tally;
+use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::integer_ray::IntegerRay;
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{Replay, Stage, count};
@@ -60,7 +60,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
         .collect();
     let aimed = lattice_rays(stage, FINE);
-    let mut found = TRAVERSALS.map(|_| (Tally::default(), 0));
+    let mut found = TRAVERSALS.map(|_| (TrialCounts::default(), 0));
     for aim in &aimed {
         let pierced = aim.pierced();
         for ((tally, missed), traversal) in found.iter_mut().zip(TRAVERSALS) {
@@ -127,7 +127,7 @@ impl LatticeRay {
         }
     }
 
-    /// How many pierced cells a traversal passes by.
+    /// Number of pierced cells that a traversal misses.
     fn passed_by(&self, traversal: &str, pierced: &[[i32; 3]]) -> usize {
         let mut visited = self.visited(traversal);
         visited.sort_unstable();

@@ -1,21 +1,20 @@
-//! Which rows are measured at a size: those whose trial build keeps the limits, there and at all
-//! smaller sizes.
+//! Admits rows at a size if their trial builds keep the limits, there and at all smaller sizes.
 
 use std::collections::BTreeMap;
 
 use measurement::plan::Plan;
 use measurement::plan::measured_row::MeasuredRow;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict};
-use measurement::rounds::scene_run::{Equipment, unmeasured};
-use measurement::rounds::trial::{Outcome, TrialBuild};
+use measurement::rounds::scene_run::{SceneInput, unmeasured};
+use measurement::rounds::trial::{TrialBuild, TrialOutcome};
 
 /// The outcome of each row's trial on a scene; empty where the plan has no limits.
 pub fn trials(
     plan: &Plan<'_>,
     finished: &[SceneRecord],
     scene: &str,
-    equipment: &Equipment<'_>,
-) -> Vec<Outcome> {
+    equipment: &SceneInput<'_>,
+) -> Vec<TrialOutcome> {
     let outcome = |row: &MeasuredRow<'_>| {
         let trial = TrialBuild {
             scene: scene.to_owned(),
@@ -27,7 +26,7 @@ pub fn trials(
         };
         equipment.progress.message(format!("{scene}: trial build of {}", trial.row));
         Some(match earlier(finished, &trial.row) {
-            Some(reason) => Outcome::OverLimit(reason),
+            Some(reason) => TrialOutcome::OverLimit(reason),
             None => equipment.world.trial_build(&trial),
         })
     };
@@ -48,11 +47,11 @@ pub fn without_rows(
     plan: &Plan<'_>,
     run: &RunRecord,
     scene: &str,
-    trials: &[Outcome],
+    trials: &[TrialOutcome],
 ) -> Option<SceneRecord> {
     let reasons = trials.iter().map(|outcome| match outcome {
-        Outcome::OverLimit(reason) => Some(reason.clone()),
-        Outcome::Ended { .. } | Outcome::Died(_) => None,
+        TrialOutcome::OverLimit(reason) => Some(reason.clone()),
+        TrialOutcome::Ended { .. } | TrialOutcome::Died(_) => None,
     });
     let reasons: Vec<String> = reasons.collect::<Option<_>>()?;
     if reasons.is_empty() {

@@ -44,7 +44,7 @@ pub struct SizeSettings {
     pub scene: String,
     /// Numbers of primitives; the nearest size of the scene stands for each.
     pub sizes: Sizes,
-    /// How many sizes a factor of ten, where the sizes are a range.
+    /// Number of sizes per factor of ten, for a range of sizes.
     pub per_decade: u32,
     /// Structures and occluders, each with its settings if any; none means each at its defaults.
     pub structures: Vec<String>,
@@ -68,11 +68,11 @@ pub enum SizesError {
     NoneNear {
         scene: String,
         asked: u64,
-        /// Those of the nearest size.
+        /// Primitives of the nearest size.
         nearest: u64,
-        /// Of the smallest size.
+        /// Primitives of the smallest size.
         least: u64,
-        /// Of the largest size.
+        /// Primitives of the largest size.
         most: u64,
     },
     /// The plan itself is invalid.

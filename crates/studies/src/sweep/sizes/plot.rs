@@ -47,7 +47,7 @@ fn series(run: &RunRecord, row: &RowRecord, quantity: &Quantity) -> Series {
     }
 }
 
-/// What is shown, and which rows are not shown at some size.
+/// Subtitle: the quantity, and rows missing at some size.
 fn subtitle(run: &RunRecord) -> String {
     let mut text = "medians with 95% intervals; in parentheses the slope".to_owned();
     let hidden = rows(&run.scenes).into_iter().filter(|row| {

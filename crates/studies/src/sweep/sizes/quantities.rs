@@ -1,4 +1,4 @@
-//! What is plotted over the number of primitives, and how it grows.
+//! Quantities plotted over the number of primitives, and their growth.
 
 use measurement::record::scale::SlopeRecord;
 use measurement::record::{RowRecord, SceneRecord};

@@ -1,4 +1,5 @@
-//! A run over sizes as tables and CSV: the columns of a size, one table per size, and the slopes over all of them.
+//! A run over sizes as tables and CSV: the columns of a size, one table per size, and the slopes
+//! over all of them.
 
 use std::io::{self, Write};
 
@@ -42,7 +43,7 @@ pub fn to_markdown(run: &RunRecord) -> String {
 const HEADS: [&str; 8] =
     ["build ms", "ns/prim", "ns/ray", "MiB", "B/prim", "peak MiB", RATIO, "verdict"];
 
-/// Those of most weight: these stay where not all fit.
+/// Columns kept when not all fit.
 const FIRST: [&str; 6] = [RATIO, "verdict", "build ms", "ns/ray", "MiB", "peak MiB"];
 
 fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
@@ -133,7 +134,6 @@ const GLOSSARY: &[&str] = &[
 pub struct SizeRow<'a> {
     /// As of a run.
     pub of: RowOf<'a>,
-    /// The requested size.
     pub size: Option<&'a SizeRecord>,
 }
 

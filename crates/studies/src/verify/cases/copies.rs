@@ -1,4 +1,4 @@
-//! Copies of an object: mirrored, sheared, a millionth of its size, one in the place of another.
+//! Copies of an object: mirrored, sheared, a millionth of its size, one replaced by another.
 
 use accel_core::Scalar;
 use accel_core::primitives::{Instance, PrimitiveError};
@@ -13,10 +13,9 @@ use crate::verify::expect::in_soup;
 use crate::verify::meshes::soup;
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// Q8.
 pub const Q8: Case = case!(
     "Q8",
     "exact",
@@ -61,7 +60,7 @@ fn copies<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         let (origin, along) = toward(random, target, away);
         let ray = ray(origin, along);
         if ray.is_traceable() {
-            let expected = in_soup(&exact, &ray).unwrap_or(Expected::Anything);
+            let expected = in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything);
             round.push(ray, expected);
         }
     }

@@ -28,7 +28,7 @@ use crate::verify::every_hit::{every_hit, push_chain};
 use crate::verify::meshes::{Cubes, cube, icosphere, torus};
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 /// Reports from elsewhere: two hits where a ray crosses one shared edge.
@@ -81,7 +81,7 @@ fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>,
         match crossed(&round.model, &ray, &hits) {
             odd if odd % 2 == 1 => {
                 let told = format!("a closed mesh is crossed {odd} times");
-                round.push(ray, Expected::Broken(told));
+                round.push(ray, OracleAnswer::Broken(told));
             }
             _ => push_chain(&mut round, ray, &hits, LINKS),
         }
@@ -96,7 +96,7 @@ fn bumped(p: DVec3) -> DVec3 {
     single(p * (1.0 + 0.3 * (p.x * 7.0).sin() * (p.y * 5.0 + p.z * 9.0).cos()))
 }
 
-/// How many of these triangles hold the origin of the plane across the ray, moved a little.
+/// Number of these triangles that contain the origin of the plane across the ray, moved a little.
 fn crossed<S: Scalar>(model: &Model<S>, ray: &Ray<S>, hits: &[Hit<S>]) -> usize {
     let Model::Triangles(set) = model else { return 0 };
     let hit = hits.iter().filter_map(|hit| set.triangles().get(hit.id as usize));
@@ -120,7 +120,7 @@ fn sheared<S: Scalar>(ray: &Ray<S>, p: &[S; 3]) -> Coord<f64> {
     Coord { x: at(x), y: at(y) }
 }
 
-/// Whether the triangle holds the origin after a step in x and a far smaller one in y.
+/// Returns whether the triangle holds the origin after a step in x and a far smaller one in y.
 fn holds_moved_origin([a, b, c]: [Coord<f64>; 3]) -> bool {
     let side = |p: Coord<f64>, q: Coord<f64>| {
         let exact = orient2d(p, q, Coord { x: 0.0, y: 0.0 });

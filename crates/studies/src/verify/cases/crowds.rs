@@ -15,13 +15,12 @@ use crate::verify::expect::{in_soup, on_mesh};
 use crate::verify::meshes::soup;
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Near, Round, ray};
+use crate::verify::round::{NearbyPrimitives, OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 /// Q12: triangles that are points.
 pub const Q12_POINTS: Case =
     case!("Q12points", "must miss", points, "sets of points alone, several in one place");
-/// Many equal ones.
 pub const Q12_EQUAL: Case = case!(
     "Q12equal",
     "exact",
@@ -44,7 +43,6 @@ pub const Q12_EQUAL: Case = case!(
         "obvhs-cwbvh",
     ]
 );
-/// A fan.
 pub const Q12_FAN: Case = case!(
     "Q12fan",
     "exact, all tests",
@@ -53,7 +51,6 @@ pub const Q12_FAN: Case = case!(
     10,
     &[]
 );
-/// Denormal coordinates.
 pub const Q12_DENORMAL: Case = case!(
     "Q12denormal",
     "exact",
@@ -71,7 +68,7 @@ fn points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         let (origin, along) = toward(random, target, 2.0);
         let ray = ray(one_of(random, &[origin, target]), along);
         if ray.is_traceable() {
-            round.push(ray, Expected::Miss);
+            round.push(ray, OracleAnswer::Miss);
         }
     }
     Ok(round)
@@ -88,11 +85,11 @@ fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
         let target = point_within(random, &all[..4]);
         let (origin, along) = toward(random, target, 2.0);
         let ray: Ray<S> = ray(origin, along);
-        round.push(ray, in_soup(&exact, &ray).unwrap_or(Expected::Anything));
+        round.push(ray, in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything));
     }
     // of equal hits the lowest id counts
     let of = vec![0; round.rays.len()];
-    round.near = Some(Near { lists: vec![vec![0, 1, 2, 3]], of });
+    round.near = Some(NearbyPrimitives { lists: vec![vec![0, 1, 2, 3]], of });
     Ok(round)
 }
 
@@ -127,7 +124,7 @@ fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Primi
         // where all of them are seen from above, they leave no gap
         if aim == 3 && height * along.truncate().length() < -0.9 * along.z {
             let slack = 1e-4 * (1.0 + height);
-            round.push(ray, on_mesh(&mesh, &ray, slack).unwrap_or(Expected::Anything));
+            round.push(ray, on_mesh(&mesh, &ray, slack).unwrap_or(OracleAnswer::Anything));
             continue;
         }
         let hits = every_hit(&round.model, &ray);
@@ -162,7 +159,7 @@ fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, 
         let (origin, along) = toward(random, target, away);
         let ray = ray(tiny(random, origin), along);
         if ray.is_traceable() {
-            let expected = in_soup(&exact, &ray).unwrap_or(Expected::Anything);
+            let expected = in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything);
             round.push(ray, expected);
         }
     }

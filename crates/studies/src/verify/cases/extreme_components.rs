@@ -18,7 +18,7 @@ use crate::verify::expect::in_soup;
 use crate::verify::meshes::soup;
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 /// False hits of f32 rays with a component of 1e-45.
@@ -78,7 +78,7 @@ fn in_a_flat_scene<S: Buildable>(
             0 => one_of(random, &[1e-30, -1e-30, 0.0, -0.0]),
             _ => denormal::<S>(random),
         };
-        round.push(ray(origin, put(along, off)), Expected::Miss);
+        round.push(ray(origin, put(along, off)), OracleAnswer::Miss);
     }
     Ok(round)
 }
@@ -121,8 +121,8 @@ fn in_loose_triangles<S: Buildable>(
     Ok(round)
 }
 
-/// What the exact oracle says of the ray as it can see it.
-fn expected<S: Scalar>(exact: &Soup, ray: &Ray<S>) -> Expected {
+/// Answer of the exact oracle for the ray as it can represent it.
+fn expected<S: Scalar>(exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
     let d = ray.direction.to_dvec3();
     let largest = d.abs().max_element();
     let exponent = largest.log2().floor();
@@ -135,12 +135,12 @@ fn expected<S: Scalar>(exact: &Soup, ray: &Ray<S>) -> Expected {
     let o = ray.origin.to_dvec3();
     let o = dvec3(from(o.x), from(o.y), from(o.z));
     match in_soup(exact, &Ray::<S>::new(S::Vec3::from_dvec3(o), S::Vec3::from_dvec3(d))) {
-        Some(Expected::Hit { id, t }) => {
+        Some(OracleAnswer::Hit { id, t }) => {
             let by = |t: f64| t * half.exp2() * (-exponent - half).exp2();
-            Expected::Hit { id, t: t.map(by) }
+            OracleAnswer::Hit { id, t: t.map(by) }
         }
         Some(other) => other,
-        None => Expected::Anything,
+        None => OracleAnswer::Anything,
     }
 }
 

@@ -12,14 +12,13 @@ use super::intervals::scene;
 use super::point_within;
 use crate::case;
 use crate::verify::draw::{direction, one_of, single, unit};
-use crate::verify::exact::{ExactRay, Meeting, Soup};
+use crate::verify::exact::{ExactRay, LineCrossing, Soup};
 use crate::verify::model::Model;
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use crate::verify::subject::with_brute_force;
 use statistics::random::Random;
 
-/// Q4.
 pub const Q4: Case = case!(
     "Q4",
     "exact, the told parameter asked again",
@@ -53,17 +52,17 @@ fn far_intervals<S: Buildable>(
     let _ = with_brute_force(round.model.prims(), |t| t.closest_hits(&lines, &mut hits));
     for (line, Hit { t, id }) in lines.iter().zip(hits) {
         let expected = soup.as_ref().and_then(|soup| first_on_line(soup, line));
-        round.push(*line, expected.unwrap_or(Expected::Anything));
+        round.push(*line, expected.unwrap_or(OracleAnswer::Anything));
         if id == Hit::<S>::NONE.id {
             continue;
         }
-        let again = Expected::Hit { id: None, t: [t.to_f64(); 2] };
+        let again = OracleAnswer::Hit { id: None, t: [t.to_f64(); 2] };
         let half = S::from_f64(t.to_f64() / 2.0);
         let [start, end] = [half.lesser(t), half.greater(t)];
         for [t_min, t_max] in [[-endless, t], [t, endless], [t, t], [start, end]] {
             round.push(Ray { t_min, t_max, ..*line }, again.clone());
         }
-        round.push(Ray { t_min: t.next_up(), ..*line }, Expected::Anything);
+        round.push(Ray { t_min: t.next_up(), ..*line }, OracleAnswer::Anything);
     }
     round.rays.truncate(rays);
     round.expected.truncate(rays);
@@ -71,20 +70,20 @@ fn far_intervals<S: Buildable>(
 }
 
 /// The first hit of the whole line, where it is clear of edges and other triangles.
-fn first_on_line<S: Scalar>(soup: &Soup, ray: &Ray<S>) -> Option<Expected> {
+fn first_on_line<S: Scalar>(soup: &Soup, ray: &Ray<S>) -> Option<OracleAnswer> {
     let epsilon = SHIFT * S::EPSILON.to_f64();
     let shift = epsilon * soup.reach(ray.origin.to_dvec3());
     let meetings = ExactRay::new(ray)?.meetings(soup, 0.0, shift);
-    let slack = |m: &Meeting| m.blur.t * shift + epsilon * m.t.abs();
-    let is_inside = |m: &&Meeting| m.depth >= m.blur.depth * shift;
-    let Some(first) = meetings.first() else { return Some(Expected::Miss) };
+    let slack = |m: &LineCrossing| m.blur.t * shift + epsilon * m.t.abs();
+    let is_inside = |m: &&LineCrossing| m.depth >= m.blur.depth * shift;
+    let Some(first) = meetings.first() else { return Some(OracleAnswer::Miss) };
     let low = meetings.iter().map(|m| m.t - slack(m)).fold(f64::INFINITY, f64::min);
     let ends = meetings.iter().filter(is_inside).map(|m| m.t + slack(m));
     let end = ends.fold(f64::INFINITY, f64::min);
     if end == f64::INFINITY {
-        return Some(Expected::Anything);
+        return Some(OracleAnswer::Anything);
     }
     let is_clear = meetings.iter().skip(1).all(|m| m.t - slack(m) > end);
     let id = (is_clear && is_inside(&first)).then_some(first.id);
-    Some(Expected::Hit { id, t: [low, end] })
+    Some(OracleAnswer::Hit { id, t: [low, end] })
 }

@@ -13,7 +13,6 @@ use crate::verify::registry::Case;
 use crate::verify::round::Round;
 use statistics::random::Random;
 
-/// Q11.
 pub const Q11: Case = case!(
     "Q11",
     "exact",

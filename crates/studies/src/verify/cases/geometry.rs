@@ -14,13 +14,12 @@ use crate::verify::draw::{direction, one_of, point, signed, single, unit};
 use crate::verify::exact::{ExactRay, Soup};
 use crate::verify::expect::{in_soup, on_lattice, on_mesh};
 use crate::verify::meshes::{icosphere, sheet, soup};
-use crate::verify::metamorphic::{MetamorphicPair, Original, Same};
+use crate::verify::metamorphic::{Invariant, MetamorphicPair, OriginalScene};
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// The group.
 pub static GROUP: Group = Group {
     name: "geometry",
     cases: &[
@@ -189,7 +188,7 @@ fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
     let (model, rays) = (Model::triangles(&clean)?, round.rays.clone());
     round.pairs.push(MetamorphicPair {
         name: "without them".into(),
-        same: Same::Bits,
+        same: Invariant::Bits,
         model,
         rays,
         factor: 1.0,
@@ -208,7 +207,7 @@ fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, 
     })?;
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     random.shuffle(&mut order);
-    let pair = Original { triangles: &triangles, rays: &round.rays }.renumbered(order);
+    let pair = OriginalScene { triangles: &triangles, rays: &round.rays }.renumbered(order);
     round.pairs.extend(pair);
     Ok(round)
 }
@@ -268,7 +267,7 @@ fn nearly_parallel<S: Buildable>(
         let ray: Ray<S> = ray(single(crossing - d * back), single(d));
         let is_missed = |exact: ExactRay| exact.meetings(&soup, 0.0, 0.0).is_empty();
         if ExactRay::new(&ray).is_some_and(is_missed) {
-            round.push(ray, Expected::Miss);
+            round.push(ray, OracleAnswer::Miss);
         }
     }
     Ok(round)
@@ -290,7 +289,7 @@ fn tiny_or_huge<S: Buildable>(
         // exact predicates underflow as well: the oracle sees everything at its usual size
         let usual: Ray<S> = ray(origin, along);
         let expected = match in_soup(&exact, &usual) {
-            Some(Expected::Hit { id, t }) => Expected::Hit { id, t: t.map(|t| t * scale) },
+            Some(OracleAnswer::Hit { id, t }) => OracleAnswer::Hit { id, t: t.map(|t| t * scale) },
             Some(other) => other,
             None => continue,
         };

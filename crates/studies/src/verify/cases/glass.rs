@@ -14,7 +14,6 @@ use crate::verify::registry::Case;
 use crate::verify::round::{Round, ray};
 use statistics::random::Random;
 
-/// Q9.
 pub const Q9: Case = case!(
     "Q9",
     "all tests",

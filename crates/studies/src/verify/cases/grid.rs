@@ -15,7 +15,7 @@ use crate::verify::draw::{one_of, point, single, unit};
 use crate::verify::meshes::{sheet, soup};
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, Round};
+use crate::verify::round::{OracleAnswer, Round};
 use statistics::random::Random;
 
 pub static GROUP: Group = Group {
@@ -141,7 +141,7 @@ fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
         (lattice_point(random) - d * random.below(6) as f64, d)
     })?;
     for (ray, expected) in round.rays.iter_mut().zip(&round.expected) {
-        if let Expected::Hit { t: [low, high], .. } = expected {
+        if let OracleAnswer::Hit { t: [low, high], .. } = expected {
             ray.t_min = S::from_f64(*low).next_down();
             ray.t_max = S::from_f64(*high).next_up();
         }

@@ -16,7 +16,6 @@ use crate::verify::registry::Case;
 use crate::verify::round::{Round, ray};
 use statistics::random::Random;
 
-/// Q10.
 pub const Q10: Case = case!(
     "Q10",
     "all tests",
@@ -50,12 +49,13 @@ fn lights<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         _ => soup(random, 80, size).iter().map(|t| t.map(|p| p.with_z(0.25))).collect(),
     };
     let has_balls = random.below(2) == 0;
-    let mut round = Round::new(match has_balls {
-        false => Model::<S>::triangles(&triangles)?,
-        true => Model::mixed(|set| {
+    let mut round = Round::new(if has_balls {
+        Model::mixed(|set| {
             triangles.iter().try_for_each(|t| set.triangle(*t))?;
             (0..6).try_for_each(|_| set.sphere(point(random), 0.05 + 0.3 * unit(random)))
-        })?,
+        })?
+    } else {
+        Model::<S>::triangles(&triangles)?
     });
     round.lights = (0..LIGHTS).map(|_| light(random, &triangles)).collect();
     while round.rays.len() < rays {

@@ -38,7 +38,7 @@ use super::draw::{one_of, point, unit, whole};
 use super::exact::Soup;
 use super::expect::{in_soup, on_lattice};
 use super::model::{Corners, Model};
-use super::round::{Expected, Round, ray};
+use super::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 /// Side of the cube that holds the lattice scenes.
@@ -64,7 +64,7 @@ fn sign_direction(random: &mut Random) -> DVec3 {
     }
 }
 
-/// A round over lattice triangles: rays of `draw`, whole-numbered as well, held against the
+/// A round over lattice triangles: rays of `draw`, whole-numbered as well, compared with the
 /// exact oracle.
 fn lattice_round<S: Buildable>(
     random: &mut Random,
@@ -75,7 +75,7 @@ fn lattice_round<S: Buildable>(
     exact_round(random, rays, triangles, on_lattice, draw)
 }
 
-/// A round over loose triangles: rays of `draw`, held against the exact oracle.
+/// A round over loose triangles: rays of `draw`, compared with the exact oracle.
 fn soup_round<S: Buildable>(
     random: &mut Random,
     rays: usize,
@@ -90,7 +90,7 @@ fn exact_round<S: Buildable>(
     random: &mut Random,
     rays: usize,
     triangles: &[Corners],
-    oracle: fn(&Soup, &Ray<S>) -> Option<Expected>,
+    oracle: fn(&Soup, &Ray<S>) -> Option<OracleAnswer>,
     mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
 ) -> Result<Round<S>, PrimitiveError> {
     let mut round = Round::new(Model::triangles(triangles)?);

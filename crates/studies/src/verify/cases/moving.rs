@@ -13,10 +13,9 @@ use crate::verify::expect::in_soup;
 use crate::verify::meshes::soup;
 use crate::verify::model::{Corners, Model};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// Q7.
 pub const Q7: Case = case!(
     "Q7",
     "exact at each time",
@@ -76,7 +75,7 @@ fn moving<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
             };
             let (origin, along) = toward(random, target, 3.0);
             let ray: Ray<S> = Ray { time, ..ray(origin, along) };
-            round.push(ray, in_soup(&exact, &ray).unwrap_or(Expected::Anything));
+            round.push(ray, in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything));
         }
     }
     round.rays.truncate(rays);

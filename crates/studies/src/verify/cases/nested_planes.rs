@@ -14,7 +14,7 @@ use crate::verify::draw::{one_of, signed, unit};
 use crate::verify::meshes::{Cubes, cube};
 use crate::verify::model::Model;
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Near, Round, ray};
+use crate::verify::round::{NearbyPrimitives, OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 /// Reports from elsewhere and `recursive-grid`: HARD_CASES, planes of nested cells.
@@ -31,7 +31,7 @@ pub const GR12: Case = case!(
 /// outside is ever hit.
 const MOST_CUBES: [f64; 2] = [24.0, 12.0];
 
-/// What rounding can do to the place of a ray, in epsilons of the distance to the farthest corner.
+/// Rounding error of the position of a ray, in epsilons of the distance to the farthest corner.
 const ROUNDING: f64 = 64.0;
 
 fn nested_planes<S: Buildable>(
@@ -46,9 +46,9 @@ fn nested_planes<S: Buildable>(
     let triangles: Vec<_> = cubes.all().flat_map(cube).collect();
     let mut round = Round::new(Model::triangles(&triangles)?);
     let columns = Columns::new(cubes);
-    let mut near = Near { lists: columns.lists(), of: Vec::new() };
+    let mut near = NearbyPrimitives { lists: columns.lists(), of: Vec::new() };
     for _ in 0..rays {
-        let aim = Aim::draw(random, cubes.side);
+        let aim = AxisRay::draw(random, cubes.side);
         let reach = f64::from(cubes.side) + aim.outside;
         let tolerance = ROUNDING * S::EPSILON.to_f64() * reach;
         round.push(ray(aim.origin(cubes.side), aim.direction()), aim.expected(&cubes, tolerance));
@@ -59,7 +59,7 @@ fn nested_planes<S: Buildable>(
 }
 
 /// A ray along an axis.
-struct Aim {
+struct AxisRay {
     axis: usize,
     /// 1: towards rising coordinates; -1.
     sign: f64,
@@ -71,7 +71,7 @@ struct Aim {
     off: [f64; 2],
 }
 
-impl Aim {
+impl AxisRay {
     fn draw(random: &mut Random, side: i32) -> Self {
         let mut at = || random.below(side as usize + 1) as i32;
         let at = [at(), at()];
@@ -105,7 +105,7 @@ impl Aim {
 
     /// The first cube of the columns in which the ray lies, on their faces included; but it may
     /// meet one earlier in a column that it passes within the rounding.
-    fn expected(&self, cubes: &Cubes, tolerance: f64) -> Expected {
+    fn expected(&self, cubes: &Cubes, tolerance: f64) -> OracleAnswer {
         let side = cubes.side;
         let (mut lies, mut touches) = (f64::INFINITY, f64::INFINITY);
         for next in [self.at[0] - 1, self.at[0]] {
@@ -134,11 +134,11 @@ impl Aim {
         }
         let slack = 4.0 * tolerance / ROUNDING;
         if lies.is_finite() {
-            Expected::Hit { id: None, t: [touches - slack, lies + slack] }
+            OracleAnswer::Hit { id: None, t: [touches - slack, lies + slack] }
         } else if touches.is_finite() {
-            Expected::Anything
+            OracleAnswer::Anything
         } else {
-            Expected::Miss
+            OracleAnswer::Miss
         }
     }
 
@@ -151,7 +151,7 @@ impl Aim {
     }
 }
 
-/// What a direction has on the other two axes: of one size or of two, of either sign.
+/// Other two components of a direction: of one size or of two, of either sign.
 fn off_planes(random: &mut Random) -> [f64; 2] {
     let next = off_plane(random);
     let last = if random.below(2) == 0 { next } else { off_plane(random) };

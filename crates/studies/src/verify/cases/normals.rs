@@ -11,10 +11,9 @@ use crate::case;
 use crate::verify::draw::{direction, one_of, point, single, unit};
 use crate::verify::polygons::{placed, tangled};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// S8.
 pub const S8: Case = case!(
     "S8",
     "closed form",
@@ -23,16 +22,13 @@ pub const S8: Case = case!(
 );
 
 /// A shape whose normals are known.
-enum Known {
-    Sphere {
-        center: DVec3,
-    },
+enum KnownNormals {
+    Sphere { center: DVec3 },
     Cone(Cone),
-    /// Either side.
     Plane(DVec3),
 }
 
-impl Known {
+impl KnownNormals {
     fn is_right(&self, at: DVec3, normal: DVec3, slack: f64) -> bool {
         let right = match self {
             Self::Sphere { center } => (at - *center).normalize(),
@@ -57,7 +53,7 @@ fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, P
         0 => {
             let radius = 10f64.powf(2.0 - 4.0 * unit(random));
             scene.push_sphere(material, at, radius);
-            (Known::Sphere { center: at }, radius)
+            (KnownNormals::Sphere { center: at }, radius)
         }
         1 => {
             let radius = 10f64.powf(-2.0 * unit(random));
@@ -65,7 +61,7 @@ fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, P
             let apex_radius = radius * one_of(random, &[1.0, 0.5]);
             let cone = Cone { base: at, base_radius: radius, apex, apex_radius };
             scene.push_cone(material, cone);
-            (Known::Cone(cone), apex_radius)
+            (KnownNormals::Cone(cone), apex_radius)
         }
         _ => {
             let outline = tangled(random);
@@ -74,7 +70,7 @@ fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, P
             let across = |p: &DVec3| (outline[1] - outline[0]).cross(*p - outline[0]);
             let widest =
                 outline.iter().map(across).max_by(|a, b| a.length().total_cmp(&b.length()));
-            (Known::Plane(widest.unwrap_or_default().normalize_or_zero()), 1.0)
+            (KnownNormals::Plane(widest.unwrap_or_default().normalize_or_zero()), 1.0)
         }
     };
     let bounds = scene.bounds();
@@ -91,9 +87,10 @@ fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, P
     from_hits(&scene, &aimed, |point, _, round| {
         let leaving = ray(point.position, point.normal);
         let is_right = |normal| known.is_right(point.position, normal, slack);
-        let expected = match is_right(point.normal) && is_right(point.refined.normal) {
-            true => Expected::Anything,
-            false => Expected::Broken(format!("the normal is {}", point.normal)),
+        let expected = if is_right(point.normal) && is_right(point.refined.normal) {
+            OracleAnswer::Anything
+        } else {
+            OracleAnswer::Broken(format!("the normal is {}", point.normal))
         };
         round.push(leaving, expected);
     })
@@ -110,10 +107,10 @@ mod tests {
         let cone =
             Cone { base: center, base_radius: 1.0, apex: center + DVec3::Z, apex_radius: 0.0 };
         let shapes = [
-            (Known::Sphere { center }, DVec3::X, vec![-DVec3::X, dvec3(1.0, 1e-3, 0.0)]),
+            (KnownNormals::Sphere { center }, DVec3::X, vec![-DVec3::X, dvec3(1.0, 1e-3, 0.0)]),
             // that of a cylinder, and that from within
-            (Known::Cone(cone), dvec3(0.5, 0.0, 0.5).normalize(), vec![DVec3::X, -DVec3::X]),
-            (Known::Plane(DVec3::Z), -DVec3::Z, vec![DVec3::X, DVec3::ZERO]),
+            (KnownNormals::Cone(cone), dvec3(0.5, 0.0, 0.5).normalize(), vec![DVec3::X, -DVec3::X]),
+            (KnownNormals::Plane(DVec3::Z), -DVec3::Z, vec![DVec3::X, DVec3::ZERO]),
         ];
         for (known, right, wrong) in shapes {
             let at = center + dvec3(0.5, 0.0, 0.0);

@@ -12,25 +12,22 @@ use crate::verify::model::Model;
 use crate::verify::own_bounds::out_of_padded_box;
 use crate::verify::polygons::{body, placed, tangled, tiling, wound};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use crate::verify::surface::{Outlines, Surface};
 use statistics::random::Random;
 
-/// HARD_CASES G12.
 pub const G12: Case = case!(
     "G12",
     "own projection",
     alone,
     "concave polygons, collinear and repeated vertices, slightly bent ones"
 );
-/// Q1.
 pub const Q1: Case = case!(
     "Q1",
     "own projection",
     at_edges,
     "polygons that share edges and vertices, closed bodies, both windings: no gap"
 );
-/// Q2.
 pub const Q2: Case = case!(
     "Q2",
     "own projection, own bounds",
@@ -44,7 +41,6 @@ pub const Q2_SLIVERS: Case = case!(
     slivers,
     "polygons up to 10^4 times as long as wide, and rays near their plane"
 );
-/// Q6.
 pub const Q6: Case = case!(
     "Q6",
     "own projection",
@@ -167,7 +163,7 @@ fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
     let hits = every_hit(&round.model, &ray);
     let fault = surface.fault(&ray, &hits);
     match fault.or_else(|| out_of_padded_box(&round.model, &ray, &hits)) {
-        Some(fault) => round.push(ray, Expected::Broken(fault)),
+        Some(fault) => round.push(ray, OracleAnswer::Broken(fault)),
         None => push_chain(round, ray, &hits, LINKS),
     }
 }

@@ -12,13 +12,12 @@ use super::{
 use crate::case;
 use crate::verify::draw::{direction, one_of, signed, unit, whole};
 use crate::verify::meshes::{sheet, soup};
-use crate::verify::metamorphic::{MetamorphicPair, Original, Same};
+use crate::verify::metamorphic::{Invariant, MetamorphicPair, OriginalScene};
 use crate::verify::model::Model;
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// The group.
 pub static GROUP: Group = Group {
     name: "ray",
     cases: &[R1, R2, R3, R4, R5, R6, R7, intervals::R8, extreme_components::R9],
@@ -53,14 +52,14 @@ fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     };
     let pair = MetamorphicPair {
         name: "zeros of the other sign".into(),
-        same: Same::Bits,
+        same: Invariant::Bits,
         model: Model::triangles(&triangles)?,
         rays: round.rays.iter().map(other_zeros).collect(),
         factor: 1.0,
         ids: Vec::new(),
     };
     let mirrored =
-        Original { triangles: &triangles, rays: &round.rays }.mirrored(random.below(8) as u8);
+        OriginalScene { triangles: &triangles, rays: &round.rays }.mirrored(random.below(8) as u8);
     round.pairs.push(pair);
     round.pairs.extend(mirrored);
     Ok(round)
@@ -84,9 +83,9 @@ fn tiny_components<S: Buildable>(
         let (y, z) = (signed(random) * 2.0 * HALF, signed(random) * 2.0 * HALF);
         let reached = (y + FAR * dy).abs().max((z + FAR * dz).abs());
         let expected = match reached / HALF {
-            x if x < 0.99 => Expected::hit_at(FAR, FAR * 1e-6),
-            x if x > 1.01 => Expected::Miss,
-            _ => Expected::Anything,
+            x if x < 0.99 => OracleAnswer::hit_at(FAR, FAR * 1e-6),
+            x if x > 1.01 => OracleAnswer::Miss,
+            _ => OracleAnswer::Anything,
         };
         round.push(ray(dvec3(-sign * FAR, y, z), dvec3(sign, dy, dz)), expected);
     }
@@ -102,7 +101,7 @@ fn scaled_directions<S: Buildable>(
         let target = point_within(random, &triangles);
         toward(random, target, 2.0)
     })?;
-    let original = Original { triangles: &triangles, rays: &round.rays };
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let exponents = [one_of(random, &[-60, -37, -10]), one_of(random, &[-1, 3, 20]), 60];
     let pairs: Vec<_> =
         exponents.into_iter().filter_map(|e| original.with_direction_scaled(e)).collect();
@@ -131,7 +130,7 @@ fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S
             4 => bad.t_max = S::from_f64(f64::NAN),
             _ => (bad.t_min, bad.t_max) = (S::ONE, S::from_f64(unit(random) * 0.99)),
         }
-        round.push(bad, Expected::Miss);
+        round.push(bad, OracleAnswer::Miss);
     }
     Ok(round)
 }
@@ -158,8 +157,8 @@ fn interval_ends<S: Buildable>(
             _ => (t, t, true),
         };
         (ray.t_min, ray.t_max) = (t_min, t_max);
-        let hit = Expected::Hit { id: None, t: [height, height] };
-        round.push(ray, if is_hit { hit } else { Expected::Miss });
+        let hit = OracleAnswer::Hit { id: None, t: [height, height] };
+        round.push(ray, if is_hit { hit } else { OracleAnswer::Miss });
     }
     Ok(round)
 }
@@ -187,7 +186,7 @@ fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
         }
         (DVec3::from_array(origin), sign_direction(random))
     })?;
-    let original = Original { triangles: &triangles, rays: &round.rays };
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let pair = original.mirrored(random.below(8) as u8);
     round.pairs.extend(pair);
     Ok(round)

@@ -6,7 +6,6 @@ use super::{
 };
 use crate::verify::registry::Group;
 
-/// The group.
 pub static GROUP: Group = Group {
     name: "reported",
     cases: &[

@@ -12,7 +12,7 @@ use super::{point_within, soup_round, toward};
 use crate::case;
 use crate::verify::draw::one_of;
 use crate::verify::meshes::{icosphere, sheet, soup, torus};
-use crate::verify::metamorphic::Original;
+use crate::verify::metamorphic::OriginalScene;
 use crate::verify::model::Corners;
 use crate::verify::registry::Case;
 use crate::verify::round::Round;
@@ -46,7 +46,7 @@ fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         let target = point_within(random, &triangles);
         toward(random, target, 2.0)
     })?;
-    let original = Original { triangles: &triangles, rays: &round.rays };
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let largest = triangles.as_flattened().iter().fold(0.0, |m, p| p.abs().max_element().max(m));
     // what lies within the served exponents is refused on neither side
     let own = f64::log2(largest).floor() as i32;

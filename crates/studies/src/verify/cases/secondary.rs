@@ -15,10 +15,9 @@ use crate::case;
 use crate::verify::draw::{direction, one_of, point, unit};
 use crate::verify::meshes::icosphere;
 use crate::verify::registry::{Case, Group};
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// The group.
 pub static GROUP: Group =
     Group { name: "secondary", cases: &[S1, S2, S3, S3_BALL, S4, shells::S7] };
 
@@ -163,7 +162,7 @@ fn offset_rays<S: Buildable>(
                 let graze = 10.0_f64.powf(unit(random) * -12.0);
                 (any - outward * any.dot(outward)).normalize_or(outward) + outward * graze
             };
-            round.push(offset.along(point, along), Expected::Miss);
+            round.push(offset.along(point, along), OracleAnswer::Miss);
         }
     })
 }
@@ -204,7 +203,7 @@ fn between_planes_under<S: Buildable>(
         // only from the lower plane, whichever of the two the rounded ray has met
         if turned_back(turn, point.position).y.abs() <= GAP * 0.25 {
             let ray = offset.to(point, light);
-            round.push(ray, Expected::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
+            round.push(ray, OracleAnswer::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
         }
     })
 }
@@ -257,13 +256,13 @@ fn under_a_ball_under<S: Buildable>(
 }
 
 /// A ray that passes the centre of a ball of `radius` at a distance.
-fn expected_behind(passing: f64, radius: f64, clear: f64, t_max: f64) -> Expected {
+fn expected_behind(passing: f64, radius: f64, clear: f64, t_max: f64) -> OracleAnswer {
     if passing < radius - clear {
-        Expected::Hit { id: Some(1), t: [0.0, t_max] }
+        OracleAnswer::Hit { id: Some(1), t: [0.0, t_max] }
     } else if passing > radius + clear {
-        Expected::Miss
+        OracleAnswer::Miss
     } else {
-        Expected::Anything
+        OracleAnswer::Anything
     }
 }
 
@@ -301,7 +300,7 @@ fn to_a_light_on_a_surface_under<S: Buildable>(
         // the ceiling slants: what rounding does grows as a ray grazes it
         let ray: Ray<S> = offset.to(point, light);
         let steep = ray.direction.to_dvec3().dot(normal).abs();
-        let expected = if steep > 0.1 { Expected::Miss } else { Expected::Anything };
+        let expected = if steep > 0.1 { OracleAnswer::Miss } else { OracleAnswer::Anything };
         round.push(ray, expected);
     })
 }

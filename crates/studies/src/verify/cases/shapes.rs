@@ -10,19 +10,16 @@ use crate::verify::closed_form::ConeShape;
 use crate::verify::draw::{direction, one_of, point, single, unit};
 use crate::verify::model::Model;
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// HARD_CASES G9.
 pub const G9: Case = case!("G9", "closed form", small_far_sphere, "a small sphere seen from afar");
-/// G10.
 pub const G10: Case = case!(
     "G10",
     "closed form",
     spheres_within,
     "rays from within a sphere, just above a huge one, at a point, along a tangent"
 );
-/// G11.
 pub const G11: Case = case!(
     "G11",
     "twice the digits",
@@ -53,8 +50,8 @@ fn small_far_sphere<S: Buildable>(
             _ => dvec3(v.y, v.z, v.x),
         };
         let depth = (RADIUS * RADIUS - offset * offset).max(0.0).sqrt();
-        let hit = Expected::hit_at(far - depth, far * 4.0 * f64::from(f32::EPSILON));
-        let expected = if offset < RADIUS { hit } else { Expected::Miss };
+        let hit = OracleAnswer::hit_at(far - depth, far * 4.0 * f64::from(f32::EPSILON));
+        let expected = if offset < RADIUS { hit } else { OracleAnswer::Miss };
         let ray = ray(turned(dvec3(-sign * far, offset, 0.0)), turned(dvec3(sign, 0.0, 0.0)));
         round.push(ray, expected);
     }
@@ -83,7 +80,7 @@ fn spheres_within<S: Buildable>(
         let t = if o.length() < radius { (root - b) / a } else { (-root - b) / a };
         // what the rounding of the origin changes
         let slack = if radius > 1.0 { radius * 3e-7 } else { 1e-5 };
-        round.push(ray, Expected::hit_at(t, slack));
+        round.push(ray, OracleAnswer::hit_at(t, slack));
     }
     Ok(round)
 }

@@ -16,7 +16,7 @@ use crate::case;
 use crate::verify::draw::{direction, single, unit};
 use crate::verify::every_hit::{every_hit, push_chain};
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 /// Reports from elsewhere: shells of radius 1 and 1 + 4e-5, the inner one skipped.
@@ -77,9 +77,12 @@ pub fn shells_under<S: Buildable>(
             let slant = along.dot(out).abs();
             let far = 4.0 * gap / slant + 64.0 * S::EPSILON.to_f64();
             let expected = if is_clear {
-                Expected::Hit { id: Some(if is_inner { 1 - inner } else { inner }), t: [0.0, far] }
+                OracleAnswer::Hit {
+                    id: Some(if is_inner { 1 - inner } else { inner }),
+                    t: [0.0, far],
+                }
             } else {
-                Expected::Anything
+                OracleAnswer::Anything
             };
             round.push(offset.along(point, along), expected);
         }
@@ -87,7 +90,7 @@ pub fn shells_under<S: Buildable>(
     for ray in aimed {
         let hits = every_hit(&round.model, &ray);
         match broken(&hits, is_clear, inner) {
-            Some(how) => round.push(ray, Expected::Broken(how)),
+            Some(how) => round.push(ray, OracleAnswer::Broken(how)),
             None => push_chain(&mut round, ray, &hits, A_HIT),
         }
     }

@@ -12,10 +12,9 @@ use crate::verify::every_hit::every_hit;
 use crate::verify::model::Model;
 use crate::verify::own_bounds::out_of_padded_box;
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
-/// Q3.
 pub const Q3: Case = case!(
     "Q3",
     "twice the digits, own bounds",
@@ -72,7 +71,7 @@ fn cone_round<S: Buildable>(
         }
         let hits = every_hit(&round.model, &ray);
         let expected = match out_of_padded_box(&round.model, &ray, &hits) {
-            Some(fault) => Expected::Broken(fault),
+            Some(fault) => OracleAnswer::Broken(fault),
             None => first_of((0..).zip(&shapes).map(|(id, s)| (id, s.expected(&ray, magnitude)))),
         };
         round.push(ray, expected);
@@ -95,7 +94,7 @@ fn shape(random: &mut Random, length: f64, radius: f64, away: DVec3) -> ConeShap
     ConeShape { base: (base, radii[0] * sign), apex: (apex, radii[1] * sign) }
 }
 
-/// Where a ray begins, and a point that it runs through.
+/// Origin of a ray, and a point that it passes through.
 fn aim(random: &mut Random, shape: &ConeShape, size: f64) -> (DVec3, DVec3) {
     let axis = shape.apex.0 - shape.base.0;
     let unit_axis = axis.normalize_or(DVec3::Z);

@@ -19,7 +19,7 @@ use crate::verify::expect::in_soup;
 use crate::verify::model::{Corners, Model};
 use crate::verify::own_bounds::is_out_of_its_box;
 use crate::verify::registry::Case;
-use crate::verify::round::{Expected, Round, ray};
+use crate::verify::round::{OracleAnswer, Round, ray};
 use statistics::random::Random;
 
 pub const G16: Case = case!(
@@ -73,15 +73,15 @@ fn sliver(random: &mut Random, spread: f64) -> Corners {
     [at, at + along * 11.2, at + along * 9.8 + across * height].map(single)
 }
 
-/// What the exact oracle says; otherwise the first hit that lies where its triangle is.
-fn expected<S: Scalar>(model: &Model<S>, exact: &Soup, ray: &Ray<S>) -> Expected {
+/// Answer of the exact oracle; otherwise the first hit that lies on its triangle.
+fn expected<S: Scalar>(model: &Model<S>, exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
     let hits = every_hit(model, ray);
-    let Model::Triangles(set) = model else { return Expected::Anything };
+    let Model::Triangles(set) = model else { return OracleAnswer::Anything };
     let is_lawful = |id: u32, t| {
         set.triangles().get(id as usize).is_some_and(|own| !is_out_of_its_box(own, ray, t))
     };
     match in_soup(exact, ray) {
-        Some(Expected::Anything) | None => {
+        Some(OracleAnswer::Anything) | None => {
             let lawful: Vec<_> = hits.into_iter().filter(|h| is_lawful(h.id, h.t)).collect();
             first_within(&lawful, ray.t_min, ray.t_max)
         }

@@ -1,4 +1,5 @@
-//! What must not change a picture: the unit of length, and the names and signs of the axes.
+//! Transformations that must not change a picture: of the unit of length, and of the names and
+//! signs of the axes.
 //!
 //! Under IEEE 754 a power of two and a change of sign commute with every operation, barring
 //! underflow, overflow and absolute lengths in the program: answers must keep their bits. Another
@@ -11,7 +12,7 @@ use super::{point_within, soup_round, toward};
 use crate::case;
 use crate::verify::draw::one_of;
 use crate::verify::meshes::soup;
-use crate::verify::metamorphic::Original;
+use crate::verify::metamorphic::OriginalScene;
 use crate::verify::model::Corners;
 use crate::verify::registry::Case;
 use crate::verify::round::Round;
@@ -47,7 +48,7 @@ fn scene<S: Buildable>(
 
 fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
-    let original = Original { triangles: &triangles, rays: &round.rays };
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     // a magnitude of up to 2 and rays of up to 4 stay within what is served
     let (down, up): (&[i32], &[i32]) = match S::NAME {
         "f32" => (&[-27, -20, -8], &[1, 13, 28]),
@@ -62,7 +63,7 @@ fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
 
 fn turned<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
-    let original = Original { triangles: &triangles, rays: &round.rays };
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let mirrored = original.permuted(0, 1 + random.below(7) as u8);
     let permuted = original.permuted(1 + random.below(5), random.below(8) as u8);
     let pairs: Vec<_> = [mirrored, permuted].into_iter().flatten().collect();

@@ -10,7 +10,6 @@ use crate::verify::registry::Case;
 use crate::verify::round::Round;
 use statistics::random::Random;
 
-/// K3.
 pub const K3: Case = case!(
     "K3",
     "exact, one thread",

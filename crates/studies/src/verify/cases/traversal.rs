@@ -11,7 +11,7 @@ use crate::case;
 use crate::verify::draw::{one_of, unit, whole};
 use crate::verify::every_hit::{every_hit, first_within};
 use crate::verify::meshes::soup;
-use crate::verify::metamorphic::Original;
+use crate::verify::metamorphic::OriginalScene;
 use crate::verify::registry::{Case, Group};
 use crate::verify::round::Round;
 use statistics::random::Random;
@@ -63,7 +63,7 @@ fn within_planes<S: Buildable>(
         );
         (lattice_point(random) - d * random.below(2 * LATTICE as usize) as f64, d)
     })?;
-    let original = Original { triangles: &triangles, rays: &round.rays };
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let pair = original.mirrored(random.below(8) as u8);
     round.pairs.extend(pair);
     Ok(round)

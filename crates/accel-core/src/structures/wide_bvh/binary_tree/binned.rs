@@ -77,7 +77,7 @@ pub(super) mod tests {
     use super::*;
     use crate::structures::obvhs::builder::tests::{fault, nested, scattered};
 
-    /// Whether all trees have each box once, have few levels and are the same for any number of
+    /// Asserts that trees have each box once, have few levels and do not depend on the number of
     /// threads.
     pub fn assert_whole_and_the_same(tree: fn(&[Aabb], u32) -> Bvh2) {
         let built = |boxes: &[Aabb], threads: usize| {
@@ -104,7 +104,7 @@ pub(super) mod tests {
         assert!(tree(&[], 16).nodes.is_empty());
     }
 
-    /// Whether leaves have so many boxes at most, and no more than is asked for.
+    /// Asserts that leaves have at most this many boxes, and no more than is asked for.
     pub fn assert_few_in_a_leaf(tree: fn(&[Aabb], u32) -> Bvh2, few: u32) {
         let boxes = scattered(3000, 0.01);
         for longest in [1, 2, 3, 5, 16] {

@@ -1,5 +1,5 @@
-//! Where a set of boxes is divided: between two equal bins of their centres, where the surface-area
-//! heuristic says that it costs least.
+//! Divides a set of boxes between two of equal bins of their centres, where the surface-area
+//! heuristic is least.
 
 use wide::{f32x4, i32x4};
 
@@ -10,10 +10,10 @@ use crate::structures::wide_bvh::collapse::blocks;
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;
-const BOXES_A_BIN: usize = 20;
+const BOXES_PER_BIN: usize = 20;
 const MOST_BINS: usize = 32;
 
-/// Which bins the centres of items are in.
+/// Maps the centres of items to bins.
 #[derive(Clone, Copy)]
 struct Binning {
     low: f32x4,
@@ -94,7 +94,7 @@ pub(super) struct BinSplit {
 impl BinSplit {
     /// The cut that costs least; none where all centres are alike.
     pub(super) fn of(items: &[Item], centres: &Bounds, bins: &mut Bins) -> Option<Self> {
-        let count = (FEWEST_BINS + items.len() / BOXES_A_BIN).min(MOST_BINS);
+        let count = (FEWEST_BINS + items.len() / BOXES_PER_BIN).min(MOST_BINS);
         let binning = Binning::of(centres, count);
         match parts(items.len()) {
             1 => bins.fill(count, &binning, items),

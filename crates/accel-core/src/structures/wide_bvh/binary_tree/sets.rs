@@ -59,8 +59,7 @@ struct ForkedNodes {
 }
 
 impl ForkedNodes {
-    /// What is to be grafted so that the root is at `place`, and all others behind the first `next`
-    /// nodes.
+    /// Grafts that put the root at `place` and all other nodes behind the first `next`.
     fn grafts(
         self,
         place: usize,
@@ -74,7 +73,7 @@ impl ForkedNodes {
     }
 }
 
-/// How many items are few, and how many are many.
+/// Thresholds of small and large sets.
 #[derive(Clone, Copy)]
 pub(super) struct Sizes {
     /// So many are a leaf.
@@ -108,7 +107,7 @@ impl Set<'_> {
         let n = self.items.len();
         let (mut nodes, mut bins) = (Nodes::with_root(2 * n), Bins::NONE);
         let root = Set { node: 0, ..self };
-        if forks == 0 || !parallel::is_worth_a_fork(n) {
+        if forks == 0 || !parallel::should_parallelize(n) {
             root.build(&mut nodes, &mut bins, sizes);
             return ForkedNodes { nodes, below: Vec::new() };
         }

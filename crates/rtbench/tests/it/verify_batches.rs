@@ -6,7 +6,7 @@ use accel_core::primitives::PrimSet;
 use accel_core::structure::{BatchAnswers, StructureInfo};
 use accel_core::structures::{Entry, brute_force};
 use accel_core::{Ray, Scalar, Vector};
-use measurement::scenes::Installed;
+use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
 /// Not equal, which the rays of some cases are.
@@ -42,7 +42,7 @@ impl BatchFault for OfTheFirst {
     }
 }
 
-/// Of eights that run alike.
+/// Answers the first ray of coherent groups of eight for all.
 fn take_the_first<S: Scalar, T: Clone>(rays: &[Ray<S>], answers: &mut [T]) {
     for (rays, answers) in rays.chunks(8).zip(answers.chunks_mut(8)) {
         if are_alike(rays) {
@@ -65,12 +65,12 @@ fn what_is_wrong_among_rays_that_run_alike_is_found() {
     let check = "verify --cases G1,R8 -s one-for-eight --rays 1000 --export-csv";
     let ended = run_with(
         FAULTS,
-        &Installed,
+        &InstalledScenes,
         &SystemClock::default(),
         &format!("{check} {}/results.csv", folder.path()),
     );
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
-    assert!(ended.out.contains("in company"), "{}", ended.out);
+    assert!(ended.out.contains("in a coherent batch"), "{}", ended.out);
     let rows = folder.csv();
     assert_eq!(rows.len(), 4);
     for row in rows {

@@ -16,7 +16,7 @@ use crate::query::counters::WorkCounters;
 
 /// Result of the test of a primitive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Outcome {
+pub enum TestResult {
     /// No hit, or none nearer than the one before.
     Missed,
     /// The nearest hit so far.
@@ -30,7 +30,7 @@ pub enum Outcome {
 pub struct TraceStep {
     pub kind: CellKind,
     /// Primitives in the order of their tests.
-    pub tests: Vec<(u32, Outcome)>,
+    pub tests: Vec<(u32, TestResult)>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ impl<S: Scalar> TraversalTrace<S> {
     pub fn counted(&self) -> WorkCounters {
         let steps = |kind| self.steps.iter().filter(|step| step.kind == kind).count() as u64;
         let all = || self.steps.iter().flat_map(|step| &step.tests);
-        let spared = all().filter(|(_, outcome)| *outcome == Outcome::Spared).count() as u64;
+        let spared = all().filter(|(_, outcome)| *outcome == TestResult::Spared).count() as u64;
         let empty = steps(CellKind::Empty);
         WorkCounters {
             intersection_tests: all().count() as u64 - spared,

@@ -1,21 +1,20 @@
 //! Room for structures that grow in cells and references, part by part.
 
 use crate::memory::Limits;
-use crate::memory::{Counted, OutOfMemory};
+use crate::memory::{CountedItem, OutOfMemory};
 use crate::structure::BuildError;
 
-/// How many cells and references a structure may have: of each what its setting says, of both
-/// together what memory has room for.
+/// Limits of cells and references: each by its setting, both together by memory.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct CapacityLimits {
     limits: Limits,
     /// Each with the most that there may be; they are numbered in 32 bits.
-    parts: [(&'static Counted, u64); 2],
+    parts: [(&'static CountedItem, u64); 2],
 }
 
 impl CapacityLimits {
-    /// Of parts with their settings.
-    pub(crate) fn new(limits: Limits, parts: [(&'static Counted, u64); 2]) -> Self {
+    /// Limits of these parts, with their settings.
+    pub(crate) fn new(limits: Limits, parts: [(&'static CountedItem, u64); 2]) -> Self {
         let parts = parts.map(|(part, most)| (part, most.min(u64::from(u32::MAX) - 1)));
         Self { limits, parts }
     }
@@ -79,8 +78,8 @@ mod tests {
 
     #[test]
     fn cells_and_references_share_memory() {
-        static CELLS: Counted = Counted::cells("number of cells", 16);
-        static REFERENCES: Counted = Counted::references("references in cells");
+        static CELLS: CountedItem = CountedItem::cells("number of cells", 16);
+        static REFERENCES: CountedItem = CountedItem::references("references in cells");
         let within = |memory| Limits { structure: "kd-tree", memory };
         let limits = within(MemoryLimit::new(200));
         let room = CapacityLimits::new(limits, [(&CELLS, 10), (&REFERENCES, 20)]);

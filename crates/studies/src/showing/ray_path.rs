@@ -3,8 +3,8 @@
 use accel_core::query::cells::{CellKind, NoCells};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::entered::{cells_entered, crossed};
+use accel_core::query::trace::{TestResult, TraceStep};
 use accel_core::query::tracer::Tracer;
-use accel_core::query::way::{Outcome, TraceStep};
 use accel_core::{Aabb, Hit, Ray, Scalar};
 use scene_loading::Scene;
 
@@ -19,7 +19,7 @@ pub struct EnteredCell {
     /// End points of the section.
     pub ends: [f64; 4],
     pub depth: u32,
-    /// Where the ray is half-way through it.
+    /// Midpoint of the ray within it.
     pub middle: [f64; 2],
 }
 
@@ -34,7 +34,7 @@ pub struct PathThrough {
     pub missed: Vec<Line>,
     /// The same of the one that was hit.
     pub struck: Option<Line>,
-    /// Where the ray is at the beginning of its interval and at its hit, or far beyond the scene.
+    /// Start of the ray's interval, and its hit or a point far beyond the scene.
     pub line: [[f64; 2]; 2],
     /// The steps, and for each the depth of the cell entered where that is known.
     pub steps: Vec<(TraceStep, Option<u32>)>,
@@ -88,7 +88,7 @@ pub fn path_through(
     }
     let tests = || way.steps.iter().flat_map(|step| &step.tests);
     let mut ids: Vec<u32> =
-        tests().filter(|(_, o)| *o != Outcome::Spared).map(|(id, _)| *id).collect();
+        tests().filter(|(_, o)| *o != TestResult::Spared).map(|(id, _)| *id).collect();
     ids.sort_unstable();
     ids.dedup();
     let is_struck = |id: &u32| way.hit.is_hit() && *id == way.hit.id;
@@ -148,8 +148,7 @@ impl PathThrough {
         )
     }
 
-    /// What was entered in a step, and the primitives tested: spared ones in brackets, hits with a
-    /// star.
+    /// Cells entered in each step and primitives tested: spared ones in brackets, hits with a star.
     pub fn listed(&self) -> Vec<[String; 4]> {
         let row = |(number, (step, depth)): (usize, &(TraceStep, Option<u32>))| {
             let kind = match step.kind {
@@ -157,10 +156,10 @@ impl PathThrough {
                 CellKind::Leaf => "leaf",
                 CellKind::Empty => "empty",
             };
-            let test = |(id, outcome): &(u32, Outcome)| match outcome {
-                Outcome::Missed => id.to_string(),
-                Outcome::Hit => format!("{id}*"),
-                Outcome::Spared => format!("({id})"),
+            let test = |(id, outcome): &(u32, TestResult)| match outcome {
+                TestResult::Missed => id.to_string(),
+                TestResult::Hit => format!("{id}*"),
+                TestResult::Spared => format!("({id})"),
             };
             let tests: Vec<String> = step.tests.iter().map(test).collect();
             let depth = depth.map_or("-".to_owned(), |depth| depth.to_string());

@@ -17,17 +17,15 @@ use crate::context::Context;
 
 /// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
-pub enum LikeError {
+pub enum ReplanError {
     /// A scene or row that the record lacks.
     #[error("the baseline has no {what} '{name}'{hint}; it has: {valid}")]
     Unknown {
         /// `scene` or `row`.
         what: &'static str,
-        /// As typed.
         name: String,
         /// ` (did you mean ...?)` or empty.
         hint: String,
-        /// What it has.
         valid: String,
     },
     /// No scene could be measured now.
@@ -39,42 +37,40 @@ pub enum LikeError {
     /// A row is of a plugin that is not loaded.
     #[error("row {row} is of the plugin {file}: name its file with --plugin")]
     NoPlugin {
-        /// The structure.
         row: String,
         /// The plugin's file, without folders.
         file: String,
     },
     /// The settings are none of this program.
-    #[error("the settings of the baseline are none of this program: {0}")]
+    #[error("this program does not support the settings of the baseline: {0}")]
     Settings(String),
     /// Scenes or rows are none of this program.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
-/// What to measure of a record, and how long.
+/// Parts of a record to measure, and for how long.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Narrowed<'a> {
+pub struct Restriction<'a> {
     /// Scenes; none means all.
     pub scenes: &'a [String],
     /// Structures, or labels of rows; none means all.
     pub structures: &'a [String],
-    /// Rounds.
     pub rounds: Option<u32>,
     /// Time for all rounds.
     pub time_budget: Option<Duration>,
 }
 
-/// The record without the scenes and rows that are not wanted. The reference always stays, and so do
-/// in all scenes the rows that took its place in any: the order of rows says which of them does.
+/// The record without the scenes and rows that are not wanted. The reference always stays, and so
+/// do in all scenes the rows that took its place in any: the order of rows says which of them does.
 ///
 /// # Errors
-/// [`LikeError`] for a name that it lacks, and where nothing is left.
-pub fn narrowed(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunRecord, LikeError> {
+/// [`ReplanError`] for a name that it lacks, and where nothing is left.
+pub fn restrict(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunRecord, ReplanError> {
     let mut record = record.clone();
     let names: Vec<&str> = record.scenes.iter().map(|s| &*s.name).collect();
     if names.is_empty() {
-        return Err(LikeError::Empty);
+        return Err(ReplanError::Empty);
     }
     for name in wanted.scenes {
         if !names.contains(&&**name) {
@@ -104,8 +100,8 @@ pub fn narrowed(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunRecord, 
     Ok(record)
 }
 
-fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> LikeError {
-    LikeError::Unknown {
+fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> ReplanError {
+    ReplanError::Unknown {
         what,
         name: name.to_owned(),
         hint: choice::hint(name, valid.iter().copied()),
@@ -116,14 +112,14 @@ fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> LikeError {
 /// The plan that measures a record's scenes and rows anew, on the same rays.
 ///
 /// # Errors
-/// [`LikeError`] for settings, scenes and structures that this program lacks.
+/// [`ReplanError`] for settings, scenes and structures that this program lacks.
 pub fn plan<'r>(
     record: &RunRecord,
-    wanted: &Narrowed<'_>,
+    wanted: &Restriction<'_>,
     context: &Context<'r>,
-) -> Result<Plan<'r>, LikeError> {
+) -> Result<Plan<'r>, ReplanError> {
     if let Some((row, file)) = missing_plugin(record, context) {
-        return Err(LikeError::NoPlugin { row, file });
+        return Err(ReplanError::NoPlugin { row, file });
     }
     let settings = settings_of(record, wanted)?;
     let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)
@@ -134,8 +130,8 @@ pub fn plan<'r>(
     Ok(plan)
 }
 
-/// The record without the rows that this program does not know; rows of plugins stay. A reference that is not
-/// known is another one.
+/// The record without the rows that this program does not know; rows of plugins stay. A reference
+/// that is not known is another one.
 pub fn known(record: &RunRecord, context: &Context<'_>) -> RunRecord {
     let mut record = record.clone();
     let is_known =
@@ -178,8 +174,8 @@ fn by_source<'r>(
     found.map_err(|_| error)
 }
 
-/// What a run is asked for that would measure the record's scenes and rows.
-fn settings_of(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunSettings, LikeError> {
+/// Settings of a run that measures the record's scenes and rows.
+fn settings_of(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunSettings, ReplanError> {
     let of = &record.settings;
     let mut structures: Vec<String> = Vec::new();
     for row in record.scenes.iter().flat_map(|s| &s.rows) {
@@ -189,7 +185,7 @@ fn settings_of(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunSettings,
     }
     let [width, height] = of.resolution;
     if width != height {
-        return Err(LikeError::Settings(format!("an image of {width} x {height} pixels")));
+        return Err(ReplanError::Settings(format!("an image of {width} x {height} pixels")));
     }
     let measuring = MeasuringSettings {
         rays: of.rays.clone(),
@@ -220,17 +216,17 @@ fn settings_of(record: &RunRecord, wanted: &Narrowed<'_>) -> Result<RunSettings,
 }
 
 /// The value of a setting as the record has it.
-fn choice<T: Choice>(name: &str, text: &str) -> Result<T, LikeError> {
+fn choice<T: Choice>(name: &str, text: &str) -> Result<T, ReplanError> {
     T::typed(text).ok_or_else(|| {
         let valid: Vec<&str> = T::ALL.iter().map(|(_, name, _)| *name).collect();
-        LikeError::Settings(format!("{name} {text}; valid: {}", valid.join(", ")))
+        ReplanError::Settings(format!("{name} {text}; valid: {}", valid.join(", ")))
     })
 }
 
 /// A number of the record, from 1 to `most`.
-fn within<T: TryFrom<u64>>(name: &str, number: u64, most: u64) -> Result<T, LikeError> {
+fn within<T: TryFrom<u64>>(name: &str, number: u64, most: u64) -> Result<T, ReplanError> {
     let is_valid = (1..=most).contains(&number);
     let number_in_range = T::try_from(number).ok().filter(|_| is_valid);
     number_in_range
-        .ok_or_else(|| LikeError::Settings(format!("{name} {number}; expected 1 to {most}")))
+        .ok_or_else(|| ReplanError::Settings(format!("{name} {number}; expected 1 to {most}")))
 }

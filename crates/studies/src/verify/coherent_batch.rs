@@ -1,4 +1,4 @@
-//! Rays asked among others that run nearly as they do: a structure may have those share their way.
+//! Rays traced among nearly parallel ones: a structure may share work between those.
 
 use accel_core::{Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
@@ -10,29 +10,29 @@ use statistics::random::Random;
 const GROUP: usize = 8;
 
 /// Rays of eights, each with one of those that are asked about.
-pub struct Company<S: Scalar> {
+pub struct CoherentBatch<S: Scalar> {
     pub rays: Vec<Ray<S>>,
-    /// Where those that are asked about stand, in their order.
+    /// Positions of the judged rays, in their order.
     pub places: Vec<usize>,
 }
 
-impl<S: Scalar> Company<S> {
+impl<S: Scalar> CoherentBatch<S> {
     /// Each of these rays in a group of its own.
     pub fn of(rays: &[Ray<S>]) -> Self {
         let mut random = Random::new(rays.len() as u64, "company");
-        let mut company = Self { rays: Vec::new(), places: Vec::new() };
+        let mut batch = Self { rays: Vec::new(), places: Vec::new() };
         for (i, ray) in rays.iter().enumerate() {
             let place = random.below(GROUP);
-            company.places.push(i * GROUP + place);
+            batch.places.push(i * GROUP + place);
             // from a few ulps to a tenth
             let apart = 2f64.powf(-24.0 + 20.0 * unit(&mut random));
-            company.rays.extend(
+            batch.rays.extend(
                 (0..GROUP).map(
                     |other| if other == place { *ray } else { beside(&mut random, ray, apart) },
                 ),
             );
         }
-        company
+        batch
     }
 }
 
@@ -56,12 +56,12 @@ mod tests {
         let rays: Vec<Ray<f32>> = (0..400)
             .map(|_| Ray::new(point(&mut random).as_vec3(), point(&mut random).as_vec3()))
             .collect();
-        let company = Company::of(&rays);
-        assert_eq!(company.rays.len(), GROUP * rays.len());
+        let batch = CoherentBatch::of(&rays);
+        assert_eq!(batch.rays.len(), GROUP * rays.len());
         let mut lanes = [0; GROUP];
-        let groups = company.rays.chunks_exact(GROUP);
-        for (i, ((ray, place), group)) in rays.iter().zip(&company.places).zip(groups).enumerate() {
-            assert_eq!((place / GROUP, company.rays[*place]), (i, *ray));
+        let groups = batch.rays.chunks_exact(GROUP);
+        for (i, ((ray, place), group)) in rays.iter().zip(&batch.places).zip(groups).enumerate() {
+            assert_eq!((place / GROUP, batch.rays[*place]), (i, *ray));
             lanes[place % GROUP] += 1;
             let like = |other: &&Ray<f32>| {
                 other.direction.signum() == ray.direction.signum()

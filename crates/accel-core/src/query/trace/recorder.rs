@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::{Outcome, TraceStep};
+use super::{TestResult, TraceStep};
 use crate::geometry::ray::Hit;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -45,11 +45,11 @@ impl<S: Scalar, P: PrimSet<S>, M: Mailbox> Sink<S> for Recorder<'_, S, P, M> {
             let (before, spared) = (self.query.hit(), self.query.counters().tests_saved);
             self.query.test(&[id])?;
             let outcome = if self.query.counters().tests_saved > spared {
-                Outcome::Spared
+                TestResult::Spared
             } else if self.query.hit() != before {
-                Outcome::Hit
+                TestResult::Hit
             } else {
-                Outcome::Missed
+                TestResult::Missed
             };
             if let Some(step) = self.steps.last_mut() {
                 step.tests.push((id, outcome));
