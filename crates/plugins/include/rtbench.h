@@ -29,7 +29,7 @@ extern "C" {
 /* What a plugin answers: bits of rtbench_plugin.answers. */
 #define RTBENCH_TRIANGLES_F32 1u /* closest hits with triangles in f32; every plugin has this */
 #define RTBENCH_OCCLUSION 2u     /* has a query of its own for shadow rays; else they ask for closest hits */
-#define RTBENCH_TRIANGLES_F64 4u /* reserved */
+#define RTBENCH_TRIANGLES_F64 4u /* the same in double, by the functions *_f64 of rtbench_plugin */
 #define RTBENCH_MIXED 8u         /* reserved: other primitives */
 #define RTBENCH_REFIT 16u        /* reserved: vertices that move */
 #define RTBENCH_INDICES 32u      /* asks for rtbench_scene.vertices and .indices, which else are NULL */
@@ -103,6 +103,39 @@ typedef struct rtbench_scene {
 #define RTBENCH_HAS_INDICES(scene) \
     ((scene)->size >= offsetof(rtbench_scene, indices) + sizeof(const uint32_t *) && (scene)->indices)
 
+/* The four structs above in double, for a plugin with RTBENCH_TRIANGLES_F64: field by field the same. */
+typedef struct rtbench_ray_f64 {
+    double origin[3];
+    double t_min;
+    double direction[3];
+    double t_max;
+} rtbench_ray_f64;
+
+typedef struct rtbench_hit_f64 {
+    double t;
+    uint32_t id;
+    uint32_t unused; /* not read */
+} rtbench_hit_f64;
+
+typedef struct rtbench_prepared_f64 {
+    uint64_t words[32];
+} rtbench_prepared_f64;
+
+typedef struct rtbench_scene_f64 {
+    uint32_t size; /* sizeof(rtbench_scene_f64) */
+    uint32_t threads;
+    uint64_t triangles;
+    const double *positions;
+    const uint8_t *transmissive;
+    const char *const *settings;
+    const void *host;
+    void (*prepare)(const void *host, const rtbench_ray_f64 *ray, rtbench_prepared_f64 *prepared);
+    int (*intersect)(const void *host, const rtbench_prepared_f64 *prepared, uint32_t id, double t_max, double *t);
+    uint64_t vertex_count; /* as in rtbench_scene, with RTBENCH_INDICES; else 0 and NULL */
+    const double *vertices;
+    const uint32_t *indices;
+} rtbench_scene_f64;
+
 /* What was built. Set what you know; all is zero before. */
 typedef struct rtbench_stats {
     uint32_t size;                /* set by rtbench: sizeof(rtbench_stats) */
@@ -149,6 +182,16 @@ typedef struct rtbench_plugin {
 
     /* Frees what was built. Not timed. */
     void (*destroy)(void *built);
+
+    /* The same six for a plugin with RTBENCH_TRIANGLES_F64, which `--precision f64` asks; else NULL. What
+     * `build_f64` builds is given to these alone, what `build` builds to those above. An rtbench from before
+     * these fields does not read them, and a plugin from before them has a smaller rtbench_plugin. */
+    int (*build_f64)(const rtbench_scene_f64 *scene, void **built, char *message, size_t message_size);
+    void (*closest_f64)(void *built, const rtbench_ray_f64 *rays, rtbench_hit_f64 *hits, size_t count);
+    void (*occluded_f64)(void *built, const rtbench_ray_f64 *rays, uint8_t *blocked, size_t count);
+    void (*stats_f64)(void *built, rtbench_stats *stats);
+    void (*count_f64)(void *built, int on);
+    void (*destroy_f64)(void *built);
 } rtbench_plugin;
 
 /* The one symbol of a plugin. Export it: extern "C", default visibility. */

@@ -6,6 +6,7 @@
 #![warn(missing_docs)]
 
 use std::ffi::{c_char, c_int, c_void};
+use std::fmt::Debug;
 
 use bytemuck::{Pod, Zeroable};
 
@@ -17,6 +18,8 @@ pub const MISS: u32 = u32::MAX;
 pub const TRIANGLES_F32: u32 = 1;
 /// `RTBENCH_OCCLUSION`.
 pub const OCCLUSION: u32 = 2;
+/// `RTBENCH_TRIANGLES_F64`.
+pub const TRIANGLES_F64: u32 = 4;
 /// `RTBENCH_INDICES`.
 pub const INDICES: u32 = 32;
 /// `RTBENCH_ONE_RAY`.
@@ -36,29 +39,77 @@ pub const CHOICE: u32 = 2;
 /// The one symbol of a plugin.
 pub const SYMBOL: &[u8] = b"rtbench_plugin_describe\0";
 
-/// `rtbench_ray`: 32 bytes.
-#[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Ray {
-    /// Start, world units.
-    pub origin: [f32; 3],
-    /// Smallest accepted parameter.
-    pub t_min: f32,
-    /// Direction, of any length.
-    pub direction: [f32; 3],
-    /// Largest accepted parameter.
-    pub t_max: f32,
+/// Number type of coordinates: `f32`, or `f64` with [`TRIANGLES_F64`].
+pub trait Real: Pod + PartialEq + Debug + Send + Sync {
+    /// Fills a [`Hit`] up to its alignment.
+    type Fill: Pod + PartialEq + Debug + Send + Sync;
+    /// Room for a prepared ray.
+    type Room;
+    /// The functions of a plugin for this type.
+    fn functions(plugin: &Plugin) -> &Functions<Self>;
 }
 
-/// `rtbench_hit`: 8 bytes.
+impl Real for f32 {
+    type Fill = [u32; 0];
+    type Room = [u64; 16];
+    fn functions(plugin: &Plugin) -> &Functions<Self> {
+        &plugin.in_f32
+    }
+}
+
+impl Real for f64 {
+    type Fill = u32;
+    type Room = [u64; 32];
+    fn functions(plugin: &Plugin) -> &Functions<Self> {
+        &plugin.in_f64
+    }
+}
+
+/// `rtbench_ray`, 32 bytes, or `rtbench_ray_f64`, 64.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
-pub struct Hit {
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray<T = f32> {
+    /// Start, world units.
+    pub origin: [T; 3],
+    /// Smallest accepted parameter.
+    pub t_min: T,
+    /// Direction, of any length.
+    pub direction: [T; 3],
+    /// Largest accepted parameter.
+    pub t_max: T,
+}
+
+// SAFETY: eight numbers, all of which may be zero
+unsafe impl<T: Real> Zeroable for Ray<T> {}
+// SAFETY: eight numbers without padding
+unsafe impl<T: Real> Pod for Ray<T> {}
+
+/// `rtbench_hit`, 8 bytes, or `rtbench_hit_f64`, 16.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hit<T: Real = f32> {
     /// Parameter, in multiples of the direction.
-    pub t: f32,
+    pub t: T,
     /// Triangle, or [`MISS`].
     pub id: u32,
+    /// Not read.
+    pub fill: T::Fill,
 }
+
+impl<T: Real> Hit<T> {
+    /// The hit of a triangle, or [`MISS`].
+    pub fn new(t: T, id: u32) -> Self {
+        Self { t, id, fill: T::Fill::zeroed() }
+    }
+}
+
+// SAFETY: numbers, all of which may be zero
+unsafe impl<T: Real> Zeroable for Hit<T> {}
+// SAFETY: without padding: `Fill` has the bytes that the alignment of `T` asks for (below)
+unsafe impl<T: Real> Pod for Hit<T> {}
+
+const _: () = assert!(size_of::<Ray<f32>>() == 32 && size_of::<Ray<f64>>() == 64);
+const _: () = assert!(size_of::<Hit<f32>>() == 8 && size_of::<Hit<f64>>() == 16);
 
 /// `rtbench_setting`.
 #[repr(C)]
@@ -79,16 +130,16 @@ pub struct Setting {
     pub words: *const c_char,
 }
 
-/// `rtbench_prepared`.
+/// `rtbench_prepared`, or `rtbench_prepared_f64`.
 #[repr(C)]
-pub struct Prepared {
+pub struct Prepared<T: Real = f32> {
     /// Room, which the host knows how to use.
-    pub words: [u64; 16],
+    pub words: T::Room,
 }
 
-/// `rtbench_scene`.
+/// `rtbench_scene`, or `rtbench_scene_f64`.
 #[repr(C)]
-pub struct Scene {
+pub struct Scene<T: Real = f32> {
     /// Bytes of this struct.
     pub size: u32,
     /// How many threads the build may use.
@@ -96,7 +147,7 @@ pub struct Scene {
     /// How many.
     pub triangles: u64,
     /// Nine coordinates for each.
-    pub positions: *const f32,
+    pub positions: *const T,
     /// A byte for each, not 0 where shadow rays pass; null where none does.
     pub transmissive: *const u8,
     /// The value of each setting as text, in the order described.
@@ -104,17 +155,20 @@ pub struct Scene {
     /// For the two functions below.
     pub host: *const c_void,
     /// Makes a ray ready for `intersect`.
-    pub prepare: unsafe extern "C" fn(*const c_void, *const Ray, *mut Prepared),
+    pub prepare: unsafe extern "C" fn(*const c_void, *const Ray<T>, *mut Prepared<T>),
     /// rtbench's triangle test.
-    pub intersect:
-        unsafe extern "C" fn(*const c_void, *const Prepared, u32, f32, *mut f32) -> c_int,
+    pub intersect: Intersect<T>,
     /// With [`INDICES`]: how many vertices.
     pub vertex_count: u64,
     /// Three coordinates for each; null without [`INDICES`].
-    pub vertices: *const f32,
+    pub vertices: *const T,
     /// Three vertices for each triangle, likewise.
     pub indices: *const u32,
 }
+
+/// Tests a triangle: `rtbench_scene.intersect`.
+pub type Intersect<T = f32> =
+    unsafe extern "C" fn(*const c_void, *const Prepared<T>, u32, T, *mut T) -> c_int;
 
 /// `rtbench_stats`.
 #[repr(C)]
@@ -141,14 +195,46 @@ pub struct Stats {
 }
 
 /// Builds: `rtbench_plugin.build`.
-pub type Build = unsafe extern "C" fn(*const Scene, *mut *mut c_void, *mut c_char, usize) -> c_int;
+pub type Build<T = f32> =
+    unsafe extern "C" fn(*const Scene<T>, *mut *mut c_void, *mut c_char, usize) -> c_int;
 /// `rtbench_plugin.closest`.
-pub type Closest = unsafe extern "C" fn(*mut c_void, *const Ray, *mut Hit, usize);
+pub type Closest<T = f32> = unsafe extern "C" fn(*mut c_void, *const Ray<T>, *mut Hit<T>, usize);
 /// `rtbench_plugin.occluded`.
-pub type Occluded = unsafe extern "C" fn(*mut c_void, *const Ray, *mut u8, usize);
+pub type Occluded<T = f32> = unsafe extern "C" fn(*mut c_void, *const Ray<T>, *mut u8, usize);
+
+/// The functions of a plugin for one number type.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct Functions<T: Real> {
+    /// Builds, or writes why not.
+    pub build: Option<Build<T>>,
+    /// Writes closest hits.
+    pub closest: Option<Closest<T>>,
+    /// Writes which rays are blocked; none without [`OCCLUSION`].
+    pub occluded: Option<Occluded<T>>,
+    /// Says what was built.
+    pub stats: Option<unsafe extern "C" fn(*mut c_void, *mut Stats)>,
+    /// Turns counting on or off.
+    pub count: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    /// Frees what was built.
+    pub destroy: Option<unsafe extern "C" fn(*mut c_void)>,
+}
+
+impl<T: Real> Functions<T> {
+    /// Of a plugin without this number type.
+    pub const NONE: Self = Self {
+        build: None,
+        closest: None,
+        occluded: None,
+        stats: None,
+        count: None,
+        destroy: None,
+    };
+}
 
 /// `rtbench_plugin`.
 #[repr(C)]
+#[derive(Clone, Copy)]
 pub struct Plugin {
     /// [`VERSION`].
     pub abi_version: u32,
@@ -170,18 +256,10 @@ pub struct Plugin {
     pub settings_count: u32,
     /// That many.
     pub settings: *const Setting,
-    /// Builds, or writes why not.
-    pub build: Option<Build>,
-    /// Writes closest hits.
-    pub closest: Option<Closest>,
-    /// Writes which rays are blocked; none without [`OCCLUSION`].
-    pub occluded: Option<Occluded>,
-    /// Says what was built.
-    pub stats: Option<unsafe extern "C" fn(*mut c_void, *mut Stats)>,
-    /// Turns counting on or off.
-    pub count: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    /// Frees what was built.
-    pub destroy: Option<unsafe extern "C" fn(*mut c_void)>,
+    /// `build` to `destroy`.
+    pub in_f32: Functions<f32>,
+    /// `build_f64` to `destroy_f64`, with [`TRIANGLES_F64`].
+    pub in_f64: Functions<f64>,
 }
 
 /// `rtbench_plugin_describe`.

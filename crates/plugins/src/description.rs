@@ -24,8 +24,8 @@ pub struct Description {
     pub answers_batches: bool,
     /// Its own triangle test decides; else rtbench's.
     pub has_own_test: bool,
-    /// It can count its work.
-    pub has_counters: bool,
+    /// It answers in f64, too.
+    pub has_f64: bool,
     /// Settings that users can change.
     pub settings: Vec<SettingDescription>,
 }
@@ -63,18 +63,19 @@ impl Description {
                         (RTBENCH_TRIANGLES_F32)"
                 .into());
         }
-        for (name, is_there) in [
-            ("build", plugin.build.is_some()),
-            ("closest", plugin.closest.is_some()),
-            ("destroy", plugin.destroy.is_some()),
-        ] {
-            if !is_there {
-                return Err(format!("its function '{name}' is NULL"));
-            }
-        }
         let has_occlusion = plugin.answers & abi::OCCLUSION != 0;
-        if has_occlusion && plugin.occluded.is_none() {
-            return Err("it answers RTBENCH_OCCLUSION, but its function 'occluded' is NULL".into());
+        let has_f64 = plugin.answers & abi::TRIANGLES_F64 != 0;
+        match missing(&plugin.in_f32, has_occlusion) {
+            Some("occluded") => {
+                let why = "it answers RTBENCH_OCCLUSION, but its function 'occluded' is NULL";
+                return Err(why.into());
+            }
+            Some(name) => return Err(format!("its function '{name}' is NULL")),
+            None => {}
+        }
+        if let Some(name) = missing(&plugin.in_f64, has_occlusion).filter(|_| has_f64) {
+            let why = "it answers RTBENCH_TRIANGLES_F64, but its function";
+            return Err(format!("{why} '{name}_f64' is NULL"));
         }
         if plugin.query > abi::BATCH {
             return Err(format!("its query is {}, neither one ray nor batch", plugin.query));
@@ -105,10 +106,24 @@ impl Description {
             has_occlusion,
             answers_batches: plugin.query == abi::BATCH,
             has_own_test: plugin.test != abi::HOST_TEST,
-            has_counters: plugin.count.is_some() && plugin.stats.is_some(),
+            has_f64,
             settings: settings.collect::<Result<_, _>>()?,
         })
     }
+}
+
+/// The first function that must be there and is not.
+fn missing<T: abi::Real>(
+    functions: &abi::Functions<T>,
+    has_occlusion: bool,
+) -> Option<&'static str> {
+    let all = [
+        ("build", functions.build.is_some()),
+        ("closest", functions.closest.is_some()),
+        ("occluded", functions.occluded.is_some() || !has_occlusion),
+        ("destroy", functions.destroy.is_some()),
+    ];
+    all.into_iter().find_map(|(name, is_there)| (!is_there).then_some(name))
 }
 
 impl SettingDescription {
@@ -195,22 +210,38 @@ unsafe fn identifier(pointer: *const c_char, what: &str) -> Result<String, Strin
 mod tests {
     use super::*;
 
-    unsafe extern "C" fn build(
-        _: *const abi::Scene,
+    unsafe extern "C" fn build<T: abi::Real>(
+        _: *const abi::Scene<T>,
         _: *mut *mut std::ffi::c_void,
         _: *mut c_char,
         _: usize,
     ) -> std::ffi::c_int {
         0
     }
-    unsafe extern "C" fn closest(
+    unsafe extern "C" fn closest<T: abi::Real>(
+        _: *mut std::ffi::c_void,
+        _: *const abi::Ray<T>,
+        _: *mut abi::Hit<T>,
+        _: usize,
+    ) {
+    }
+    unsafe extern "C" fn occluded(
         _: *mut std::ffi::c_void,
         _: *const abi::Ray,
-        _: *mut abi::Hit,
+        _: *mut u8,
         _: usize,
     ) {
     }
     unsafe extern "C" fn destroy(_: *mut std::ffi::c_void) {}
+
+    fn functions<T: abi::Real>() -> abi::Functions<T> {
+        abi::Functions {
+            build: Some(build),
+            closest: Some(closest),
+            destroy: Some(destroy),
+            ..abi::Functions::NONE
+        }
+    }
 
     fn plugin(settings: &[abi::Setting]) -> abi::Plugin {
         abi::Plugin {
@@ -224,12 +255,8 @@ mod tests {
             test: 0,
             settings_count: settings.len() as u32,
             settings: settings.as_ptr(),
-            build: Some(build),
-            closest: Some(closest),
-            occluded: None,
-            stats: None,
-            count: None,
-            destroy: Some(destroy),
+            in_f32: functions(),
+            in_f64: functions(),
         }
     }
 
@@ -251,6 +278,9 @@ mod tests {
         ];
         let said = read(&plugin(&settings)).unwrap();
         assert_eq!((said.name.as_str(), said.has_own_test), ("mine-2", true));
+        assert!(!said.has_f64);
+        let both = abi::Plugin { answers: abi::TRIANGLES_F32 | abi::TRIANGLES_F64, ..plugin(&[]) };
+        assert!(read(&both).unwrap().has_f64);
         assert_eq!(said.settings[0].kind, SettingKind::Integer(1, 8));
         assert_eq!(said.settings[1].kind, SettingKind::Choice(vec!["a".into(), "b".into()]));
     }
@@ -258,10 +288,22 @@ mod tests {
     #[test]
     fn what_is_not_valid_is_named() {
         type Change = fn(&mut abi::Plugin);
-        let planted: [(Change, &str); 7] = [
+        let planted: [(Change, &str); 10] = [
             (|p| p.answers = abi::OCCLUSION, "triangles in f32"),
             (|p| p.answers |= abi::OCCLUSION, "'occluded' is NULL"),
-            (|p| p.closest = None, "'closest' is NULL"),
+            (|p| p.in_f32.closest = None, "its function 'closest' is NULL"),
+            (
+                |p| (p.answers, p.in_f64.closest) = (5, None),
+                "it answers RTBENCH_TRIANGLES_F64, but its function 'closest_f64' is NULL",
+            ),
+            (|p| (p.answers, p.in_f64.destroy) = (5, None), "'destroy_f64' is NULL"),
+            (
+                |p| {
+                    p.answers = 7;
+                    p.in_f32.occluded = Some(occluded);
+                },
+                "RTBENCH_TRIANGLES_F64, but its function 'occluded_f64' is NULL",
+            ),
             (|p| p.name = std::ptr::null(), "name is NULL"),
             (|p| p.name = c"My BVH".as_ptr(), "hyphens"),
             (|p| p.query = 7, "neither one ray nor batch"),

@@ -244,7 +244,7 @@ pub fn hits<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = ab
             let part = record.get(i..).and_then(|rest| rest.first_chunk::<4>());
             part.copied().unwrap_or_default()
         };
-        abi::Hit { t: f32::from_le_bytes(number(0)), id: u32::from_le_bytes(number(4)) }
+        abi::Hit::new(f32::from_le_bytes(number(0)), u32::from_le_bytes(number(4)))
     })
 }
 
@@ -273,12 +273,12 @@ mod tests {
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
         assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
         let all: Vec<_> = hits(&about(), &bytes).collect();
-        assert_eq!(all, [abi::Hit { t: 1.0, id: 4 }; 3]);
+        assert_eq!(all, [abi::Hit::new(1.0, 4); 3]);
         let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
         assert_eq!(ray_record(&ray)[28..], 3.0f32.to_le_bytes());
         let file = [about().header(Content::Rays), ray_record(&ray).to_vec()].concat();
         assert_eq!(rays(&about(), &file).collect::<Vec<_>>(), [ray]);
-        assert_eq!(hit_record(&abi::Hit { t: 1.0, id: 4 }), [0, 0, 128, 63, 4, 0, 0, 0]);
+        assert_eq!(hit_record(&abi::Hit::new(1.0, 4)), [0, 0, 128, 63, 4, 0, 0, 0]);
         assert_eq!(triangle_record(&[[1.0; 3]; 3], true)[36..], [1, 0, 0, 0]);
     }
 

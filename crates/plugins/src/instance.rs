@@ -8,8 +8,8 @@ use std::sync::Arc;
 use crate::abi;
 use crate::library::Library;
 use crate::stopwatch::{CallTime, Stopwatch};
-use accel_core::Ray;
 use accel_core::primitives::{PrimSet, Shear, TriangleSet};
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -34,27 +34,32 @@ pub struct Stats {
     pub work: Option<[u64; 2]>,
 }
 
+/// Coordinates that plugins are asked with: `f32` or `f64`.
+pub trait PluginScalar: Scalar + abi::Real {}
+
+impl<S: Scalar + abi::Real> PluginScalar for S {}
+
 /// A structure that a plugin built over the triangles of `H`.
-pub struct Instance<H> {
+pub struct Instance<S: PluginScalar, H> {
     library: Arc<Library>,
     built: *mut c_void,
     threads: usize,
     transmissive: Vec<u8>,
     // what the scene points to
     _set: H,
-    _indexed: IndexedMesh,
+    _indexed: IndexedMesh<S>,
     _texts: Vec<CString>,
     _settings: Vec<*const c_char>,
-    _scene: Box<abi::Scene>,
+    _scene: Box<abi::Scene<S>>,
 }
 
 // SAFETY: the functions of a plugin may be called by any thread (rtbench.h); what its scene points
 // to does not change
-unsafe impl<H: Send> Send for Instance<H> {}
+unsafe impl<S: PluginScalar, H: Send> Send for Instance<S, H> {}
 // SAFETY: likewise
-unsafe impl<H: Sync> Sync for Instance<H> {}
+unsafe impl<S: PluginScalar, H: Sync> Sync for Instance<S, H> {}
 
-impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
+impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
     /// Builds with a value for each setting, in their order; also the seconds that took. Threads
     /// are those of the current rayon pool.
     ///
@@ -75,9 +80,9 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         let asks = library.plugin.answers & abi::INDICES != 0;
         let indexed = if asks { IndexedMesh::of(set.triangles()) } else { IndexedMesh::default() };
         let null_or =
-            |is_there: bool, pointer: *const f32| if is_there { pointer } else { std::ptr::null() };
+            |is_there: bool, pointer: *const S| if is_there { pointer } else { std::ptr::null() };
         let scene = Box::new(abi::Scene {
-            size: size_of::<abi::Scene>() as u32,
+            size: size_of::<abi::Scene<S>>() as u32,
             threads: threads as u32,
             triangles: set.len() as u64,
             positions: set.triangles().as_flattened().as_flattened().as_ptr(),
@@ -87,14 +92,16 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
                 transmissive.as_ptr()
             },
             settings: settings.as_ptr(),
-            host: std::ptr::from_ref::<TriangleSet<f32>>(&set).cast(),
-            prepare,
-            intersect,
+            host: std::ptr::from_ref::<TriangleSet<S>>(&set).cast(),
+            prepare: prepare::<S>,
+            intersect: intersect::<S>,
             vertex_count: indexed.vertices.len() as u64,
             vertices: null_or(asks, indexed.vertices.as_flattened().as_ptr()),
             indices: null_or(asks, indexed.indices.as_flattened().as_ptr().cast()).cast(),
         });
-        let Some(build) = library.plugin.build else { return Err("it cannot build".into()) };
+        let Some(build) = S::functions(&library.plugin).build else {
+            return Err("it cannot build".into());
+        };
         let mut message = [0u8; 512];
         let mut built = std::ptr::null_mut();
         let start = Stopwatch::start(threads);
@@ -129,7 +136,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
     }
 
     /// Writes the closest hits; returns what that took. Slices are of one length.
-    pub fn closest(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) -> CallTime {
+    pub fn closest(&self, rays: &[abi::Ray<S>], hits: &mut [abi::Hit<S>]) -> CallTime {
         let start = Stopwatch::start(self.threads);
         if self.threads > 1 {
             let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
@@ -141,7 +148,7 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
     }
 
     /// Writes 1 for blocked rays and 0 for others; returns what that took.
-    pub fn occluded(&self, rays: &[abi::Ray], blocked: &mut [u8]) -> CallTime {
+    pub fn occluded(&self, rays: &[abi::Ray<S>], blocked: &mut [u8]) -> CallTime {
         let start = Stopwatch::start(self.threads);
         if self.threads > 1 {
             let chunks = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
@@ -152,17 +159,17 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
         start.took()
     }
 
-    fn hits(&self, rays: &[abi::Ray], hits: &mut [abi::Hit]) {
+    fn hits(&self, rays: &[abi::Ray<S>], hits: &mut [abi::Hit<S>]) {
         let count = rays.len().min(hits.len());
-        if let Some(closest) = self.library.plugin.closest {
+        if let Some(closest) = self.functions().closest {
             // SAFETY: by rtbench.h; both have that many
             unsafe { closest(self.built, rays.as_ptr(), hits.as_mut_ptr(), count) };
         }
     }
 
-    fn blocked(&self, rays: &[abi::Ray], blocked: &mut [u8]) {
+    fn blocked(&self, rays: &[abi::Ray<S>], blocked: &mut [u8]) {
         let count = rays.len().min(blocked.len());
-        match self.library.plugin.occluded {
+        match self.functions().occluded {
             Some(occluded) if self.library.description.has_occlusion => {
                 // SAFETY: as above
                 unsafe { occluded(self.built, rays.as_ptr(), blocked.as_mut_ptr(), count) };
@@ -173,14 +180,14 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
 
     /// For plugins without a query of their own: asks for closest hits, on behind what is
     /// transmissive.
-    fn blocked_by_hits(&self, rays: &[abi::Ray], blocked: &mut [u8]) {
-        let none = abi::Hit { t: f32::NAN, id: abi::MISS };
+    fn blocked_by_hits(&self, rays: &[abi::Ray<S>], blocked: &mut [u8]) {
+        let none = abi::Hit::new(S::ZERO, abi::MISS);
         for (rays, blocked) in rays.chunks(CHUNK).zip(blocked.chunks_mut(CHUNK)) {
             let mut hits = vec![none; rays.len()];
             self.hits(rays, &mut hits);
             for ((ray, hit), blocked) in rays.iter().zip(hits).zip(blocked) {
                 let (mut ray, mut hit) = (*ray, hit);
-                let lets_pass = |hit: &abi::Hit| {
+                let lets_pass = |hit: &abi::Hit<S>| {
                     self.transmissive.get(hit.id as usize).is_some_and(|byte| *byte != 0)
                 };
                 while lets_pass(&hit) && hit.t >= ray.t_min && hit.t < ray.t_max {
@@ -195,77 +202,85 @@ impl<H: Deref<Target = TriangleSet<f32>> + Sync> Instance<H> {
     }
 }
 
-impl<H> Instance<H> {
+impl<S: PluginScalar, H> Instance<S, H> {
+    fn functions(&self) -> &abi::Functions<S> {
+        S::functions(&self.library.plugin)
+    }
+
     pub fn stats(&self) -> Stats {
         let mut stats =
             abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };
-        if let Some(ask) = self.library.plugin.stats {
+        if let Some(ask) = self.functions().stats {
             // SAFETY: by rtbench.h
             unsafe { ask(self.built, &raw mut stats) };
         }
         Stats {
             bytes: stats.bytes,
             cells: [stats.inner_nodes, stats.leaves, stats.empty_leaves, stats.references],
-            work: (stats.has_counters != 0)
+            work: (stats.has_counters != 0 && self.functions().count.is_some())
                 .then_some([stats.intersection_tests, stats.traversal_steps]),
         }
     }
 
     /// Turns counting on or off.
     pub fn count(&self, on: bool) {
-        if let Some(count) = self.library.plugin.count {
+        if let Some(count) = self.functions().count {
             // SAFETY: by rtbench.h
             unsafe { count(self.built, c_int::from(on)) };
         }
     }
 }
 
-impl<H> Drop for Instance<H> {
+impl<S: PluginScalar, H> Drop for Instance<S, H> {
     fn drop(&mut self) {
-        if let Some(destroy) = self.library.plugin.destroy {
+        if let Some(destroy) = self.functions().destroy {
             // SAFETY: by rtbench.h; nobody asks it any more
             unsafe { destroy(self.built) };
         }
     }
 }
 
-struct PreparedPlugin {
-    ray: Ray<f32>,
-    shear: Shear<f32>,
+/// Data behind `rtbench_prepared`.
+struct PreparedRay<S: Scalar> {
+    ray: Ray<S>,
+    shear: Shear<S>,
 }
 
-const _: () = assert!(
-    size_of::<PreparedPlugin>() <= size_of::<abi::Prepared>()
-        && align_of::<PreparedPlugin>() <= align_of::<abi::Prepared>()
-);
+impl<S: PluginScalar> PreparedRay<S> {
+    const FITS: () = assert!(
+        size_of::<Self>() <= size_of::<abi::Prepared<S>>()
+            && align_of::<Self>() <= align_of::<abi::Prepared<S>>()
+    );
+}
 
 /// # Safety
 /// `host` is that of a scene, the others are valid.
-unsafe extern "C" fn prepare(
+unsafe extern "C" fn prepare<S: PluginScalar>(
     host: *const c_void,
-    ray: *const abi::Ray,
-    prepared: *mut abi::Prepared,
+    ray: *const abi::Ray<S>,
+    prepared: *mut abi::Prepared<S>,
 ) {
+    const { PreparedRay::<S>::FITS };
     // SAFETY: by the contract; there is room (above)
     unsafe {
-        let set = &*host.cast::<TriangleSet<f32>>();
+        let set = &*host.cast::<TriangleSet<S>>();
         let ray = Ray::from(&*ray);
-        prepared.cast::<PreparedPlugin>().write(PreparedPlugin { shear: set.setup(&ray), ray });
+        prepared.cast::<PreparedRay<S>>().write(PreparedRay { shear: set.setup(&ray), ray });
     }
 }
 
 /// # Safety
 /// `host` is that of a scene, `prepared` comes of `prepare`, `t` can be written.
-unsafe extern "C" fn intersect(
+unsafe extern "C" fn intersect<S: PluginScalar>(
     host: *const c_void,
-    prepared: *const abi::Prepared,
+    prepared: *const abi::Prepared<S>,
     id: u32,
-    t_max: f32,
-    t: *mut f32,
+    t_max: S,
+    t: *mut S,
 ) -> c_int {
     // SAFETY: by the contract
     let (set, ready) =
-        unsafe { (&*host.cast::<TriangleSet<f32>>(), &*prepared.cast::<PreparedPlugin>()) };
+        unsafe { (&*host.cast::<TriangleSet<S>>(), &*prepared.cast::<PreparedRay<S>>()) };
     if id as usize >= set.len() {
         return 0;
     }
@@ -281,18 +296,18 @@ unsafe extern "C" fn intersect(
 
 /// Vertices, each once, and three of them for each triangle.
 #[derive(Debug, Default, PartialEq)]
-struct IndexedMesh {
-    pub(crate) vertices: Vec<[f32; 3]>,
-    pub(crate) indices: Vec<[u32; 3]>,
+struct IndexedMesh<S> {
+    vertices: Vec<[S; 3]>,
+    indices: Vec<[u32; 3]>,
 }
 
-impl IndexedMesh {
+impl<S: Scalar> IndexedMesh<S> {
     /// Vertices that agree in all bits are one; in the order in which triangles have them first.
-    pub(crate) fn of(triangles: &[[[f32; 3]; 3]]) -> Self {
-        let mut places: HashMap<[u32; 3], u32> = HashMap::with_capacity(triangles.len());
+    fn of(triangles: &[[[S; 3]; 3]]) -> Self {
+        let mut places: HashMap<[u64; 3], u32> = HashMap::with_capacity(triangles.len());
         let mut vertices = Vec::new();
-        let mut index = |corner: &[f32; 3]| {
-            *places.entry(corner.map(f32::to_bits)).or_insert_with(|| {
+        let mut index = |corner: &[S; 3]| {
+            *places.entry(corner.map(|x| x.to_f64().to_bits())).or_insert_with(|| {
                 vertices.push(*corner);
                 (vertices.len() - 1) as u32
             })
@@ -302,18 +317,18 @@ impl IndexedMesh {
     }
 }
 
-impl abi::Hit {
+impl<S: PluginScalar> abi::Hit<S> {
     /// An answer as ours: of a miss nothing but that is read.
-    pub(crate) fn as_ours(&self, ray: &accel_core::Ray<f32>) -> accel_core::Hit<f32> {
+    pub(crate) fn as_ours(&self, ray: &Ray<S>) -> Hit<S> {
         match self.id {
-            abi::MISS => accel_core::Hit { t: ray.t_max, id: accel_core::MISS },
-            id => accel_core::Hit { t: self.t, id },
+            abi::MISS => Hit { t: ray.t_max, id: accel_core::MISS },
+            id => Hit { t: self.t, id },
         }
     }
 }
 
-impl From<&accel_core::Ray<f32>> for abi::Ray {
-    fn from(ray: &accel_core::Ray<f32>) -> Self {
+impl<S: Scalar> From<&Ray<S>> for abi::Ray<S> {
+    fn from(ray: &Ray<S>) -> Self {
         Self {
             origin: ray.origin.to_array(),
             t_min: ray.t_min,
@@ -323,13 +338,11 @@ impl From<&accel_core::Ray<f32>> for abi::Ray {
     }
 }
 
-impl From<&abi::Ray> for accel_core::Ray<f32> {
-    fn from(ray: &abi::Ray) -> Self {
-        Self {
-            t_min: ray.t_min,
-            t_max: ray.t_max,
-            ..Self::new(ray.origin.into(), ray.direction.into())
-        }
+impl<S: Scalar> From<&abi::Ray<S>> for Ray<S> {
+    fn from(ray: &abi::Ray<S>) -> Self {
+        let vector = Vec3::<S>::from_array;
+        let (t_min, t_max) = (ray.t_min, ray.t_max);
+        Self { t_min, t_max, ..Self::new(vector(ray.origin), vector(ray.direction)) }
     }
 }
 

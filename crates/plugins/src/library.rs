@@ -10,7 +10,7 @@ use crate::error::PluginError;
 pub struct Library {
     /// Its description of itself.
     pub description: Description,
-    pub(crate) plugin: &'static abi::Plugin,
+    pub(crate) plugin: abi::Plugin,
 }
 
 // SAFETY: the functions of a plugin may be called by any thread (rtbench.h), the rest is read only
@@ -48,14 +48,33 @@ impl Library {
             let own = abi::VERSION;
             return Err(PluginError::Version { file: file.clone(), found: version, own });
         }
-        if (size as usize) < size_of::<abi::Plugin>() || !plugin.is_aligned() {
-            let least = size_of::<abi::Plugin>();
+        let least = std::mem::offset_of!(abi::Plugin, in_f64);
+        if (size as usize) < least || !plugin.is_aligned() {
             return Err(wrong(format!("its rtbench_plugin has {size} bytes, not {least}")));
         }
-        // SAFETY: it is one of our version, as long as we read it, and lives as the library
-        let plugin = unsafe { &*plugin };
+        // SAFETY: it is one of our version, as long as we read it
+        let plugin = unsafe { whole(plugin, size as usize) };
         // SAFETY: likewise
-        let description = unsafe { Description::read(plugin) }.map_err(wrong)?;
+        let description = unsafe { Description::read(&plugin) }.map_err(wrong)?;
         Ok(Self { description, plugin })
+    }
+}
+
+/// A copy of what a plugin describes; where that is from before f64, without its functions.
+///
+/// # Safety
+/// `plugin` is aligned and has `size` bytes, at least those before `in_f64`.
+unsafe fn whole(plugin: *const abi::Plugin, size: usize) -> abi::Plugin {
+    if size >= size_of::<abi::Plugin>() {
+        // SAFETY: by the contract
+        return unsafe { *plugin };
+    }
+    let mut whole = std::mem::MaybeUninit::<abi::Plugin>::uninit();
+    // SAFETY: both have the bytes before `in_f64`, by the contract; then nothing is uninitialised
+    unsafe {
+        let before = std::mem::offset_of!(abi::Plugin, in_f64);
+        std::ptr::copy_nonoverlapping(plugin.cast::<u8>(), whole.as_mut_ptr().cast(), before);
+        (&raw mut (*whole.as_mut_ptr()).in_f64).write(abi::Functions::NONE);
+        whole.assume_init()
     }
 }

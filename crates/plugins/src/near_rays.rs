@@ -3,19 +3,19 @@
 //! that is in no time.
 
 use accel_core::geometry::far_ray::{self, Parameters, PlacedRay};
-use accel_core::{Hit, Ray};
+use accel_core::{Hit, Ray, Scalar};
 
-/// Rays of a batch that are sent to the structure.
-pub(crate) struct NearRays {
-    pub(crate) rays: Vec<Ray<f32>>,
+/// Those rays of a batch that are asked.
+pub(crate) struct NearRays<S: Scalar> {
+    pub(crate) rays: Vec<Ray<S>>,
     /// For each its place in the batch, and how its parameters become those of the ray there.
-    places: Vec<(usize, Parameters<f32>)>,
+    places: Vec<(usize, Parameters<S>)>,
 }
 
-impl NearRays {
-    /// Moves far rays of a batch; `None` if no ray needs it.
-    pub(crate) fn of(batch: &[Ray<f32>], reach: f32) -> Option<Self> {
-        let place = |ray: &Ray<f32>| far_ray::place(ray, reach);
+impl<S: Scalar> NearRays<S> {
+    /// Of a batch; none where all can be asked as they are.
+    pub(crate) fn of(batch: &[Ray<S>], reach: S) -> Option<Self> {
+        let place = |ray: &Ray<S>| far_ray::place(ray, reach);
         let first = batch.iter().position(|ray| !matches!(place(ray), PlacedRay::Near))?;
         let mut this = Self {
             rays: batch[..first].to_vec(),
@@ -36,11 +36,11 @@ impl NearRays {
     /// Asks for closest hits. `hits` holds what counts where none is written.
     pub(crate) fn closest(
         &self,
-        batch: &[Ray<f32>],
-        hits: &mut [Hit<f32>],
-        ask: impl FnOnce(&[Ray<f32>], &mut [Hit<f32>]),
+        batch: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        ask: impl FnOnce(&[Ray<S>], &mut [Hit<S>]),
     ) {
-        let mut own: Vec<Hit<f32>> = self.places.iter().map(|(i, _)| hits[*i]).collect();
+        let mut own: Vec<Hit<S>> = self.places.iter().map(|(i, _)| hits[*i]).collect();
         ask(&self.rays, &mut own);
         for (hit, ray) in hits.iter_mut().zip(batch) {
             *hit = Hit { t: ray.t_max, ..Hit::NONE };
@@ -53,11 +53,7 @@ impl NearRays {
     }
 
     /// The same of occlusions.
-    pub(crate) fn occluded(
-        &self,
-        blocked: &mut [bool],
-        ask: impl FnOnce(&[Ray<f32>], &mut [bool]),
-    ) {
+    pub(crate) fn occluded(&self, blocked: &mut [bool], ask: impl FnOnce(&[Ray<S>], &mut [bool])) {
         let mut own: Vec<bool> = self.places.iter().map(|(i, _)| blocked[*i]).collect();
         ask(&self.rays, &mut own);
         blocked.fill(false);

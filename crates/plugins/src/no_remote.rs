@@ -4,8 +4,9 @@ use accel_core::primitives::TriangleSet;
 use accel_core::{Hit, Ray};
 
 use crate::description::Description;
-use crate::instance::Stats;
+use crate::instance::{PluginScalar, Stats};
 use crate::process::{BuildReply, Launch, Order};
+use crate::stopwatch::CallTime;
 
 pub(crate) enum Remote {}
 
@@ -22,19 +23,27 @@ impl Remote {
         match *self {}
     }
 
-    pub(crate) fn build(
+    pub(crate) fn build<S: PluginScalar>(
         &mut self,
-        _: &TriangleSet<f32>,
+        _: &TriangleSet<S>,
         _: &Order<'_>,
     ) -> Result<BuildReply, String> {
         match *self {}
     }
 
-    pub(crate) fn closest(&mut self, _: &[Ray<f32>], _: &mut [Hit<f32>]) -> Result<f64, String> {
+    pub(crate) fn closest<S: PluginScalar>(
+        &mut self,
+        _: &[Ray<S>],
+        _: &mut [Hit<S>],
+    ) -> Result<CallTime, String> {
         match *self {}
     }
 
-    pub(crate) fn occluded(&mut self, _: &[Ray<f32>], _: &mut [bool]) -> Result<f64, String> {
+    pub(crate) fn occluded<S: PluginScalar>(
+        &mut self,
+        _: &[Ray<S>],
+        _: &mut [bool],
+    ) -> Result<CallTime, String> {
         match *self {}
     }
 

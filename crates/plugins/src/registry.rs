@@ -17,6 +17,7 @@ use accel_core::variants::chosen_tests;
 
 use crate::description::{Description, leak};
 use crate::error::PluginError;
+use crate::instance::PluginScalar;
 use crate::library::Library;
 use crate::plugin::Plugin;
 use crate::process::Launch;
@@ -101,7 +102,7 @@ pub fn entry(
     };
     let plugin = Plugin::new(info, description, origin, library, launch);
     plugins().insert(name, Arc::new(plugin));
-    Ok(Entry::new(info, built, refused_f64))
+    Ok(Entry::new(info, built::<f32>, built::<f64>))
 }
 
 /// Description that a plugin gives in a process of its own, which then ends.
@@ -118,7 +119,7 @@ fn described(launch: &Launch) -> Result<Description, PluginError> {
 }
 
 /// The builder of every plugin's line, which builds anew whatever was before.
-fn built(params: &Params) -> PreparedStructure<f32> {
+fn built<S: PluginScalar>(params: &Params) -> PreparedStructure<S> {
     let (structure, row, memory) = (params.structure(), params.to_string(), params.memory());
     let refused =
         move |message: &str| BuildError::Library { structure, message: message.to_owned() };
@@ -128,6 +129,11 @@ fn built(params: &Params) -> PreparedStructure<f32> {
     let values: Vec<String> = settings.map(|s| params.text(&s.name).to_owned()).collect();
     Box::new(move |prims, _| {
         let plugin = plugin.clone().ok_or_else(|| refused("there is no plugin of that name"))?;
+        if S::NAME == "f64" && !plugin.description.has_f64 {
+            return Err(refused(
+                "serves f32 only (it lacks RTBENCH_TRIANGLES_F64): leave out --precision f64",
+            ));
+        }
         let PrimsRef::Watertight(set) = prims else {
             return Err(refused(
                 "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
@@ -143,12 +149,4 @@ fn built(params: &Params) -> PreparedStructure<f32> {
 /// The name of a file without its folders.
 fn file_name(file: &Path) -> String {
     file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
-fn refused_f64(params: &Params) -> PreparedStructure<f64> {
-    let structure = params.structure();
-    Box::new(move |_, _| {
-        let message = "plugins serve f32 only: leave out --precision f64".to_owned();
-        Err(BuildError::Library { structure, message })
-    })
 }

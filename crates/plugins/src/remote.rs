@@ -11,10 +11,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::{Hit, Ray};
+use bytemuck::Pod;
 
 use crate::abi;
 use crate::description::Description;
-use crate::instance::{Query, Stats};
+use crate::instance::{PluginScalar, Query, Stats};
 use crate::memory_watch::MemoryWatch;
 use crate::process::{BuildReply, Launch, Order};
 use crate::shared::{SharedSegment, folder};
@@ -27,9 +29,9 @@ const START: Duration = Duration::from_secs(20);
 const POLL: Duration = Duration::from_millis(1);
 /// How long a process that was hung up on may take to end by itself.
 const LAST_WORDS: Duration = Duration::from_millis(50);
-/// Bytes of a triangle in the process's own copy: corners, flags and what a list has to spare.
-const COPY: usize = 48;
-/// Bytes kept of a plugin's output.
+/// Bytes of a triangle in the process's own copy beside its corners: flags and spare capacity.
+const COPY_EXTRA: usize = 12;
+/// How much is kept of what a plugin prints, bytes.
 const TAIL: usize = 500;
 
 /// A running process with a plugin.
@@ -109,30 +111,33 @@ impl Remote {
     }
 
     /// Builds over those triangles.
-    pub(crate) fn build(
+    pub(crate) fn build<S: PluginScalar>(
         &mut self,
-        set: &TriangleSet<f32>,
+        set: &TriangleSet<S>,
         order: &Order<'_>,
     ) -> Result<BuildReply, String> {
         let (triangles, values, threads) = (set.len(), order.values.to_vec(), order.threads);
-        let scene = self.part(SegmentContent::Scene, 37 * triangles)?;
-        let (positions, flags) = scene.split_at_mut(36 * triangles);
+        let corners = size_of::<[[S; 3]; 3]>();
+        let scene = self.part(SegmentContent::Scene, (corners + 1) * triangles)?;
+        let (positions, flags) = scene.split_at_mut(corners * triangles);
         positions.copy_from_slice(bytemuck::cast_slice(set.triangles()));
         for (flag, id) in flags.iter_mut().take(triangles).zip(0..) {
             *flag = u8::from(!set.is_opaque(id));
         }
         let doing = format!("building over {triangles} triangles");
         // beside the structure it has its own copy of the triangles
-        let most = order.most_bytes.map(|most| most.saturating_add((COPY * triangles) as u64));
+        let copy = ((corners + COPY_EXTRA) * triangles) as u64;
+        let most = order.most_bytes.map(|most| most.saturating_add(copy));
         let watch = most.and_then(|most| {
             let stream = self.stream.get_ref().try_clone().ok()?;
             MemoryWatch::begin(self.process.id(), most, stream)
         });
         self.is_watched = watch.is_some();
-        let reply = self.ask(&Request::Build { triangles, values, threads }, &doing);
+        let is_double = size_of::<S>() == size_of::<f64>();
+        let reply = self.ask(&Request::Build { triangles, is_double, values, threads }, &doing);
         self.is_watched = false;
         if let Some(bytes) = watch.and_then(MemoryWatch::excess) {
-            return Ok(BuildReply::TooLarge(bytes.saturating_sub((COPY * triangles) as u64)));
+            return Ok(BuildReply::TooLarge(bytes.saturating_sub(copy)));
         }
         match reply? {
             Reply::Done(took) => Ok(BuildReply::Built(took.seconds)),
@@ -143,21 +148,18 @@ impl Remote {
 
     /// Closest hits of rays; `hits` holds what counts where none is written. Returns what the call
     /// took.
-    pub(crate) fn closest(
+    pub(crate) fn closest<S: PluginScalar>(
         &mut self,
-        rays: &[accel_core::Ray<f32>],
-        hits: &mut [accel_core::Hit<f32>],
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
     ) -> Result<CallTime, String> {
         self.put(rays)?;
-        let answers = self.part(SegmentContent::Answers, 8 * hits.len())?;
-        let (answers, _) = answers.split_at_mut(8 * hits.len());
-        for (answer, hit) in bytemuck::cast_slice_mut(answers).iter_mut().zip(&*hits) {
-            *answer = abi::Hit { t: hit.t, id: hit.id };
+        let answers = self.part_of::<abi::Hit<S>>(SegmentContent::Answers, hits.len())?;
+        for (answer, hit) in answers.iter_mut().zip(&*hits) {
+            *answer = abi::Hit::new(hit.t, hit.id);
         }
         let took = self.trace(Query::Closest, rays.len())?;
-        let answers = self.part(SegmentContent::Answers, 8 * hits.len())?;
-        let (answers, _) = answers.split_at(8 * hits.len());
-        let answers: &[abi::Hit] = bytemuck::cast_slice(answers);
+        let answers = self.part_of::<abi::Hit<S>>(SegmentContent::Answers, hits.len())?;
         for ((hit, answer), ray) in hits.iter_mut().zip(answers).zip(rays) {
             *hit = answer.as_ours(ray);
         }
@@ -165,9 +167,9 @@ impl Remote {
     }
 
     /// The same of occlusions.
-    pub(crate) fn occluded(
+    pub(crate) fn occluded<S: PluginScalar>(
         &mut self,
-        rays: &[accel_core::Ray<f32>],
+        rays: &[Ray<S>],
         blocked: &mut [bool],
     ) -> Result<CallTime, String> {
         self.put(rays)?;
@@ -179,12 +181,9 @@ impl Remote {
         Ok(took)
     }
 
-    fn put(&mut self, rays: &[accel_core::Ray<f32>]) -> Result<(), String> {
-        let part = self.part(SegmentContent::Rays, 32 * rays.len())?;
-        let (part, _) = part.split_at_mut(32 * rays.len());
-        for (to, ray) in bytemuck::cast_slice_mut(part).iter_mut().zip(rays) {
-            *to = abi::Ray::from(ray);
-        }
+    fn put<S: PluginScalar>(&mut self, rays: &[Ray<S>]) -> Result<(), String> {
+        let part = self.part_of(SegmentContent::Rays, rays.len())?;
+        part.iter_mut().zip(rays).for_each(|(to, ray)| *to = abi::Ray::<S>::from(ray));
         Ok(())
     }
 
@@ -224,6 +223,13 @@ impl Remote {
         }
         seconds.sort_by(f64::total_cmp);
         Ok(seconds.get(CALLS / 2).copied().unwrap_or_default())
+    }
+
+    /// Memory of so many items that the process has mapped, too.
+    fn part_of<T: Pod>(&mut self, part: SegmentContent, count: usize) -> Result<&mut [T], String> {
+        let bytes = size_of::<T>() * count;
+        let part = self.part(part, bytes)?;
+        Ok(bytemuck::cast_slice_mut(part.get_mut(..bytes).unwrap_or_default()))
     }
 
     /// Memory of at least so many bytes that the process has mapped, too.

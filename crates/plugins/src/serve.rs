@@ -6,14 +6,29 @@ use std::sync::Arc;
 
 use accel_core::primitives::TriangleSet;
 
-use crate::instance::{Instance, Query};
+use crate::abi;
+use crate::instance::{Instance, PluginScalar, Query, Stats};
 use crate::library::Library;
 use crate::shared::SharedSegment;
 use crate::stopwatch::CallTime;
 use crate::wire::{Reply, Request, SegmentContent, receive, send};
 
 /// A structure with the triangles it was built over, which are the child's own copy.
-type ServedInstance = Instance<Box<TriangleSet<f32>>>;
+trait Served {
+    /// Answers so many rays.
+    fn trace(
+        &self,
+        query: Query,
+        count: usize,
+        rays: &[u8],
+        answers: &mut [u8],
+    ) -> Result<CallTime, String>;
+
+    fn stats(&self) -> Stats;
+
+    /// Turns counting on or off.
+    fn count(&self, on: bool);
+}
 
 /// State of the child.
 #[derive(Default)]
@@ -21,7 +36,7 @@ struct State {
     scene: Option<SharedSegment>,
     rays: Option<SharedSegment>,
     answers: Option<SharedSegment>,
-    built: Option<ServedInstance>,
+    built: Option<Box<dyn Served + Send + Sync>>,
     pool: Option<rayon::ThreadPool>,
 }
 
@@ -71,16 +86,13 @@ impl State {
                     SegmentContent::Answers => &mut self.answers,
                 } = Some(mapped);
             }
-            Request::Build { triangles, values, threads } => {
+            Request::Build { triangles, is_double, values, threads } => {
                 self.built = None;
-                let set = Box::new(self.triangles(triangles)?);
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
                 let pool = pool.map_err(|e| e.to_string())?;
-                let library = Arc::clone(library);
-                let built = pool.install(|| Instance::build(library, set, &values));
-                let (built, seconds) = built?;
-                took = CallTime { seconds, by_others: 0.0 };
-                (self.built, self.pool) = (Some(built), Some(pool));
+                let build = if is_double { Self::build::<f64> } else { Self::build::<f32> };
+                took.seconds = build(self, library, triangles, &values, &pool)?;
+                self.pool = Some(pool);
             }
             Request::Trace { query, rays } => took = self.trace(query, rays)?,
             Request::Count { on } => self.built()?.count(on),
@@ -91,19 +103,34 @@ impl State {
         Ok(Reply::Done(took))
     }
 
-    fn built(&self) -> Result<&ServedInstance, String> {
-        self.built.as_ref().ok_or_else(|| "nothing is built".into())
+    fn built(&self) -> Result<&dyn Served, String> {
+        Ok(&**self.built.as_ref().ok_or("nothing is built")?)
     }
 
-    fn triangles(&self, count: usize) -> Result<TriangleSet<f32>, String> {
+    /// Builds, and returns the seconds that took.
+    fn build<S: PluginScalar>(
+        &mut self,
+        library: &Arc<Library>,
+        triangles: usize,
+        values: &[String],
+        pool: &rayon::ThreadPool,
+    ) -> Result<f64, String> {
+        let set = Box::new(self.triangles::<S>(triangles)?);
+        let library = Arc::clone(library);
+        let (built, seconds) = pool.install(|| Instance::build(library, set, values))?;
+        self.built = Some(Box::new(built));
+        Ok(seconds)
+    }
+
+    fn triangles<S: PluginScalar>(&self, count: usize) -> Result<TriangleSet<S>, String> {
         let bytes = self.scene.as_ref().map(SharedSegment::bytes).unwrap_or_default();
-        let positions = 36 * count;
+        let positions = size_of::<[[S; 3]; 3]>() * count;
         let (Some(corners), Some(flags)) =
             (bytes.get(..positions), bytes.get(positions..positions + count))
         else {
             return Err(format!("there are no {count} triangles"));
         };
-        let corners: Vec<[[f32; 3]; 3]> = bytemuck::cast_slice(corners).to_vec();
+        let corners: Vec<[[S; 3]; 3]> = bytemuck::cast_slice(corners).to_vec();
         let lets_pass = |id: u32| flags.get(id as usize).is_some_and(|flag| *flag != 0);
         TriangleSet::new(corners, lets_pass).map_err(|e| e.to_string())
     }
@@ -114,15 +141,35 @@ impl State {
         };
         let rays = rays.as_ref().map(SharedSegment::bytes).unwrap_or_default();
         let answers = answers.as_mut().map(SharedSegment::bytes_mut).unwrap_or_default();
-        let rays = rays.get(..32 * count).ok_or("there are not so many rays")?;
-        let rays = bytemuck::cast_slice(rays);
-        let size = if query == Query::Closest { 8 } else { 1 };
-        let answers = answers.get_mut(..size * count).ok_or("there is not so much room")?;
-        let mut ask = || match query {
-            Query::Closest => built.closest(rays, bytemuck::cast_slice_mut(answers)),
-            Query::Occlusion => built.occluded(rays, answers),
-        };
+        let mut ask = || built.trace(query, count, rays, answers);
         // one thread alone traces here, as it would in the parent
-        Ok(if pool.current_num_threads() > 1 { pool.install(ask) } else { ask() })
+        if pool.current_num_threads() > 1 { pool.install(ask) } else { ask() }
+    }
+}
+
+impl<S: PluginScalar> Served for Instance<S, Box<TriangleSet<S>>> {
+    fn trace(
+        &self,
+        query: Query,
+        count: usize,
+        rays: &[u8],
+        answers: &mut [u8],
+    ) -> Result<CallTime, String> {
+        let rays = rays.get(..size_of::<abi::Ray<S>>() * count);
+        let rays = bytemuck::cast_slice(rays.ok_or("there are not so many rays")?);
+        let size = if query == Query::Closest { size_of::<abi::Hit<S>>() } else { 1 };
+        let answers = answers.get_mut(..size * count).ok_or("there is not so much room")?;
+        Ok(match query {
+            Query::Closest => self.closest(rays, bytemuck::cast_slice_mut(answers)),
+            Query::Occlusion => self.occluded(rays, answers),
+        })
+    }
+
+    fn stats(&self) -> Stats {
+        Instance::stats(self)
+    }
+
+    fn count(&self, on: bool) {
+        Instance::count(self, on);
     }
 }

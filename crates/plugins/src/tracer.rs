@@ -11,46 +11,46 @@ use accel_core::structure::{BuildError, StructureStats};
 use accel_core::{Hit, Ray};
 
 use crate::abi;
-use crate::instance::{Instance, Stats};
+use crate::instance::{Instance, PluginScalar, Stats};
 use crate::near_rays::NearRays;
 use crate::plugin::Plugin;
 use crate::process::{BuildReply, Order};
 use crate::remote::Remote;
 use crate::stopwatch::CallTime;
 
-/// Place of a structure.
-enum Host<'a> {
-    Here(Box<Instance<&'a TriangleSet<f32>>>),
+/// Where a structure is.
+enum Host<'a, S: PluginScalar> {
+    Here(Box<Instance<S, &'a TriangleSet<S>>>),
     /// The process is given back when the tracer is dropped.
     Elsewhere(Option<Remote>),
 }
 
-struct State<'a> {
-    place: Host<'a>,
-    /// Seconds of calls since the last query of them.
+struct State<'a, S: PluginScalar> {
+    place: Host<'a, S>,
+    /// Of calls since they were asked for.
     seconds: f64,
     all: CallTime,
     /// Origins within it are near.
-    reach: f32,
+    reach: S,
     failure: Option<String>,
 }
 
 /// A structure that a plugin built.
-pub(crate) struct PluginTracer<'a> {
+pub(crate) struct PluginTracer<'a, S: PluginScalar> {
     plugin: Arc<Plugin>,
     /// The row's settings: a process is kept for each row.
     row: String,
     origin: Origin,
     build_seconds: f64,
     stats: Stats,
-    state: Mutex<State<'a>>,
+    state: Mutex<State<'a, S>>,
 }
 
-impl<'a> PluginTracer<'a> {
+impl<'a, S: PluginScalar> PluginTracer<'a, S> {
     /// Builds over triangles, on as many threads as the current pool has.
     pub(crate) fn build(
         plugin: Arc<Plugin>,
-        set: &'a TriangleSet<f32>,
+        set: &'a TriangleSet<S>,
         row: String,
         values: &[String],
         memory: MemoryLimit,
@@ -100,12 +100,12 @@ impl<'a> PluginTracer<'a> {
         Ok(Self { plugin, row, origin, build_seconds, stats, state })
     }
 
-    fn state(&self) -> MutexGuard<'_, State<'a>> {
+    fn state(&self) -> MutexGuard<'_, State<'a, S>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-impl State<'_> {
+impl<S: PluginScalar> State<'_, S> {
     fn took(&mut self, took: Result<CallTime, String>) {
         match took {
             Ok(took) => {
@@ -118,26 +118,26 @@ impl State<'_> {
         }
     }
 
-    fn closest(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+    fn closest(&mut self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         match NearRays::of(rays, self.reach) {
             Some(near) => near.closest(rays, hits, |rays, hits| self.closest_of_near(rays, hits)),
             None => self.closest_of_near(rays, hits),
         }
     }
 
-    fn occluded(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+    fn occluded(&mut self, rays: &[Ray<S>], blocked: &mut [bool]) {
         match NearRays::of(rays, self.reach) {
             Some(near) => near.occluded(blocked, |rays, own| self.occluded_of_near(rays, own)),
             None => self.occluded_of_near(rays, blocked),
         }
     }
 
-    fn closest_of_near(&mut self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+    fn closest_of_near(&mut self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         let took = match &mut self.place {
             Host::Here(instance) => {
-                let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
-                let mut answers: Vec<abi::Hit> =
-                    hits.iter().map(|hit| abi::Hit { t: hit.t, id: hit.id }).collect();
+                let asked: Vec<abi::Ray<S>> = rays.iter().map(abi::Ray::from).collect();
+                let mut answers: Vec<abi::Hit<S>> =
+                    hits.iter().map(|hit| abi::Hit::new(hit.t, hit.id)).collect();
                 let took = instance.closest(&asked, &mut answers);
                 for ((hit, answer), ray) in hits.iter_mut().zip(&answers).zip(rays) {
                     *hit = answer.as_ours(ray);
@@ -150,10 +150,10 @@ impl State<'_> {
         self.took(took);
     }
 
-    fn occluded_of_near(&mut self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+    fn occluded_of_near(&mut self, rays: &[Ray<S>], blocked: &mut [bool]) {
         let took = match &mut self.place {
             Host::Here(instance) => {
-                let asked: Vec<abi::Ray> = rays.iter().map(abi::Ray::from).collect();
+                let asked: Vec<abi::Ray<S>> = rays.iter().map(abi::Ray::from).collect();
                 let mut answers: Vec<u8> = blocked.iter().map(|&b| u8::from(b)).collect();
                 let took = instance.occluded(&asked, &mut answers);
                 blocked.iter_mut().zip(&answers).for_each(|(b, answer)| *b = *answer != 0);
@@ -203,7 +203,7 @@ impl State<'_> {
     }
 }
 
-impl Drop for PluginTracer<'_> {
+impl<S: PluginScalar> Drop for PluginTracer<'_, S> {
     fn drop(&mut self) {
         let mut state = self.state();
         if let Host::Elsewhere(remote) = &mut state.place
@@ -216,18 +216,18 @@ impl Drop for PluginTracer<'_> {
     }
 }
 
-impl Tracer<f32> for PluginTracer<'_> {
-    fn closest_hits(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) {
+impl<S: PluginScalar> Tracer<S> for PluginTracer<'_, S> {
+    fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         let n = rays.len().min(hits.len());
         self.state().closest(&rays[..n], &mut hits[..n]);
     }
 
-    fn occlusions(&self, rays: &[Ray<f32>], blocked: &mut [bool]) {
+    fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
         let n = rays.len().min(blocked.len());
         self.state().occluded(&rays[..n], &mut blocked[..n]);
     }
 
-    fn count_closest_hits(&self, rays: &[Ray<f32>], hits: &mut [Hit<f32>]) -> WorkCounters {
+    fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
         let n = rays.len().min(hits.len());
         self.state().counted(|state| state.closest(&rays[..n], &mut hits[..n]))
     }
@@ -235,7 +235,7 @@ impl Tracer<f32> for PluginTracer<'_> {
     /// Under every rule by [`ShadowRule::OpaqueBlocks`]: others are for structures that traverse.
     fn count_occlusions(
         &self,
-        rays: &[Ray<f32>],
+        rays: &[Ray<S>],
         _: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
@@ -267,7 +267,7 @@ impl Tracer<f32> for PluginTracer<'_> {
     }
 }
 
-impl Foreign for PluginTracer<'_> {
+impl<S: PluginScalar> Foreign for PluginTracer<'_, S> {
     fn origin(&self) -> &Origin {
         &self.origin
     }
@@ -290,7 +290,7 @@ impl Foreign for PluginTracer<'_> {
     }
 
     fn has_counters(&self) -> bool {
-        self.plugin.description.has_counters && self.stats.work.is_some()
+        self.stats.work.is_some()
     }
 
     fn answers_batches(&self) -> bool {

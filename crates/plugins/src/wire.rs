@@ -14,7 +14,7 @@ use crate::stopwatch::CallTime;
 /// Content of a segment of shared memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum SegmentContent {
-    /// Nine f32 for each triangle, then a byte for each: not 0 where shadow rays pass.
+    /// Nine numbers for each triangle, then a byte for each: not 0 where shadow rays pass.
     Scene,
     Rays,
     /// [`crate::abi::Hit`]s, or a byte for each ray. The child writes them.
@@ -34,6 +34,8 @@ pub(crate) enum Request {
     /// To build over so many triangles.
     Build {
         triangles: usize,
+        /// In f64.
+        is_double: bool,
         values: Vec<String>,
         threads: usize,
     },

@@ -4,7 +4,7 @@
 //! with a triangle test of its own (a plugin) may answer otherwise where a ray passes an edge,
 //! where two surfaces meet, or where the interval of the ray ends. Each of its answers that differs
 //! is therefore put before an [`EdgeJudge`](crate::answers::edges::EdgeJudge): it is *at an edge*
-//! if moving the ray by [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps of f32 changes the
+//! if moving the ray by [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps changes the
 //! right answer, too, and if what it claims to hit is there. Anything else is wrong; and so are
 //! answers at edges where they are more than rounding explains ([`MOST_AT_EDGES`]).
 

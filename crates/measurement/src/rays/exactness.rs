@@ -4,9 +4,11 @@ use accel_core::query::tracer::Foreign;
 use accel_core::structure::Batches;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 
-/// Rounding error of the parameter of a hit, relative to it and to the distance between the origins
-/// of world and ray: 256 epsilons of f32.
-pub const ROUNDING: f64 = 1.0 / 65_536.0;
+/// What rounding may do to the parameter of a hit, in parts of it and of the distance from the
+/// world's origin to that of the ray: 128 epsilons, 1.5e-5 in f32.
+pub fn rounding<S: Scalar>() -> f64 {
+    128.0 * S::EPSILON.to_f64()
+}
 
 /// How far answers must agree with those expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,5 +50,5 @@ pub fn is_apart<S: Scalar>(a: &Hit<S>, b: &Hit<S>, ray: &Ray<S>) -> bool {
     let (t, other) = (a.t.to_f64(), b.t.to_f64());
     let scale = other.abs() + largest(ray.origin) / largest(ray.direction);
     let distance = (t - other).abs();
-    distance.is_nan() || scale.is_nan() || distance > ROUNDING * scale
+    distance.is_nan() || scale.is_nan() || distance > rounding::<S>() * scale
 }

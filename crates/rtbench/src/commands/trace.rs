@@ -161,13 +161,13 @@ fn rounded<S: Scalar>(ray: &Ray<f64>) -> Ray<S> {
 
 /// An answer as a record; of a shadow ray that is blocked any primitive's.
 fn record_of<S: Scalar>(answers: &Answers<S>, i: usize) -> abi::Hit {
-    let none = abi::Hit { t: 0.0, id: abi::MISS };
+    let none = abi::Hit::new(0.0, abi::MISS);
     match answers {
         Answers::Hits(hits) => match hits.get(i) {
-            Some(hit) if hit.is_hit() => abi::Hit { t: hit.t.to_f64() as f32, id: hit.id },
+            Some(hit) if hit.is_hit() => abi::Hit::new(hit.t.to_f64() as f32, hit.id),
             _ => none,
         },
-        Answers::Blocked(blocked) if blocked.get(i) == Some(&true) => abi::Hit { t: 0.0, id: 0 },
+        Answers::Blocked(blocked) if blocked.get(i) == Some(&true) => abi::Hit::new(0.0, 0),
         Answers::Blocked(_) => none,
     }
 }

@@ -265,29 +265,29 @@ impl Report {
         notes
     }
 
-    /// How the answers of each row with a primitive test of its own differ from ours.
+    /// How the answers of each row with a primitive test of its own differ from ours, by precision.
     fn by_own_tests(&self) -> impl Iterator<Item = String> {
-        let mut rows: BTreeMap<&str, [u64; Difference::ALL.len()]> = BTreeMap::new();
+        let mut rows: BTreeMap<_, [u64; Difference::ALL.len()]> = BTreeMap::new();
+        let key = |line: &Line| (line.structure.clone(), line.precision);
         let is_tolerant = |line: &&Line| line.differences.values().sum::<u64>() > line.mismatches;
-        let names: BTreeSet<&str> =
-            self.lines.iter().filter(is_tolerant).map(|line| line.structure.as_str()).collect();
-        for line in self.lines.iter().filter(|line| names.contains(line.structure.as_str())) {
-            let sums = rows.entry(&line.structure).or_default();
+        let names: BTreeSet<_> = self.lines.iter().filter(is_tolerant).map(key).collect();
+        for line in self.lines.iter().filter(|line| names.contains(&key(line))) {
+            let sums = rows.entry(key(line)).or_default();
             for (sum, (_, name)) in sums.iter_mut().zip(Difference::ALL) {
                 *sum += line.differences.get(name).copied().unwrap_or_default();
             }
         }
-        rows.into_iter().map(|(row, [bits, edges, lost, invented, ids])| {
+        rows.into_iter().map(|((row, precision), [bits, edges, lost, invented, ids])| {
             format!(
-                "{row} has a primitive test of its own: {bits} last bits of t, {edges} at edges \
-                 (within {EDGE_ULPS} ulps of the scene's largest coordinate), which are not wrong; \
-                 {lost} lost, {invented} invented, {ids} wrong ids"
+                "{row} has a primitive test of its own: in {precision} {bits} last bits of t, \
+                 {edges} at edges (within {EDGE_ULPS} ulps of the scene's largest coordinate), \
+                 which are not wrong; {lost} lost, {invented} invented, {ids} wrong ids"
             )
         })
     }
 
-    /// One note for all that were refused for the same reason: brute force refuses for all, a
-    /// plugin all cases in f64.
+    /// One note for all that were refused for the same reason: brute force refuses for all, a plugin
+    /// of f32 all cases in f64.
     fn refusals(&self) -> impl Iterator<Item = String> {
         let mut who: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
         for line in &self.lines {

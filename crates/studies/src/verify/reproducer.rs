@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::replay::precision_name;
 use super::shrink::ReducedFailure;
-use measurement::rays::exactness::ROUNDING;
+use measurement::rays::exactness::rounding;
 use measurement::rays::text::{hexadecimal, line};
 use measurement::settings::Precision;
 
@@ -24,14 +24,9 @@ impl ReducedFailure {
         name.chars().map(plain).collect()
     }
 
-    /// Its files: their endings and what is in them. The C program is of f32 alone, as the
-    /// interface.
-    pub fn files(&self) -> Vec<(&'static str, String)> {
-        let mut files = vec![("obj", self.obj()), ("rays", self.ray_file())];
-        if self.replay.precision == Precision::F32 {
-            files.push(("c", self.program()));
-        }
-        files
+    /// Its files: their endings and what is in them.
+    pub fn files(&self) -> [(&'static str, String); 3] {
+        [("obj", self.obj()), ("rays", self.ray_file()), ("c", self.program())]
     }
 
     /// Printed text: exact numbers, the answer and the right one.
@@ -83,7 +78,7 @@ impl ReducedFailure {
         };
         let c = |x: f64| match hexadecimal(x) {
             text if text.ends_with("inf") => text.replace("inf", "INFINITY"),
-            text => text + "f",
+            text => text,
         };
         let ray = |ray: &accel_core::Ray<f64>| {
             let [origin, direction] = [ray.origin, ray.direction].map(|p| point(p, ", "));
@@ -101,6 +96,10 @@ impl ReducedFailure {
         let settings = settings.filter_map(|s| s.split_once('='));
         let settings = settings.map(|(name, value)| format!("    {{\"{name}\", \"{value}\"}},\n"));
         let blocked: Vec<String> = blocked.iter().map(|b| u8::from(*b).to_string()).collect();
+        let (suffix, number, bit, rounding) = match self.replay.precision {
+            Precision::F32 => ("", "float", "F32", rounding::<f32>()),
+            Precision::F64 => ("_f64", "double", "F64", rounding::<f64>()),
+        };
         let words = [
             ("HEADING", self.heading()),
             ("WHAT", self.what.clone()),
@@ -109,7 +108,10 @@ impl ReducedFailure {
             ("HITS", hits.iter().map(hit).collect()),
             ("BLOCKED", blocked.join(", ")),
             ("SETTINGS", settings.collect()),
-            ("ROUNDING", c(ROUNDING)),
+            ("ROUNDING", c(rounding)),
+            ("SUFFIX", suffix.to_owned()),
+            ("NUMBER", number.to_owned()),
+            ("BIT", bit.to_owned()),
         ];
         words.iter().fold(PROGRAM.to_owned(), |text, (word, by)| {
             text.replace(&format!("@{word}@"), by.trim_end_matches('\n'))

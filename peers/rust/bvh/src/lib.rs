@@ -3,30 +3,36 @@
 //! yield is left when it cannot matter any more.
 
 use bvh::aabb::{Aabb, Bounded};
-use bvh::bounding_hierarchy::{BHShape, BoundingHierarchy};
+use bvh::bounding_hierarchy::{BHShape, BHValue, BoundingHierarchy};
 use bvh::bvh::{Bvh, BvhNode};
 use bvh::flat_bvh::FlatBvh;
 use bvh::ray::Ray as OwnRay;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, RealField, Vector3};
 use peer::{Description, Hit, Kind, Peer, Ray, Scene, Setting, Shadows, Stats};
+
+/// `f32` or `f64`.
+trait Number: peer::triangle::Number + BHValue + RealField {}
+
+impl Number for f32 {}
+impl Number for f64 {}
 
 /// A triangle, as its builder wants it.
 #[derive(Debug, Clone, Copy)]
-struct Shape {
-    corners: [Point3<f32>; 3],
+struct Shape<T: Number> {
+    corners: [Point3<T>; 3],
     id: u32,
     is_transmissive: bool,
     node: usize,
 }
 
-impl Bounded<f32, 3> for Shape {
-    fn aabb(&self) -> Aabb<f32, 3> {
+impl<T: Number> Bounded<T, 3> for Shape<T> {
+    fn aabb(&self) -> Aabb<T, 3> {
         let [a, b, c] = self.corners;
         Aabb::empty().grow(&a).grow(&b).grow(&c)
     }
 }
 
-impl BHShape<f32, 3> for Shape {
+impl<T: Number> BHShape<T, 3> for Shape<T> {
     fn set_bh_node_index(&mut self, node: usize) {
         self.node = node;
     }
@@ -37,16 +43,16 @@ impl BHShape<f32, 3> for Shape {
 }
 
 /// A tree and its triangles.
-struct BvhPeer {
-    tree: Tree,
+struct BvhPeer<T: Number> {
+    tree: Tree<T>,
     way: Way,
-    shapes: Vec<Shape>,
+    shapes: Vec<Shape<T>>,
     has_own_test: bool,
 }
 
-enum Tree {
-    Nodes(Bvh<f32, 3>),
-    Flat(FlatBvh<f32, 3>),
+enum Tree<T: Number> {
+    Nodes(Bvh<T, 3>),
+    Flat(FlatBvh<T, 3>),
 }
 
 /// How the tree is gone through.
@@ -59,14 +65,14 @@ enum Way {
 }
 
 /// A ray in the crate's terms: of unit length.
-struct Asked {
-    ray: OwnRay<f32, 3>,
+struct Asked<T: Number> {
+    ray: OwnRay<T, 3>,
     /// Of the direction that rtbench gave.
-    length: f32,
-    original: Ray,
+    length: T,
+    original: Ray<T>,
 }
 
-impl Peer for BvhPeer {
+impl<T: Number> Peer<T> for BvhPeer<T> {
     const DESCRIPTION: Description = Description {
         name: "bvh-rs",
         library: "bvh",
@@ -91,14 +97,14 @@ impl Peer for BvhPeer {
     const SHADOWS: Shadows = Shadows::Filtered;
     const USES_RAYON: bool = true;
 
-    fn build(scene: &Scene<'_>) -> Result<Self, String> {
-        let shape = |(id, triangle): (usize, &peer::Triangle)| Shape {
+    fn build(scene: &Scene<'_, T>) -> Result<Self, String> {
+        let shape = |(id, triangle): (usize, &peer::Triangle<T>)| Shape {
             corners: triangle.map(Point3::from),
             id: id as u32,
             is_transmissive: scene.is_transmissive(id),
             node: 0,
         };
-        let mut shapes: Vec<Shape> = scene.triangles.iter().enumerate().map(shape).collect();
+        let mut shapes: Vec<Shape<T>> = scene.triangles.iter().enumerate().map(shape).collect();
         let tree = match scene.threads {
             1 => Bvh::build(&mut shapes),
             _ => Bvh::build_par(&mut shapes),
@@ -115,7 +121,7 @@ impl Peer for BvhPeer {
     }
 
     #[inline(always)]
-    fn closest(&self, ray: &Ray) -> Option<Hit> {
+    fn closest(&self, ray: &Ray<T>) -> Option<Hit<T>> {
         let asked = Asked::new(ray);
         let (ray, shapes) = (&asked.ray, &self.shapes[..]);
         match &self.tree {
@@ -134,7 +140,7 @@ impl Peer for BvhPeer {
     }
 
     #[inline(always)]
-    fn occluded(&self, ray: &Ray) -> bool {
+    fn occluded(&self, ray: &Ray<T>) -> bool {
         let asked = Asked::new(ray);
         let (ray, shapes) = (&asked.ray, &self.shapes[..]);
         match &self.tree {
@@ -155,7 +161,7 @@ impl Peer for BvhPeer {
     fn stats(&self, stats: &mut Stats) {
         let (nodes, leaves) = match &self.tree {
             Tree::Nodes(tree) => {
-                let is_leaf = |node: &&BvhNode<f32, 3>| matches!(node, BvhNode::Leaf { .. });
+                let is_leaf = |node: &&BvhNode<T, 3>| matches!(node, BvhNode::Leaf { .. });
                 (tree.nodes.len(), tree.nodes.iter().filter(is_leaf).count())
             }
             Tree::Flat(tree) => (tree.len(), tree.iter().filter(|node| node.is_leaf()).count()),
@@ -166,25 +172,25 @@ impl Peer for BvhPeer {
     }
 }
 
-impl Asked {
+impl<T: Number> Asked<T> {
     #[inline(always)]
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray<T>) -> Self {
         let direction = Vector3::from(ray.direction);
         let own = OwnRay::new(Point3::from(ray.origin), direction);
         Self { ray: own, length: direction.norm(), original: *ray }
     }
 }
 
-impl BvhPeer {
+impl<T: Number> BvhPeer<T> {
     /// The nearest hit of candidates. If they are sorted, none is looked at whose box begins behind it.
     #[inline(always)]
     fn nearest<'a>(
         &self,
-        asked: &Asked,
+        asked: &Asked<T>,
         are_sorted: bool,
-        candidates: impl IntoIterator<Item = &'a Shape>,
-    ) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
+        candidates: impl IntoIterator<Item = &'a Shape<T>>,
+    ) -> Option<Hit<T>> {
+        let mut best: Option<Hit<T>> = None;
         for shape in candidates {
             let t_max = best.map_or(asked.original.t_max, |hit| hit.t);
             if are_sorted {
@@ -194,7 +200,7 @@ impl BvhPeer {
                 }
             }
             if let Some(t) = self.hit(shape, asked, t_max) {
-                best = Some(Hit { t, id: shape.id });
+                best = Some(Hit::new(t, shape.id));
             }
         }
         best
@@ -202,15 +208,19 @@ impl BvhPeer {
 
     /// Whether a candidate is hit that shadow rays do not pass.
     #[inline(always)]
-    fn any<'a>(&self, asked: &Asked, candidates: impl IntoIterator<Item = &'a Shape>) -> bool {
-        let blocks = |shape: &Shape| {
+    fn any<'a>(
+        &self,
+        asked: &Asked<T>,
+        candidates: impl IntoIterator<Item = &'a Shape<T>>,
+    ) -> bool {
+        let blocks = |shape: &Shape<T>| {
             !shape.is_transmissive && self.hit(shape, asked, asked.original.t_max).is_some()
         };
         candidates.into_iter().any(blocks)
     }
 
     #[inline(always)]
-    fn hit(&self, shape: &Shape, asked: &Asked, t_max: f32) -> Option<f32> {
+    fn hit(&self, shape: &Shape<T>, asked: &Asked<T>, t_max: T) -> Option<T> {
         let [a, b, c] = &shape.corners;
         if !self.has_own_test {
             let corners = shape.corners.map(|corner| [corner.x, corner.y, corner.z]);
@@ -227,7 +237,7 @@ impl BvhPeer {
     }
 }
 
-peer::export!(BvhPeer);
+peer::export!(BvhPeer<f32>, BvhPeer<f64>);
 
 #[cfg(test)]
 mod tests {
@@ -240,6 +250,15 @@ mod tests {
         let triangles = triangles(3000);
         let glass = glass(3000);
         let rays = rays(1000);
+        let doubled = triangles.iter().map(|t| t.map(|corner| corner.map(f64::from)));
+        let doubled: Vec<peer::Triangle<f64>> = doubled.collect();
+        let double = |ray: &Ray| Ray {
+            origin: ray.origin.map(f64::from),
+            t_min: ray.t_min.into(),
+            direction: ray.direction.map(f64::from),
+            t_max: ray.t_max.into(),
+        };
+        let doubled_rays: Vec<Ray<f64>> = rays.iter().map(double).collect();
         for way in ["nearest", "nearest-child", "iterator", "list", "flat"] {
             for test in ["library", "plain"] {
                 let settings = format!("traverse={way} test={test}");
@@ -249,6 +268,9 @@ mod tests {
                 assert_eq!([stats.leaves, stats.references], [3000; 2]);
                 let faults = trial.faults(&rays);
                 assert!(faults.sum() == 0 && faults.certain > 500, "{settings} {faults:?}");
+                let trial = Trial::build(plugin, &doubled, &glass, &settings, 2).unwrap();
+                let faults = trial.faults(&doubled_rays);
+                assert!(faults.sum() == 0 && faults.certain > 500, "{settings} f64 {faults:?}");
             }
         }
     }

@@ -119,7 +119,7 @@ impl Peer for Obvhs {
         with!(self, |tree, triangles| {
             let is_hit =
                 tree.ray_traverse(own(ray), &mut hit, |ray, at| triangles[at].intersect(ray));
-            is_hit.then(|| Hit { t: hit.t, id: tree.primitive_indices[hit.primitive_id as usize] })
+            is_hit.then(|| Hit::new(hit.t, tree.primitive_indices[hit.primitive_id as usize]))
         })
     }
 

@@ -81,7 +81,7 @@ fn closest(ray: &Ray, tree: &Bvh, triangle: impl Fn(u32) -> OwnTriangle) -> Opti
     let hit = tree.cast_ray(&own, ray.t_max.next_up(), |id, best| {
         triangle(id).cast_local_ray(&own, best, true).filter(|t| *t >= ray.t_min)
     });
-    hit.map(|(id, t)| Hit { t, id })
+    hit.map(|(id, t)| Hit::new(t, id))
 }
 
 #[inline(always)]

@@ -2,7 +2,7 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
-use crate::abi::{self, Hit, Ray};
+use crate::abi::{self, Hit, Ray, Real};
 use crate::scene::{Scene, Triangle};
 use crate::{Peer, Shadows, Stats, memory, panics, threads};
 
@@ -14,8 +14,11 @@ struct Built<P> {
     bytes: u64,
 }
 
-impl<P: Peer> Built<P> {
-    fn new(scene: &Scene<'_>) -> Result<Self, String> {
+impl<P> Built<P> {
+    fn new<T: Real>(scene: &Scene<'_, T>) -> Result<Self, String>
+    where
+        P: Peer<T>,
+    {
         if !P::USES_RAYON {
             return Self::counted(scene);
         }
@@ -23,10 +26,13 @@ impl<P: Peer> Built<P> {
         threads::pool(scene.threads)?.install(|| Self::counted(scene))
     }
 
-    fn counted(scene: &Scene<'_>) -> Result<Self, String> {
+    fn counted<T: Real>(scene: &Scene<'_, T>) -> Result<Self, String>
+    where
+        P: Peer<T>,
+    {
         let before = memory::allocated();
         let all = P::build(scene)?;
-        let others = opaque_triangles::<P>(scene);
+        let others = opaque_triangles::<P, T>(scene);
         let only_them =
             |triangles| Scene { triangles, transmissive: None, indexed: None, ..*scene };
         let opaque =
@@ -38,17 +44,18 @@ impl<P: Peer> Built<P> {
 }
 
 /// The triangles that shadow rays do not pass, for a peer that needs them apart.
-fn opaque_triangles<P: Peer>(scene: &Scene<'_>) -> Option<Vec<Triangle>> {
+fn opaque_triangles<P: Peer<T>, T: Real>(scene: &Scene<'_, T>) -> Option<Vec<Triangle<T>>> {
     let are_some = (0..scene.triangles.len()).any(|id| scene.is_transmissive(id));
     if P::SHADOWS != Shadows::All || !are_some {
         return None;
     }
     let opaque =
-        |(id, triangle): (usize, &Triangle)| (!scene.is_transmissive(id)).then_some(*triangle);
-    let mut others: Vec<Triangle> = scene.triangles.iter().enumerate().filter_map(opaque).collect();
+        |(id, triangle): (usize, &Triangle<T>)| (!scene.is_transmissive(id)).then_some(*triangle);
+    let mut others: Vec<Triangle<T>> =
+        scene.triangles.iter().enumerate().filter_map(opaque).collect();
     if others.is_empty() {
         // there is nothing to build over: a point that nothing hits
-        others.push([[0.0; 3]; 3]);
+        others.push([[T::zeroed(); 3]; 3]);
     }
     Some(others)
 }
@@ -57,14 +64,14 @@ fn opaque_triangles<P: Peer>(scene: &Scene<'_>) -> Option<Vec<Triangle>> {
 ///
 /// # Safety
 /// As rtbench.h says.
-pub(crate) unsafe extern "C" fn build<P: Peer>(
-    scene: *const abi::Scene,
+pub(crate) unsafe extern "C" fn build<P: Peer<T>, T: Real>(
+    scene: *const abi::Scene<T>,
     built: *mut *mut c_void,
     message: *mut c_char,
     message_size: usize,
 ) -> c_int {
     // SAFETY: by the contract
-    let attempt = || unsafe { Scene::read::<P, _>(&*scene, Built::<P>::new) };
+    let attempt = || unsafe { Scene::read::<P, _>(&*scene, Built::<P>::new::<T>) };
     let reason = match panics::as_reason(attempt) {
         Ok(whole) => {
             // SAFETY: by the contract
@@ -94,16 +101,16 @@ pub(crate) unsafe extern "C" fn build<P: Peer>(
 ///
 /// # Safety
 /// As rtbench.h says.
-pub(crate) unsafe extern "C" fn closest<P: Peer>(
+pub(crate) unsafe extern "C" fn closest<P: Peer<T>, T: Real>(
     built: *mut c_void,
-    rays: *const Ray,
-    hits: *mut Hit,
+    rays: *const Ray<T>,
+    hits: *mut Hit<T>,
     count: usize,
 ) {
     // SAFETY: by the contract
     let (all, rays) = unsafe { (&(*built.cast::<Built<P>>()).all, rays_of(rays, count)) };
     for (i, ray) in rays.iter().enumerate() {
-        let hit = all.closest(ray).unwrap_or(Hit { t: ray.t_max, id: abi::MISS });
+        let hit = all.closest(ray).unwrap_or(Hit::new(ray.t_max, abi::MISS));
         // SAFETY: there are as many hits; nothing is read of them
         unsafe { hits.add(i).write(hit) };
     }
@@ -113,9 +120,9 @@ pub(crate) unsafe extern "C" fn closest<P: Peer>(
 ///
 /// # Safety
 /// As rtbench.h says.
-pub(crate) unsafe extern "C" fn occluded<P: Peer>(
+pub(crate) unsafe extern "C" fn occluded<P: Peer<T>, T: Real>(
     built: *mut c_void,
-    rays: *const Ray,
+    rays: *const Ray<T>,
     blocked: *mut u8,
     count: usize,
 ) {
@@ -131,7 +138,7 @@ pub(crate) unsafe extern "C" fn occluded<P: Peer>(
 
 /// # Safety
 /// There are that many.
-unsafe fn rays_of<'a>(rays: *const Ray, count: usize) -> &'a [Ray] {
+unsafe fn rays_of<'a, T>(rays: *const Ray<T>, count: usize) -> &'a [Ray<T>] {
     match count {
         0 => &[],
         // SAFETY: by the contract
@@ -143,7 +150,7 @@ unsafe fn rays_of<'a>(rays: *const Ray, count: usize) -> &'a [Ray] {
 ///
 /// # Safety
 /// As rtbench.h says.
-pub(crate) unsafe extern "C" fn stats<P: Peer>(built: *mut c_void, stats: *mut Stats) {
+pub(crate) unsafe extern "C" fn stats<P: Peer<T>, T: Real>(built: *mut c_void, stats: *mut Stats) {
     // SAFETY: by the contract
     let (built, stats) = unsafe { (&*built.cast::<Built<P>>(), &mut *stats) };
     stats.bytes = built.bytes;
@@ -156,7 +163,7 @@ pub(crate) unsafe extern "C" fn stats<P: Peer>(built: *mut c_void, stats: *mut S
 ///
 /// # Safety
 /// As rtbench.h says.
-pub(crate) unsafe extern "C" fn destroy<P: Peer>(built: *mut c_void) {
+pub(crate) unsafe extern "C" fn destroy<P>(built: *mut c_void) {
     // SAFETY: by the contract: it is of `build`, and nobody asks it any more
     drop(unsafe { Box::from_raw(built.cast::<Built<P>>()) });
 }

@@ -2,7 +2,7 @@
 
 use std::ffi::{CString, c_char};
 
-use crate::{Peer, Shadows, abi, built};
+use crate::{Peer, Real, Shadows, abi, built};
 
 /// The row of a peer.
 #[derive(Debug, Clone, Copy)]
@@ -56,12 +56,24 @@ impl Described {
 
 /// The description of a peer.
 pub fn describe<P: Peer>() -> Described {
+    described::<P>(abi::Functions::NONE)
+}
+
+/// The description of a peer in both precisions.
+pub fn describe_both<P: Peer, Q: Peer<f64>>() -> Described {
+    described::<P>(functions::<Q, f64>())
+}
+
+fn described<P: Peer>(in_f64: abi::Functions<f64>) -> Described {
     let Description { name, library, summary, settings } = P::DESCRIPTION;
     let settings: Vec<abi::Setting> = settings.iter().map(setting).collect();
     let settings: &'static [abi::Setting] = settings.leak();
-    let has_occlusion = P::SHADOWS != Shadows::None;
     let mut answers = abi::TRIANGLES_F32;
-    for (is_there, bit) in [(has_occlusion, abi::OCCLUSION), (P::ASKS_INDICES, abi::INDICES)] {
+    for (is_there, bit) in [
+        (P::SHADOWS != Shadows::None, abi::OCCLUSION),
+        (P::ASKS_INDICES, abi::INDICES),
+        (in_f64.build.is_some(), abi::TRIANGLES_F64),
+    ] {
         answers |= if is_there { bit } else { 0 };
     }
     Described(Box::leak(Box::new(abi::Plugin {
@@ -75,13 +87,20 @@ pub fn describe<P: Peer>() -> Described {
         test: abi::OWN_TEST,
         settings_count: settings.len() as u32,
         settings: settings.as_ptr(),
-        build: Some(built::build::<P>),
-        closest: Some(built::closest::<P>),
-        occluded: if has_occlusion { Some(built::occluded::<P>) } else { None },
-        stats: Some(built::stats::<P>),
+        in_f32: functions::<P, f32>(),
+        in_f64,
+    })))
+}
+
+fn functions<P: Peer<T>, T: Real>() -> abi::Functions<T> {
+    abi::Functions {
+        build: Some(built::build::<P, T>),
+        closest: Some(built::closest::<P, T>),
+        occluded: if P::SHADOWS == Shadows::None { None } else { Some(built::occluded::<P, T>) },
+        stats: Some(built::stats::<P, T>),
         count: None,
         destroy: Some(built::destroy::<P>),
-    })))
+    }
 }
 
 fn setting(setting: &Setting) -> abi::Setting {

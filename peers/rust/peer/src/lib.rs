@@ -15,8 +15,10 @@ mod threads;
 pub mod trial;
 pub mod triangle;
 
-pub use abi::{Hit, Ray, Stats};
-pub use description::{Described, Description, Kind, Setting, describe, locked_version};
+pub use abi::{Hit, Ray, Real, Stats};
+pub use description::{
+    Described, Description, Kind, Setting, describe, describe_both, locked_version,
+};
 pub use scene::{Indexed, Scene, Settings, Triangle};
 
 /// What a library does with shadow rays.
@@ -31,8 +33,8 @@ pub enum Shadows {
     All,
 }
 
-/// A structure of a library, over triangles.
-pub trait Peer: Sized + Send + Sync + 'static {
+/// A structure of a library, over triangles with coordinates of type `T`.
+pub trait Peer<T: Real = f32>: Sized + Send + Sync + 'static {
     /// The row and its settings.
     const DESCRIPTION: Description;
     /// Its query for shadow rays.
@@ -46,13 +48,13 @@ pub trait Peer: Sized + Send + Sync + 'static {
     ///
     /// # Errors
     /// The reason why it is not built; a panic is one, too.
-    fn build(scene: &Scene<'_>) -> Result<Self, String>;
+    fn build(scene: &Scene<'_, T>) -> Result<Self, String>;
 
     /// The closest hit of a ray, if there is one.
-    fn closest(&self, ray: &Ray) -> Option<Hit>;
+    fn closest(&self, ray: &Ray<T>) -> Option<Hit<T>>;
 
     /// Whether something is in the way. Not asked with [`Shadows::None`].
-    fn occluded(&self, ray: &Ray) -> bool {
+    fn occluded(&self, ray: &Ray<T>) -> bool {
         self.closest(ray).is_some()
     }
 
@@ -60,15 +62,21 @@ pub trait Peer: Sized + Send + Sync + 'static {
     fn stats(&self, stats: &mut Stats);
 }
 
-/// Exports the one symbol of a plugin, for a [`Peer`].
+/// Exports the one symbol of a plugin, for a [`Peer`]; with a second one, over `f64`, for both precisions.
 #[macro_export]
 macro_rules! export {
     ($peer:ty) => {
+        $crate::export!(=> $crate::describe::<$peer>());
+    };
+    ($peer:ty, $peer_f64:ty) => {
+        $crate::export!(=> $crate::describe_both::<$peer, $peer_f64>());
+    };
+    (=> $described:expr) => {
         /// `rtbench_plugin_describe` of rtbench.h.
         #[unsafe(no_mangle)]
         pub extern "C" fn rtbench_plugin_describe() -> *const $crate::abi::Plugin {
             static PLUGIN: std::sync::OnceLock<$crate::Described> = std::sync::OnceLock::new();
-            PLUGIN.get_or_init($crate::describe::<$peer>).as_ptr()
+            PLUGIN.get_or_init(|| $described).as_ptr()
         }
     };
 }

@@ -2,20 +2,20 @@
 
 use std::ffi::CStr;
 
-use crate::{Peer, Setting, abi};
+use crate::{Peer, Real, Setting, abi};
 
 /// A triangle: the coordinates of its corners.
-pub type Triangle = [[f32; 3]; 3];
+pub type Triangle<T = f32> = [[T; 3]; 3];
 
 /// What is built over. It is gone after the build.
 #[derive(Debug, Clone, Copy)]
-pub struct Scene<'a> {
+pub struct Scene<'a, T = f32> {
     /// At least one.
-    pub triangles: &'a [Triangle],
+    pub triangles: &'a [Triangle<T>],
     /// A byte for each, not 0 where shadow rays pass; none where they pass nowhere.
     pub transmissive: Option<&'a [u8]>,
     /// The same triangles with each vertex once, for peers that ask for them.
-    pub indexed: Option<Indexed<'a>>,
+    pub indexed: Option<Indexed<'a, T>>,
     /// How many threads the build may use.
     pub threads: usize,
     /// What the user says.
@@ -24,9 +24,9 @@ pub struct Scene<'a> {
 
 /// Triangles as vertices and indices.
 #[derive(Debug, Clone, Copy)]
-pub struct Indexed<'a> {
+pub struct Indexed<'a, T = f32> {
     /// Each once.
-    pub vertices: &'a [[f32; 3]],
+    pub vertices: &'a [[T; 3]],
     /// Three of them for each triangle.
     pub triangles: &'a [[u32; 3]],
 }
@@ -58,7 +58,7 @@ impl Settings<'_> {
     }
 }
 
-impl Scene<'_> {
+impl<T: Real> Scene<'_, T> {
     /// Whether shadow rays pass a triangle.
     pub fn is_transmissive(&self, id: usize) -> bool {
         self.transmissive.is_some_and(|flags| flags[id] != 0)
@@ -71,21 +71,21 @@ impl Scene<'_> {
     ///
     /// # Errors
     /// Those of `f`, or that the scene is of an rtbench from before indices.
-    pub(crate) unsafe fn read<P: Peer, R>(
-        scene: &abi::Scene,
-        f: impl FnOnce(&Scene<'_>) -> Result<R, String>,
+    pub(crate) unsafe fn read<P: Peer<T>, R>(
+        scene: &abi::Scene<T>,
+        f: impl FnOnce(&Scene<'_, T>) -> Result<R, String>,
     ) -> Result<R, String> {
         let described = P::DESCRIPTION.settings;
         let count = scene.triangles as usize;
         let has_indices =
-            scene.size as usize >= size_of::<abi::Scene>() && !scene.indices.is_null();
+            scene.size as usize >= size_of::<abi::Scene<T>>() && !scene.indices.is_null();
         if P::ASKS_INDICES && !has_indices {
             return Err("this rtbench hands over no indices".into());
         }
         // SAFETY: by the contract: as many triangles, flags and values as are said
         let (triangles, transmissive, values) = unsafe {
             (
-                std::slice::from_raw_parts(scene.positions.cast::<Triangle>(), count),
+                std::slice::from_raw_parts(scene.positions.cast::<Triangle<T>>(), count),
                 (!scene.transmissive.is_null())
                     .then(|| std::slice::from_raw_parts(scene.transmissive, count)),
                 (0..described.len()).map(|i| CStr::from_ptr(*scene.settings.add(i))),

@@ -4,6 +4,7 @@ use std::ffi::{CStr, CString, c_char, c_int, c_void};
 
 use crate::abi::{self, Hit, Plugin, Prepared, Ray};
 use crate::scene::Triangle;
+use crate::triangle::Number;
 
 /// Nearer to an edge than this, in parts of a triangle, or so near to an end of its interval, a ray may hit or not.
 const EDGE: f64 = 1e-4;
@@ -14,10 +15,10 @@ const NEAR: f64 = -0.1;
 const ROUNDING: f64 = 1e-4;
 
 /// What a plugin built.
-pub struct Trial<'a> {
+pub struct Trial<'a, T: Number = f32> {
     plugin: &'static Plugin,
     built: *mut c_void,
-    triangles: &'a [Triangle],
+    triangles: &'a [Triangle<T>],
     transmissive: &'a [u8],
 }
 
@@ -43,7 +44,7 @@ impl Faults {
     }
 }
 
-impl<'a> Trial<'a> {
+impl<'a, T: Number> Trial<'a, T> {
     /// Builds over triangles; a byte for each says whether shadow rays pass (none: nowhere). `settings` is as
     /// behind `-s NAME:`, other settings have their defaults.
     ///
@@ -54,7 +55,7 @@ impl<'a> Trial<'a> {
     /// If there is no such setting.
     pub fn build(
         describe: extern "C" fn() -> *const Plugin,
-        triangles: &'a [Triangle],
+        triangles: &'a [Triangle<T>],
         transmissive: &'a [u8],
         settings: &str,
         threads: u32,
@@ -66,7 +67,7 @@ impl<'a> Trial<'a> {
         let vertices = triangles.as_flattened();
         let indices: Vec<u32> = (0..vertices.len() as u32).collect();
         let scene = abi::Scene {
-            size: size_of::<abi::Scene>() as u32,
+            size: size_of::<abi::Scene<T>>() as u32,
             threads,
             triangles: triangles.len() as u64,
             positions: vertices.as_flattened().as_ptr(),
@@ -77,14 +78,14 @@ impl<'a> Trial<'a> {
             },
             settings: pointers.as_ptr(),
             host: std::ptr::null(),
-            prepare,
-            intersect,
+            prepare: prepare::<T>,
+            intersect: intersect::<T>,
             vertex_count: vertices.len() as u64,
             vertices: vertices.as_flattened().as_ptr(),
             indices: indices.as_ptr(),
         };
         let (mut built, mut message) = (std::ptr::null_mut(), [0u8; 64]);
-        let build = plugin.build.expect("every plugin builds");
+        let build = T::functions(plugin).build.expect("every plugin builds");
         // SAFETY: as rtbench.h says
         let code = unsafe {
             build(&raw const scene, &raw mut built, message.as_mut_ptr().cast(), message.len())
@@ -97,21 +98,20 @@ impl<'a> Trial<'a> {
     }
 
     /// The closest hits.
-    pub fn closest(&self, rays: &[Ray]) -> Vec<Hit> {
-        let mut hits = vec![Hit { t: f32::NAN, id: 0x7fff_ffff }; rays.len()];
-        let closest = self.plugin.closest.expect("every plugin answers");
+    pub fn closest(&self, rays: &[Ray<T>]) -> Vec<Hit<T>> {
+        let mut hits = vec![Hit::new(T::from(f32::NAN), 0x7fff_ffff); rays.len()];
+        let closest = T::functions(self.plugin).closest.expect("every plugin answers");
         // SAFETY: as rtbench.h says
         unsafe { closest(self.built, rays.as_ptr(), hits.as_mut_ptr(), rays.len()) };
         hits
     }
 
     /// Which rays are blocked; none if the plugin has no query for it.
-    pub fn occluded(&self, rays: &[Ray]) -> Option<Vec<u8>> {
+    pub fn occluded(&self, rays: &[Ray<T>]) -> Option<Vec<u8>> {
+        let occluded = T::functions(self.plugin).occluded?;
         let mut blocked = vec![7; rays.len()];
         // SAFETY: as rtbench.h says
-        unsafe {
-            self.plugin.occluded?(self.built, rays.as_ptr(), blocked.as_mut_ptr(), rays.len())
-        };
+        unsafe { occluded(self.built, rays.as_ptr(), blocked.as_mut_ptr(), rays.len()) };
         Some(blocked)
     }
 
@@ -119,13 +119,14 @@ impl<'a> Trial<'a> {
     pub fn stats(&self) -> abi::Stats {
         let mut stats =
             abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };
+        let ask = T::functions(self.plugin).stats.expect("every peer has these");
         // SAFETY: as rtbench.h says
-        unsafe { self.plugin.stats.expect("every peer has these")(self.built, &raw mut stats) };
+        unsafe { ask(self.built, &raw mut stats) };
         stats
     }
 
     /// Asks for everything, and compares it.
-    pub fn faults(&self, rays: &[Ray]) -> Faults {
+    pub fn faults(&self, rays: &[Ray<T>]) -> Faults {
         let mut faults = Faults::default();
         let hits = self.closest(rays);
         let blocked = self.occluded(rays);
@@ -138,7 +139,7 @@ impl<'a> Trial<'a> {
                     (None, _) => faults.invented += 1,
                     (Some(_), abi::MISS) => faults.lost += 1,
                     (Some((id, t)), found) => {
-                        let is_near = (f64::from(hits[i].t) - t).abs() <= ROUNDING * t.abs();
+                        let is_near = (hits[i].t.into() - t).abs() <= ROUNDING * t.abs();
                         faults.elsewhere += usize::from(found as usize != id || !is_near);
                     }
                 }
@@ -154,11 +155,11 @@ impl<'a> Trial<'a> {
     }
 
     /// The nearest hit of the triangles chosen, if there is one; and where the first one lies that may be one.
-    fn nearest(&self, ray: &Ray, of: impl Fn(usize) -> bool) -> (Option<(usize, f64)>, f64) {
+    fn nearest(&self, ray: &Ray<T>, of: impl Fn(usize) -> bool) -> (Option<(usize, f64)>, f64) {
         let mut nearest: Option<(usize, f64)> = None;
         let mut first_doubt = f64::INFINITY;
-        let (low, high) = (f64::from(ray.t_min), f64::from(ray.t_max));
-        let length = ray.direction.map(|x| f64::from(x).powi(2)).iter().sum::<f64>().sqrt();
+        let (low, high) = (ray.t_min.into(), ray.t_max.into());
+        let length = ray.direction.map(|x| x.into().powi(2)).iter().sum::<f64>().sqrt();
         for (id, triangle) in self.triangles.iter().enumerate().filter(|(id, _)| of(*id)) {
             let (inside, t, sine) = hit(triangle, ray);
             let is_grazing = sine < GRAZING && inside > NEAR;
@@ -177,10 +178,11 @@ impl<'a> Trial<'a> {
     }
 }
 
-impl Drop for Trial<'_> {
+impl<T: Number> Drop for Trial<'_, T> {
     fn drop(&mut self) {
+        let destroy = T::functions(self.plugin).destroy.expect("every plugin has this");
         // SAFETY: as rtbench.h says
-        unsafe { self.plugin.destroy.expect("every plugin has this")(self.built) };
+        unsafe { destroy(self.built) };
     }
 }
 
@@ -201,9 +203,9 @@ fn values(plugin: &Plugin, settings: &str) -> Vec<CString> {
 
 /// How far inside a triangle a ray's line goes, in parts of it (negative: outside), its parameter there, and the
 /// sine of its angle with the plane.
-fn hit(triangle: &Triangle, ray: &Ray) -> (f64, f64, f64) {
-    let [a, b, c] = triangle.map(|corner| corner.map(f64::from));
-    let (origin, direction) = (ray.origin.map(f64::from), ray.direction.map(f64::from));
+fn hit<T: Number>(triangle: &Triangle<T>, ray: &Ray<T>) -> (f64, f64, f64) {
+    let [a, b, c] = triangle.map(|corner| corner.map(Into::into));
+    let (origin, direction) = (ray.origin.map(Into::into), ray.direction.map(Into::into));
     let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let cross = |a: [f64; 3], b: [f64; 3]| {
@@ -264,16 +266,16 @@ fn point(i: usize) -> [f32; 3] {
 
 /// # Safety
 /// Never called: peers have their own test.
-unsafe extern "C" fn prepare(_: *const c_void, _: *const Ray, _: *mut Prepared) {}
+unsafe extern "C" fn prepare<T: Number>(_: *const c_void, _: *const Ray<T>, _: *mut Prepared<T>) {}
 
 /// # Safety
 /// Likewise.
-unsafe extern "C" fn intersect(
+unsafe extern "C" fn intersect<T: Number>(
     _: *const c_void,
-    _: *const Prepared,
+    _: *const Prepared<T>,
     _: u32,
-    _: f32,
-    _: *mut f32,
+    _: T,
+    _: *mut T,
 ) -> c_int {
     0
 }

@@ -168,7 +168,7 @@ impl Rtbvh {
         let mut best = None;
         for (id, own) in candidates {
             if self.hits(id, own, ray) {
-                best = Some(Hit { t: own.t, id });
+                best = Some(Hit::new(own.t, id));
             }
         }
         best

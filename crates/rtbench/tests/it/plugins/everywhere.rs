@@ -102,27 +102,46 @@ fn indices_are_for_those_who_ask() {
     for more in [&[][..], &["-DNOT_ASKED"]] {
         let Some(plugin) = compiled(&folder, source, more) else { return };
         for place in [&[][..], &["--in-process"]] {
-            let (code, record, said) = run(&plugin, "wide-bvh,indexed", place);
-            assert_eq!(code, 0, "{said}");
-            let theirs = row(&record, "indexed");
-            assert_eq!((theirs.verdict, theirs.mismatches), (Verdict::Ok, 0));
+            for precision in ["f32", "f64"] {
+                let place = [place, &["--precision", precision]].concat();
+                let (code, record, said) = run(&plugin, "wide-bvh,indexed", &place);
+                assert_eq!(code, 0, "{said}");
+                let theirs = row(&record, "indexed");
+                assert_eq!((theirs.verdict, theirs.mismatches), (Verdict::Ok, 0));
+            }
         }
     }
-    // a plugin from before them: its header has a smaller scene
+}
+
+#[test]
+fn plugins_of_earlier_headers_go_on_working() {
+    let folder = Folder::new();
+    // the scene was smaller before indices, and the plugin before f64
     let header = std::fs::read_to_string(root().join("crates/plugins/include/rtbench.h")).unwrap();
     let (before, rest) =
         header.split_once("    /* The same triangles with each vertex once").unwrap();
     let (_, after) = rest.split_once("} rtbench_scene;").unwrap();
-    let older = format!("{before}}} rtbench_scene;{after}");
-    assert!(!older.contains("vertex_count;"));
+    let after = after.replace("RTBENCH_HAS_INDICES(scene)", "NOT_THERE(scene)");
+    let (between, rest) = after.split_once("/* The four structs above in double").unwrap();
+    let (_, rest) = rest.split_once("} rtbench_scene_f64;").unwrap();
+    let (plugin, rest) = rest.split_once("    /* The same six for a plugin").unwrap();
+    let (_, rest) = rest.split_once("} rtbench_plugin;").unwrap();
+    let older = format!("{before}}} rtbench_scene;{between}{plugin}}} rtbench_plugin;{rest}");
+    assert!(!older.contains("vertex_count;") && !older.contains("_f64"));
     std::fs::write(Path::new(&folder.path()).join("rtbench.h"), older).unwrap();
     let path = folder.path();
     let Some(older) = compiled(&folder, "peers/brute-c/brute.c", &["-iquote", &path]) else {
         return;
     };
-    let (code, record, said) = run(&older, "wide-bvh,brute-c", &[]);
-    assert_eq!(code, 0, "{said}");
-    assert_eq!(row(&record, "brute-c").verdict, Verdict::Ok);
+    for place in [&[][..], &["--in-process"]] {
+        let (code, record, said) = run(&older, "wide-bvh,brute-c", place);
+        assert_eq!(code, 0, "{said}");
+        assert_eq!(row(&record, "brute-c").verdict, Verdict::Ok);
+        let place = [place, &["--precision", "f64"]].concat();
+        let (_, record, said) = run(&older, "wide-bvh,brute-c", &place);
+        assert!(said.contains("serves f32 only (it lacks RTBENCH_TRIANGLES_F64)"), "{said}");
+        assert_eq!(row(&record, "brute-c").verdict, Verdict::NotBuilt);
+    }
 }
 
 #[test]

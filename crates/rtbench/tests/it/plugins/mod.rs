@@ -71,7 +71,15 @@ fn run(plugin: &Path, rows: &str, more: &[&str]) -> (i32, RunRecord, String) {
 fn a_plugin_stands_beside_our_structures() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };
-    for more in [&[][..], &["--in-process"], &["-j", "2"], &["-j", "2", "--in-process"]] {
+    let in_f64 = ["--precision", "f64", "-j", "2", "--in-process"];
+    for more in [
+        &[][..],
+        &["--in-process"],
+        &["-j", "2"],
+        &["-j", "2", "--in-process"],
+        &in_f64[..2],
+        &in_f64,
+    ] {
         let (code, record, said) = run(&plugin, "wide-bvh,minimal-cpp:leaf=2", more);
         assert_eq!(code, 0, "{said}");
         let (ours, theirs) = (row(&record, "wide-bvh"), row(&record, "minimal-cpp leaf=2"));
@@ -138,6 +146,19 @@ fn planted_faults_are_named() {
 }
 
 #[test]
+fn a_test_in_f32_is_wrong_in_a_run_in_f64() {
+    let folder = Folder::new();
+    let Some(plugin) = minimal(&folder) else { return };
+    let rows = "wide-bvh,minimal-cpp,minimal-cpp:fault=single";
+    let (code, record, said) = run(&plugin, rows, &["--precision", "f64"]);
+    assert_eq!(code, 4, "{said}");
+    assert_eq!(row(&record, "minimal-cpp").verdict, Verdict::Ok);
+    let wrong = row(&record, "minimal-cpp fault=single");
+    assert_eq!(wrong.verdict, Verdict::Wrong);
+    assert!(wrong.mismatches * 4 > wrong.checked_rays, "{said}");
+}
+
+#[test]
 fn with_our_triangle_test_all_bits_are_right() {
     let folder = Folder::new();
     let Some(plugin) = compiled(&folder, "peers/brute-c/brute.c", &[]) else { return };
@@ -169,6 +190,12 @@ fn files_that_are_no_plugins_are_refused() {
     refused(&text.with_extension("not"), "No such file", &[]);
     let Some(plugin) = minimal(&folder) else { return };
     refused(&plugin, "expected a whole number from 1 to 64", &["-s", "minimal-cpp:leaf=0"]);
+    let source = "crates/rtbench/tests/it/plugins/indexed.c";
+    let Some(incomplete) = compiled(&folder, source, &["-DNO_FUNCTION"]) else { return };
+    for place in [&[][..], &["--in-process"]] {
+        let words = "it answers RTBENCH_TRIANGLES_F64, but its function 'closest_f64' is NULL";
+        refused(&incomplete, words, place);
+    }
     let other = Folder::new();
     let version = ["-DRTBENCH_ABI_VERSION=99u", "-Wno-error", "-w"];
     let newer = std::fs::read_to_string(root().join("crates/plugins/include/rtbench.h")).unwrap();

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use super::{minimal, rtbench};
+use super::{compiled, minimal, rtbench};
 use crate::common::Folder;
 
 fn ended(arguments: &[&str]) -> (i32, String, String) {
@@ -64,15 +64,17 @@ fn rays_as_text_are_traced_by_several_rows() {
     }
     for precision in ["f32", "f64"] {
         let (code, out, err) = ended(&[&arguments[..], &["--precision", precision]].concat());
-        if plugin.is_some() && precision == "f64" {
-            assert!(code == 1 && err.contains("plugins serve f32 only"), "{err}");
-            arguments.truncate(6);
-            continue;
-        }
         assert_eq!(code, 0, "{err}");
+        let of_f64 = out.matches("(0x1.5555555555555p-1)").count();
+        assert_eq!(of_f64, if precision == "f64" { out.lines().count() / 2 } else { 0 }, "{out}");
         let hit = "ray 0: primitive 0 at t = 0.666666";
         assert_eq!(out.matches(hit).count(), out.lines().count() / 2, "{out}");
         assert!(out.contains("(0x1.5555") && out.contains("ray 1: no hit"), "{out}");
+    }
+    if let Some(plugin) = compiled(&folder, "peers/brute-c/brute.c", &[]) {
+        let plugin = ["--plugin", plugin.to_str().unwrap(), "--precision", "f64"];
+        let (code, _, err) = ended(&[&arguments[..4], &plugin, &["-s", "brute-c"]].concat());
+        assert!(code == 1 && err.contains("brute-c: cannot be built: serves f32 only"), "{err}");
     }
     for (text, said) in [("1 2 3\n", ":1: 3 numbers"), ("\n1 2 3 0 0 0 x 1\n", ":2: 'x' is no")] {
         fs::write(&rays, text).unwrap();

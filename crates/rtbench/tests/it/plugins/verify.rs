@@ -11,7 +11,7 @@ use crate::common::{Folder, PLANTED, run_with};
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
-/// Exit code, counts over all cases, and all it says.
+/// Exit code, counts over all cases, in both precisions and in each, and all it says.
 fn verify(
     plugin: &Path,
     row: &str,
@@ -26,9 +26,13 @@ fn verify(
     let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
     let names = ["trials", "mismatches", "last_bits", "at_edges", "lost", "invented", "wrong_id"];
     let rows = folder.csv();
-    let sum = |name: &str| rows.iter().map(|row| row[name].parse::<u64>().unwrap()).sum();
-    let counts = names.map(|name| (name.to_owned(), sum(name)));
-    (ended.status.code().unwrap(), counts.into(), said)
+    let mut counts = HashMap::new();
+    for (row, name) in rows.iter().flat_map(|row| names.map(|name| (row, name))) {
+        for key in [name.to_owned(), format!("{name} {}", row["precision"])] {
+            *counts.entry(key).or_default() += row[name].parse::<u64>().unwrap();
+        }
+    }
+    (ended.status.code().unwrap(), counts, said)
 }
 
 #[test]
@@ -38,6 +42,37 @@ fn with_our_triangle_test_all_bits_must_be_right() {
     // far rays, and what is no ray, are not asked as they are
     let (code, counts, said) = verify(&plugin, "brute-c", "G1,ray", &[]);
     assert!(code == 0 && counts["last_bits"] == 0, "{said}");
+    assert!(said.contains("serves f32 only (it lacks RTBENCH_TRIANGLES_F64)"), "{said}");
+    assert!(counts["trials f32"] > 0 && counts["trials f64"] == 0, "{said}");
+}
+
+#[test]
+fn with_our_triangle_test_all_bits_must_be_right_in_f64() {
+    let folder = Folder::new();
+    let source = "crates/rtbench/tests/it/plugins/indexed.c";
+    let Some(plugin) = compiled(&folder, source, &[]) else { return };
+    for place in [&[][..], &["--in-process"]] {
+        let (code, counts, said) = verify(&plugin, "indexed", "G1,R1", place);
+        assert!(code == 0 && counts["last_bits"] == 0 && !said.contains("refused"), "{said}");
+        assert_eq!(counts["trials f32"], counts["trials f64"], "{said}");
+    }
+}
+
+#[test]
+fn a_test_in_f32_is_wrong_in_f64() {
+    let folder = Folder::new();
+    let Some(plugin) = minimal(&folder) else { return };
+    for place in [&[][..], &["--in-process"]] {
+        let cases = "G1,R1,R8";
+        let (code, counts, said) = verify(&plugin, "minimal-cpp:fault=single", cases, place);
+        let of = |names: [&str; 3], precision: &str| {
+            names.iter().map(|name| counts[&format!("{name} {precision}")]).sum::<u64>()
+        };
+        let wrong = ["lost", "invented", "wrong_id"];
+        assert_eq!((code, of(wrong, "f32")), (4, 0), "{said}");
+        assert!(of(wrong, "f64") * 10 > counts["trials f64"], "{said}");
+        assert!(said.contains("in f64 ") && said.contains("in f32 "), "{said}");
+    }
 }
 
 #[test]
@@ -54,7 +89,10 @@ fn last_bits_and_edges_are_counted_and_all_else_is_wrong() {
     };
     let (right, wrong, said) = of("none");
     assert_eq!(wrong, [0; 3], "{said}");
-    assert!(right["at_edges"] > 0 && right["last_bits"] > 0, "{said}");
+    for precision in ["f32", "f64"] {
+        assert!(right[&format!("at_edges {precision}")] > 0, "{said}");
+        assert!(right[&format!("last_bits {precision}")] > 0, "{said}");
+    }
     assert!(said.contains("at edges (within 64 ulps of the scene's largest coordinate)"), "{said}");
     // planted: what is tolerated
     let (coarse, wrong, said) = of("last-bits");
@@ -73,9 +111,9 @@ fn a_crash_is_a_failure_of_its_case_alone() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };
     let (code, counts, said) = verify(&plugin, "minimal-cpp:fault=crash", "R1,R5", &[]);
-    // the process of each round in f32 ended; f64 is refused
-    assert!(code == 4 && counts["mismatches"] == 2, "{said}");
-    assert_eq!(said.matches("minimal-cpp fault=crash': crashes: its process ended").count(), 2);
+    // the process of each round ended
+    assert!(code == 4 && counts["mismatches"] == 4, "{said}");
+    assert_eq!(said.matches("minimal-cpp fault=crash': crashes: its process ended").count(), 4);
 }
 
 #[test]
@@ -108,21 +146,25 @@ fn a_lost_hit_is_reduced_to_a_program_that_shows_it() {
     assert!(traced("minimal-cpp").starts_with(&right));
     assert!(!traced("minimal-cpp:fault=drop").starts_with(&right));
     // the program of the bug report, and with the fault mended
-    let program = fs::read_to_string(file("c")).unwrap();
-    for (text, code) in [(program.clone(), 1), (program.replace("\"drop\"", "\"none\""), 0)] {
-        let (source, binary) = (file("try.c"), file("try"));
-        fs::write(&source, text).unwrap();
-        let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
-        let include = root().join("crates/plugins/include");
-        let built = Command::new(compiler)
-            .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-I"])
-            .args([&include, Path::new(&source), &plugin])
-            .args(["-lm", "-o", &binary])
-            .output()
-            .unwrap();
-        assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-        let ended = Command::new(&binary).output().unwrap();
-        assert_eq!(ended.status.code(), Some(code), "{}", String::from_utf8_lossy(&ended.stdout));
+    for precision in ["f32", "f64"] {
+        let file = |ending: &str| format!("{out}/minimal-cpp-fault-drop-R1-{precision}.{ending}");
+        let program = fs::read_to_string(file("c")).unwrap();
+        for (text, code) in [(program.clone(), 1), (program.replace("\"drop\"", "\"none\""), 0)] {
+            let (source, binary) = (file("try.c"), file("try"));
+            fs::write(&source, text).unwrap();
+            let compiler = std::env::var("CC").unwrap_or_else(|_| "cc".into());
+            let include = root().join("crates/plugins/include");
+            let built = Command::new(compiler)
+                .args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-I"])
+                .args([&include, Path::new(&source), &plugin])
+                .args(["-lm", "-o", &binary])
+                .output()
+                .unwrap();
+            assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
+            let ended = Command::new(&binary).output().unwrap();
+            let said = String::from_utf8_lossy(&ended.stdout);
+            assert_eq!(ended.status.code(), Some(code), "{said}");
+        }
     }
     // one trial alone
     let trial = "R1 f32 seed=1 round=0 rays=300 ray=0 minimal-cpp fault=occlusion";
@@ -144,8 +186,7 @@ fn failures_of_our_rows_are_reduced_too() {
         let rays = folder.text(&format!("dropper-G1-{precision}.rays"));
         assert_eq!(rays.lines().filter(|line| !line.starts_with('#')).count(), 1, "{rays}");
     }
-    // the interface is of f32 alone
-    assert!(ended.out.contains("dropper-G1-f32.c") && !ended.out.contains("dropper-G1-f64.c"));
+    assert!(ended.out.contains("dropper-G1-f32.c") && ended.out.contains("dropper-G1-f64.c"));
     let again = run_with(&PLANTED, &InstalledScenes, &SystemClock::default(), &arguments);
     assert!(again.code == 1 && again.err.contains("--overwrite"), "{}", again.err);
 }
