@@ -246,6 +246,7 @@ extern "C" RTBENCH_EXPORT const rtbench_plugin *rtbench_plugin_describe(void) {
         RTBENCH_TRIANGLES_F32 | RTBENCH_OCCLUSION, RTBENCH_ONE_RAY, RTBENCH_OWN_TEST,
         sizeof settings / sizeof *settings, settings,
         build, closest, occluded, stats, nullptr, destroy,
+        nullptr, nullptr, nullptr, nullptr, nullptr, nullptr, // Embree has no f64
     };
     return &plugin;
 }

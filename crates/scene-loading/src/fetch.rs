@@ -20,6 +20,7 @@ use crate::input::read::confined;
 pub struct PackageAsset {
     /// Name of the package.
     pub name: String,
+    /// Its exact version.
     pub version: String,
     /// Path of the file inside the package.
     pub path: String,

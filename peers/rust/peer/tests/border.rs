@@ -65,7 +65,7 @@ impl<const SHADOWS: u8> Peer for Brute<SHADOWS> {
             let t_max = best.map_or(ray.t_max, |hit| hit.t);
             if let Some(t) = peer::triangle::intersect(triangle, &asked, t_max) {
                 let id = id as u32 + u32::from(self.fault == "wrong-id");
-                best = Some(Hit { t, id });
+                best = Some(Hit::new(t, id));
             }
         }
         best.filter(|hit| self.fault != "drops-hits" || hit.id % 8 != 0)
@@ -186,7 +186,7 @@ fn a_plugin_is_described() {
     // SAFETY: it lives as long as the process
     let of = |plugin: Describe| unsafe { &*plugin() };
     let (none, filtered) = (of(plugin::<NONE>), of(plugin::<FILTERED>));
-    assert!(none.occluded.is_none() && filtered.occluded.is_some());
+    assert!(none.in_f32.occluded.is_none() && filtered.in_f32.occluded.is_some());
     assert_eq!([none.answers, filtered.answers], [1, 3]);
     assert_eq!((none.query, none.test, none.settings_count), (0, 0, 2));
     // SAFETY: likewise

@@ -127,7 +127,9 @@ fn plugins_of_earlier_headers_go_on_working() {
     let (plugin, rest) = rest.split_once("    /* The same six for a plugin").unwrap();
     let (_, rest) = rest.split_once("} rtbench_plugin;").unwrap();
     let older = format!("{before}}} rtbench_scene;{between}{plugin}}} rtbench_plugin;{rest}");
-    assert!(!older.contains("vertex_count;") && !older.contains("_f64"));
+    for later in ["vertex_count;", "rtbench_scene_f64", "_f64)("] {
+        assert!(header.contains(later) && !older.contains(later), "{later}");
+    }
     std::fs::write(Path::new(&folder.path()).join("rtbench.h"), older).unwrap();
     let path = folder.path();
     let Some(older) = compiled(&folder, "peers/brute-c/brute.c", &["-iquote", &path]) else {
