@@ -409,10 +409,12 @@ impl<'a, S: Buildable> Judge<'a, S> {
         }
         if let Some((batched, is_blocked)) = answers.in_batch.get(ray / COUNTED) {
             if !is_same(hit, batched) {
-                return Some(format!("said {}, in company {}", told(hit), told(batched)));
+                return Some(format!("said {}, in a coherent batch {}", told(hit), told(batched)));
             }
             if *is_blocked != blocked {
-                return Some(format!("blocked: said {is_blocked} in company, not {blocked}"));
+                return Some(format!(
+                    "blocked: said {is_blocked} in a coherent batch, not {blocked}"
+                ));
             }
         }
         let said = *answers.counted_blocked.get(ray / COUNTED)?;
