@@ -1,6 +1,7 @@
 //! A run without a process: captured outputs, a registry and a clock of the test's choice.
 #![allow(dead_code)]
 
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::time::Duration;
 
@@ -98,6 +99,15 @@ pub fn answered_by_brute_force<S: Scalar, P: PrimSet<S>>(
             blocked.iter_mut().zip(hits).for_each(|(blocked, hit)| *blocked = hit.is_hit());
         }
     }
+}
+
+/// All files below a folder, in no order; of a file that file alone.
+pub fn files_below(path: &Path) -> Vec<PathBuf> {
+    if !path.is_dir() {
+        return vec![path.to_owned()];
+    }
+    let entries = std::fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
+    entries.flat_map(|path| files_below(&path)).collect()
 }
 
 /// Fault planted into the batches of a structure.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::common::{Ended, Folder, run_stepping};
+use crate::common::{Ended, Folder, files_below, run_stepping};
 use measurement::record::RunRecord;
 use measurement::record::made_up;
 use roxmltree::{Document, ParsingOptions};
@@ -64,19 +64,11 @@ fn site_of(folder: &Folder, more: &str) -> (Folder, Ended) {
 /// All pages of a site by their paths within it.
 fn pages(site: &Folder) -> BTreeMap<PathBuf, String> {
     let root = Path::new(&site.path()).join("site");
-    let (mut pages, mut folders) = (BTreeMap::new(), vec![root.clone()]);
-    while let Some(folder) = folders.pop() {
-        for entry in std::fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path)
-            } else {
-                let text = std::fs::read_to_string(&path).unwrap();
-                pages.insert(path.strip_prefix(&root).unwrap().to_owned(), text);
-            }
-        }
-    }
-    pages
+    let page = |path: PathBuf| {
+        let text = std::fs::read_to_string(&path).unwrap();
+        (path.strip_prefix(&root).unwrap().to_owned(), text)
+    };
+    files_below(&root).into_iter().map(page).collect()
 }
 
 fn parsed(page: &str) -> Document<'_> {

@@ -87,16 +87,9 @@ impl ReducedFailure {
         let (hits, blocked) = &self.right;
         let hit = |hit: &Hit<f64>| {
             if hit.is_hit() {
-                format!(
-                    "    {{.t = {}, .id = {}}},
-",
-                    c(hit.t),
-                    hit.id
-                )
+                format!("    {{.t = {}, .id = {}}},\n", c(hit.t), hit.id)
             } else {
-                "    {.t = 0, .id = RTBENCH_MISS},
-"
-                .to_owned()
+                "    {.t = 0, .id = RTBENCH_MISS},\n".to_owned()
             }
         };
         let settings = self.replay.subject.split_whitespace().skip(1);

@@ -172,9 +172,10 @@ impl Surface {
             // where a polygon is seen edge-on it is met anywhere in it
             let nearest = (face.centre - origin).dot(along);
             let is_clear = sine.abs() * face.width > 4.0 * slack;
-            let t = match is_clear {
-                true => [middle - reach, middle + reach],
-                false => [nearest - face.radius - slack, nearest + face.radius + slack],
+            let t = if is_clear {
+                [middle - reach, middle + reach]
+            } else {
+                [nearest - face.radius - slack, nearest + face.radius + slack]
             };
             let t = [t[0] - shift, t[1] + shift].map(|t| t / length);
             Some(LineContact { id, t, near, is_front: is_clear.then_some(sine < 0.0) })

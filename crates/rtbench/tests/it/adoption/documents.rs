@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::{Command, CommandFactory, Parser};
 use rtbench::args::Cli;
 
-use crate::common::run;
+use crate::common::{files_below, run};
 
 /// Commands that print something and measure nothing: they are run.
 const CHEAP: [&str; 5] = ["list", "schema", "completions", "man", "doctor"];
@@ -334,16 +334,10 @@ fn machine_paths(text: &str) -> Vec<&str> {
 
 #[test]
 fn no_folder_of_a_machine_is_published() {
-    let mut pending: Vec<PathBuf> =
-        ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs", "results", "fuzz/seeds"]
-            .map(|name| root().join(name))
-            .into();
+    let published =
+        ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs", "results", "fuzz/seeds"];
     let mut read = 0;
-    while let Some(path) = pending.pop() {
-        if path.is_dir() {
-            pending.extend(std::fs::read_dir(&path).unwrap().map(|entry| entry.unwrap().path()));
-            continue;
-        }
+    for path in published.iter().flat_map(|name| files_below(&root().join(name))) {
         let bytes = std::fs::read(&path).unwrap();
         let found = String::from_utf8_lossy(&bytes);
         let found = machine_paths(&found);

@@ -1,22 +1,12 @@
 //! Records in `results/`: the README beside each names its commit, and the warnings that the record
 //! has.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use crate::common::files_below;
 
 /// Letters of a commit that name it.
 const SHORT: usize = 7;
-
-/// The tables of all records below a folder.
-fn records(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in std::fs::read_dir(folder).unwrap() {
-        let path = entry.unwrap().path();
-        if path.is_dir() {
-            records(&path, found);
-        } else if path.file_name().is_some_and(|name| name == "results.md") {
-            found.push(path);
-        }
-    }
-}
 
 /// What a README does not say of its record, of which these are the tables.
 fn unsaid(readme: &str, tables: &str) -> Vec<String> {
@@ -39,8 +29,8 @@ fn unsaid(readme: &str, tables: &str) -> Vec<String> {
 #[test]
 fn each_readme_names_the_commit_and_the_warnings_of_its_record() {
     let results = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results");
-    let mut found = Vec::new();
-    records(&results, &mut found);
+    let mut found = files_below(&results);
+    found.retain(|path| path.file_name().is_some_and(|name| name == "results.md"));
     assert!(!found.is_empty());
     let mut wrong = Vec::new();
     for path in &found {

@@ -13,6 +13,8 @@ use std::path::Path;
 
 use imports::Imports;
 
+use crate::common::files_below;
+
 /// The crates, each above those before it.
 const FLOORS: [&str; 9] = [
     "accel_core",
@@ -39,23 +41,18 @@ type Arrows = BTreeMap<String, BTreeSet<String>>;
 /// The modules below a folder of sources.
 fn crate_of(folder: &Path) -> Crate {
     let mut modules = Crate::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(next) = folders.pop() {
-        for entry in fs::read_dir(&next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if path.extension().is_some_and(|e| e == "rs") {
-                let within = path.strip_prefix(folder).unwrap().with_extension("");
-                let mut names: Vec<_> =
-                    within.iter().map(|name| name.to_str().unwrap().to_owned()).collect();
-                if matches!(names.last().unwrap().as_str(), "mod" | "lib" | "main") {
-                    names.pop();
-                }
-                let text = fs::read_to_string(&path).unwrap();
-                modules.insert(names.join("::"), imports::read(&text));
-            }
+    for path in files_below(folder) {
+        if path.extension().is_none_or(|e| e != "rs") {
+            continue;
         }
+        let within = path.strip_prefix(folder).unwrap().with_extension("");
+        let mut names: Vec<_> =
+            within.iter().map(|name| name.to_str().unwrap().to_owned()).collect();
+        if matches!(names.last().unwrap().as_str(), "mod" | "lib" | "main") {
+            names.pop();
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        modules.insert(names.join("::"), imports::read(&text));
     }
     modules
 }

@@ -6,6 +6,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::common::files_below;
+
 /// Most bytes of all.
 const MOST: u64 = 4_000_000;
 /// Endings of what is kept. Raw samples, plots and images are in the history.
@@ -36,29 +38,20 @@ fn faults(files: &[(String, u64)], index: &str) -> Vec<String> {
     faults
 }
 
-/// All files below a folder: their paths within it and their sizes.
-fn files_below(folder: &Path) -> Vec<(String, u64)> {
-    let (mut files, mut pending) = (Vec::new(), vec![folder.to_owned()]);
-    while let Some(next) = pending.pop() {
-        for entry in fs::read_dir(&next).unwrap() {
-            let path: PathBuf = entry.unwrap().path();
-            if path.is_dir() {
-                pending.push(path);
-            } else {
-                let within =
-                    path.strip_prefix(folder).unwrap().to_str().unwrap().replace('\\', "/");
-                files.push((within, path.metadata().unwrap().len()));
-            }
-        }
-    }
-    files
+/// The paths of all files of a folder within it, and their sizes.
+fn sizes_in(folder: &Path) -> Vec<(String, u64)> {
+    let size = |path: PathBuf| {
+        let within = path.strip_prefix(folder).unwrap().to_str().unwrap().replace('\\', "/");
+        (within, path.metadata().unwrap().len())
+    };
+    files_below(folder).into_iter().map(size).collect()
 }
 
 #[test]
 fn a_record_replaces_that_of_its_study() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../results");
     let index = fs::read_to_string(folder.join("README.md")).unwrap();
-    assert_eq!(faults(&files_below(&folder), &index), [""; 0]);
+    assert_eq!(faults(&sizes_in(&folder), &index), [""; 0]);
 }
 
 #[test]

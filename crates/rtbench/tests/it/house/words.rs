@@ -1,9 +1,9 @@
 //! Plain words: no listed word in sources, few doc comments that only repeat a name.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use super::{FLOORS, sources};
+use crate::common::files_below;
 
 /// Phrases and names that have a plain word instead.
 const LISTED: [(&str, &str); 12] = [
@@ -55,20 +55,12 @@ fn trivial(text: &str) -> usize {
     (0..lines.len()).filter(|&i| is_alone(i) && is_short(i)).count()
 }
 
-/// The Rust files below a folder.
-fn files(folder: &Path) -> Vec<PathBuf> {
-    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let (folders, sources): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
-    let below: Vec<PathBuf> = folders.iter().flat_map(|folder| files(folder)).collect();
-    let is_rust = |path: &PathBuf| path.extension().is_some_and(|e| e == "rs");
-    sources.into_iter().filter(is_rust).chain(below).collect()
-}
-
 #[test]
 fn sources_use_plain_words() {
     let mut faults = Vec::new();
     let mut short = 0;
-    for path in FLOORS.iter().flat_map(|name| files(&sources(name))) {
+    let files = FLOORS.iter().flat_map(|name| files_below(&sources(name)));
+    for path in files.filter(|path| path.extension().is_some_and(|e| e == "rs")) {
         let text = fs::read_to_string(&path).unwrap();
         short += trivial(&text);
         for (line, of) in text.lines().zip(1..) {
