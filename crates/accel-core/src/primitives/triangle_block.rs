@@ -10,7 +10,7 @@ use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::EightOf;
 use crate::geometry::scalar::Scalar;
-use crate::primitives::shear::Shear;
+use crate::primitives::shear::{Shear, near_factor};
 use crate::primitives::watertight;
 
 const LANES: usize = 8;
@@ -275,7 +275,7 @@ impl<S: Scalar> StartLanes<S> {
             EightOf::<S>::new(velocities.map(|velocity| velocity[axis])) * splat(time)
         });
         let origin: [_; 3] = std::array::from_fn(|k| splat(shear.origin[k]) - along[k]);
-        let near = splat(S::from_i32(20) * S::EPSILON);
+        let near = splat(near_factor::<S>());
         Self { origin, near: near * (splat(magnitude) + origin[2].absolute()) }
     }
 }
