@@ -9,7 +9,7 @@ pub mod light_buffer;
 pub mod mailbox;
 pub mod precision;
 pub mod ray_offset;
-pub mod refracted_shift;
+mod refracted_shift;
 #[cfg(feature = "compiled-tests")]
 mod right_aims;
 #[cfg(feature = "compiled-tests")]
@@ -17,8 +17,8 @@ pub mod right_answers;
 #[cfg(feature = "compiled-tests")]
 mod right_work;
 pub mod secondary_rays;
-pub mod shadow_terminator;
-pub mod smallest_offset;
+mod shadow_terminator;
+mod smallest_offset;
 pub mod sphere_test;
 pub mod time_segments;
 pub mod triangle_aims;
@@ -37,9 +37,6 @@ pub static AXES: &[&Axis] = &[
     &voxel_traversal::AXIS,
     &sphere_test::AXIS,
     &ray_offset::AXIS,
-    &smallest_offset::AXIS,
-    &refracted_shift::AXIS,
-    &shadow_terminator::AXIS,
     &mailbox::AXIS,
     &light_buffer::AXIS,
     &precision::AXIS,

@@ -1,15 +1,20 @@
-//! Rules that keep a ray off the surface it leaves: self-hits against leaks.
+//! Rules that keep a ray off the surface it leaves: self-hits against leaks, and further costs.
 //!
 //! From each hit of an eye ray a ray leaves into the outer half-space, made as the renderer makes
 //! it. Two demands are exact: flat primitives and spheres, seen from outside, are never met again
 //! by a ray that leaves them; and a thin sheet that lies close above the surface is not passed, so
-//! that the first point of the ray that counts lies below it.
+//! that the first point of the ray that counts lies below it. Further columns say how loose the rule
+//! is ([`smallest_offset`]), how far it moves refracted rays ([`refracted_shift`]), and what shadow
+//! rays a smoothly shaded mesh blocks itself ([`shadow_terminator`]).
 
 use glam::DVec3;
 use renderer::Geometry;
 use scene_loading::Scene;
 
-use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height};
+use super::refracted_shift::GlassEntries;
+use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height, in_a_million};
+use super::shadow_terminator::LitPoints;
+use super::smallest_offset::SmallestOffsets;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::record::SceneOutcome;
@@ -38,6 +43,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let moved = moved(scene);
     let moved_geometry = Geometry::<f32>::of(&moved)?;
     let there = SecondaryRays::new(stage, &moved, &moved_geometry)?;
+    let double = Geometry::<f64>::of(scene)?;
+    let smallest = SmallestOffsets::new(&here, &stage.prepared.geometry, &double);
+    let glass = GlassEntries::new(stage, &here, &double)?;
+    let lit = LitPoints::new(scene, &here);
     let mut variants = Vec::new();
     for (name, rule) in RULES {
         let work = here.work(rule, here.outward());
@@ -45,14 +54,17 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let far = judged(&there, &there.work(rule, there.outward()));
         let mut tally = TrialCounts::default();
         tally.add_all(found.self_hits + found.leaks, found.trials);
-        let share = |n: u64, all: u64| n as f64 / all.max(1) as f64 * 1e6;
+        let mut also = vec![
+            ("self-hits in 10^6", in_a_million(found.self_hits, found.trials)),
+            ("leaks in 10^6", in_a_million(found.leaks, found.trials)),
+            ("self-hits in 10^6 100 diagonals away", in_a_million(far.self_hits, far.trials)),
+        ];
+        also.extend(smallest.columns(&here, &work));
+        also.extend(glass.columns(&here, rule));
+        also.extend(lit.columns(&here, rule));
         variants.push(Variant {
             error: tally.error(),
-            also: vec![
-                ("self-hits in 10^6", share(found.self_hits, found.trials)),
-                ("leaks in 10^6", share(found.leaks, found.trials)),
-                ("self-hits in 10^6 100 diagonals away", share(far.self_hits, far.trials)),
-            ],
+            also,
             ..work.variant(name, stage.timed_rays)
         });
     }
@@ -60,7 +72,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let said = AxisReport {
         timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
         judged: format!(
-            "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above"
+            "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above; {}; {}; {}",
+            smallest.words(),
+            glass.words(),
+            lit.words()
         ),
         ..AxisReport::default()
     };

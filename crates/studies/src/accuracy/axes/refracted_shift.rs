@@ -9,29 +9,13 @@ use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 use renderer::Geometry;
+use renderer::ray_offset::OffsetRule;
 use renderer::surface::{SurfacePoint, refract};
 
-use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, quantile};
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
+use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, in_a_million, quantile};
 use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::error::StudyError;
-use measurement::plan::ray_overrides::RULES;
 use measurement::plan::rows::Row;
-
-pub static AXIS: Axis = Axis {
-    name: "refracted-shift",
-    summary: "how far a rule of offsets moves the point at which a refracted ray leaves a body",
-    paper: "Waechter, Binder 2019; Mitsuba 3, issue 219",
-    metric: "refracted rays in 10^6 that leave the body more than 10^-5 diagonals from where they \
-             would without an offset",
-    reference: "the same ray from the exact hit point, in f64, without an offset",
-    scenes: &["balls", "teapot", "pavilion"],
-    setting: "rays.offset",
-    measure: Measure::Whole(measure),
-};
 
 /// Index of refraction of glass.
 const INDEX: f64 = 1.5;
@@ -39,63 +23,73 @@ const INDEX: f64 = 1.5;
 /// An exact ray begins so many diagonals from its refined hit: rounding in f64 is 10^6 times less.
 const BEGIN: f64 = 1e-10;
 
-fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let secondary = SecondaryRays::new(stage, stage.scene(), &stage.prepared.geometry)?;
-    let geometry = Geometry::<f64>::of(stage.scene())?;
-    let row = Row::parse(stage.registry, TRACER)?;
-    let double: Box<dyn Tracer<f64>> =
-        row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
-    let entering = |d: &Departure| {
-        let point = secondary.point(d);
-        Some((point, refracted(&point, d.incoming)?))
-    };
-    let entries: Vec<(SurfacePoint<'_>, DVec3)> =
-        secondary.departures.iter().filter_map(entering).collect();
-    let exact: Vec<Ray<f64>> = entries
-        .iter()
-        .map(|(point, along)| Ray {
-            t_min: BEGIN * secondary.diagonal,
+/// Rays into what the eye sees, and where they leave it without an offset.
+pub struct GlassEntries<'a> {
+    double: Box<dyn Tracer<f64> + 'a>,
+    ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
+    exact: Vec<DVec3>,
+}
+
+impl<'a> GlassEntries<'a> {
+    /// Over the scene's primitives in double precision.
+    ///
+    /// # Errors
+    /// [`StudyError`] where nothing can be built over them.
+    pub fn new(
+        stage: &Stage<'_>,
+        secondary: &SecondaryRays<'a>,
+        geometry: &'a Geometry<f64>,
+    ) -> Result<Self, StudyError> {
+        let row = Row::parse(stage.registry, TRACER)?;
+        let double = row.entry.build(geometry.prims(), &row.params);
+        let double: Box<dyn Tracer<f64> + 'a> = double.map_err(|e| stage.refused(e))?;
+        let entering = |d: &Departure| {
+            let point = secondary.point(d);
+            Some((point, refracted(&point, d.incoming)?))
+        };
+        let entries: Vec<_> = secondary.departures.iter().filter_map(entering).collect();
+        let t_min = BEGIN * secondary.diagonal;
+        let ray = |(point, along): &(SurfacePoint<'_>, DVec3)| Ray {
+            t_min,
             ..Ray::new(point.refined.position, *along)
-        })
-        .collect();
-    // what goes into an open surface may not come out
-    let (ways, exact): (Vec<_>, Vec<DVec3>) = entries
-        .iter()
-        .zip(exits(&*double, &exact))
-        .filter_map(|((point, along), exit)| Some(((*point, RayPurpose::Along(*along)), exit?)))
-        .unzip();
-    if exact.is_empty() {
-        return Err(stage.unfit("no refracted ray leaves what it enters"));
+        };
+        let exact: Vec<Ray<f64>> = entries.iter().map(ray).collect();
+        let exits = exits(&*double, &exact);
+        // what goes into an open surface may not come out
+        let inside = entries.into_iter().zip(exits);
+        let (ways, exact) = inside
+            .filter_map(|((point, along), exit)| Some(((point, RayPurpose::Along(along)), exit?)))
+            .unzip();
+        Ok(Self { double, ways, exact })
     }
-    let (rays, diagonal) = (exact.len(), secondary.diagonal);
-    let epsilon = f64::from(f32::EPSILON) * secondary.magnitude;
-    let mut variants = Vec::new();
-    for (name, rule) in RULES {
-        let work = secondary.work(rule, ways.clone());
+
+    /// How far a rule moves the exits; nothing where no refracted ray leaves what it enters.
+    pub fn columns(
+        &self,
+        secondary: &SecondaryRays<'_>,
+        rule: OffsetRule,
+    ) -> Vec<(&'static str, f64)> {
+        if self.exact.is_empty() {
+            return Vec::new();
+        }
+        let work = secondary.work(rule, self.ways.clone());
         let made: Vec<Ray<f64>> = work.outcomes().map(|(_, ray, _)| ray.widened()).collect();
-        let found = Shifts::of(&exact, &exits(&*double, &made), GAP * diagonal);
-        let mut tally = TrialCounts::default();
-        tally.add_all(found.elsewhere, rays as u64);
-        let of = |share| quantile(&found.shifts, share);
-        variants.push(Variant {
-            error: tally.error(),
-            also: vec![
-                ("10^-9 diagonals, median", of(0.5) / diagonal * 1e9),
-                ("10^-9 diagonals, 99%", of(0.99) / diagonal * 1e9),
-                ("10^-9 diagonals, most", of(1.0) / diagonal * 1e9),
-                ("epsilons of the scene, median", of(0.5) / epsilon),
-            ],
-            // whichever the rule: no offset in single precision leaves the point where it was
-            is_reference: false,
-            ..work.variant(name, stage.timed_rays)
-        });
+        let diagonal = secondary.diagonal;
+        let found = Shifts::of(&self.exact, &exits(&*self.double, &made), GAP * diagonal);
+        let shift = |share| quantile(&found.shifts, share) / diagonal * 1e9;
+        vec![
+            (
+                "refracted rays elsewhere in 10^6",
+                in_a_million(found.elsewhere, self.exact.len() as u64),
+            ),
+            ("refracted rays moved by 10^-9 diagonals, median", shift(0.5)),
+            ("refracted rays moved by 10^-9 diagonals, most", shift(1.0)),
+        ]
     }
-    let said = AxisReport {
-        timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
-        judged: format!("{rays} rays into flat primitives and spheres, of index {INDEX}"),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants))
+
+    pub fn words(&self) -> String {
+        format!("{} rays into what is seen, of index {INDEX}", self.exact.len())
+    }
 }
 
 /// The direction within the glass, rounded as that of a ray is; none where the shading normal sends

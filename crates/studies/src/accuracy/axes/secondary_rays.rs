@@ -194,6 +194,10 @@ impl Work for SecondaryWork<'_> {
     }
 }
 
+pub fn in_a_million(n: u64, of: u64) -> f64 {
+    n as f64 / of.max(1) as f64 * 1e6
+}
+
 /// Diagonal of the scene's box, world units.
 pub fn diagonal(scene: &Scene) -> f64 {
     scene.bounds().size().length()

@@ -11,90 +11,18 @@ use std::collections::HashMap;
 
 use accel_core::Ray;
 use glam::DVec3;
+use renderer::ray_offset::OffsetRule;
 use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
-use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork};
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use measurement::plan::ray_overrides::RULES;
+use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork, in_a_million};
 use measurement::rounds::scene_run::light_positions;
-
-pub static AXIS: Axis = Axis {
-    name: "shadow-terminator",
-    summary: "shadow rays that a smoothly shaded mesh blocks itself though its shading is lit, by rule",
-    paper: "Woo, Pearce, Ouellette 1996",
-    metric: "shadow rays in 10^6 that their own mesh blocks though the shading normal faces the light",
-    reference: "none: which facets face away is exact, what a smooth surface would block is not known",
-    scenes: &["teapot:3", "teapot", "pavilion"],
-    setting: "rays.offset",
-    measure: Measure::Whole(measure),
-};
-
-fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let scene = stage.scene();
-    let secondary = SecondaryRays::new(stage, scene, &stage.prepared.geometry)?;
-    let lit = LitPoints::of(scene, &secondary);
-    if lit.ids.is_empty() {
-        return Err(stage.unfit("the eye sees no smooth surface that faces a light"));
-    }
-    let meshes = meshes(scene);
-    let all: Vec<(&str, SecondaryWork<'_>, Vec<FirstBlocker>)> = RULES
-        .into_iter()
-        .map(|(name, rule)| {
-            let work = secondary.work(rule, lit.ways.clone());
-            let blocked = blocked(&meshes, &lit.ids, &work);
-            (name, work, blocked)
-        })
-        .collect();
-    let default = RULES.iter().position(|(_, rule)| *rule == Default::default());
-    let by_default = default.and_then(|i| all.get(i)).map(|(_, _, b)| b.clone());
-    let by_default = by_default.unwrap_or_default();
-    let rays = lit.ids.len();
-    let in_a_million = |n: usize| n as f64 / rays as f64 * 1e6;
-    let mut variants = Vec::new();
-    for (name, work, blocked) in all {
-        let count = |is: fn(FirstBlocker) -> bool| blocked.iter().filter(|b| is(**b)).count();
-        let turned = lit.turned_away.iter().zip(&blocked);
-        let differing = blocked.iter().zip(&by_default).filter(|(b, d)| b != d).count();
-        let mut tally = TrialCounts::default();
-        tally.add_all(
-            count(|b| matches!(b, FirstBlocker::Itself | FirstBlocker::Mesh)) as u64,
-            rays as u64,
-        );
-        variants.push(Variant {
-            error: tally.error(),
-            also: vec![
-                ("by the facet itself in 10^6", in_a_million(count(|b| b == FirstBlocker::Itself))),
-                (
-                    "where the facet faces away in 10^6",
-                    in_a_million(turned.filter(|(t, b)| **t && **b != FirstBlocker::No).count()),
-                ),
-                ("unlike the default in 10^6", in_a_million(differing)),
-            ],
-            is_reference: false,
-            ..work.variant(name, stage.timed_rays)
-        });
-    }
-    let turned_away = lit.turned_away.iter().filter(|t| **t).count();
-    let said = AxisReport {
-        timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
-        judged: format!(
-            "{rays} shadow rays from smooth surfaces whose shading faces the light, of which the \
-             facets of {turned_away} face away"
-        ),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants))
-}
 
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]
-struct LitPoints<'a> {
+pub struct LitPoints<'a> {
+    /// The mesh of each primitive.
+    meshes: Vec<u32>,
     ids: Vec<u32>,
     ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
     /// True if the facet faces away from the light.
@@ -103,8 +31,8 @@ struct LitPoints<'a> {
 
 impl<'a> LitPoints<'a> {
     /// Points on patches, each hit once, for each light.
-    fn of(scene: &Scene, secondary: &SecondaryRays<'a>) -> Self {
-        let mut lit = Self::default();
+    pub fn new(scene: &Scene, secondary: &SecondaryRays<'a>) -> Self {
+        let mut lit = Self { meshes: meshes(scene), ..Self::default() };
         let lights = light_positions(scene);
         let is_smooth = |d: &&Departure| {
             let shape = scene.primitives.get(d.id as usize).map(|p| p.shape);
@@ -123,6 +51,38 @@ impl<'a> LitPoints<'a> {
             }
         }
         lit
+    }
+
+    /// What a rule leaves blocked; nothing where the eye sees no smooth surface that faces a light.
+    pub fn columns(
+        &self,
+        secondary: &SecondaryRays<'_>,
+        rule: OffsetRule,
+    ) -> Vec<(&'static str, f64)> {
+        if self.ids.is_empty() {
+            return Vec::new();
+        }
+        let blocked = blocked(&self.meshes, &self.ids, &secondary.work(rule, self.ways.clone()));
+        let part = |is: fn(FirstBlocker) -> bool| {
+            let n = blocked.iter().filter(|b| is(**b)).count();
+            in_a_million(n as u64, self.ids.len() as u64)
+        };
+        vec![
+            (
+                "lit shadow rays blocked by their own mesh in 10^6",
+                part(|b| matches!(b, FirstBlocker::Itself | FirstBlocker::Mesh)),
+            ),
+            ("of these by the facet itself in 10^6", part(|b| b == FirstBlocker::Itself)),
+        ]
+    }
+
+    pub fn words(&self) -> String {
+        format!(
+            "{} shadow rays from smooth surfaces whose shading faces the light, of which the facets of \
+             {} face away",
+            self.ids.len(),
+            self.turned_away.iter().filter(|t| **t).count()
+        )
     }
 }
 
@@ -191,14 +151,13 @@ fn meshes(scene: &Scene) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::stage::PreparedScene;
+    use crate::accuracy::stage::{PreparedScene, Stage};
     use crate::verify::meshes::icosphere;
     use accel_core::occluders;
     use accel_core::structures::REGISTRY;
     use glam::dvec3;
     use measurement::system::clock::SystemClock;
     use renderer::RaySettings;
-    use renderer::ray_offset::OffsetRule;
     use scene_loading::{Camera, Light, Material};
 
     /// A coarse ball, smoothly shaded, lit from the side: what of its lit shading is blocked, and
@@ -214,7 +173,7 @@ mod tests {
         let settings = RaySettings { resolution: [96; 2], ..RaySettings::default() };
         let prepared = PreparedScene::new(scene, REGISTRY, &settings).unwrap();
         let stage = Stage {
-            axis: AXIS.name,
+            axis: "ray-offset",
             name: "coarse ball",
             prepared: &prepared,
             registry: REGISTRY,
@@ -228,10 +187,10 @@ mod tests {
             only_times: false,
         };
         let secondary = SecondaryRays::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
-        let lit = LitPoints::of(&prepared.scene, &secondary);
+        let lit = LitPoints::new(&prepared.scene, &secondary);
         assert!(lit.ids.len() > 500 && lit.ids.len() < 10_000, "{}", lit.ids.len());
         let work = secondary.work(rule, lit.ways);
-        (blocked(&meshes(&prepared.scene), &lit.ids, &work), lit.turned_away)
+        (blocked(&lit.meshes, &lit.ids, &work), lit.turned_away)
     }
 
     #[test]

@@ -14,24 +14,8 @@ use glam::DVec3;
 use renderer::Geometry;
 use renderer::refined_hit::RefinedHit;
 
-use super::secondary_rays::{GAP, SecondaryRays, height, quantile};
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use measurement::plan::ray_overrides::RULES;
-
-pub static AXIS: Axis = Axis {
-    name: "smallest-offset",
-    summary: "ray offset over the smallest that is safe, by rule",
-    paper: "Waechter, Binder 2019; Pharr, Jakob, Humphreys 2016",
-    metric: "rays in 10^6 that the test of the primitive they leave finds again",
-    reference: "the smallest offset with which that test misses, bisected for each ray",
-    scenes: &["balls", "teapot", "pavilion"],
-    setting: "rays.offset",
-    measure: Measure::Whole(measure),
+use super::secondary_rays::{
+    Departure, GAP, SecondaryRays, SecondaryWork, height, in_a_million, quantile,
 };
 
 /// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for
@@ -41,83 +25,68 @@ const LEAST: f64 = 1.0 / 1024.0;
 /// Halvings of an interval of a factor of 2: the offset is known to 1 in 64.
 const HALVINGS: u32 = 6;
 
-fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let geometry = &stage.prepared.geometry;
-    let secondary = SecondaryRays::new(stage, stage.scene(), geometry)?;
-    let own = BareTests(geometry.prims());
-    let double = Geometry::<f64>::of(stage.scene())?;
-    let exact = BareTests(double.prims());
-    let hits: Vec<RefinedHit> =
-        secondary.departures.iter().map(|d| secondary.point(d).refined).collect();
-    let needed: Vec<f64> = secondary
-        .departures
-        .iter()
-        .zip(&hits)
-        .map(|(d, refined)| own.smallest_offset(d.id, refined, d.out))
-        .collect();
-    let mut variants = Vec::new();
-    for (name, rule) in RULES {
-        let work = secondary.work(rule, secondary.outward());
+/// The smallest safe offset of each departure, and who judges the rules by it.
+pub struct SmallestOffsets<'a> {
+    needed: Vec<f64>,
+    hits: Vec<RefinedHit>,
+    own: BareTests<'a, f32>,
+    exact: BareTests<'a, f64>,
+}
+
+impl<'a> SmallestOffsets<'a> {
+    /// Over the primitives of the scene in both precisions.
+    pub fn new(
+        secondary: &SecondaryRays<'_>,
+        geometry: &'a Geometry<f32>,
+        double: &'a Geometry<f64>,
+    ) -> Self {
+        let own = BareTests(geometry.prims());
+        let departures = &secondary.departures;
+        let hits: Vec<RefinedHit> = departures.iter().map(|d| secondary.point(d).refined).collect();
+        let smallest =
+            |(d, refined): (&Departure, &RefinedHit)| own.smallest_offset(d.id, refined, d.out);
+        let needed = departures.iter().zip(&hits).map(smallest).collect();
+        Self { needed, hits, own, exact: BareTests(double.prims()) }
+    }
+
+    /// How loose a rule is: the offsets of its outward rays over the smallest.
+    pub fn columns(
+        &self,
+        secondary: &SecondaryRays<'_>,
+        work: &SecondaryWork<'_>,
+    ) -> [(&'static str, f64); 4] {
         let ids = secondary.departures.iter().map(|d| d.id);
         let chosen: Vec<ChosenOffset> = ids
             .zip(work.outcomes())
             .map(|(id, (point, ray, hit))| ChosenOffset {
                 offset: height(point, ray),
-                is_self_hit: own.is_hit(id, ray),
-                is_false: hit.id != id && exact.refutes(hit, ray, GAP * secondary.diagonal),
+                is_self_hit: self.own.is_hit(id, ray),
+                is_false: hit.id != id && self.exact.refutes(hit, ray, GAP * secondary.diagonal),
             })
             .collect();
-        let found = OffsetComparison::of(&needed, &chosen);
-        let in_a_million = |n: u64| n as f64 / needed.len() as f64 * 1e6;
-        let mut tally = TrialCounts::default();
-        tally.add_all(found.self_hits, needed.len() as u64);
-        variants.push(Variant {
-            error: tally.error(),
-            also: vec![
-                ("times the smallest, median", quantile(&found.ratios, 0.5)),
-                ("times the smallest, 95%", quantile(&found.ratios, 0.95)),
-                ("times the smallest, 99%", quantile(&found.ratios, 0.99)),
-                ("times the smallest, most", quantile(&found.ratios, 1.0)),
-                ("below the smallest in 10^6", in_a_million(found.below)),
-                ("others falsely hit in 10^6", in_a_million(found.false_hits)),
-                (
-                    "10^-6 diagonals, median",
-                    quantile(&found.offsets, 0.5) / secondary.diagonal * 1e6,
-                ),
-                ("10^-6 diagonals, most", quantile(&found.offsets, 1.0) / secondary.diagonal * 1e6),
-            ],
-            ..work.variant(name, stage.timed_rays)
-        });
+        let found = OffsetComparison::of(&self.needed, &chosen);
+        let rays = self.needed.len() as u64;
+        [
+            ("found again by their own test in 10^6", in_a_million(found.self_hits, rays)),
+            ("times the smallest, median", quantile(&found.ratios, 0.5)),
+            ("times the smallest, most", quantile(&found.ratios, 1.0)),
+            ("others falsely hit in 10^6", in_a_million(found.false_hits, rays)),
+        ]
     }
-    let said = AxisReport {
-        timed: format!(
-            "{} rays made and traced through {TRACER}",
-            needed.len().min(stage.timed_rays)
-        ),
-        judged: said(&needed, &hits),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants))
-}
 
-/// Number of rays that need an offset, and its size.
-fn said(needed: &[f64], hits: &[RefinedHit]) -> String {
-    let mut units: Vec<f64> = needed
-        .iter()
-        .zip(hits)
-        .filter(|(needed, _)| **needed > 0.0)
-        .map(|(needed, refined)| needed / unit(refined))
-        .collect();
-    units.sort_by(f64::total_cmp);
-    format!(
-        "{} rays from flat primitives and spheres, of which {} need an offset: {:.3} epsilons of \
-         the primitive's largest coordinate in the median, {:.3} in 99% of them, {:.3} at most",
-        needed.len(),
-        units.len(),
-        quantile(&units, 0.5),
-        quantile(&units, 0.99),
-        quantile(&units, 1.0),
-    )
+    /// How many rays need an offset, and how large a one.
+    pub fn words(&self) -> String {
+        let needing = self.needed.iter().zip(&self.hits).filter(|(needed, _)| **needed > 0.0);
+        let mut units: Vec<f64> = needing.map(|(needed, refined)| needed / unit(refined)).collect();
+        units.sort_by(f64::total_cmp);
+        format!(
+            "{} of them need an offset: {:.3} epsilons of the primitive's largest coordinate in the \
+             median, {:.3} at most",
+            units.len(),
+            quantile(&units, 0.5),
+            quantile(&units, 1.0),
+        )
+    }
 }
 
 /// An epsilon of the primitive's largest coordinate.
@@ -139,12 +108,9 @@ struct ChosenOffset {
 #[derive(Debug, Default)]
 struct OffsetComparison {
     self_hits: u64,
-    below: u64,
     false_hits: u64,
     /// Chosen over smallest, where one is needed; rising.
     ratios: Vec<f64>,
-    /// Chosen, world units; rising.
-    offsets: Vec<f64>,
 }
 
 impl OffsetComparison {
@@ -153,14 +119,11 @@ impl OffsetComparison {
         for (needed, chosen) in needed.iter().zip(chosen) {
             found.self_hits += u64::from(chosen.is_self_hit);
             found.false_hits += u64::from(chosen.is_false);
-            found.offsets.push(chosen.offset);
             if *needed > 0.0 {
-                found.below += u64::from(chosen.offset < *needed);
                 found.ratios.push(chosen.offset / needed);
             }
         }
         found.ratios.sort_by(f64::total_cmp);
-        found.offsets.sort_by(f64::total_cmp);
         found
     }
 }
@@ -271,12 +234,12 @@ mod tests {
     #[test]
     fn the_smallest_offset_is_safe_and_less_is_not() {
         let exact = planted(1.0);
-        assert_eq!((exact.self_hits, exact.below), (0, 0));
+        assert_eq!(exact.self_hits, 0);
         assert_eq!((quantile(&exact.ratios, 0.0), quantile(&exact.ratios, 1.0)), (1.0, 1.0));
         // planted: half of it
         let half = planted(0.5);
         assert!(half.self_hits as usize > half.ratios.len() / 2, "{}", half.self_hits);
-        assert_eq!(half.below as usize, half.ratios.len());
+        assert_eq!(quantile(&half.ratios, 1.0), 0.5);
         // planted: nothing at all
         let none = planted(0.0);
         assert!(none.self_hits >= half.self_hits && quantile(&none.ratios, 1.0) == 0.0);
@@ -285,7 +248,7 @@ mod tests {
     #[test]
     fn twice_the_smallest_offset_is_a_ratio_of_two() {
         let double = planted(2.0);
-        assert_eq!((double.self_hits, double.below), (0, 0));
+        assert_eq!(double.self_hits, 0);
         for share in [0.0, 0.5, 0.99, 1.0] {
             assert_eq!(quantile(&double.ratios, share), 2.0);
         }
