@@ -15,12 +15,9 @@ use crate::plan::measured_row::{BuiltRow, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
-use crate::rounds::interleaved::round_order;
-use crate::rounds::interleaved::{Visit, interleaved_from};
-use crate::rounds::scope::Laps;
-use crate::rounds::scope::RowLog;
-use crate::rounds::scope::Scope;
-use crate::system::clock::timed;
+use crate::rounds::interleaved::{Visit, interleaved_from, round_order};
+use crate::rounds::scope::{Laps, RowLog, Scope};
+use crate::system::clock::{Clock, timed};
 use crate::system::interrupt;
 use crate::system::panics::{CaughtPanic, caught};
 
@@ -70,106 +67,162 @@ pub fn measure<S: Buildable>(
     deadline: Option<Duration>,
     log: &dyn RowLog,
 ) -> Vec<RowTimes> {
-    let plan = scope.plan;
-    let mut timed = vec![RowTimes::default(); plan.rows.len()];
-    let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
-    let rows: Vec<usize> = (0..plan.rows.len()).filter(|&r| strides[r].is_some()).collect();
-    let mut subsamples = thinned(scope, &strides);
-    let (at_least, deadline) = match plan.rounds {
-        // fresh processes time the rows; here they are asked once
-        _ if plan.processes > 1 => (1, None),
-        Rounds::Fixed(n) => (n, deadline),
-        Rounds::Budget { at_least, .. } => (at_least, deadline),
-    };
-    // the reference's seconds on each sample of rays, by round
-    let mut of_reference: Vec<BTreeMap<usize, Seconds>> = Vec::new();
-    let (seed, scene) = (plan.seed, &scope.stage.scene.name);
-    let first = plan.process.first_round;
-    // the round that a signal interrupted: some rows lack it
-    let interrupted = Cell::new(None);
-    let goes_on = |round| {
-        if round > first && plan.processes == 1 {
-            interrupt::let_rounds_end();
-        }
-        interrupted.get().is_none()
-            && (round - first < at_least || goes_on(scope, round - first, deadline))
-    };
-    interleaved_from(first, rows.len(), seed, scene, goes_on, |Visit { round, position, row }| {
-        if interrupt::is_stopping() {
-            interrupted.set(interrupted.get().or(Some(round)));
-            return;
-        }
-        of_reference.resize_with(round + 1, BTreeMap::new);
-        let row = rows[row];
-        let Some(stride) = strides[row].filter(|_| timed[row].is_alive()) else { return };
-        let asked = RowVisit { row: &plan.rows[row], stride, is_baseline: row == baseline };
-        if round == first {
-            log.row_begins(&asked.row.label());
-        } else {
-            log.rows_passed();
-        }
-        let seen = caught(|| asked.make(scope, &mut subsamples, &mut of_reference[round]));
-        let out = &mut timed[row];
-        let seen = match seen {
-            Ok(Ok(seen)) => seen,
-            Ok(Err(died @ BuildError::Died(_))) => {
-                out.died = Some(died);
+    let schedule = Schedule::of(scope, checked, baseline, deadline);
+    let mut measured = schedule.rounds(scope, log);
+    measured.keep_whole_rounds(&schedule);
+    schedule.images(scope, checked, &mut measured, log);
+    measured.timed
+}
+
+/// The rows to time, the rays of each, and the number of rounds.
+struct Schedule {
+    baseline: usize,
+    /// Stride of the rays of each row of the plan; `None` for rows that are not timed.
+    strides: Vec<Option<usize>>,
+    /// The rows that are timed.
+    rows: Vec<usize>,
+    first_round: usize,
+    at_least: usize,
+    /// End of the time in which rounds beyond `at_least` begin; `None` without a budget.
+    deadline: Option<Duration>,
+}
+
+/// Measurements of all rows in all rounds.
+struct RoundTimes {
+    timed: Vec<RowTimes>,
+    /// The reference's seconds on each sample of rays, by round.
+    of_reference: Vec<BTreeMap<usize, Seconds>>,
+    /// The round that a signal interrupted: some rows lack it.
+    interrupted: Option<usize>,
+}
+
+impl Schedule {
+    fn of<S: Buildable>(
+        scope: &Scope<'_, '_, S>,
+        checked: &[Option<RowCheck>],
+        baseline: usize,
+        deadline: Option<Duration>,
+    ) -> Self {
+        let plan = scope.plan;
+        let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
+        let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
+        let (at_least, deadline) = match plan.rounds {
+            // fresh processes time the rows; here they are asked once
+            _ if plan.processes > 1 => (1, None),
+            Rounds::Fixed(n) => (n, deadline),
+            Rounds::Budget { at_least, .. } => (at_least, deadline),
+        };
+        let first_round = plan.process.first_round;
+        Self { baseline, strides, rows, first_round, at_least, deadline }
+    }
+
+    /// Returns whether another round begins after `rounds` of them.
+    fn goes_on(&self, rounds: usize, clock: &dyn Clock) -> bool {
+        let has_time = || self.deadline.is_some_and(|deadline| clock.now() < deadline);
+        rounds < self.at_least || (rounds < MOST_ROUNDS && has_time())
+    }
+
+    /// Builds and times the rows, round by round.
+    fn rounds<S: Buildable>(&self, scope: &Scope<'_, '_, S>, log: &dyn RowLog) -> RoundTimes {
+        let (plan, first) = (scope.plan, self.first_round);
+        let mut subsamples = thinned(scope, &self.strides);
+        let mut timed = vec![RowTimes::default(); plan.rows.len()];
+        let mut of_reference = Vec::new();
+        let interrupted = Cell::new(None);
+        let goes_on = |round| {
+            if round > first && plan.processes == 1 {
+                interrupt::let_rounds_end();
+            }
+            interrupted.get().is_none() && self.goes_on(round - first, scope.clock)
+        };
+        let visit = |Visit { round, position, row }: Visit| {
+            if interrupt::is_stopping() {
+                interrupted.set(interrupted.get().or(Some(round)));
                 return;
             }
-            // it was built before, and cannot be built again
-            Ok(Err(_)) => return,
-            Err(panicked) => {
-                out.panicked = Some(panicked);
-                return;
+            of_reference.resize_with(round + 1, BTreeMap::new);
+            let row = self.rows[row];
+            let (out, of_round) = (&mut timed[row], &mut of_reference[round]);
+            let Some(stride) = self.strides[row].filter(|_| out.is_alive()) else { return };
+            let is_baseline = row == self.baseline;
+            let asked = RowVisit { row: &plan.rows[row], stride, is_baseline };
+            if round == first {
+                log.row_begins(&asked.row.label());
+            } else {
+                log.rows_passed();
+            }
+            match caught(|| asked.make(scope, &mut subsamples, of_round)) {
+                Ok(Ok(seen)) => {
+                    out.stride = stride;
+                    out.mismatches = out.mismatches.max(seen.mismatches);
+                    let (round, position) = (round as u32, position as u32);
+                    out.samples.push(seen.sample(plan.process.number, round, position));
+                    scope.progress.step(scope.clock.now());
+                }
+                Ok(Err(died @ BuildError::Died(_))) => out.died = Some(died),
+                // it was built before, and cannot be built again
+                Ok(Err(_)) => {}
+                Err(panicked) => out.panicked = Some(panicked),
             }
         };
-        out.stride = stride;
-        out.mismatches = out.mismatches.max(seen.mismatches);
-        out.samples.push(seen.sample(plan.process.number, round as u32, position as u32));
-        scope.progress.step(scope.clock.now());
-    });
-    interrupt::rounds_ended();
-    if let Some(interrupted) = interrupted.get() {
-        for row in &mut timed {
-            row.samples.retain(|sample| (sample.round as usize) < interrupted);
-        }
+        let (seed, scene) = (plan.seed, &scope.stage.scene.name);
+        interleaved_from(first, self.rows.len(), seed, scene, goes_on, visit);
+        interrupt::rounds_ended();
+        log.rows_passed();
+        RoundTimes { timed, of_reference, interrupted: interrupted.get() }
     }
-    for &row in &rows {
-        let of_row =
-            |round: u32| strides[row].and_then(|s| of_reference.get(round as usize)?.get(&s));
-        for sample in &mut timed[row].samples {
-            // over the kinds of rays that the row answers
-            let own = of_row(sample.round).map(|seconds| {
-                let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
-                own.map(|(kind, s)| (kind.clone(), *s)).collect::<Seconds>()
-            });
-            sample.reference_trace_s = own.as_ref().map(|seconds| seconds.values().sum());
-            sample.reference_by_kind = own.unwrap_or_default();
-        }
-    }
-    let rounds = of_reference.len();
-    drop(subsamples);
-    log.rows_passed();
-    let order = round_order(plan.seed, &scope.stage.scene.name, rounds, rows.len());
-    for i in order {
-        let row = rows[i];
-        let cheap = interrupted.get().is_none()
-            && checked[row].as_ref().is_some_and(|c| {
+
+    /// Times the whole image of each row that is fast enough for it.
+    fn images<S: Buildable>(
+        &self,
+        scope: &Scope<'_, '_, S>,
+        checked: &[Option<RowCheck>],
+        measured: &mut RoundTimes,
+        log: &dyn RowLog,
+    ) {
+        let plan = scope.plan;
+        let (rounds, scene) = (measured.of_reference.len(), &scope.stage.scene.name);
+        for i in round_order(plan.seed, scene, rounds, self.rows.len()) {
+            let row = self.rows[i];
+            let (planned, out) = (&plan.rows[row], &mut measured.timed[row]);
+            let is_cheap = checked[row].as_ref().is_some_and(|c| {
                 let seconds = c.full_pass_s / plan.threads as f64;
                 // an image would be timed with the way to its process and back
                 seconds <= plan.limits.render_pass && c.plugin.is_none()
             });
-        if cheap && !plan.rows[row].is_sampled() && timed[row].is_alive() {
-            log.row_begins(&plan.rows[row].label());
-            match caught(|| render_once(scope, &plan.rows[row])) {
-                Ok(seconds) => timed[row].render_s = seconds,
-                Err(panicked) => timed[row].panicked = Some(panicked),
+            let is_whole = measured.interrupted.is_none();
+            if is_whole && is_cheap && !planned.is_sampled() && out.is_alive() {
+                log.row_begins(&planned.label());
+                match caught(|| render_once(scope, planned)) {
+                    Ok(seconds) => out.render_s = seconds,
+                    Err(panicked) => out.panicked = Some(panicked),
+                }
+            }
+            scope.progress.step(scope.clock.now());
+        }
+        log.rows_passed();
+    }
+}
+
+impl RoundTimes {
+    /// Drops the samples of an interrupted round. Adds to the others the seconds of the reference on
+    /// the same rays in the same round.
+    fn keep_whole_rounds(&mut self, schedule: &Schedule) {
+        let whole = self.interrupted.unwrap_or(usize::MAX);
+        for (timed, stride) in self.timed.iter_mut().zip(&schedule.strides) {
+            let Some(stride) = stride else { continue };
+            timed.samples.retain(|sample| (sample.round as usize) < whole);
+            for sample in &mut timed.samples {
+                let of_round = self.of_reference.get(sample.round as usize);
+                let Some(seconds) = of_round.and_then(|round| round.get(stride)) else { continue };
+                // over the kinds of rays that the row answers
+                let own = seconds.iter().filter(|(kind, _)| sample.trace_s.contains_key(*kind));
+                let own: Seconds = own.map(|(kind, s)| (kind.clone(), *s)).collect();
+                sample.reference_trace_s = Some(own.values().sum());
+                sample.reference_by_kind = own;
             }
         }
-        scope.progress.step(scope.clock.now());
     }
-    log.rows_passed();
-    timed
 }
 
 /// Builds and asks rows as somebody else says, until no more is wanted; see [`measure`].
@@ -235,16 +288,6 @@ fn strides(
     };
     let least = least.unwrap_or(1);
     own.into_iter().map(|stride| Some(stride?.max(least))).collect()
-}
-
-/// True while there is time for another round.
-fn goes_on<S: Buildable>(
-    scope: &Scope<'_, '_, S>,
-    rounds: usize,
-    deadline: Option<Duration>,
-) -> bool {
-    let Some(deadline) = deadline else { return false };
-    rounds < MOST_ROUNDS && scope.clock.now() < deadline
 }
 
 /// One row in one round.
