@@ -3,9 +3,8 @@
 use accel_core::{Hit, MISS, Ray};
 use renderer::{Geometry, RayKind};
 
-use crate::answers::edges::Edges;
+use crate::answers::arbiter::Arbiter;
 use crate::answers::judge::{BatchVerdict, judge};
-use crate::answers::oracle::Oracle;
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;
 use crate::rays::batches::{Answers, BatchSet};
@@ -33,7 +32,7 @@ pub fn rays(
     geometry: &Geometry<f32>,
     pools: &Pools,
 ) -> Result<RaysByKind, MeasureError> {
-    with_reference(plan, loaded, geometry, pools, |reference, _, _| {
+    with_reference(plan, loaded, geometry, pools, |reference, _| {
         let of = |kind: &RayKind| (*kind, reference.rays.rays(*kind).to_vec());
         plan.kinds.iter().map(of).collect()
     })
@@ -52,19 +51,14 @@ pub fn check(
     said: &HitsByKind,
 ) -> Result<Vec<(RayKind, BatchVerdict)>, MeasureError> {
     let progress = Progress::new(false, 0, None);
-    with_reference(plan, loaded, geometry, pools, |reference, stage, exact| {
-        let Reference { rays, answers, record } = reference;
+    with_reference(plan, loaded, geometry, pools, |Reference { rays, answers, .. }, stage| {
         let lights = lights_asked(stage.scene, &plan.settings);
         let all = BatchSet::new(&rays, answers, &lights);
-        let confirmed = plan.answers.iter().find(|row| record.reference == Some(row.label()));
-        let edges = Edges::new(exact, confirmed.cloned());
         let scope = Scope {
-            edges: &edges,
             plan,
             stage,
             lights: &lights,
             all: &all,
-            is_confirmed: record.reference.is_some(),
             pools,
             clock,
             progress: &progress,
@@ -95,13 +89,13 @@ fn with_reference<T>(
     loaded: &LoadedScene,
     geometry: &Geometry<f32>,
     pools: &Pools,
-    then: impl FnOnce(Reference<f32>, &Stage<'_, f32>, &Geometry<f64>) -> T,
+    then: impl FnOnce(Reference<f32>, &Stage<'_, f32>) -> T,
 ) -> Result<T, MeasureError> {
     let scene = &loaded.scene;
     let exact = Geometry::<f64>::of(scene)?;
-    let oracle = Oracle::new(&exact)
+    let arbiter = Arbiter::new(geometry, &exact)
         .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
-    let stage = Stage { scene, geometry, oracle: &oracle };
+    let stage = Stage { scene, geometry, arbiter: &arbiter };
     let reference = stage.reference(plan, pools)?;
-    Ok(then(reference, &stage, &exact))
+    Ok(then(reference, &stage))
 }

@@ -1,18 +1,16 @@
 //! Finds the wrong answers of a batch, and those that differ only where rounding decides.
 //!
-//! What a structure answers with our primitive tests must be right to the last bit. One that comes
-//! with a triangle test of its own (a plugin) may answer otherwise where a ray passes an edge,
-//! where two surfaces meet, or where the interval of the ray ends. Each of its answers that differs
-//! is therefore put before an [`EdgeJudge`](crate::answers::edges::EdgeJudge): it is *at an edge*
-//! if moving the ray by [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps changes the
-//! right answer, too, and if what it claims to hit is there. Anything else is wrong; and so are
-//! answers at edges where they are more than rounding explains ([`MOST_AT_EDGES`]).
+//! Each answer that differs from the one expected is put before the
+//! [`Arbiter`](crate::answers::arbiter::Arbiter). What a structure answers with our primitive tests
+//! must be right to the last bit. One that comes with a triangle test of its own (a plugin) may
+//! answer otherwise where a ray passes an edge, where two surfaces meet, or where the interval of
+//! the ray ends: *at an edge*. Answers at edges are wrong where they are more than rounding explains
+//! ([`MOST_AT_EDGES`]).
 
 use accel_core::registry::Buildable;
 
 use crate::answers::fault;
 use crate::answers::oracle::Opinion;
-use crate::answers::reference::{oracle_rays, oracle_sample};
 use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::rays::exactness::Exactness;
 use crate::rounds::scope::Scope;
@@ -24,7 +22,7 @@ pub const MOST_AT_EDGES: f64 = 0.02;
 /// So many may always be there.
 const FEW: usize = 16;
 
-/// Answers that are put before the judge after the first wrong one; more are only counted.
+/// Wrong answers that are decided; further answers that differ are counted as wrong.
 const ENOUGH_WRONG: usize = 64;
 
 /// How the answers to a batch compare.
@@ -39,8 +37,7 @@ pub struct BatchVerdict {
     pub example: Option<String>,
 }
 
-/// Compares the answers to a batch of `set`: with those of the reference, or with the oracle where
-/// it confirmed no reference.
+/// Compares the answers to a batch of `set` with those expected.
 pub fn judge<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     set: &BatchSet<'_, S>,
@@ -48,33 +45,20 @@ pub fn judge<S: Buildable>(
     answers: &Answers<S>,
     exactness: Exactness,
 ) -> BatchVerdict {
-    if !scope.is_confirmed {
-        let (stage, plan) = (scope.stage, scope.plan);
-        let count = oracle_rays(stage.geometry.len(), set.batches.len(), &plan.limits);
-        let rays = batch.rays.len();
-        let sample = oracle_sample(plan.seed, &stage.scene.name, batch.kind, rays, count);
-        let tally = stage.oracle.check(batch.kind, &batch.rays, answers, &sample);
-        let wrong = tally.wrong.len();
-        return BatchVerdict { compared: tally.checked, wrong, edges: 0, example: tally.example };
-    }
     let mut judged = BatchVerdict { compared: batch.rays.len(), ..BatchVerdict::default() };
     let (mut first, mut apart, mut first_apart) = (None, 0, None);
     for ray in batch.wrong(answers, exactness) {
-        let opinion = match exactness {
-            Exactness::OwnTest if judged.wrong < ENOUGH_WRONG => {
-                opinion(scope, batch, answers, ray)
-            }
-            _ => None,
-        };
-        match opinion {
-            Some(Opinion::Borderline) => {
+        let is_decided = judged.wrong < ENOUGH_WRONG;
+        let decide = || scope.stage.arbiter.opinion((batch, set.stride), ray, answers, exactness);
+        match is_decided.then(decide).flatten() {
+            Some(Opinion::Borderline) if exactness == Exactness::OwnTest => {
                 judged.edges += 1;
                 if batch.is_apart(answers, ray) {
                     apart += 1;
                     first_apart.get_or_insert(ray);
                 }
             }
-            Some(Opinion::Right) => {}
+            Some(Opinion::Right | Opinion::Borderline) => {}
             Some(Opinion::Wrong(_)) | None => {
                 judged.wrong += 1;
                 first.get_or_insert(ray);
@@ -100,14 +84,4 @@ pub fn judge<S: Buildable>(
         }
     });
     judged
-}
-
-/// Judgement of an answer by the f64 structure; `None` without one.
-fn opinion<S: Buildable>(
-    scope: &Scope<'_, '_, S>,
-    batch: &Batch<'_, S>,
-    answers: &Answers<S>,
-    ray: usize,
-) -> Option<Opinion> {
-    scope.edges.opinion(batch.rays.get(ray)?, answers, ray)
 }

@@ -11,6 +11,8 @@
 //! moving the ray changes it by: at grazing angles and on slivers the rounding of a primitive test
 //! counts for more than that of the ray. Borderline rays are counted, never dropped silently.
 
+use std::sync::Arc;
+
 use accel_core::params::Params;
 use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
@@ -23,9 +25,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 use renderer::{Geometry, RayKind};
 
-use crate::plan::rows::Row;
 use crate::rays::batches::Answers;
 
+/// The structure that tests every primitive.
+pub const BRUTE_FORCE: &str = "brute-force";
 /// [`Oracle::ulps`] of the oracle of all runs.
 const ULPS: f64 = 8.0;
 
@@ -57,7 +60,7 @@ pub enum Opinion {
 /// Brute force in f64.
 pub struct Oracle<'a> {
     pub(super) prims: PrimsRef<'a, f64>,
-    tracer: Box<dyn Tracer<f64> + 'a>,
+    tracer: Arc<dyn Tracer<f64> + 'a>,
     /// Largest coordinate of the scene.
     magnitude: f64,
     /// How far rays are moved, and how much more t may be off, in ulps of the tested precision.
@@ -70,9 +73,13 @@ impl<'a> Oracle<'a> {
     /// # Errors
     /// [`BuildError`] for an empty scene.
     pub fn new(geometry: &'a Geometry<f64>) -> Result<Self, BuildError> {
-        let entry = find("brute-force")
-            .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })?;
+        let entry = find(BRUTE_FORCE).ok_or(BuildError::NoPrimitives { structure: BRUTE_FORCE })?;
         Self::over(geometry.prims(), entry, &entry.params([])?, ULPS)
+    }
+
+    /// The same oracle, which moves rays by so many ulps of the tested precision.
+    pub fn with_ulps(&self, ulps: f64) -> Self {
+        Self { tracer: Arc::clone(&self.tracer), ulps, ..*self }
     }
 
     /// The same by a structure, for many rays, which are moved by so many ulps of the tested
@@ -80,25 +87,13 @@ impl<'a> Oracle<'a> {
     ///
     /// # Errors
     /// [`BuildError`] where it cannot be built in f64.
-    pub fn of_structure(
-        geometry: &'a Geometry<f64>,
-        row: &Row<'_>,
-        ulps: f64,
-    ) -> Result<Self, BuildError> {
-        Self::over(geometry.prims(), row.entry, &row.params, ulps)
-    }
-
-    /// The same over primitives.
-    ///
-    /// # Errors
-    /// As [`Oracle::of_structure`].
     pub fn over(
         prims: PrimsRef<'a, f64>,
         entry: &Entry,
         params: &Params,
         ulps: f64,
     ) -> Result<Self, BuildError> {
-        let tracer = entry.build(prims, params)?;
+        let tracer: Arc<dyn Tracer<f64> + 'a> = Arc::from(entry.build(prims, params)?);
         let bounds = match prims {
             PrimsRef::Watertight(p) => p.scene_bounds(),
             PrimsRef::Mixed(p) => p.scene_bounds(),

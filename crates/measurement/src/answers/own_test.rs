@@ -1,5 +1,5 @@
 //! The oracle's rule for answers by another primitive test than ours: it may err as if the ray were
-//! moved by [`EDGE_ULPS`](crate::answers::edges::EDGE_ULPS) ulps, and no further.
+//! moved by [`EDGE_ULPS`](crate::answers::arbiter::EDGE_ULPS) ulps, and no further.
 //!
 //! * A hit must be there: the point that it claims lies within those ulps of the primitive, and its
 //!   parameter in the interval of the ray.
@@ -146,18 +146,15 @@ fn distance_to_triangle(p: DVec3, corners: &[DVec3; 3]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use accel_core::structures::find;
     use glam::Vec3;
 
     use super::*;
     use crate::answers::oracle::tests::two_triangles;
-    use crate::plan::rows::Row;
 
     #[test]
     fn answers_of_another_test_may_differ_at_edges_if_what_they_claim_is_there() {
         let geometry = two_triangles();
-        let row = Row::defaults(find("brute-force").unwrap()).unwrap();
-        let oracle = Oracle::of_structure(&geometry, &row, 64.0).unwrap();
+        let oracle = Oracle::new(&geometry).unwrap().with_ulps(64.0);
         let opinion = |x: f32, y: f32, id: u32, t: f32| {
             let mut ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
             ray.t_min = 0.5;
@@ -180,8 +177,7 @@ mod tests {
     #[test]
     fn shadow_rays_may_pass_where_every_surface_has_an_edge() {
         let geometry = two_triangles();
-        let row = Row::defaults(find("brute-force").unwrap()).unwrap();
-        let oracle = Oracle::of_structure(&geometry, &row, 64.0).unwrap();
+        let oracle = Oracle::new(&geometry).unwrap().with_ulps(64.0);
         let opinion = |x: f32, y: f32, [t_min, t_max]: [f32; 2], blocked: bool| {
             let mut ray = Ray::new(Vec3::new(x, y, 1.0), Vec3::NEG_Z);
             (ray.t_min, ray.t_max) = (t_min, t_max);

@@ -1,12 +1,14 @@
-//! The answers that all rows are compared with: those of the first structure that the oracle
-//! confirms.
+//! The rays of a scene, and the answers that all rows are compared with: those of the structure that
+//! is asked first, amended where f64 brute force refutes them on a sample.
+//!
+//! Whichever is asked first, rows are judged alike: see [`Arbiter`].
 
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use renderer::{Geometry, RayBatches, RayKind, generate_rays};
 use scene_loading::Scene;
 
-use crate::answers::oracle::Oracle;
+use crate::answers::arbiter::Arbiter;
 use crate::plan::rows::Row;
 use crate::plan::{Limits, Plan};
 use crate::rays::batches::{Answers, answer};
@@ -19,12 +21,12 @@ use statistics::random::Random;
 /// Fewest rays per kind that the oracle answers, whatever they cost.
 const FEWEST_ORACLE_RAYS: usize = 16;
 
-/// The rays of a scene, their answers, and what the oracle says of them.
+/// The rays of a scene, the first answers to them, and the oracle's counts.
 pub struct Reference<S: Buildable> {
     pub rays: RayBatches<S>,
     /// The answers, one batch a kind.
     pub answers: Vec<(RayKind, Answers<S>)>,
-    /// How they were judged; `reference` is none when the oracle confirmed no structure.
+    /// How they were judged; `reference` is `None` if the oracle refuted every structure.
     pub record: OracleRecord,
 }
 
@@ -32,11 +34,12 @@ pub struct Reference<S: Buildable> {
 pub struct Stage<'a, S: Buildable> {
     pub scene: &'a Scene,
     pub geometry: &'a Geometry<S>,
-    pub oracle: &'a Oracle<'a>,
+    pub arbiter: &'a Arbiter<'a, S>,
 }
 
 impl<S: Buildable> Stage<'_, S> {
-    /// Finds a structure that the oracle confirms and produces rays and answers with it.
+    /// Produces rays and answers with the first structure that the oracle does not refute on a sample;
+    /// with any that can be built if it refutes all.
     ///
     /// # Errors
     /// [`MeasureError::NoAnswers`] when no structure can be built at all.
@@ -78,14 +81,17 @@ impl<S: Buildable> Stage<'_, S> {
     ) -> Result<(Reference<S>, Option<String>), BuildError> {
         let tracer = row.entry.build(self.geometry.prims(), &row.params)?;
         let rays = generate_rays(self.scene, &*tracer, &plan.settings);
-        let answers = answer(&rays, &plan.kinds, &*tracer);
+        let mut answers = answer(&rays, &plan.kinds, &*tracer);
         let mut record = OracleRecord::default();
         let mut example = None;
         let count = oracle_rays(self.geometry.len(), answers.len(), &plan.limits);
-        for (kind, answers) in &answers {
+        for (kind, answers) in &mut answers {
             let rays = rays.rays(*kind);
             let sample = oracle_sample(plan.seed, &self.scene.name, *kind, rays.len(), count);
-            let tally = self.oracle.check(*kind, rays, answers, &sample);
+            let tally = self.arbiter.oracle.check(*kind, rays, answers, &sample);
+            for &i in &tally.wrong {
+                answers.set(i, &self.arbiter.answer(*kind, &rays[i]));
+            }
             record.checked += tally.checked as u64;
             record.borderline += tally.borderline as u64;
             let counts = [tally.checked as u64, tally.borderline as u64];

@@ -33,13 +33,13 @@ pub const DEFAULT_SET: &str = "spd";
 /// The structure that traces when none is named.
 pub const DEFAULT_TRACER: &str = "obvhs-cwbvh";
 /// The reference rows when none is named, best first: structure and settings. The
-/// first is a BVH as its authors use it. Its known wrong hits are no reason to take another: what
-/// judges answers is another question, see [`crate::answers::reference`].
+/// first is a BVH as its authors use it. Its known wrong hits are no reason to take another: brute
+/// force judges answers, see [`crate::answers::arbiter`].
 const DEFAULT_BASELINES: [(&str, &str); 2] =
     [(DEFAULT_TRACER, "adapter=direct"), (DEFAULT_TRACER, "")];
-/// The structures whose answers the others are compared with, best first; see
+/// The structures that are asked first, as they are fast and serve every scene; see
 /// [`crate::answers::reference`].
-const ANSWERS: [&str; 2] = ["obvhs-bvh2", "uniform-grid"];
+const ASKED_FIRST: [&str; 2] = ["wide-bvh", "uniform-grid"];
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rounds {
@@ -117,7 +117,7 @@ pub struct Plan<'r> {
     pub keeps_baseline: bool,
     /// All rows are timed on the rays of the slowest: any two of them are to be compared.
     pub same_rays: bool,
-    /// Structures to compare answers with: the first that the oracle confirms.
+    /// Structures that produce the rays and are asked first; see [`crate::answers::reference`].
     pub answers: Vec<Row<'r>>,
     pub kinds: Vec<RayKind>,
     /// In which orders rays are issued to rows.
@@ -355,11 +355,11 @@ pub fn baseline<'r>(
     }))
 }
 
-/// Defaults of all structures that may serve as the reference of answers, best first.
+/// Defaults of all structures that may be asked first, the fastest first.
 fn answers<'r>(registry: &'r [Entry]) -> Result<Vec<Row<'r>>, PlanError> {
     let rank = |e: &Entry| {
-        let listed = ANSWERS.iter().position(|n| *n == e.info.name);
-        (e.info.sampled, listed.unwrap_or(ANSWERS.len()))
+        let listed = ASKED_FIRST.iter().position(|n| *n == e.info.name);
+        (e.info.sampled, listed.unwrap_or(ASKED_FIRST.len()))
     };
     let mut entries: Vec<&Entry> = registry.iter().collect();
     entries.sort_by_key(|e| rank(e));

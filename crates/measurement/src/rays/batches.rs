@@ -112,6 +112,19 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
+    /// Replaces the answer to ray `i` by that one.
+    pub fn set(&mut self, i: usize, one: &Self) {
+        match (self, one) {
+            (Self::Hits(hits), Self::Hits(one)) => {
+                hits.iter_mut().skip(i).zip(one).for_each(|(hit, one)| *hit = *one);
+            }
+            (Self::Blocked(all), Self::Blocked(one)) => {
+                all.iter_mut().skip(i).zip(one).for_each(|(blocked, one)| *blocked = *one);
+            }
+            _ => {}
+        }
+    }
+
     /// Number of elements.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {

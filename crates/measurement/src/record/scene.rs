@@ -57,11 +57,13 @@ pub struct SceneRecord {
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct OracleRecord {
-    /// The row whose answers all others are compared with; none when the oracle confirmed none.
+    /// The row that was asked first, with which all others are compared; none if f64 brute force
+    /// refuted every one on the sample.
     pub reference: Option<String>,
-    /// Structures that the oracle refused as reference, with an example each.
+    /// Structures that were not asked first, with what brute force refuted or why they were not
+    /// built.
     pub refused: Vec<String>,
-    /// Rays of the reference that were compared with f64 brute force.
+    /// Rays of the sample that was compared with f64 brute force.
     pub checked: u64,
     /// Of those, borderline rays: rounding alone decides their answer (see `oracle.rs`).
     pub borderline: u64,

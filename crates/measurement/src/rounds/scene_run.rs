@@ -1,8 +1,7 @@
 //! One scene from loading to its record.
 
 use crate::answers::check::{RowCheck, check};
-use crate::answers::edges::Edges;
-use crate::answers::oracle::Oracle;
+use crate::answers::arbiter::Arbiter;
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::measured_row::MeasuredRow;
 use crate::plan::{Plan, default_rank};
@@ -58,51 +57,34 @@ pub fn run_scene<S: Buildable>(
     progress.message(format!("{}: rays and oracle", scene.name));
     let exact = Geometry::<f64>::of(scene)?;
     let geometry = Geometry::<S>::of(scene)?;
-    let oracle = Oracle::new(&exact)
+    let arbiter = Arbiter::new(&geometry, &exact)
         .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
-    let stage = Stage { scene, geometry: &geometry, oracle: &oracle };
+    let stage = Stage { scene, geometry: &geometry, arbiter: &arbiter };
     let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
     let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
     let all = all.in_orders(plan.orders, plan.seed, &scene.name);
-    let confirmed = plan.answers.iter().find(|row| judged.reference == Some(row.label()));
-    let edges = Edges::new(&exact, confirmed.cloned());
     let scope = Scope {
-        edges: &edges,
         plan,
         stage: &stage,
         lights: &lights,
         all: &all,
-        is_confirmed: judged.reference.is_some(),
         pools: equipment.pools,
         clock: equipment.clock,
         progress,
     };
-    let mut checked: Vec<Option<RowCheck>> = Vec::with_capacity(plan.rows.len());
-    let mut refused: Vec<Option<RefusalReason>> = Vec::with_capacity(plan.rows.len());
-    for (i, row) in plan.rows.iter().enumerate() {
-        let refusal = match equipment.trials.get(i) {
-            Some(TrialOutcome::OverLimit(reason)) => Some(RefusalReason::Limit(reason.clone())),
-            Some(TrialOutcome::Died(reason)) => Some(RefusalReason::Death(reason.clone())),
-            Some(TrialOutcome::Ended { .. }) | None => None,
-        };
-        if refusal.is_some() {
-            checked.push(None);
-            refused.push(refusal);
-            continue;
+    let mut row_checks = check_rows(&scope, equipment);
+    let amended = arbiter.amended(&all);
+    let scope = match &amended {
+        Some(amended) => {
+            // rows that answered like the one that was contradicted passed
+            let scope = Scope { all: amended, ..scope };
+            row_checks = check_rows(&scope, equipment);
+            scope
         }
-        progress.message(format!("{}: checking {}", scene.name, row.label()));
-        equipment.log.row_begins(&row.label());
-        let (known, why) = match caught(|| check(&scope, row)) {
-            Ok(Ok(known)) => (Some(known), None),
-            Ok(Err(error)) => (None, Some(RefusalReason::Build(error))),
-            Err(panicked) => (None, Some(RefusalReason::Panic(panicked))),
-        };
-        checked.push(known);
-        refused.push(why);
-        progress.step(equipment.clock.now());
-    }
-    equipment.log.rows_passed();
+        None => scope,
+    };
+    let (checked, refused): (Vec<_>, Vec<_>) = row_checks.into_iter().unzip();
     progress.message(format!("{}: timing", scene.name));
     let baseline = baseline(plan, &checked);
     let timed = match equipment.laps {
@@ -151,6 +133,37 @@ pub fn run_scene<S: Buildable>(
         conclusions: Vec::new(),
         least_time: Vec::new(),
     })
+}
+
+/// Checks each row of the plan, or says why it was not.
+fn check_rows<S: Buildable>(
+    scope: &Scope<'_, '_, S>,
+    equipment: &SceneInput<'_>,
+) -> Vec<(Option<RowCheck>, Option<RefusalReason>)> {
+    let check_row = |(i, row): (usize, &MeasuredRow<'_>)| {
+        match equipment.trials.get(i) {
+            Some(TrialOutcome::OverLimit(reason)) => {
+                return (None, Some(RefusalReason::Limit(reason.clone())));
+            }
+            Some(TrialOutcome::Died(reason)) => {
+                return (None, Some(RefusalReason::Death(reason.clone())));
+            }
+            Some(TrialOutcome::Ended { .. }) | None => {}
+        }
+        let (scene, label) = (&scope.stage.scene.name, row.label());
+        scope.progress.message(format!("{scene}: checking {label}"));
+        equipment.log.row_begins(&label);
+        let checked = match caught(|| check(scope, row)) {
+            Ok(Ok(checked)) => (Some(checked), None),
+            Ok(Err(error)) => (None, Some(RefusalReason::Build(error))),
+            Err(panicked) => (None, Some(RefusalReason::Panic(panicked))),
+        };
+        scope.progress.step(scope.clock.now());
+        checked
+    };
+    let rows = scope.plan.rows.iter().enumerate().map(check_row).collect();
+    equipment.log.rows_passed();
+    rows
 }
 
 /// Positions of the lights of a scene; centres of those with an extent.

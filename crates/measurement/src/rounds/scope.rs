@@ -1,6 +1,5 @@
 //! Context of the measurement of one scene, and who is told how it goes on.
 
-use crate::answers::edges::EdgeJudge;
 use crate::answers::reference::Stage;
 use crate::plan::Plan;
 use crate::rays::batches::BatchSet;
@@ -12,6 +11,7 @@ use accel_core::registry::Buildable;
 use glam::DVec3;
 
 /// Everything that the measurement of one scene works with.
+#[derive(Clone, Copy)]
 pub struct Scope<'a, 'r, S: Buildable> {
     pub plan: &'a Plan<'r>,
     pub stage: &'a Stage<'a, S>,
@@ -19,10 +19,6 @@ pub struct Scope<'a, 'r, S: Buildable> {
     pub lights: &'a [DVec3],
     /// All rays with the answers expected.
     pub all: &'a BatchSet<'a, S>,
-    /// The oracle confirmed those answers.
-    pub is_confirmed: bool,
-    /// Judges answers that differ at edges.
-    pub edges: &'a (dyn EdgeJudge<S> + 'a),
     pub pools: &'a Pools,
     pub clock: &'a dyn Clock,
     pub progress: &'a Progress,

@@ -332,7 +332,7 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
         context.warn(format_args!("{}: {warning}", scene.name));
     }
     for refused in &scene.oracle.refused {
-        context.warn(format_args!("{}: refused as reference: {refused}", scene.name));
+        context.warn(format_args!("{}: not asked first: {refused}", scene.name));
     }
 }
 

@@ -2,8 +2,7 @@
 //! order.
 
 use accel_core::registry::Buildable;
-use measurement::answers::edges::Edges;
-use measurement::answers::oracle::Oracle;
+use measurement::answers::arbiter::Arbiter;
 use measurement::answers::reference::{Reference, Stage};
 use measurement::rays::batches::BatchSet;
 use measurement::rounds::error::MeasureError;
@@ -92,15 +91,13 @@ fn visit_all<S: Buildable>(
     lanes: &mut [Lane<'_>],
 ) -> Result<FrameRecord, StudyError> {
     let plan = &animate.plan;
-    let oracle = Oracle::new(&frame.exact)
+    let arbiter = Arbiter::new(&frame.geometry, &frame.exact)
         .map_err(|source| MeasureError::Build { scene: frame.scene.name.clone(), source })?;
-    let stage = Stage { scene: &frame.scene, geometry: &frame.geometry, oracle: &oracle };
-    let Reference { rays, answers, record: judged } = stage.reference(plan, pools)?;
+    let stage = Stage { scene: &frame.scene, geometry: &frame.geometry, arbiter: &arbiter };
+    let Reference { rays, answers, record: mut judged } = stage.reference(plan, pools)?;
     let lights = lights_asked(&frame.scene, &plan.settings);
     let asked = BatchSet::new(&rays, answers, &lights);
     let asked = asked.in_orders(plan.orders, plan.seed, &frame.scene.name);
-    let confirmed = plan.answers.iter().find(|row| judged.reference == Some(row.label()));
-    let edges = Edges::new(&frame.exact, confirmed.cloned());
     let points = surface_points(frame.geometry.prims(), plan.seed);
     let on = FrameInput {
         frame,
@@ -109,8 +106,6 @@ fn visit_all<S: Buildable>(
             stage: &stage,
             lights: &lights,
             all: &asked,
-            is_confirmed: judged.reference.is_some(),
-            edges: &edges,
             pools,
             clock: equipment.clock,
             progress: equipment.progress,
@@ -129,6 +124,12 @@ fn visit_all<S: Buildable>(
                 Err(panicked) => Some(format!("frame {}: {panicked}", frame.number)),
             };
         }
+    }
+    if let (Some(first), n @ 1..) = (&judged.reference, arbiter.contradicted()) {
+        for lane in lanes.iter_mut().filter(|lane| lane.record.label() == *first) {
+            lane.record.mismatches += n as u64;
+        }
+        judged.refused.push(format!("{first}: wrong on {n} rays that others answered otherwise"));
     }
     Ok(FrameRecord {
         frame: frame.number,

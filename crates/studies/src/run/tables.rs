@@ -103,13 +103,13 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
     let oracle = &scene.oracle;
     let mut notes = vec![match &oracle.reference {
         Some(reference) => format!(
-            "Answers compared with those of {reference}, ray by ray; those with f64 brute force on \
-             {} rays, {} of them borderline.",
+            "Answers compared ray by ray, {reference} asked first. f64 brute force decided every ray on \
+             which rows differ and a sample of {} rays, {} of them borderline.",
             oracle.checked, oracle.borderline
         ),
         None if scene.rays.is_empty() => format!("{}.", scene.source),
-        None => "No structure's answers were confirmed by f64 brute force; all rows were compared \
-                 with brute force on a sample."
+        None => "f64 brute force refuted every structure that could be asked first; on its sample rows \
+                 were compared with brute force."
             .into(),
     }];
     notes.extend(reference_note(run, scene));
@@ -118,7 +118,7 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
     }
     notes.extend(outlier_note(scene));
     notes.extend(scene.rows.iter().filter_map(levels_note));
-    notes.extend(oracle.refused.iter().map(|r| format!("Refused as reference: {r}")));
+    notes.extend(oracle.refused.iter().map(|r| format!("Not asked first: {r}")));
     for row in &scene.rows {
         let name = row.label();
         notes.extend(saved_note(row));

@@ -11,7 +11,7 @@ use accel_core::{Hit, Ray};
 use super::mismatch::Difference;
 use super::model::Model;
 use super::subject::brute_force_entry;
-use measurement::answers::edges::EDGE_ULPS;
+use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::answers::oracle::{Opinion, Oracle};
 use measurement::rays::batches::Answers;
 use measurement::rays::exactness::is_apart;

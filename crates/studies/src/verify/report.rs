@@ -9,7 +9,7 @@ use super::judge::{Difference, Mismatch, RoundVerdict};
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
 use super::watch::StopReason;
-use measurement::answers::edges::EDGE_ULPS;
+use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::json;

@@ -14,7 +14,7 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     for scene in scenes {
         all.extend(scene.warnings.iter().map(|w| format!("{}: {w}", scene.name)));
         let refused = scene.oracle.refused.iter();
-        all.extend(refused.map(|r| format!("{}: refused as reference: {r}", scene.name)));
+        all.extend(refused.map(|r| format!("{}: not asked first: {r}", scene.name)));
     }
     if all.is_empty() {
         page.html.paragraph("The run warned of nothing.");
