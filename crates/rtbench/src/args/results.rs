@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use crate::args::parsers::percent;
-use crate::args::tables::ExportArgs;
-use crate::args::tables::TableArgs;
+use crate::args::tables::{ComparisonFileArgs, ExportArgs, TableArgs};
 use clap::{Args, ValueEnum};
 
 /// `rtbench compare`.
@@ -45,12 +44,8 @@ pub struct CompareArgs {
     /// Write one CSV row per scene, structure and metric
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Write the tables in Markdown
-    #[arg(long, value_name = "FILE")]
-    pub export_markdown: Option<PathBuf>,
-    /// Write everything as JSON
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
+    #[command(flatten)]
+    pub files: ComparisonFileArgs,
 }
 
 /// The order of a scene's rows.

@@ -1,4 +1,5 @@
-//! `rtbench check`: measure anew, judge, print; the exit code is the verdict.
+//! `rtbench check`: measure anew, judge, print; the exit code is the verdict. What a baseline is
+//! compared with is here; programs that take turns are in `check_in_turns.rs`.
 
 use std::fs::OpenOptions;
 use std::io::{self, Write};
@@ -14,9 +15,7 @@ use crate::comparison::renamed::{self, Renaming};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::{Outputs, write_file};
-use crate::gate::against::{AgainstError, Contest, Program, own_program};
 use crate::gate::contest::{self, PairedTimes};
-use crate::gate::pace::TurnPlan;
 use crate::gate::report::{FIRST, GLOSSARY, Report};
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
@@ -27,13 +26,12 @@ use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::measured_row::select;
-use measurement::plan::{Plan, Rounds};
+use measurement::plan::Plan;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, file, reference};
 use measurement::system::created::WriteError;
 use measurement::system::created::create;
 use measurement::system::interrupt::undisturbed;
 use measurement::system::pressure::PressureWatch;
-use measurement::system::progress::Progress;
 use presentation::json;
 use presentation::outside::line;
 use statistics::mann_whitney::{least_p, samples_needed};
@@ -52,7 +50,8 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     let thresholds = args.thresholds.over(default).checked().map_err(GateError::from)?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
-    let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
+    let files = &args.files;
+    let exports = [&args.export_csv, &files.export_markdown, &files.export_json];
     let _created = create(exports)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions || args.results.is_some() => false,
@@ -97,8 +96,8 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     writeln!(context.out, "{}", line(&report.verdict()))?;
     context.out.flush()?;
     write_file(args.export_csv.as_deref(), || export::csv(&report))?;
-    write_file(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
-    write_file(args.export_json.as_deref(), || json::written(&report))?;
+    write_file(files.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
+    write_file(files.export_json.as_deref(), || json::written(&report))?;
     tell_github(context, &report)?;
     Ok(report.exit_code(args.strict))
 }
@@ -127,23 +126,23 @@ fn open(
 }
 
 /// Settings and input of a check.
-struct Check<'a> {
-    args: &'a CheckArgs,
-    thresholds: Thresholds,
-    wants_counts: bool,
-    matches: Vec<Renaming>,
+pub(super) struct Check<'a> {
+    pub(super) args: &'a CheckArgs,
+    pub(super) thresholds: Thresholds,
+    pub(super) wants_counts: bool,
+    pub(super) matches: Vec<Renaming>,
     kept: ExportArgs,
 }
 
 /// Findings from which the report is made.
-struct CheckFindings<'a> {
-    base: &'a RunRecord,
-    now: &'a RunRecord,
-    against: String,
-    findings: Vec<Finding>,
-    missing: Vec<MissingRow>,
-    failures: usize,
-    pairs: Vec<PairedTimes>,
+pub(super) struct CheckFindings<'a> {
+    pub(super) base: &'a RunRecord,
+    pub(super) now: &'a RunRecord,
+    pub(super) against: String,
+    pub(super) findings: Vec<Finding>,
+    pub(super) missing: Vec<MissingRow>,
+    pub(super) failures: usize,
+    pub(super) pairs: Vec<PairedTimes>,
 }
 
 impl Check<'_> {
@@ -222,116 +221,6 @@ impl Check<'_> {
         Ok(self.report(context, found))
     }
 
-    /// The older binary, or the older build of a plugin, in turns with the newer.
-    fn in_turns(
-        &self,
-        context: &mut Context<'_>,
-        baseline: Option<&Baseline>,
-    ) -> Result<Report, Error> {
-        let args = self.args;
-        let mut plan = match baseline {
-            Some(baseline) => {
-                let like = replan::restrict(&baseline.record, &self.restriction());
-                let like = replan::known(&like.map_err(GateError::from)?, context);
-                replan::plan(&like, &Restriction::default(), context)?
-            }
-            None => {
-                Plan::of_run(&args.settings(), context.registry, context.occluders, context.scenes)?
-            }
-        };
-        plan.limits.render_pass = 0.0;
-        plan.rounds = Rounds::Fixed(1);
-        plan.is_untimed = true;
-        let (now, failures) = self.measured(context, &plan)?;
-        if now.scenes.is_empty() {
-            return Err(GateError::from(ReplanError::NothingMeasured).into());
-        }
-        let program = context.environment.program.clone();
-        let own = own_program(program.as_ref()).map_err(GateError::from)?;
-        let copied = context.environment.copy_of(own)?;
-        let plugins = context.plugins.arguments().to_vec();
-        let old = Program {
-            path: args.against.clone().unwrap_or_else(|| own.to_owned()),
-            plugins: args.plugins.arguments_for(&args.against_plugin),
-        };
-        let new = Program { path: own.to_owned(), plugins: plugins.clone() };
-        let copy = Program { path: copied.path().to_owned(), plugins };
-        let against = match &args.against {
-            Some(old) => format!("binary {}", old.display()),
-            None => {
-                let files = args.against_plugin.iter().map(|file| file.display().to_string());
-                format!("plugin {}", files.collect::<Vec<_>>().join(", "))
-            }
-        };
-        context.say(format_args!("measuring once with {against}"));
-        let allow_outside = context.scenes.allows_outside();
-        let pace = TurnPlan {
-            rounds: args.rounds,
-            time_budget: args.time_budget,
-            seed: now.settings.seed,
-        };
-        let mut contest = Contest {
-            programs: [old, new, copy],
-            like: now.clone(),
-            pace,
-            allow_outside,
-            matches: self.matches.clone(),
-            thresholds: self.thresholds.clone(),
-        };
-        let base = contest.record_of_old().map_err(GateError::from)?;
-        refuse(&base, &now)?;
-        let missing = Pairing::of(&base, &now).missing();
-        if Pairing::of(&base, &now).rows().next().is_none() {
-            return Err(GateError::NothingCompared(missing).into());
-        }
-        contest.keep_common(&base);
-        let counts = if self.wants_counts {
-            let common = &contest.like;
-            let base = callgrind::count(args.against.as_deref(), common, allow_outside)
-                .map_err(GateError::from)?;
-            Some((base, counted(context, common).map_err(GateError::from)?))
-        } else {
-            None
-        };
-        let instructions = match &counts {
-            Some((base, now)) => Instructions::Counted { base: &base.rows, now: &now.rows },
-            None => Instructions::NotAsked,
-        };
-        contest.thin();
-        let (thresholds, looks) = (&self.thresholds, pace.looks());
-        let of = |pairs| Evidence {
-            thresholds,
-            base: &base,
-            now: &now,
-            instructions,
-            times: Times::Paired { pairs, looks },
-        };
-        let raced = |context: &Context<'_>, contest: &Contest| {
-            raced(context, &pace, |progress| {
-                let open = |pairs: &[PairedTimes]| {
-                    wall_clock::undecided(&Evidence {
-                        times: Times::Paired { pairs, looks },
-                        ..of(&[])
-                    })
-                };
-                let times = contest.times(context.clock, progress, &open);
-                times.map_err(|error| AgainstError::from(error).into())
-            })
-        };
-        let pairs = raced(context, &contest)?;
-        let findings = confirmed(context, &of(&pairs), |context, suspects| {
-            contest.like.scenes.retain(|s| suspects.contains(&s.name));
-            let again = raced(context, &contest)?;
-            let evidence = Evidence { times: Times::Paired { pairs: &again, looks }, ..of(&[]) };
-            Ok((wall_clock::STAGE.judge)(&evidence))
-        })?;
-        let (base, now) = (&base, &now);
-        Ok(self.report(
-            context,
-            CheckFindings { base, now, against, findings, missing, failures, pairs },
-        ))
-    }
-
     /// Times as ratios within each run.
     fn in_run(&self, cpu_pressure: Option<f64>) -> Times<'static> {
         Times::InRun { cpu_pressure, across_processors: self.args.across_processors }
@@ -342,7 +231,7 @@ impl Check<'_> {
     }
 
     /// Measures a plan, and keeps it where that is asked for.
-    fn measured(
+    pub(super) fn measured(
         &self,
         context: &mut Context<'_>,
         plan: &Plan<'_>,
@@ -388,7 +277,7 @@ impl Check<'_> {
         scenes.flat_map(of_scene).collect()
     }
 
-    fn restriction(&self) -> Restriction<'_> {
+    pub(super) fn restriction(&self) -> Restriction<'_> {
         let CheckArgs { scenes, structures, .. } = self.args;
         Restriction { scenes, structures, ..Restriction::default() }
     }
@@ -407,7 +296,7 @@ impl Check<'_> {
         }
     }
 
-    fn report(&self, context: &Context<'_>, found: CheckFindings<'_>) -> Report {
+    pub(super) fn report(&self, context: &Context<'_>, found: CheckFindings<'_>) -> Report {
         let CheckFindings { base, now, against, findings, mut missing, failures, pairs } = found;
         let times = if self.args.takes_turns() {
             "seconds".to_owned()
@@ -456,21 +345,8 @@ fn measured(
     Ok((measured.record, measured.failures))
 }
 
-/// The times of all turns, with a bar.
-fn raced(
-    context: &Context<'_>,
-    pace: &TurnPlan,
-    times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, GateError>,
-) -> Result<Vec<PairedTimes>, Error> {
-    let steps = u64::from(pace.expected());
-    let progress = Progress::new(context.shows_progress(), steps, pace.time_budget);
-    let pairs = times(&progress);
-    progress.finish();
-    Ok(pairs?)
-}
-
 /// Findings of all stages; scenes in which times regressed are measured `again` to confirm that.
-fn confirmed(
+pub(super) fn confirmed(
     context: &mut Context<'_>,
     first: &Evidence<'_>,
     again: impl FnOnce(&mut Context<'_>, &[String]) -> Result<Vec<Finding>, Error>,
@@ -496,7 +372,7 @@ fn suspects(findings: &[Finding]) -> Vec<String> {
 }
 
 /// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
-fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
+pub(super) fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
     let reasons = comparable::refusals(base, now);
     let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
     if reasons.is_empty() || is_wrong { Ok(()) } else { Err(GateError::NotComparable(reasons)) }

@@ -49,8 +49,8 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     }
     let json = || json::written(&comparisons);
     write_file(args.export_csv.as_deref(), || csv::to_string(&comparisons))?;
-    write_file(args.export_markdown.as_deref(), || Ok(tables::to_markdown(&comparisons)))?;
-    write_file(args.export_json.as_deref(), json)?;
+    write_file(args.files.export_markdown.as_deref(), || Ok(tables::to_markdown(&comparisons)))?;
+    write_file(args.files.export_json.as_deref(), json)?;
     match args.format {
         CompareFormat::Text => {
             tables::write(context.out, &comparisons, context.terminal.screen(color))?;

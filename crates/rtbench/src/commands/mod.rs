@@ -6,6 +6,7 @@ pub mod baseline;
 pub mod budget;
 pub mod by_files;
 pub mod check;
+mod check_in_turns;
 pub mod child;
 pub mod compare;
 pub mod compare_tracers;

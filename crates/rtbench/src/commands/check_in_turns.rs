@@ -1,0 +1,166 @@
+//! `rtbench check --against` and `--against-plugin`: the older program, or the older build of a
+//! plugin, measured in turns with the newer.
+
+use std::path::Path;
+
+use crate::baselines::Baseline;
+use crate::commands::baseline::counted;
+use crate::commands::check::{Check, CheckFindings, confirmed, refuse};
+use crate::comparison::pairing::Pairing;
+use crate::context::Context;
+use crate::error::Error;
+use crate::gate::against::{AgainstError, Contest, Program, own_program};
+use crate::gate::contest::PairedTimes;
+use crate::gate::pace::TurnPlan;
+use crate::gate::report::Report;
+use crate::gate::{Evidence, GateError, Instructions, Times, wall_clock};
+use crate::replan::{self, ReplanError, Restriction};
+use measurement::callgrind;
+use measurement::plan::{Plan, Rounds};
+use measurement::system::progress::Progress;
+
+impl Check<'_> {
+    /// Measures the programs in turns and judges the newer one.
+    ///
+    /// # Errors
+    /// [`Error`] for what cannot be measured or compared.
+    pub(super) fn in_turns(
+        &self,
+        context: &mut Context<'_>,
+        baseline: Option<&Baseline>,
+    ) -> Result<Report, Error> {
+        let args = self.args;
+        let plan = self.plan_of_turns(context, baseline)?;
+        let (now, failures) = self.measured(context, &plan)?;
+        if now.scenes.is_empty() {
+            return Err(GateError::from(ReplanError::NothingMeasured).into());
+        }
+        let program = context.environment.program.clone();
+        let own = own_program(program.as_ref()).map_err(GateError::from)?;
+        let copied = context.environment.copy_of(own)?;
+        let against = self.older();
+        context.say(format_args!("measuring once with {against}"));
+        let allow_outside = context.scenes.allows_outside();
+        let pace = TurnPlan {
+            rounds: args.rounds,
+            time_budget: args.time_budget,
+            seed: now.settings.seed,
+        };
+        let mut contest = Contest {
+            programs: self.programs(context, own, copied.path()),
+            like: now.clone(),
+            pace,
+            allow_outside,
+            matches: self.matches.clone(),
+            thresholds: self.thresholds.clone(),
+        };
+        let base = contest.record_of_old().map_err(GateError::from)?;
+        refuse(&base, &now)?;
+        let missing = Pairing::of(&base, &now).missing();
+        if Pairing::of(&base, &now).rows().next().is_none() {
+            return Err(GateError::NothingCompared(missing).into());
+        }
+        contest.keep_common(&base);
+        let counts = if self.wants_counts {
+            let common = &contest.like;
+            let base = callgrind::count(args.against.as_deref(), common, allow_outside)
+                .map_err(GateError::from)?;
+            Some((base, counted(context, common).map_err(GateError::from)?))
+        } else {
+            None
+        };
+        let instructions = match &counts {
+            Some((base, now)) => Instructions::Counted { base: &base.rows, now: &now.rows },
+            None => Instructions::NotAsked,
+        };
+        contest.thin();
+        let (thresholds, looks) = (&self.thresholds, pace.looks());
+        let of = |pairs| Evidence {
+            thresholds,
+            base: &base,
+            now: &now,
+            instructions,
+            times: Times::Paired { pairs, looks },
+        };
+        let raced = |context: &Context<'_>, contest: &Contest| {
+            raced(context, &pace, |progress| {
+                let open = |pairs: &[PairedTimes]| {
+                    wall_clock::undecided(&Evidence {
+                        times: Times::Paired { pairs, looks },
+                        ..of(&[])
+                    })
+                };
+                let times = contest.times(context.clock, progress, &open);
+                times.map_err(|error| AgainstError::from(error).into())
+            })
+        };
+        let pairs = raced(context, &contest)?;
+        let findings = confirmed(context, &of(&pairs), |context, suspects| {
+            contest.like.scenes.retain(|s| suspects.contains(&s.name));
+            let again = raced(context, &contest)?;
+            let evidence = Evidence { times: Times::Paired { pairs: &again, looks }, ..of(&[]) };
+            Ok((wall_clock::STAGE.judge)(&evidence))
+        })?;
+        let (base, now) = (&base, &now);
+        Ok(self.report(
+            context,
+            CheckFindings { base, now, against, findings, missing, failures, pairs },
+        ))
+    }
+
+    /// One round of the rows of the baseline, or of those that were named.
+    fn plan_of_turns<'c>(
+        &self,
+        context: &Context<'c>,
+        baseline: Option<&Baseline>,
+    ) -> Result<Plan<'c>, Error> {
+        let mut plan = match baseline {
+            Some(baseline) => {
+                let like = replan::restrict(&baseline.record, &self.restriction());
+                let like = replan::known(&like.map_err(GateError::from)?, context);
+                replan::plan(&like, &Restriction::default(), context)?
+            }
+            None => {
+                let settings = self.args.settings();
+                Plan::of_run(&settings, context.registry, context.occluders, context.scenes)?
+            }
+        };
+        plan.limits.render_pass = 0.0;
+        plan.rounds = Rounds::Fixed(1);
+        plan.is_untimed = true;
+        Ok(plan)
+    }
+
+    /// The older program, the newer one, and a copy of the newer one.
+    fn programs(&self, context: &Context<'_>, own: &Path, copy: &Path) -> [Program; 3] {
+        let plugins = context.plugins.arguments().to_vec();
+        let old = Program {
+            path: self.args.against.clone().unwrap_or_else(|| own.to_owned()),
+            plugins: self.args.plugins.arguments_for(&self.args.against_plugin),
+        };
+        let new = Program { path: own.to_owned(), plugins: plugins.clone() };
+        [old, new, Program { path: copy.to_owned(), plugins }]
+    }
+
+    /// Name of the older program.
+    fn older(&self) -> String {
+        if let Some(old) = &self.args.against {
+            return format!("binary {}", old.display());
+        }
+        let files = self.args.against_plugin.iter().map(|file| file.display().to_string());
+        format!("plugin {}", files.collect::<Vec<_>>().join(", "))
+    }
+}
+
+/// The times of all turns, with a bar.
+fn raced(
+    context: &Context<'_>,
+    pace: &TurnPlan,
+    times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, GateError>,
+) -> Result<Vec<PairedTimes>, Error> {
+    let steps = u64::from(pace.expected());
+    let progress = Progress::new(context.shows_progress(), steps, pace.time_budget);
+    let pairs = times(&progress);
+    progress.finish();
+    Ok(pairs?)
+}
