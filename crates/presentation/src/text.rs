@@ -15,9 +15,6 @@ pub struct Screen {
 }
 
 impl Screen {
-    /// Wide enough for all columns.
-    pub const WIDE: usize = 1 << 16;
-
     /// Prints lines of little weight.
     pub fn write_notes(self, out: &mut dyn Write, lines: &[&str]) -> io::Result<()> {
         write_notes_within(out, lines, self.colors, Some(self.width))

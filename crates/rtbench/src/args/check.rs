@@ -139,12 +139,6 @@ pub struct AgainstArgs {
     #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Seed of schedules, samples and intervals [default: 1]
-    #[arg(long, value_name = "N", conflicts_with = "baseline")]
-    pub seed: Option<u64>,
-    /// The reference row of ratios, as for `run`
-    #[arg(long, value_name = "STRUCTURE", conflicts_with = "baseline")]
-    pub reference: Option<String>,
     /// Arithmetic of primitives and rays [default: f32]
     #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
     pub precision: Option<Precision>,
@@ -171,8 +165,6 @@ impl CheckArgs {
                 rays: how.rays.clone(),
                 quick: how.quick,
                 threads: how.threads.unwrap_or(default.threads),
-                seed: how.seed.unwrap_or(default.seed),
-                reference: how.reference.clone(),
                 precision: how.precision.unwrap_or_default(),
                 size: how.size,
                 ..default

@@ -14,18 +14,6 @@ pub struct MeasuringArgs {
     /// Kinds of rays [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
-    /// The order in which rays are issued to rows
-    #[arg(long, value_parser = choice::<Orders>(),
-          default_value = Orders::default().name())]
-    pub order: Orders,
-    /// Which lights shadow rays run to
-    #[arg(long, value_parser = choice::<Lights>(),
-          default_value = Lights::default().name())]
-    pub lights: Lights,
-    /// Longest pass over the rays; a slower row is timed on a sample of them [default: 200ms, 30ms
-    /// with --quick]
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
-    pub pass_limit: Option<Duration>,
     /// Rounds: each visits every row once [default: 5, 3 with --quick]
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = measurement::settings::quantity::count(1..=MeasuringSettings::MOST_ROUNDS))]
@@ -60,9 +48,6 @@ impl MeasuringArgs {
     pub fn settings(&self) -> MeasuringSettings {
         MeasuringSettings {
             rays: self.rays.clone(),
-            order: self.order,
-            lights: self.lights,
-            pass_limit: self.pass_limit,
             rounds: self.rounds,
             time_budget: self.time_budget,
             quick: self.quick,
@@ -71,8 +56,34 @@ impl MeasuringArgs {
             reference: self.reference.clone(),
             precision: self.precision,
             size: self.size,
-            max_memory: None,
+            ..MeasuringSettings::default()
         }
+    }
+}
+
+/// How rays are issued to rows.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Measuring")]
+pub struct IssueArgs {
+    /// The order in which rays are issued to rows
+    #[arg(long, value_parser = choice::<Orders>(),
+          default_value = Orders::default().name())]
+    pub order: Orders,
+    /// Which lights shadow rays run to
+    #[arg(long, value_parser = choice::<Lights>(),
+          default_value = Lights::default().name())]
+    pub lights: Lights,
+    /// Longest pass over the rays; a slower row is timed on a sample of them [default: 200ms, 30ms
+    /// with --quick]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
+    pub pass_limit: Option<Duration>,
+}
+
+impl IssueArgs {
+    /// These settings, where the others are those.
+    pub fn over(&self, others: MeasuringSettings) -> MeasuringSettings {
+        let Self { order, lights, pass_limit } = *self;
+        MeasuringSettings { order, lights, pass_limit, ..others }
     }
 }
 

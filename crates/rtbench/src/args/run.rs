@@ -5,8 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use measurement::settings::{MeasuringSettings, RunSettings};
 
-use crate::args::measuring::MeasuringArgs;
-use crate::args::measuring::MemoryArgs;
+use crate::args::measuring::{IssueArgs, MeasuringArgs, MemoryArgs};
 use crate::args::parsers::scene_name;
 use crate::args::plugins::PluginArgs;
 use crate::args::tables::ExportArgs;
@@ -26,6 +25,8 @@ pub struct RunArgs {
     pub overrides: Vec<String>,
     #[command(flatten)]
     pub measuring: MeasuringArgs,
+    #[command(flatten)]
+    pub issue: IssueArgs,
     #[command(flatten)]
     pub plugins: PluginArgs,
     /// How much memory a structure may take.
@@ -66,7 +67,7 @@ impl RunArgs {
             overrides: self.overrides.clone(),
             measuring: MeasuringSettings {
                 max_memory: self.memory.max_memory,
-                ..self.measuring.settings()
+                ..self.issue.over(self.measuring.settings())
             },
             shard: self.shard,
             by_kind: self.by_kind,

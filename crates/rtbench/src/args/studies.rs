@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use crate::args::measuring::MeasuringArgs;
-use crate::args::measuring::MemoryArgs;
+use crate::args::measuring::{IssueArgs, MeasuringArgs};
 use crate::args::parsers::scene_name;
 use clap::{Args, Subcommand};
-use measurement::settings::{MeasuringSettings, RunSettings};
+use measurement::settings::RunSettings;
 use serde::{Deserialize, Serialize};
 use studies::animate::AnimateSettings;
 use studies::explain::ExplainSettings;
@@ -61,12 +60,6 @@ pub struct AnimateArgs {
     pub overrides: Vec<String>,
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// How much memory a structure may take.
-    #[command(flatten)]
-    pub memory: MemoryArgs,
-    /// Print all columns [default: those that fit the terminal, or 120 characters]
-    #[arg(long)]
-    pub wide: bool,
     /// Write animation.json, frames.csv, animate.md, animate.svg and strip.png there, after each frame anew
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -79,10 +72,7 @@ impl AnimateArgs {
             frames: self.frames,
             structures: self.structures.clone(),
             overrides: self.overrides.clone(),
-            measuring: MeasuringSettings {
-                max_memory: self.memory.max_memory,
-                ..self.measuring.settings()
-            },
+            measuring: self.measuring.settings(),
         }
     }
 }
@@ -158,9 +148,8 @@ pub struct ExplainArgs {
     pub structure: String,
     #[command(flatten)]
     pub measuring: MeasuringArgs,
-    /// How much memory a structure may take.
     #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub issue: IssueArgs,
     /// Build and time each scene in that many processes, and take intervals over both levels
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=RunSettings::MOST_PROCESSES.into()))]
@@ -186,10 +175,7 @@ impl ExplainArgs {
         ExplainSettings {
             scenes: self.scenes.clone(),
             structure: self.structure.clone(),
-            measuring: MeasuringSettings {
-                max_memory: self.memory.max_memory,
-                ..self.measuring.settings()
-            },
+            measuring: self.issue.over(self.measuring.settings()),
             processes: self.processes,
         }
     }

@@ -75,9 +75,6 @@ pub struct SweepArgs {
     /// of a process that loads the scene and builds one row, `over limit` [default: 8GiB]
     #[arg(long, value_name = "BYTES", value_parser = measurement::settings::quantity::bytes)]
     pub max_memory: Option<u64>,
-    /// Print all columns [default: those that fit the terminal, or 120 characters]
-    #[arg(long)]
-    pub wide: bool,
     /// Write one CSV row per scene and value; - is standard output, instead of the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,

@@ -20,7 +20,6 @@ use measurement::system::files::write_text;
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
 use presentation::json;
-use presentation::text::Screen;
 use studies::animate::measure::{AnimationInput, AnimationResults, measure};
 use studies::animate::record::AnimationRecord;
 use studies::animate::{Animate, plot, table};
@@ -103,10 +102,7 @@ pub fn run(
     });
     // what was finished is shown, whatever ended it
     record.complete = measured.is_ok();
-    let mut screen = context.terminal.screen(color);
-    if args.wide {
-        screen.width = Screen::WIDE;
-    }
+    let screen = context.terminal.screen(color);
     if !record.frames.is_empty() {
         for table in table::tables(&record) {
             screen.write_fitted(context.out, &table, &table::FIRST)?;

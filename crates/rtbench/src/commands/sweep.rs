@@ -20,10 +20,7 @@ use studies::sweep::{Sweep, plot, table};
 /// # Errors
 /// [`Error`] for what ends the sweep early: the command line, an output.
 pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
-    let mut screen = context.terminal.screen(color);
-    if args.wide {
-        screen.width = Screen::WIDE;
-    }
+    let screen = context.terminal.screen(color);
     let measured = match &args.sizes {
         Some(asked) => over_sizes(context, args, asked, screen),
         None => over_values(context, args, screen),

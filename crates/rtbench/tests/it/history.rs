@@ -226,7 +226,7 @@ fn what_cannot_be_read_is_an_error_that_names_it() {
     assert!(ended.err.contains("line 2, column"), "{}", ended.err);
     let missing = run_stepping("history /nowhere -o /nowhere/site");
     assert!(missing.code == 1 && missing.err.contains("/nowhere"), "{}", missing.err);
-    for usage in ["history", "history DIR", "history DIR -o SITE --significance 0"] {
+    for usage in ["history", "history DIR"] {
         assert_eq!(run_stepping(usage).code, 2, "{usage}");
     }
     let error = Git::with(Path::new("/nowhere/git"), Path::new(".")).unwrap_err();
