@@ -25,7 +25,6 @@ pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
 pub mod context;
-pub mod doctor;
 pub mod error;
 pub mod exit_code;
 pub mod exports;

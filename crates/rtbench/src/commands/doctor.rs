@@ -1,27 +1,38 @@
-//! `rtbench doctor`: what may disturb measurements on this machine.
+//! `rtbench doctor`: sources of noise on this machine, one finding per line, with advice.
+//!
+//! Files of `/proc` and `/sys` (Linux) say most of it. Where one is not there, the finding is
+//! `unknown`; nothing is guessed.
 
+use std::fs;
 use std::io::Write;
+use std::path::PathBuf;
+
+use serde::Serialize;
 
 use crate::args::{Color, DoctorArgs, Format};
+use crate::commands::noise::Noise;
 use crate::context::Context;
-use crate::doctor::{Diagnosis, Level, System, diagnose};
 use crate::error::Error;
+use measurement::system::machine::{kibibytes, value};
+use measurement::system::world::{self, World};
 use presentation::json;
 use presentation::table::Style;
 use presentation::text::painted;
 
 /// Looks and prints.
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
-    let diagnosis = diagnose(&System::of(context.world), context.clock);
+    let mut findings = System::of(context.world).findings();
+    let noise = Noise::measured(context.clock);
+    findings.push(NOISE.finding(Some(noise.judged())));
+    let diagnosis = Diagnosis { noise, findings };
     match args.format {
         Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
-        Format::Text => write(context.out, &diagnosis, context.terminal.colors(color))?,
+        Format::Text => write(context.out, &diagnosis.findings, context.terminal.colors(color))?,
     }
     Ok(context.out.flush()?)
 }
 
-fn write(out: &mut dyn Write, diagnosis: &Diagnosis, colors: bool) -> std::io::Result<()> {
-    let findings = &diagnosis.findings;
+fn write(out: &mut dyn Write, findings: &[Finding], colors: bool) -> std::io::Result<()> {
     let width = findings.iter().map(|f| f.name.chars().count()).max().unwrap_or(0);
     for finding in findings {
         let (level, style) = match finding.level {
@@ -38,4 +49,283 @@ fn write(out: &mut dyn Write, diagnosis: &Diagnosis, colors: bool) -> std::io::R
     }
     let warnings = findings.iter().filter(|f| f.level == Level::Warning).count();
     writeln!(out, "{warnings} of {} may disturb measurements", findings.len())
+}
+
+/// Whether a property disturbs measurements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+enum Level {
+    Good,
+    Warning,
+    /// The system does not tell.
+    Unknown,
+}
+
+/// A property of the machine.
+#[derive(Debug, Serialize)]
+struct Finding {
+    name: &'static str,
+    level: Level,
+    /// In words.
+    value: String,
+    meaning: &'static str,
+    /// For warnings.
+    advice: Option<&'static str>,
+}
+
+#[derive(Serialize)]
+struct Diagnosis {
+    noise: Noise,
+    findings: Vec<Finding>,
+}
+
+struct System {
+    /// `/`, or a test's own.
+    root: PathBuf,
+    /// Threads that the process may use.
+    threads: usize,
+    /// Features that the processor has and the program was compiled without.
+    unused: Vec<&'static str>,
+}
+
+/// A thing to look at: what it is called, what it means, what to do, and how it is found: whether
+/// it is as it should be, and in words; nothing where the system does not report it.
+struct Check {
+    name: &'static str,
+    meaning: &'static str,
+    advice: &'static str,
+    look: fn(&System) -> Option<(bool, String)>,
+}
+
+impl Check {
+    fn finding(&self, found: Option<(bool, String)>) -> Finding {
+        let is_bad = found.as_ref().is_some_and(|(is_good, _)| !is_good);
+        Finding {
+            name: self.name,
+            level: match &found {
+                None => Level::Unknown,
+                Some(_) if is_bad => Level::Warning,
+                Some(_) => Level::Good,
+            },
+            value: found.map_or("the system does not say".to_owned(), |(_, words)| words),
+            meaning: self.meaning,
+            advice: is_bad.then_some(self.advice),
+        }
+    }
+}
+
+/// No file tells it: it is timed.
+const NOISE: Check = Check {
+    name: "noise",
+    meaning: "times of the same work differ by so much: differences below it are not seen in a few \
+              rounds",
+    advice: "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
+             counters, not seconds",
+    look: |_| None,
+};
+
+const CHECKS: [Check; 9] = [
+    Check {
+        name: "governor",
+        meaning: "any governor but `performance` changes the clock frequency with the load: the \
+                  first rounds are slower than the rest",
+        advice: "sudo cpupower frequency-set -g performance",
+        look: |system| {
+            let governor = |cpu| system.cpu_file(&format!("cpu{cpu}/cpufreq/scaling_governor"));
+            let mut governors: Vec<String> = (0..4096).map_while(governor).collect();
+            governors.sort();
+            governors.dedup();
+            let all = governors.join(", ");
+            (!all.is_empty()).then_some((all == "performance", all))
+        },
+    },
+    Check {
+        name: "boost",
+        meaning: "with boost the clock frequency depends on heat and on the other cores; ratios of \
+                  the same round suffer least",
+        advice: "echo 0 | sudo tee /sys/devices/system/cpu/cpufreq/boost (Intel: echo 1 | sudo tee \
+                 /sys/devices/system/cpu/intel_pstate/no_turbo)",
+        look: |system| {
+            let no_turbo = system.cpu_file("intel_pstate/no_turbo").map(|v| v == "0");
+            let boosts = no_turbo.or(system.cpu_file("cpufreq/boost").map(|v| v == "1"))?;
+            Some((!boosts, on_or_off(boosts)))
+        },
+    },
+    Check {
+        name: "load",
+        meaning: "programs that wait for a core interrupt the measurement and share its caches",
+        advice: "end other programs, or wait until they are done",
+        look: |system| {
+            let text = system.read("proc/loadavg")?;
+            let load: f64 = text.split_whitespace().next()?.parse().ok()?;
+            // one core for the measurement, the others may work
+            let is_low = load < 0.5 || system.threads as f64 - load >= 1.5;
+            Some((is_low, format!("{load:.2} of {} cores, over a minute", system.threads)))
+        },
+    },
+    Check {
+        name: "cores",
+        meaning: "on a single core, or with a quota, every other program and every thread of our \
+                  own stops the measurement",
+        advice: "use a machine with two cores or more and no quota",
+        look: |system| {
+            let quota = system.read("sys/fs/cgroup/cpu.max").filter(|q| !q.starts_with("max"));
+            let has_quota = quota.is_some();
+            let limited = quota.map(|q| format!(", limited to {q} (microseconds of a period)"));
+            let found = format!("{} usable{}", system.threads, limited.unwrap_or_default());
+            Some((system.threads >= 2 && !has_quota, found))
+        },
+    },
+    Check {
+        name: "SMT",
+        meaning: "two threads share a core: what runs on the other one halves the speed",
+        advice: "keep the other threads idle, or echo off | sudo tee \
+                 /sys/devices/system/cpu/smt/control",
+        look: |system| {
+            let shares = system.cpu_file("smt/active")? == "1";
+            Some((!shares, on_or_off(shares)))
+        },
+    },
+    Check {
+        name: "memory",
+        meaning: "less than 1 GiB is not enough for the large scenes: the system would swap, or \
+                  kill the run; pages that come back from disk are timed as if they were work",
+        advice: "end other programs, then sudo swapoff -a && sudo swapon -a",
+        look: |system| {
+            let text = system.read("proc/meminfo")?;
+            let bytes = |key| kibibytes(&text, key);
+            let (total, free) = (bytes("MemTotal")?, bytes("MemAvailable")?);
+            let swapped = bytes("SwapTotal")?.saturating_sub(bytes("SwapFree")?);
+            let [total, free, swapped] = [total, free, swapped].map(|bytes| bytes >> 20);
+            let found = format!("{free} MiB free of {total} MiB, {swapped} MiB swapped out");
+            // the standard scenes need 200 MiB, those of packages 1 GiB
+            Some((free >= 1 << 10 && swapped < 64, found))
+        },
+    },
+    Check {
+        name: "virtual machine",
+        meaning: "neighbours that are not seen from here share cores, caches and memory",
+        advice: "compare ratios of the same run and counters, never seconds of two runs",
+        look: |system| {
+            let info = system.read("proc/cpuinfo")?;
+            let is_virtual = value(&info, "flags", ':')?.split(' ').any(|f| f == "hypervisor");
+            let product = system.read("sys/class/dmi/id/product_name");
+            let name = product.map(|name| format!(" ({name})")).unwrap_or_default();
+            Some((!is_virtual, if is_virtual { format!("yes{name}") } else { "no".into() }))
+        },
+    },
+    Check {
+        name: "stolen time",
+        meaning: "the host let other machines run while this one wanted to",
+        advice: "use a machine of your own, or measure at another hour",
+        look: |system| {
+            let text = system.read("proc/stat")?;
+            let cpu = text.lines().find_map(|line| line.strip_prefix("cpu "))?;
+            let times: Vec<u64> = cpu.split_whitespace().filter_map(|n| n.parse().ok()).collect();
+            // user, nice, system, idle, iowait, irq, softirq, steal; what follows is in user
+            let all: u64 = times.iter().take(8).sum();
+            let share = *times.get(7)? as f64 / all.max(1) as f64;
+            Some((share < 0.005, format!("{:.2}% since the start", 100.0 * share)))
+        },
+    },
+    Check {
+        name: "instructions",
+        meaning: "the program is slower than it could be, some structures more than others",
+        advice: world::ADVICE,
+        look: |system| {
+            let unused = system.unused.join(", ");
+            Some(if unused.is_empty() {
+                (true, "those of the processor".to_owned())
+            } else {
+                (false, format!("compiled without {unused}, which the processor has"))
+            })
+        },
+    },
+];
+
+impl System {
+    /// The machine of a world.
+    pub fn of(world: &dyn World) -> Self {
+        let compiled = world.compiler().target_features;
+        let unused = world::unused(&world.processor_features(), &compiled);
+        Self { root: world.system_root(), threads: world.machine().threads, unused }
+    }
+
+    /// One finding for each thing looked at.
+    pub fn findings(&self) -> Vec<Finding> {
+        CHECKS.iter().map(|check| check.finding((check.look)(self))).collect()
+    }
+
+    fn read(&self, path: &str) -> Option<String> {
+        let text = fs::read_to_string(self.root.join(path)).ok()?;
+        Some(text.trim().to_owned()).filter(|text| !text.is_empty())
+    }
+
+    fn cpu_file(&self, path: &str) -> Option<String> {
+        self.read(&format!("sys/devices/system/cpu/{path}"))
+    }
+}
+
+fn on_or_off(is_on: bool) -> String {
+    if is_on { "on" } else { "off" }.to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CPU: &str = "sys/devices/system/cpu";
+    /// Files of a quiet machine and of a busy one.
+    const FILES: [(&str, [&str; 2]); 9] = [
+        ("cpu0/cpufreq/scaling_governor", ["performance", "powersave"]),
+        ("intel_pstate/no_turbo", ["", "0"]),
+        ("cpufreq/boost", ["0", "1"]),
+        ("smt/active", ["0", "1"]),
+        ("/proc/loadavg", ["0.10 0.2 0.3 1/100 7", "3.90 2 1 1/100 7"]),
+        ("/proc/meminfo", [
+            "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB",
+            "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 900000 kB\nSwapFree: 9 kB",
+        ]),
+        ("/proc/cpuinfo", ["model name\t: X\nflags\t\t: fpu", "flags\t\t: fpu hypervisor sse"]),
+        ("/proc/stat", ["cpu  100 0 100 1000 0 0 0 0 0 0", "cpu  100 0 100 1000 0 0 0 100 0 0"]),
+        ("/sys/fs/cgroup/cpu.max", ["max 100000", "50000 100000"]),
+    ];
+
+    /// Findings of a machine with these files.
+    fn findings(files: &[(&str, &str)], unused: Vec<&'static str>) -> Vec<Finding> {
+        let folder = tempfile::tempdir().unwrap();
+        for (path, text) in files {
+            let within = path.strip_prefix('/').map(Into::into);
+            let path = folder.path().join(within.unwrap_or_else(|| format!("{CPU}/{path}")));
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, format!("{text}\n")).unwrap();
+        }
+        System { root: folder.path().to_owned(), threads: 4, unused }.findings()
+    }
+
+    #[test]
+    fn a_machine_that_says_nothing_is_unknown() {
+        for finding in findings(&[], Vec::new()) {
+            let is_known = ["cores", "instructions"].contains(&finding.name);
+            let expected = if is_known { Level::Good } else { Level::Unknown };
+            assert_eq!(finding.level, expected, "{finding:?}");
+        }
+    }
+
+    #[test]
+    fn a_quiet_machine_is_good_and_a_busy_one_is_warned_of_with_advice() {
+        let of = |machine: usize, unused| {
+            findings(&FILES.map(|(path, texts)| (path, texts[machine])), unused)
+        };
+        for finding in of(0, Vec::new()) {
+            assert_eq!((finding.level, finding.advice), (Level::Good, None), "{finding:?}");
+        }
+        for finding in of(1, vec!["avx2"]) {
+            assert_eq!(finding.level, Level::Warning, "{finding:?}");
+            assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");
+        }
+        let little = "MemTotal: 8000000 kB\nMemAvailable: 70000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB";
+        let found = findings(&[("/proc/meminfo", little)], Vec::new());
+        assert!(found.iter().any(|f| f.name == "memory" && f.level == Level::Warning));
+    }
 }

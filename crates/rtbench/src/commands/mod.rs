@@ -18,6 +18,7 @@ pub mod list;
 pub mod measuring;
 pub mod merge;
 pub mod named_files;
+mod noise;
 pub mod printed;
 mod processes;
 pub mod render;

@@ -42,7 +42,6 @@ fn the_doctor_says_what_each_finding_means() {
         "load",
         "cores",
         "memory",
-        "swap",
         "virtual machine",
         "instructions",
         "noise",

@@ -1,4 +1,5 @@
-//! The noise score: the same short loop many times over, and how far its times lie apart.
+//! The noise score of `rtbench doctor`: the same short loop many times over, and how far its times
+//! lie apart.
 //!
 //! The loop does nothing but arithmetic in registers, so that neither caches nor memory have a
 //! part in it: what differs is the clock frequency, and what else ran on the core.
@@ -24,27 +25,13 @@ const QUIET: f64 = 0.01;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Noise {
     /// Number of timed loops.
-    pub loops: usize,
+    loops: usize,
     /// Median time of a loop, seconds.
-    pub loop_s: f64,
+    loop_s: f64,
     /// Width of the middle half of the times, over the median: the noise score.
-    pub spread: f64,
+    spread: f64,
     /// By how much the slowest loop was slower than the median, over the median.
-    pub slowest: f64,
-}
-
-pub fn measure(clock: &dyn Clock) -> Noise {
-    let timed = |rounds: u64| {
-        let start = clock.now();
-        black_box(work(black_box(rounds)));
-        clock.seconds_since(start)
-    };
-    let [mut rounds, most] = CALIBRATION;
-    while rounds < most && timed(rounds) < SECONDS {
-        rounds *= 2;
-    }
-    let seconds: Vec<f64> = (0..LOOPS).map(|_| timed(rounds)).collect();
-    of_times(seconds)
+    slowest: f64,
 }
 
 /// SplitMix64's step, over and over: each waits for the one before.
@@ -58,23 +45,37 @@ fn work(rounds: u64) -> u64 {
     x
 }
 
-fn of_times(mut seconds: Vec<f64>) -> Noise {
-    seconds.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = share * (seconds.len().max(1) - 1) as f64;
-        seconds.get(place.round() as usize).copied().unwrap_or(0.0)
-    };
-    let loop_s = median(&seconds).unwrap_or(0.0);
-    let part = |x: f64| if loop_s > 0.0 { x / loop_s } else { 0.0 };
-    Noise {
-        loops: seconds.len(),
-        loop_s,
-        spread: part(at(0.75) - at(0.25)),
-        slowest: part(at(1.0) - loop_s),
-    }
-}
-
 impl Noise {
+    pub fn measured(clock: &dyn Clock) -> Self {
+        let timed = |rounds: u64| {
+            let start = clock.now();
+            black_box(work(black_box(rounds)));
+            clock.seconds_since(start)
+        };
+        let [mut rounds, most] = CALIBRATION;
+        while rounds < most && timed(rounds) < SECONDS {
+            rounds *= 2;
+        }
+        let seconds: Vec<f64> = (0..LOOPS).map(|_| timed(rounds)).collect();
+        Self::of(seconds)
+    }
+
+    fn of(mut seconds: Vec<f64>) -> Self {
+        seconds.sort_by(f64::total_cmp);
+        let at = |share: f64| {
+            let place = share * (seconds.len().max(1) - 1) as f64;
+            seconds.get(place.round() as usize).copied().unwrap_or(0.0)
+        };
+        let loop_s = median(&seconds).unwrap_or(0.0);
+        let part = |x: f64| if loop_s > 0.0 { x / loop_s } else { 0.0 };
+        Self {
+            loops: seconds.len(),
+            loop_s,
+            spread: part(at(0.75) - at(0.25)),
+            slowest: part(at(1.0) - loop_s),
+        }
+    }
+
     /// Returns whether the machine is quiet, and the score in words.
     pub fn judged(&self) -> (bool, String) {
         let words = format!(
@@ -97,7 +98,7 @@ mod tests {
 
     #[test]
     fn equal_loops_have_no_noise() {
-        let noise = measure(&SteppingClock::new(Duration::from_millis(2)));
+        let noise = Noise::measured(&SteppingClock::new(Duration::from_millis(2)));
         assert_eq!((noise.loops, noise.spread, noise.slowest), (LOOPS, 0.0, 0.0));
         assert!((noise.loop_s - 2e-3).abs() < 1e-12);
         assert!(noise.judged().0);
@@ -106,13 +107,13 @@ mod tests {
     #[test]
     fn times_that_lie_apart_are_a_warning() {
         let times = (0..100).map(|i| if i % 3 == 0 { 1.2 } else { 1.0 }).chain([3.0]).collect();
-        let noise = of_times(times);
+        let noise = Noise::of(times);
         assert!((noise.spread - 0.2).abs() < 1e-12 && (noise.slowest - 2.0).abs() < 1e-12);
         let (is_quiet, words) = noise.judged();
         assert!(!is_quiet && words.starts_with("20.00%"), "{words}");
         // one slow loop alone is no reason: medians do not see it
         let times = std::iter::repeat_n(1.0, 99).chain([9.0]).collect();
-        assert!(of_times(times).judged().0);
+        assert!(Noise::of(times).judged().0);
     }
 
     #[test]
