@@ -89,8 +89,8 @@ impl<S: Buildable> Stage<'_, S> {
             let rays = rays.rays(*kind);
             let sample = oracle_sample(plan.seed, &self.scene.name, *kind, rays.len(), count);
             let tally = self.arbiter.oracle.check(*kind, rays, answers, &sample);
-            for &i in &tally.wrong {
-                answers.set(i, &self.arbiter.answer(*kind, &rays[i]));
+            for (&i, ray) in tally.wrong.iter().filter_map(|i| Some((i, rays.get(*i)?))) {
+                answers.set(i, &self.arbiter.answer(*kind, ray));
             }
             record.checked += tally.checked as u64;
             record.borderline += tally.borderline as u64;
