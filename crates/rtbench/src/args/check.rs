@@ -6,7 +6,6 @@ use std::time::Duration;
 use crate::args::baseline::FolderArgs;
 use crate::args::parsers::{choice, percent, scene_name};
 use crate::args::plugins::{PluginArgs, ServeArgs};
-use crate::args::tables::ComparisonFileArgs;
 use crate::gate::thresholds::Thresholds;
 use clap::{Args, Subcommand};
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
@@ -86,8 +85,12 @@ pub struct CheckArgs {
     /// Write one CSV row for each thing judged
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    #[command(flatten)]
-    pub files: ComparisonFileArgs,
+    /// Write the tables in Markdown
+    #[arg(long, value_name = "FILE")]
+    pub export_markdown: Option<PathBuf>,
+    /// Write everything as JSON
+    #[arg(long, value_name = "FILE")]
+    pub export_json: Option<PathBuf>,
 }
 
 /// What `check` takes for a regression.

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::args::parsers::percent;
-use crate::args::tables::{ComparisonFileArgs, ExportArgs, TableArgs};
+use crate::args::tables::{ExportArgs, TableArgs};
 use clap::{Args, ValueEnum};
 
 /// `rtbench compare`.
@@ -41,11 +41,6 @@ pub struct CompareArgs {
     /// How to print it
     #[arg(long, value_enum, default_value_t = CompareFormat::Text)]
     pub format: CompareFormat,
-    /// Write one CSV row per scene, structure and metric
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    #[command(flatten)]
-    pub files: ComparisonFileArgs,
 }
 
 /// The order of a scene's rows.

@@ -72,14 +72,3 @@ pub struct ExportArgs {
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
-
-/// Files of a comparison, beside its CSV.
-#[derive(Debug, Clone, Args)]
-pub struct ComparisonFileArgs {
-    /// Write the tables in Markdown
-    #[arg(long, value_name = "FILE")]
-    pub export_markdown: Option<PathBuf>,
-    /// Write everything as JSON
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
-}

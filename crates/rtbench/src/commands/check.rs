@@ -50,8 +50,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     let thresholds = args.thresholds.over(default).checked().map_err(GateError::from)?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
-    let files = &args.files;
-    let exports = [&args.export_csv, &files.export_markdown, &files.export_json];
+    let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
     let _created = create(exports)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions || args.results.is_some() => false,
@@ -96,8 +95,8 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     writeln!(context.out, "{}", line(&report.verdict()))?;
     context.out.flush()?;
     write_file(args.export_csv.as_deref(), || export::csv(&report))?;
-    write_file(files.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
-    write_file(files.export_json.as_deref(), || json::written(&report))?;
+    write_file(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
+    write_file(args.export_json.as_deref(), || json::written(&report))?;
     tell_github(context, &report)?;
     Ok(report.exit_code(args.strict))
 }

@@ -10,15 +10,14 @@ use crate::comparison::{
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::SUCCESS;
-use crate::exports::outputs::write_file;
 use measurement::record::file;
 use measurement::record::metrics::{self, METRICS};
 use presentation::json;
 
-/// Prints and exports. What changed is no failure: `rtbench check` is the gate.
+/// Prints. What changed is no failure: `rtbench check` is the gate.
 ///
 /// # Errors
-/// [`Error`] for results that cannot be read or compared, unknown metrics, and outputs.
+/// [`Error`] for results that cannot be read or compared, and for unknown metrics.
 pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Result<u8, Error> {
     let choice = choice(args)?;
     let mut runs =
@@ -47,17 +46,13 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
         warn_of(context, comparison);
         comparison.notes.extend(matched.iter().map(ToString::to_string));
     }
-    let json = || json::written(&comparisons);
-    write_file(args.export_csv.as_deref(), || csv::to_string(&comparisons))?;
-    write_file(args.files.export_markdown.as_deref(), || Ok(tables::to_markdown(&comparisons)))?;
-    write_file(args.files.export_json.as_deref(), json)?;
     match args.format {
         CompareFormat::Text => {
             tables::write(context.out, &comparisons, context.terminal.screen(color))?;
         }
         CompareFormat::Markdown => write!(context.out, "{}", tables::to_markdown(&comparisons))?,
         CompareFormat::Csv => write!(context.out, "{}", csv::to_string(&comparisons)?)?,
-        CompareFormat::Json => write!(context.out, "{}", json()?)?,
+        CompareFormat::Json => write!(context.out, "{}", json::written(&comparisons)?)?,
     }
     context.out.flush()?;
     Ok(SUCCESS)

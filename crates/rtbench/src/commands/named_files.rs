@@ -30,11 +30,8 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
         Command::Explain(args) => {
             cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
         }
-        Command::Compare(args) => {
-            cloned(&[&args.export_csv, &args.files.export_markdown, &args.files.export_json])
-        }
         Command::Check(args) => {
-            cloned(&[&args.export_csv, &args.files.export_markdown, &args.files.export_json])
+            cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
         }
         Command::Verify(args) => cloned(&[&args.export_csv, &args.export_json]),
         Command::Reproduce(args) => match &args.publication {

@@ -140,7 +140,6 @@ fn every_command_that_writes_a_file_asks() {
     }
     commands.push((format!("sweep tetra --sizes 4,16 {SMALL} --export-slopes DIR/file"), "file"));
     for option in ["--export-csv", "--export-markdown", "--export-json"] {
-        commands.push((format!("compare {record} {record} {option} DIR/file"), "file"));
         let check = format!("check -b {record} --rounds 2 {option} DIR/file");
         commands.push((check, "file"));
     }

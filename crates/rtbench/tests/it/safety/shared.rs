@@ -40,14 +40,13 @@ fn no_output_destroys_a_record() {
     #[cfg(unix)]
     std::os::unix::fs::symlink("a/results.json", format!("{path}/link")).unwrap();
     let mut refused = vec![
-        "compare DIR/a DIR/b --export-json DIR/a/results.json",
         "run --resume DIR/a --export-csv DIR/a/results.json",
         "report DIR/a -o DIR/a/results.json",
         "check --baseline DIR/b/results.json --results DIR/a --export-json DIR/a/results.json",
         "check --baseline DIR/a --results DIR/b --export-csv DIR/a/results.json",
     ];
     if cfg!(unix) {
-        refused.push("compare DIR/a DIR/b --export-json DIR/link");
+        refused.push("check -b DIR/b --results DIR/a --export-json DIR/link");
     }
     for arguments in refused {
         let ended = of(&format!("{arguments} --overwrite"));
