@@ -8,6 +8,7 @@
 //! ([`MOST_AT_EDGES`]).
 
 use accel_core::registry::Buildable;
+use rayon::prelude::*;
 
 use crate::answers::fault;
 use crate::answers::oracle::Opinion;
@@ -22,7 +23,8 @@ pub const MOST_AT_EDGES: f64 = 0.02;
 /// So many may always be there.
 const FEW: usize = 16;
 
-/// Wrong answers that are decided; further answers that differ are counted as wrong.
+/// Answers are decided so many at a time until so many are wrong; further ones that differ are
+/// counted as wrong.
 const ENOUGH_WRONG: usize = 64;
 
 /// How the answers to a batch compare.
@@ -47,21 +49,26 @@ pub fn judge<S: Buildable>(
 ) -> BatchVerdict {
     let mut judged = BatchVerdict { compared: batch.rays.len(), ..BatchVerdict::default() };
     let (mut first, mut apart, mut first_apart) = (None, 0, None);
-    for ray in batch.wrong(answers, exactness) {
+    let arbiter = scope.stage.arbiter;
+    let decide = |ray: &usize| arbiter.opinion((batch, set.stride), *ray, answers, exactness);
+    let differing: Vec<usize> = batch.wrong(answers, exactness).collect();
+    for rays in differing.chunks(ENOUGH_WRONG) {
         let is_decided = judged.wrong < ENOUGH_WRONG;
-        let decide = || scope.stage.arbiter.opinion((batch, set.stride), ray, answers, exactness);
-        match is_decided.then(decide).flatten() {
-            Some(Opinion::Borderline) if exactness == Exactness::OwnTest => {
-                judged.edges += 1;
-                if batch.is_apart(answers, ray) {
-                    apart += 1;
-                    first_apart.get_or_insert(ray);
+        let opinions = rays.par_iter().map(|ray| is_decided.then(|| decide(ray)).flatten());
+        for (&ray, opinion) in rays.iter().zip(opinions.collect::<Vec<_>>()) {
+            match opinion {
+                Some(Opinion::Borderline) if exactness == Exactness::OwnTest => {
+                    judged.edges += 1;
+                    if batch.is_apart(answers, ray) {
+                        apart += 1;
+                        first_apart.get_or_insert(ray);
+                    }
                 }
-            }
-            Some(Opinion::Right | Opinion::Borderline) => {}
-            Some(Opinion::Wrong(_)) | None => {
-                judged.wrong += 1;
-                first.get_or_insert(ray);
+                Some(Opinion::Right | Opinion::Borderline) => {}
+                Some(Opinion::Wrong(_)) | None => {
+                    judged.wrong += 1;
+                    first.get_or_insert(ray);
+                }
             }
         }
     }
