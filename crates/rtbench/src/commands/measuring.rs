@@ -3,26 +3,22 @@
 //! Whatever goes wrong with a scene costs that scene only. What is finished is in the journal, if
 //! there is one, before anything else is done with it.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
+use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration;
 
 use crate::commands::budget::{Budget, progress, steps_of};
 use crate::commands::processes::Processes;
 use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
+use crate::commands::run_state::{RunState, is_due, saved, sum_up};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
-use crate::exports::elsewhere;
 use crate::exports::outputs::Outputs;
 use crate::gate::GateError;
 use crate::gate::against::AgainstError;
-use measurement::journal::Journal;
-use measurement::journal::lines::{DeathCounts, Line};
+use measurement::journal::lines::Line;
 use measurement::plan::Plan;
 use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
-use measurement::record::summary::summarize;
 use measurement::record::warnings;
 use measurement::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
 use measurement::rounds::error::MeasureError;
@@ -32,10 +28,11 @@ use measurement::settings::{Lights, Precision};
 use measurement::system::interrupt;
 use measurement::system::panics::caught;
 use measurement::system::pools::Pools;
+use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use renderer::ShadowRays;
-use studies::run::conclusions::{conclude_run, conclude_scene};
-use studies::sweep::sizes::{admission, quantities};
+use studies::run::conclusions::conclude_scene;
+use studies::sweep::sizes::admission;
 
 /// Results of a plan.
 #[derive(Debug)]
@@ -46,44 +43,6 @@ pub struct PlanResults {
     pub failures: usize,
     /// Files or folders of results were removed while it went on, and made again.
     pub disturbed: bool,
-}
-
-/// State of a run beside its outputs, including results of an earlier part.
-#[derive(Debug, Default)]
-pub struct RunState {
-    /// Journal that finished scenes are appended to.
-    pub journal: Option<Journal>,
-    /// Scenes that are finished already, by their places in the plan.
-    pub finished: BTreeMap<usize, SceneRecord>,
-    /// How often each row ended the program.
-    pub deaths: DeathCounts,
-    /// Number of finished scenes, for progress display.
-    pub count: Arc<AtomicUsize>,
-}
-
-impl RunState {
-    fn note(&mut self, line: Line) -> Result<(), Error> {
-        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.note(&line)?))
-    }
-
-    fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
-        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.append(&line())?))
-    }
-
-    /// Makes what was removed since again, and writes what is finished. Whether anything was.
-    fn write(
-        &mut self,
-        outputs: &mut Outputs<'_>,
-        record: &RunRecord,
-        over: bool,
-    ) -> Result<bool, Error> {
-        let mut was_gone = outputs.restore()?;
-        if let Some(journal) = &mut self.journal {
-            was_gone |= journal.restore()?;
-        }
-        outputs.write(record, over)?;
-        Ok(was_gone)
-    }
 }
 
 /// [`measure_rest`] of a run that keeps nothing beside its outputs.
@@ -110,184 +69,220 @@ pub fn measure_rest(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
-    mut kept: RunState,
-    mut record: RunRecord,
+    kept: RunState,
+    record: RunRecord,
     mut show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
 ) -> Result<PlanResults, Error> {
     outputs.write(&record, false)?;
-    let mut processes = Processes::of(context, plan)?;
-    let pools = Pools::new(plan.threads)?;
-    let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
-    let progress = progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum());
-    let budget = Budget::new(plan, context.clock.now(), kept.finished.len());
-    let (mut failures, mut disturbed, mut is_summed_up) = (0_usize, false, true);
-    let mut steps = 0;
-    let mut left = plan.scenes.len() - kept.finished.len();
+    let mut run = RunInProgress::new(context, plan, kept, record)?;
     for (i, known) in plan.scenes.iter().enumerate() {
-        let finished_before = kept.finished.remove(&i);
-        let is_new = finished_before.is_none();
-        let measured = match finished_before {
-            Some(scene) => Ok(scene),
+        let kept_well = match run.kept.finished.remove(&i) {
+            Some(scene) => run.keep_finished(scene),
             None => {
-                kept.note(Line::Scene(i))?;
-                progress.message(format!("{}: loading", known.name()));
-                let deadline = budget.deadline(context.clock.now(), left);
-                left -= 1;
-                steps += steps_of(plan, i);
-                let log = RowJournal::new(kept.journal.as_mut());
-                let mut equipment = SceneInput {
-                    pools: &pools,
-                    clock: context.clock,
-                    world: context.world,
-                    progress: &progress,
-                    trials: &[],
-                    log: &log,
-                    laps: None,
-                };
-                let own = plan.of_scene(i);
-                let own = own.as_ref().unwrap_or(plan);
-                let mut trials = admission::trials(plan, &record.scenes, known.name(), &equipment);
-                skip_deadly(&mut trials, own, i, &kept.deaths);
-                equipment.trials = &trials;
-                match admission::without_rows(plan, &record, known.name(), &trials) {
-                    Some(scene) => Ok(scene),
-                    None => refuse_deadly(known.name(), i, &kept.deaths)
-                        .and_then(|()| measure_one(own, &**known, &equipment, deadline)),
+                let deadline = run.schedule(context, i, known.name())?;
+                match run.measure(context, i, &**known, deadline) {
+                    Ok(scene) => run.keep(context, outputs, i, scene),
+                    // One bad scene does not cost the others.
+                    Err(error) => {
+                        run.keep_failure(context, i, &error)?;
+                        continue;
+                    }
                 }
             }
         };
-        let scene = match measured {
-            Ok(mut scene) => {
-                let others = processes.as_mut().filter(|_| is_new && !interrupt::is_stopping());
-                let joined = others.map_or(Ok(()), |processes| {
-                    let own = plan.of_scene(i);
-                    let own = own.as_ref().unwrap_or(plan);
-                    let share = budget.share(context.clock.now(), left + 1);
-                    processes.measure(own, &record, &mut scene, share, &progress)
-                });
-                if let Err(error) = joined {
-                    // a floor that is missing costs nothing but itself
-                    failures += usize::from(plan.processes > 1);
-                    let error = GateError::from(AgainstError::New(error));
-                    progress.suspend(|| match plan.processes {
-                        1 => context.warn(&error),
-                        _ => context.error(Error::from(error)),
-                    });
-                }
-                if is_new {
-                    conclude_scene(&mut scene, plan.seed);
-                }
-                scene
-            }
-            Err(error) => {
-                // One bad scene does not cost the others.
-                failures += 1;
-                kept.append(|| Line::Failed { scene: i, error: error.to_string() })?;
-                progress.reach(steps);
-                progress.suspend(|| context.error(&error));
-                continue;
-            }
-        };
-        progress.reach(steps);
-        let mut kept_well = Ok(false);
-        if is_new {
-            let finished = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
-            let appended = kept.append(finished);
-            kept.count.fetch_add(1, SeqCst);
-            record.scenes.push(scene);
-            record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
-            is_summed_up = kept.journal.is_none() || is_due(record.scenes.len());
-            if is_summed_up {
-                sum_up(&mut record);
-                kept_well = appended.and_then(|()| kept.write(outputs, &record, false));
-            } else {
-                kept_well = appended.map(|()| false);
-            }
-        } else {
-            // what was finished before is written once, with the next scene or at the end
-            record.scenes.push(scene);
-            is_summed_up = false;
-        }
-        if let Some(scene) = record.scenes.last() {
+        run.progress.reach(run.steps);
+        if let Some(scene) = run.record.scenes.last() {
             // What the disk does not take is shown at least.
-            progress.suspend(|| show(context, &record, scene))?;
+            run.progress.suspend(|| show(context, &run.record, scene))?;
         }
-        disturbed |= progress.suspend(|| saved(context, kept_well, outputs, &record))?;
+        let was_gone = run.progress.suspend(|| saved(context, kept_well, outputs, &run.record))?;
+        run.disturbed |= was_gone;
         interrupt::end_if_stopping();
     }
-    progress.finish();
-    if !is_summed_up {
-        sum_up(&mut record);
-    }
-    record.complete = true;
-    record.floor = processes.and_then(|processes| processes.floor(&record.scenes));
-    record.load[1] = context.world.load();
-    record.warnings = warnings::of(&record);
-    let kept_well =
-        kept.append(|| Line::Complete).and_then(|()| kept.write(outputs, &record, true));
-    disturbed |= saved(context, kept_well, outputs, &record)?;
-    for warning in record.warnings.iter().filter(|_| !plan.is_untimed) {
-        context.warn(warning);
-    }
-    outputs.print(&record, context.out)?;
-    Ok(PlanResults { record, failures, disturbed })
+    run.finish(context, outputs)
 }
 
-/// Returns whether results are written with so many scenes. What the journal has is not lost: they
-/// are written with each of the first scenes, then ever less often, so that a run of many does not
-/// write all of them each time.
-fn is_due(scenes: usize) -> bool {
-    scenes < 64 || scenes.is_multiple_of(scenes / 32)
+/// The scenes of a plan while they are measured.
+struct RunInProgress<'p, 'r> {
+    plan: &'p Plan<'r>,
+    pools: Pools,
+    processes: Option<Processes>,
+    budget: Budget,
+    progress: Progress,
+    /// Steps of the progress bar when the scene is done.
+    steps: u64,
+    /// Scenes that are not begun.
+    left: usize,
+    kept: RunState,
+    record: RunRecord,
+    /// The summary of the record is over all of its scenes.
+    is_summed_up: bool,
+    failures: usize,
+    disturbed: bool,
 }
 
-/// Updates the summary over all scenes so far.
-fn sum_up(record: &mut RunRecord) {
-    record.summary = summarize(&record.scenes, &record.settings);
-    // the sizes of one scene are no scenes to take means over
-    if record.scale.is_none() {
-        conclude_run(record);
+impl<'p, 'r> RunInProgress<'p, 'r> {
+    fn new(
+        context: &Context<'_>,
+        plan: &'p Plan<'r>,
+        kept: RunState,
+        record: RunRecord,
+    ) -> Result<Self, Error> {
+        let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
+        Ok(Self {
+            plan,
+            pools: Pools::new(plan.threads)?,
+            processes: Processes::of(context, plan)?,
+            budget: Budget::new(plan, context.clock.now(), kept.finished.len()),
+            progress: progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum()),
+            steps: 0,
+            left: plan.scenes.len() - kept.finished.len(),
+            kept,
+            record,
+            is_summed_up: true,
+            failures: 0,
+            disturbed: false,
+        })
     }
-    if let Some(scale) = &mut record.scale {
-        scale.slopes = quantities::slopes(&record.scenes);
-    }
-}
 
-/// Says where results had to be made again. Those that cannot be written where they belong are
-/// written elsewhere, and printed where that fails, too.
-fn saved(
-    context: &mut Context<'_>,
-    kept_well: Result<bool, Error>,
-    outputs: &Outputs<'_>,
-    record: &RunRecord,
-) -> Result<bool, Error> {
-    let error = match kept_well {
-        Ok(was_gone) => {
-            if was_gone {
-                context.warn(
-                    "files of results were removed while the run went on: they are made again, with \
-                     all that was measured",
-                );
+    /// Begins a scene. Returns when its rounds end, within a time budget.
+    fn schedule(
+        &mut self,
+        context: &Context<'_>,
+        scene: usize,
+        name: &str,
+    ) -> Result<Option<Duration>, Error> {
+        self.kept.note(Line::Scene(scene))?;
+        self.progress.message(format!("{name}: loading"));
+        let deadline = self.budget.deadline(context.clock.now(), self.left);
+        self.left -= 1;
+        self.steps += steps_of(self.plan, scene);
+        Ok(deadline)
+    }
+
+    fn measure(
+        &mut self,
+        context: &mut Context<'_>,
+        i: usize,
+        known: &dyn KnownScene,
+        deadline: Option<Duration>,
+    ) -> Result<SceneRecord, Error> {
+        let (plan, name) = (self.plan, known.name());
+        let own = plan.of_scene(i);
+        let own = own.as_ref().unwrap_or(plan);
+        let log = RowJournal::new(self.kept.journal.as_mut());
+        let mut equipment = SceneInput {
+            pools: &self.pools,
+            clock: context.clock,
+            world: context.world,
+            progress: &self.progress,
+            trials: &[],
+            log: &log,
+            laps: None,
+        };
+        let mut trials = admission::trials(plan, &self.record.scenes, name, &equipment);
+        skip_deadly(&mut trials, own, i, &self.kept.deaths);
+        equipment.trials = &trials;
+        let mut scene = match admission::without_rows(plan, &self.record, name, &trials) {
+            Some(scene) => scene,
+            None => {
+                refuse_deadly(name, i, &self.kept.deaths)?;
+                measure_one(own, known, &equipment, deadline)?
             }
-            return Ok(was_gone);
-        }
-        Err(error) => error,
-    };
-    if outputs.are_files() && !record.scenes.is_empty() {
-        let scenes = record.scenes.len();
-        match elsewhere::keep(context.environment.temporary.as_deref(), record) {
-            Ok(path) => context.error(format_args!(
-                "what is measured so far, {scenes} scene(s), is kept in {}",
-                path.display()
-            )),
-            Err(why) => {
-                outputs.print(record, context.out)?;
-                context.error(format_args!(
-                    "what is measured so far, {scenes} scene(s), is printed and nowhere else: {why}"
-                ));
-            }
-        }
+        };
+        self.measure_in_processes(context, own, &mut scene);
+        conclude_scene(&mut scene, plan.seed);
+        Ok(scene)
     }
-    Err(error)
+
+    /// Measures a scene in the other processes of the run, if it has any.
+    fn measure_in_processes(
+        &mut self,
+        context: &mut Context<'_>,
+        own: &Plan<'_>,
+        scene: &mut SceneRecord,
+    ) {
+        let Some(processes) = self.processes.as_mut().filter(|_| !interrupt::is_stopping()) else {
+            return;
+        };
+        let share = self.budget.share(context.clock.now(), self.left + 1);
+        let joined = processes.measure(own, &self.record, scene, share, &self.progress);
+        let Err(error) = joined else { return };
+        // a missing A/A floor is not fatal
+        self.failures += usize::from(own.processes > 1);
+        let error = GateError::from(AgainstError::New(error));
+        self.progress.suspend(|| match own.processes {
+            1 => context.warn(&error),
+            _ => context.error(Error::from(error)),
+        });
+    }
+
+    /// Keeps a scene in the journal, in the record and in the outputs. Returns whether results had
+    /// been removed.
+    fn keep(
+        &mut self,
+        context: &Context<'_>,
+        outputs: &mut Outputs<'_>,
+        i: usize,
+        scene: SceneRecord,
+    ) -> Result<bool, Error> {
+        let finished = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
+        let appended = self.kept.append(finished);
+        self.kept.count.fetch_add(1, SeqCst);
+        let record = &mut self.record;
+        record.scenes.push(scene);
+        record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
+        self.is_summed_up = self.kept.journal.is_none() || is_due(record.scenes.len());
+        if !self.is_summed_up {
+            return appended.map(|()| false);
+        }
+        sum_up(record);
+        appended.and_then(|()| self.kept.write(outputs, record, false))
+    }
+
+    /// Keeps a scene that was finished before: it is written with the next scene, or at the end.
+    fn keep_finished(&mut self, scene: SceneRecord) -> Result<bool, Error> {
+        self.record.scenes.push(scene);
+        self.is_summed_up = false;
+        Ok(false)
+    }
+
+    fn keep_failure(
+        &mut self,
+        context: &mut Context<'_>,
+        scene: usize,
+        error: &Error,
+    ) -> Result<(), Error> {
+        self.failures += 1;
+        self.kept.append(|| Line::Failed { scene, error: error.to_string() })?;
+        self.progress.reach(self.steps);
+        self.progress.suspend(|| context.error(error));
+        Ok(())
+    }
+
+    fn finish(
+        self,
+        context: &mut Context<'_>,
+        outputs: &mut Outputs<'_>,
+    ) -> Result<PlanResults, Error> {
+        self.progress.finish();
+        let Self { plan, processes, mut kept, mut record, failures, disturbed, .. } = self;
+        if !self.is_summed_up {
+            sum_up(&mut record);
+        }
+        record.complete = true;
+        record.floor = processes.and_then(|processes| processes.floor(&record.scenes));
+        record.load[1] = context.world.load();
+        record.warnings = warnings::of(&record);
+        let kept_well =
+            kept.append(|| Line::Complete).and_then(|()| kept.write(outputs, &record, true));
+        let disturbed = disturbed | saved(context, kept_well, outputs, &record)?;
+        for warning in record.warnings.iter().filter(|_| !plan.is_untimed) {
+            context.warn(warning);
+        }
+        outputs.print(&record, context.out)?;
+        Ok(PlanResults { record, failures, disturbed })
+    }
 }
 
 /// Loads and measures a scene; a panic is its failure.

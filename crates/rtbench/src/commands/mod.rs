@@ -28,6 +28,7 @@ mod resumable;
 pub mod row_deaths;
 pub mod run;
 mod run_outputs;
+mod run_state;
 pub mod scene_pictures;
 pub mod scenes;
 pub mod show;

@@ -11,7 +11,7 @@ use measurement::record::RunRecord;
 use measurement::system::interrupt::{self, InterruptedOutput, Mark};
 use measurement::system::progress::Progress;
 
-use crate::commands::measuring::RunState;
+use crate::commands::run_state::RunState;
 use crate::context::Context;
 use crate::error::Error;
 

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use crate::args::{Color, ExportArgs, RunArgs, TableArgs};
-use crate::commands::measuring::{RunState, begin, exit_code, measure_rest, warn_of};
+use crate::commands::measuring::{begin, exit_code, measure_rest, warn_of};
 use crate::commands::resumable::{ResumedRun, go_on, manifest, watch};
 use crate::commands::run_outputs;
+use crate::commands::run_state::RunState;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;

@@ -3,8 +3,9 @@
 
 use crate::args::{Color, SweepArgs};
 use crate::commands::measuring::{
-    PlanResults, RunState, begin, exit_code, measure_rest, measure_scenes, warn_of,
+    PlanResults, begin, exit_code, measure_rest, measure_scenes, warn_of,
 };
+use crate::commands::run_state::RunState;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;

@@ -1,0 +1,111 @@
+//! What a run keeps while it goes on: its journal, its outputs, and what the disk does not take.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+
+use crate::context::Context;
+use crate::error::Error;
+use crate::exports::elsewhere;
+use crate::exports::outputs::Outputs;
+use measurement::journal::Journal;
+use measurement::journal::lines::{DeathCounts, Line};
+use measurement::record::summary::summarize;
+use measurement::record::{RunRecord, SceneRecord};
+use studies::run::conclusions::conclude_run;
+use studies::sweep::sizes::quantities;
+
+/// State of a run beside its outputs, including results of an earlier part.
+#[derive(Debug, Default)]
+pub struct RunState {
+    /// Journal that finished scenes are appended to.
+    pub journal: Option<Journal>,
+    /// Scenes that are finished already, by their places in the plan.
+    pub finished: BTreeMap<usize, SceneRecord>,
+    /// How often each row ended the program.
+    pub deaths: DeathCounts,
+    /// Number of finished scenes, for progress display.
+    pub count: Arc<AtomicUsize>,
+}
+
+impl RunState {
+    pub fn note(&mut self, line: Line) -> Result<(), Error> {
+        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.note(&line)?))
+    }
+
+    pub fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
+        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.append(&line())?))
+    }
+
+    /// Makes what was removed since again, and writes what is finished. Whether anything was.
+    pub fn write(
+        &mut self,
+        outputs: &mut Outputs<'_>,
+        record: &RunRecord,
+        over: bool,
+    ) -> Result<bool, Error> {
+        let mut was_gone = outputs.restore()?;
+        if let Some(journal) = &mut self.journal {
+            was_gone |= journal.restore()?;
+        }
+        outputs.write(record, over)?;
+        Ok(was_gone)
+    }
+}
+
+/// Returns whether results are written with so many scenes. What the journal has is not lost: they
+/// are written with each of the first scenes, then ever less often, so that a run of many does not
+/// write all of them each time.
+pub fn is_due(scenes: usize) -> bool {
+    scenes < 64 || scenes.is_multiple_of(scenes / 32)
+}
+
+/// Updates the summary over all scenes so far.
+pub fn sum_up(record: &mut RunRecord) {
+    record.summary = summarize(&record.scenes, &record.settings);
+    // the sizes of one scene are no scenes to take means over
+    if record.scale.is_none() {
+        conclude_run(record);
+    }
+    if let Some(scale) = &mut record.scale {
+        scale.slopes = quantities::slopes(&record.scenes);
+    }
+}
+
+/// Says where results had to be made again. Those that cannot be written where they belong are
+/// written elsewhere, and printed where that fails, too.
+pub fn saved(
+    context: &mut Context<'_>,
+    kept_well: Result<bool, Error>,
+    outputs: &Outputs<'_>,
+    record: &RunRecord,
+) -> Result<bool, Error> {
+    let error = match kept_well {
+        Ok(was_gone) => {
+            if was_gone {
+                context.warn(
+                    "files of results were removed while the run went on: they are made again, with \
+                     all that was measured",
+                );
+            }
+            return Ok(was_gone);
+        }
+        Err(error) => error,
+    };
+    if outputs.are_files() && !record.scenes.is_empty() {
+        let scenes = record.scenes.len();
+        match elsewhere::keep(context.environment.temporary.as_deref(), record) {
+            Ok(path) => context.error(format_args!(
+                "what is measured so far, {scenes} scene(s), is kept in {}",
+                path.display()
+            )),
+            Err(why) => {
+                outputs.print(record, context.out)?;
+                context.error(format_args!(
+                    "what is measured so far, {scenes} scene(s), is printed and nowhere else: {why}"
+                ));
+            }
+        }
+    }
+    Err(error)
+}
