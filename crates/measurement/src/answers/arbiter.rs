@@ -11,11 +11,11 @@
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
 
+use accel_core::Ray;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;
-use accel_core::{Ray, Scalar};
 use renderer::{Geometry, RayKind};
 
 use crate::answers::oracle::{BRUTE_FORCE, Opinion, Oracle};

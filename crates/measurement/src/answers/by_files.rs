@@ -54,15 +54,8 @@ pub fn check(
     with_reference(plan, loaded, geometry, pools, |Reference { rays, answers, .. }, stage| {
         let lights = lights_asked(stage.scene, &plan.settings);
         let all = BatchSet::new(&rays, answers, &lights);
-        let scope = Scope {
-            plan,
-            stage,
-            lights: &lights,
-            all: &all,
-            pools,
-            clock,
-            progress: &progress,
-        };
+        let scope =
+            Scope { plan, stage, lights: &lights, all: &all, pools, clock, progress: &progress };
         let judged = all.batches.iter().map(|batch| {
             let own = said.iter().find(|(kind, _)| *kind == batch.kind);
             let hits = own.map(|(_, hits)| hits.as_slice()).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! One scene from loading to its record.
 
-use crate::answers::check::{RowCheck, check};
 use crate::answers::arbiter::Arbiter;
+use crate::answers::check::{RowCheck, check};
 use crate::answers::reference::{Reference, Stage};
 use crate::plan::measured_row::MeasuredRow;
 use crate::plan::{Plan, default_rank};

@@ -25,8 +25,8 @@ use crate::gate::{
 use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
 use measurement::callgrind::{self, CallgrindError, Counts};
-use measurement::plan::measured_row::select;
 use measurement::plan::Plan;
+use measurement::plan::measured_row::select;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, file, reference};
 use measurement::system::created::WriteError;
 use measurement::system::created::create;

@@ -282,10 +282,13 @@ mod tests {
         ("cpufreq/boost", ["0", "1"]),
         ("smt/active", ["0", "1"]),
         ("/proc/loadavg", ["0.10 0.2 0.3 1/100 7", "3.90 2 1 1/100 7"]),
-        ("/proc/meminfo", [
-            "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB",
-            "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 900000 kB\nSwapFree: 9 kB",
-        ]),
+        (
+            "/proc/meminfo",
+            [
+                "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB",
+                "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 900000 kB\nSwapFree: 9 kB",
+            ],
+        ),
         ("/proc/cpuinfo", ["model name\t: X\nflags\t\t: fpu", "flags\t\t: fpu hypervisor sse"]),
         ("/proc/stat", ["cpu  100 0 100 1000 0 0 0 0 0 0", "cpu  100 0 100 1000 0 0 0 100 0 0"]),
         ("/sys/fs/cgroup/cpu.max", ["max 100000", "50000 100000"]),
@@ -324,7 +327,8 @@ mod tests {
             assert_eq!(finding.level, Level::Warning, "{finding:?}");
             assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");
         }
-        let little = "MemTotal: 8000000 kB\nMemAvailable: 70000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB";
+        let little =
+            "MemTotal: 8000000 kB\nMemAvailable: 70000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB";
         let found = findings(&[("/proc/meminfo", little)], Vec::new());
         assert!(found.iter().any(|f| f.name == "memory" && f.level == Level::Warning));
     }

@@ -108,9 +108,11 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
             oracle.checked, oracle.borderline
         ),
         None if scene.rays.is_empty() => format!("{}.", scene.source),
-        None => "f64 brute force refuted every structure that could be asked first; on its sample rows \
+        None => {
+            "f64 brute force refuted every structure that could be asked first; on its sample rows \
                  were compared with brute force."
-            .into(),
+                .into()
+        }
     }];
     notes.extend(reference_note(run, scene));
     if scene.rows.iter().any(|row| row.query == Query::Batch) {

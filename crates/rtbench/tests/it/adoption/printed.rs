@@ -36,16 +36,9 @@ fn the_doctor_says_what_each_finding_means() {
     let diagnosis: serde_json::Value = serde_json::from_str(&ended.out).unwrap();
     assert_eq!(diagnosis["noise"]["spread"], 0.0, "the clock of the test is even");
     let findings = diagnosis["findings"].as_array().unwrap();
-    for name in [
-        "governor",
-        "boost",
-        "load",
-        "cores",
-        "memory",
-        "virtual machine",
-        "instructions",
-        "noise",
-    ] {
+    for name in
+        ["governor", "boost", "load", "cores", "memory", "virtual machine", "instructions", "noise"]
+    {
         let found = findings.iter().find(|f| f["name"] == name);
         let found = found.unwrap_or_else(|| panic!("{name}: {findings:?}"));
         assert_eq!(found["level"] == "warning", found["advice"].is_string(), "{found}");
