@@ -253,7 +253,7 @@ fn axes_are_listed() {
     let ended = run("list axes");
     assert_eq!(ended.code, 0);
     assert!(
-        ended.out.lines().count() >= 18 && ended.out.contains("voxel-traversal  "),
+        ended.out.lines().count() == 16 && ended.out.contains("voxel-traversal  "),
         "{}",
         ended.out
     );
