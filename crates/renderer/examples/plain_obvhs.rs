@@ -3,7 +3,7 @@
 //! triangles and the rays, and nothing else.
 //!
 //! `plain_obvhs SCENE [--size N] [--rounds N] [--seed N] [ROW...]`, a row as
-//! `obvhs-cwbvh:adapter=direct`; prints rays per second of `plain-cwbvh`, `plain-bvh2` and the
+//! `obvhs-cwbvh`; prints rays per second of `plain-cwbvh`, `plain-bvh2` and the
 //! rows, by kind of ray, and the rows' over those of the plain program with the same tree: the
 //! median over the rounds, the quartiles, and that of the fastest passes, which other load disturbs
 //! least.
@@ -187,7 +187,7 @@ impl Arguments {
             }
         }
         if this.rows.is_empty() {
-            this.rows = ["obvhs-cwbvh", "obvhs-bvh2"].map(|s| format!("{s}:adapter=direct")).into();
+            this.rows = ["obvhs-cwbvh", "obvhs-bvh2"].map(str::to_owned).into();
         }
         Ok(this)
     }

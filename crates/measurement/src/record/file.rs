@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
-use crate::record::{RunRecord, SCHEMA_VERSION};
+use crate::record::{RunRecord, SCHEMA_VERSION, older};
 
 /// The record's name in the output folder of a run.
 pub const NAME: &str = "results.json";
@@ -68,10 +68,14 @@ pub fn read(path: &Path) -> Result<RunRecord, RecordError> {
 /// [`RecordError`], naming the file.
 pub fn record(path: &Path, text: &[u8]) -> Result<RunRecord, RecordError> {
     let Version { schema_version: found } = parsed(path, text, WRITTEN_BY)?;
-    if found != SCHEMA_VERSION {
-        return Err(RecordError::Schema { path: path.to_owned(), found });
+    match found {
+        SCHEMA_VERSION => parsed(path, text, WRITTEN_BY),
+        1 => {
+            let old = parsed(path, text, WRITTEN_BY)?;
+            older::raised(&old).map_err(|error| syntax(path, &error, WRITTEN_BY))
+        }
+        _ => Err(RecordError::Schema { path: path.to_owned(), found }),
     }
-    parsed(path, text, WRITTEN_BY)
 }
 
 /// The record's file: of the output folder of a run, the one within.
@@ -138,13 +142,15 @@ pub fn parsed<T: DeserializeOwned>(
     text: &[u8],
     written_by: &'static str,
 ) -> Result<T, RecordError> {
-    serde_json::from_slice(text).map_err(|e: serde_json::Error| {
-        let message = e.to_string();
-        // the library says the place once more at the end
-        let message = message.rsplit_once(" at line ").map_or(&*message, |(m, _)| m).to_owned();
-        let (line, column) = (e.line(), e.column());
-        RecordError::Syntax { path: path.to_owned(), line, column, message, written_by }
-    })
+    serde_json::from_slice(text).map_err(|error| syntax(path, &error, written_by))
+}
+
+fn syntax(path: &Path, error: &serde_json::Error, written_by: &'static str) -> RecordError {
+    let message = error.to_string();
+    // the library says the place once more at the end
+    let message = message.rsplit_once(" at line ").map_or(&*message, |(m, _)| m).to_owned();
+    let (line, column) = (error.line(), error.column());
+    RecordError::Syntax { path: path.to_owned(), line, column, message, written_by }
 }
 
 #[cfg(test)]
@@ -164,7 +170,7 @@ mod tests {
         let error_of_syntax = error("{\n  \"schema_version\": nonsense");
         assert!(error_of_syntax.contains("line 2, column "), "{error_of_syntax}");
         assert!(!error_of_syntax.contains(" at line "), "{error_of_syntax}");
-        assert!(error("{\"schema_version\": 99, \"x\": 1}").contains("schema 99, expected 1"));
+        assert!(error("{\"schema_version\": 99, \"x\": 1}").contains("schema 99, expected 2"));
         assert!(error("{\"schema_version\": 1}").contains("missing field"));
         let missing = read(Path::new("/nowhere/results.json")).unwrap_err().to_string();
         assert!(missing.starts_with("cannot read /nowhere/results.json"), "{missing}");

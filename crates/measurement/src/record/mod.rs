@@ -10,6 +10,7 @@ pub mod machines;
 pub mod made_up;
 pub mod merge;
 pub mod metrics;
+mod older;
 pub mod query;
 pub mod ratios;
 pub mod reference;
@@ -40,13 +41,13 @@ pub use warning::Warning;
 pub use work::{StatsRecord, WorkRecord};
 
 /// Version of this schema; raised when a field changes its meaning or goes away.
-pub const SCHEMA_VERSION: u32 = 1;
+pub const SCHEMA_VERSION: u32 = 2;
 
 /// A run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct RunRecord {
-    /// Version of this schema: 1. Raised when a field changes its meaning or goes away, not for new
+    /// Version of this schema: 2. Raised when a field changes its meaning or goes away, not for new
     /// ones.
     pub schema_version: u32,
     /// What was run.

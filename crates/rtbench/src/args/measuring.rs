@@ -31,7 +31,7 @@ pub struct MeasuringArgs {
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The reference row of ratios [default: obvhs-cwbvh adapter=direct, else obvhs-cwbvh, else
+    /// The reference row of ratios [default: obvhs-cwbvh, else obvhs-cwbvh adapter=robust, else
     /// the first row there is]
     #[arg(long, value_name = "STRUCTURE")]
     pub reference: Option<String>,

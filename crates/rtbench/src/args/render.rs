@@ -20,7 +20,7 @@ pub struct RenderArgs {
     /// Print what the scene calls for, and the rays per pixel that each effect adds
     #[arg(long)]
     pub plan: bool,
-    /// The structure to trace with [default: obvhs-cwbvh, or the first]
+    /// The structure to trace with [default: wide-bvh, or the first]
     #[arg(short, long, value_name = "STRUCTURE")]
     pub structure: Option<String>,
     /// What answers shadow rays: the structure, or an occluder like light-buffer:resolution=256
@@ -44,7 +44,7 @@ pub struct CostArgs {
     /// A scene's name or file
     #[arg(value_parser = scene_name())]
     pub scene: String,
-    /// The structures to trace with, a table each [default: obvhs-cwbvh, or the first]
+    /// The structures to trace with, a table each [default: wide-bvh, or the first]
     #[arg(short, long = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Width and height of the image

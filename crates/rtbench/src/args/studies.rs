@@ -106,7 +106,7 @@ pub struct CompareTracersArgs {
     /// Samples per pixel of each of the reference's two images [default: 4096; with --quick 1024]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
     pub reference_samples: Option<u32>,
-    /// The structure that rays are traced through [default: obvhs-cwbvh, or the first]
+    /// The structure that rays are traced through [default: wide-bvh, or the first]
     #[arg(short, long, value_name = "STRUCTURE")]
     pub structure: Option<String>,
     /// The structure that cones and beams ask for candidates: brute-force, uniform-grid,

@@ -133,7 +133,7 @@ mod tests {
         assert!(s.lines[1].is_swept && s.lines[1].value.as_deref() == Some("4"));
         assert!(s.lines[2].is_default && !s.lines[2].is_swept);
         assert_eq!(s.lines[3].rules, ["woo"]);
-        assert_eq!(s.plan.rows[s.plan.baseline].label(), "obvhs-cwbvh adapter=direct");
+        assert_eq!(s.plan.rows[s.plan.baseline].label(), "obvhs-cwbvh");
         assert_eq!(s.abscissa, Abscissa::CellsPerPrimitive);
         assert_eq!(s.settings, "mailbox=hash");
     }
@@ -143,7 +143,7 @@ mod tests {
         let s = sweep("-s uniform-grid:resolution=woo -p density --values 1,2").unwrap();
         assert_eq!((s.lines[0].is_swept, s.lines[0].rules.as_slice()), (true, &["woo"][..]));
         assert!(s.lines[1].is_swept && s.lines[1].is_default);
-        let s = sweep("-s obvhs-cwbvh:adapter=direct -p preset --values fast,medium").unwrap();
+        let s = sweep("-s obvhs-cwbvh -p preset --values fast,medium").unwrap();
         assert_eq!((labels(&s).len(), s.plan.baseline), (2, 1));
         assert!(s.lines[1].is_swept && s.lines[1].is_default);
         assert_eq!(s.abscissa, Abscissa::Words);

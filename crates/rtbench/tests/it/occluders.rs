@@ -121,7 +121,7 @@ fn an_occluder_alone_is_compared_with_the_default_structure() {
     let ended = run(&format!("run tetra:2 --quick -s light-buffer -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     let record = folder.record();
-    assert_eq!(record.settings.reference, "obvhs-cwbvh adapter=direct");
+    assert_eq!(record.settings.reference, "obvhs-cwbvh");
     assert!(row(&record, "light-buffer").ratio.is_some());
 }
 

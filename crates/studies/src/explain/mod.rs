@@ -237,9 +237,9 @@ mod tests {
         ("uniform-grid", &[2.0, 2.2, 1.8]),
         ("uniform-grid kernel=scalar", &[3.0, 3.1, 2.9]),
         ("uniform-grid query=batch", &[1.5, 1.4, 1.6]),
-        ("obvhs-cwbvh adapter=direct", &[1.0, 1.1, 0.9]),
-        ("obvhs-cwbvh kernel=scalar", &[1.2, 1.3, 1.2]),
-        ("obvhs-cwbvh", &[1.1, 1.1, 1.0]),
+        ("obvhs-cwbvh", &[1.0, 1.1, 0.9]),
+        ("obvhs-cwbvh adapter=robust kernel=scalar", &[1.2, 1.3, 1.2]),
+        ("obvhs-cwbvh adapter=robust", &[1.1, 1.1, 1.0]),
     ];
 
     fn explain(row: &str, reference: Option<&str>) -> Result<Explain<'static>, String> {
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(labels, ROWS.iter().map(|(label, _)| *label).collect::<Vec<_>>());
         assert_eq!((explain.row, explain.plan.baseline), (0, 3));
         assert!(explain.plan.same_rays && explain.plan.keeps_baseline);
-        let same = self::explain("obvhs-cwbvh", Some("obvhs-cwbvh:adapter=direct")).unwrap();
+        let same = self::explain("obvhs-cwbvh:adapter=robust", Some("obvhs-cwbvh")).unwrap();
         assert_eq!((same.plan.rows.len(), same.plan.baseline), (3, 2));
     }
 
@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn errors_say_what_can_be_explained() {
         let said = |row, reference| explain(row, reference).unwrap_err();
-        assert!(said("obvhs-cwbvh:adapter=direct", None).contains("is the reference, too"));
+        assert!(said("obvhs-cwbvh", None).contains("is the reference, too"));
         assert!(said("kd-tree:triangle-test=pluecker", None).contains("default tests"));
         assert!(said("kd-tre", None).contains("did you mean 'kd-tree'?"));
         assert!(said("kd-tree", Some("octre")).contains("did you mean 'octree'?"));

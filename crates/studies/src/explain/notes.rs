@@ -22,8 +22,8 @@ pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     }
     if has_direct && (scene.only_triangles == Some(false) || run.settings.precision != "f32") {
         notes.push(
-            "obvhs's own triangles serve triangles at rest in f32 alone: adapter=direct is \
-             adapter=as-shipped here."
+            "obvhs's own triangles serve triangles at rest in f32 alone: here its traversal calls our \
+             tests (as-shipped)."
                 .to_owned(),
         );
     }

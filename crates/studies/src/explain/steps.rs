@@ -156,7 +156,9 @@ mod tests {
         steps.iter().map(step).collect()
     }
 
-    const DIRECT: &str = "obvhs-cwbvh:adapter=direct";
+    const DIRECT: &str = "obvhs-cwbvh";
+    const ROBUST: &str = "obvhs-cwbvh:adapter=robust";
+    const SCALAR: &str = "obvhs-cwbvh:adapter=robust:kernel=scalar";
 
     #[test]
     fn there_is_one_way_where_each_row_is_one_step_further() {
@@ -164,8 +166,8 @@ mod tests {
             told(&[
                 DIRECT,
                 "wide-bvh:query=batch",
-                "obvhs-cwbvh:kernel=scalar",
-                "obvhs-cwbvh",
+                SCALAR,
+                ROBUST,
                 "wide-bvh"
             ]),
             [
@@ -181,9 +183,9 @@ mod tests {
     fn of_two_ways_factors_are_the_mean() {
         assert_eq!(
             told(&[
-                "obvhs-cwbvh:kernel=scalar",
+                SCALAR,
                 "uniform-grid",
-                "obvhs-cwbvh",
+                ROBUST,
                 "uniform-grid:kernel=scalar",
             ]),
             [
@@ -193,7 +195,7 @@ mod tests {
         );
         // a way over a row that has no time is none
         assert_eq!(
-            told(&["obvhs-cwbvh:kernel=scalar", "uniform-grid", "obvhs-cwbvh"]),
+            told(&[SCALAR, "uniform-grid", ROBUST]),
             ["kernel [(2, 1.0), (0, -1.0)]", "structure [(1, 1.0), (2, -1.0)]"]
         );
     }
@@ -205,7 +207,7 @@ mod tests {
             ["kernel+structure [(1, 1.0), (0, -1.0)]"]
         );
         assert_eq!(
-            told(&[DIRECT, "recursive-grid", "obvhs-cwbvh"]),
+            told(&[DIRECT, "recursive-grid", ROBUST]),
             ["adapter+structure [(1, 1.0), (0, -1.0)]"]
         );
         assert_eq!(told(&["octree", "kd-tree"]), ["structure [(1, 1.0), (0, -1.0)]"]);

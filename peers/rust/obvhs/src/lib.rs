@@ -1,6 +1,6 @@
 //! The crate `obvhs` as a plugin of rtbench: its trees over its triangles, built and asked as its examples do.
 //!
-//! rtbench's own rows `obvhs-bvh2` and `obvhs-cwbvh` with `adapter=direct` do the same within it, so the two tell
+//! rtbench's own rows `obvhs-bvh2` and `obvhs-cwbvh` do the same within it, so the two tell
 //! what the interface costs.
 
 use std::time::Duration;

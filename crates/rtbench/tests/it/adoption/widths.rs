@@ -12,7 +12,7 @@ fn tables_of_all_commands_that_judge_fit() {
     let folder = Folder::new();
     let path = folder.path();
     let rows =
-        "-s uniform-grid:resolution=heterogeneous:density=20,kd-tree,obvhs-cwbvh:adapter=direct";
+        "-s uniform-grid:resolution=heterogeneous:density=20,kd-tree,obvhs-cwbvh:preset=fastest";
     let run = format!("run tetra:2 --quick --rounds 6 {rows}");
     assert_eq!(run_within(80, &format!("{run} -o {path}/a")).code, 0);
     assert_eq!(run_within(80, &format!("{run} -o {path}/b")).code, 0);
