@@ -53,16 +53,12 @@ fn renamed(structure: &str, settings: &str) -> Option<String> {
         return None;
     }
     let mut settings: Vec<&str> = settings.split_whitespace().collect();
-    match settings.iter().position(|setting| setting.starts_with("adapter=")) {
-        Some(place) if settings[place] == "adapter=direct" => {
-            settings.remove(place);
-        }
-        Some(_) => {}
+    if settings.contains(&"adapter=direct") {
+        settings.retain(|setting| *setting != "adapter=direct");
+    } else if !settings.iter().any(|setting| setting.starts_with("adapter=")) {
         // in the order of the structure's parameters
-        None => {
-            let place = usize::from(settings.first().is_some_and(|s| s.starts_with("preset=")));
-            settings.insert(place, "adapter=robust");
-        }
+        let place = usize::from(settings.first().is_some_and(|s| s.starts_with("preset=")));
+        settings.insert(place, "adapter=robust");
     }
     Some(settings.join(" "))
 }
