@@ -49,6 +49,7 @@
 //!   structure of yours, for `rtbench::main_with`; [`prelude`] has what that one needs, and does
 //!   not change.
 
+pub mod bvh;
 mod capacity;
 pub mod geometry;
 pub mod grid;

@@ -10,7 +10,7 @@ use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::counters::WorkCounters;
+use crate::query::counters::Counters;
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::update::Change;
@@ -78,29 +78,18 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
 
     /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed
     /// ray by ray. Where these are together, rays are brought near ([`crate::geometry::far_ray`])
-    /// within `reach`.
+    /// within `reach`. What it counts is asked for with [`Batches::Packets`] alone; elsewhere each
+    /// ray has the steps of [`Structure::traverse`], which are counted.
     #[inline(always)]
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         _prims: &P,
         _blocks: Option<&ListBlocks<S>>,
         _rays: &[Ray<S>],
         _reach: S,
         _answers: BatchAnswers<'_, S>,
-    ) {
-    }
-
-    /// [`Structure::answer_batch`], counting, with [`Batches::Packets`]; elsewhere each ray has the
-    /// steps of [`Structure::traverse`], which are counted.
-    #[inline(always)]
-    fn count_batch<P: PrimSet<S>>(
-        &self,
-        _prims: &P,
-        _rays: &[Ray<S>],
-        _reach: S,
-        _answers: BatchAnswers<'_, S>,
-    ) -> WorkCounters {
-        WorkCounters::default()
+    ) -> C {
+        C::default()
     }
 
     /// Statistics of the built structure; a pass over it, not part of the build time.
@@ -125,7 +114,7 @@ pub enum Batches {
     /// [`Structure::traverse`].
     Together,
     /// The same, and those that run alike share steps, which count once: see
-    /// [`Structure::count_batch`].
+    /// [`Structure::answer_batch`].
     Packets,
     /// With the triangles, the test and the traversal of the library that the structure is of, and
     /// nothing else. The answers are the library's own: see [`StructureInfo::known_defect`].

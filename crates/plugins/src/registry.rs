@@ -13,7 +13,6 @@ use accel_core::primitives::PrimsRef;
 use accel_core::query::tracer::Origin;
 use accel_core::structure::{BuildError, StructureInfo, no_defect};
 use accel_core::structures::{COMMON, Entry, PreparedStructure};
-use accel_core::variants::chosen_tests;
 
 use crate::description::{Description, leak};
 use crate::error::PluginError;
@@ -123,7 +122,6 @@ fn built<S: PluginScalar>(params: &Params) -> PreparedStructure<S> {
     let (structure, row, memory) = (params.structure(), params.to_string(), params.memory());
     let refused =
         move |message: &str| BuildError::Library { structure, message: message.to_owned() };
-    let is_test_chosen = chosen_tests::Choice::of(params).is_some();
     let plugin = plugins().get(structure).cloned();
     let settings = plugin.iter().flat_map(|plugin| &plugin.description.settings);
     let values: Vec<String> = settings.map(|s| params.text(&s.name).to_owned()).collect();
@@ -139,9 +137,6 @@ fn built<S: PluginScalar>(params: &Params) -> PreparedStructure<S> {
                 "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
             ));
         };
-        if is_test_chosen {
-            return Err(refused("plugins serve no triangle-test and no sphere-test of ours"));
-        }
         Ok(Box::new(PluginTracer::build(plugin, set, row.clone(), &values, memory)?))
     })
 }

@@ -22,10 +22,8 @@ pub enum BoxTest {
 }
 
 impl BoxTest {
-    /// The first parameter in `[t_min, t_max]` at which the ray is within the box. Compiled into
-    /// the traversal with the feature `compiled-tests`, else a call, the same for all of them.
-    #[cfg_attr(feature = "compiled-tests", inline(always))]
-    #[cfg_attr(not(feature = "compiled-tests"), inline(never))]
+    /// The first parameter in `[t_min, t_max]` at which the ray is within the box.
+    #[inline(always)]
     pub fn entry<S: Scalar>(self, b: &Aabb<S>, ray: &Ray<S>, t_min: S, t_max: S) -> Option<S> {
         match self {
             Self::Plain => slabs(b, ray, t_min, t_max, S::ONE),

@@ -1,8 +1,6 @@
 //! Triangles, polygons, spheres and cones under one id space, in file order. They may move: see
 //! [`crate::primitives::moving`].
 
-use glam::DVec3;
-
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::{MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
@@ -10,23 +8,15 @@ use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
-use crate::primitives::precise;
 use crate::primitives::shear::Shear;
 use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use crate::primitives::tagged::{INDEX_BITS, TaggedIndex};
 use crate::primitives::triangle::{TriangleTest, Watertight};
-use crate::primitives::watertight;
 use crate::primitives::{
     Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
+    precise, watertight,
 };
-
-/// A primitive at rest, as far as other tests than the set's own are made for it.
-pub(crate) enum ShapeRef<'a, S: Scalar> {
-    Triangle(&'a [[S; 3]; 3]),
-    Sphere(&'a Sphere<S>),
-    Other,
-}
+use glam::DVec3;
 
 /// Per-ray data for tests of moving sets.
 #[derive(Debug, Clone, Copy)]
@@ -211,15 +201,11 @@ impl<S: Scalar> MixedSet<S> {
         self.motion.any()
     }
 
-    /// Geometry of primitive `id`.
-    #[inline(always)]
-    pub(crate) fn shape(&self, id: u32) -> ShapeRef<'_, S> {
+    /// The corners of a primitive that is a triangle, where it is at time 0.
+    fn triangle(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         let tagged = self.order[id as usize];
-        match tagged.kind() {
-            PrimitiveKind::Triangle => ShapeRef::Triangle(&self.triangles[tagged.index()]),
-            PrimitiveKind::Sphere => ShapeRef::Sphere(&self.spheres[tagged.index()]),
-            PrimitiveKind::Polygon | PrimitiveKind::Cone => ShapeRef::Other,
-        }
+        let is_triangle = tagged.kind() == PrimitiveKind::Triangle;
+        is_triangle.then(|| self.triangles[tagged.index()].map(Vec3::<S>::from_array))
     }
 
     /// The parameter of the hit of primitive `id`, triangles tested by `T` and spheres by `Q`.
@@ -386,17 +372,11 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     }
 
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
-        match self.shape(id) {
-            ShapeRef::Triangle(v) if !self.moves(id) => Some(v.map(Vec3::<S>::from_array)),
-            _ => None,
-        }
+        if self.moves(id) { None } else { self.triangle(id) }
     }
 
     fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
-        match self.shape(id) {
-            ShapeRef::Triangle(v) if self.has_motion() => Some(v.map(Vec3::<S>::from_array)),
-            _ => None,
-        }
+        if self.has_motion() { self.triangle(id) } else { None }
     }
 
     fn move_as_one(&self, ids: &[u32]) -> bool {
@@ -445,5 +425,31 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + self.transmissive.bytes()
             + self.motion.bytes()
             + self.instances.bytes()
+    }
+}
+
+/// The kind in the upper two bits, the index within the kind below.
+#[derive(Debug, Clone, Copy)]
+struct TaggedIndex(u32);
+
+/// Bits of an index.
+const INDEX_BITS: u32 = 30;
+
+impl TaggedIndex {
+    pub fn new(kind: PrimitiveKind, index: usize) -> Self {
+        Self((kind as u32) << INDEX_BITS | index as u32)
+    }
+    #[inline(always)]
+    pub fn kind(self) -> PrimitiveKind {
+        match self.0 >> INDEX_BITS {
+            0 => PrimitiveKind::Triangle,
+            1 => PrimitiveKind::Polygon,
+            2 => PrimitiveKind::Sphere,
+            _ => PrimitiveKind::Cone,
+        }
+    }
+    #[inline(always)]
+    pub fn index(self) -> usize {
+        (self.0 & ((1 << INDEX_BITS) - 1)) as usize
     }
 }

@@ -2,9 +2,9 @@
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
-//! * [`RetestedSet`]: a mixed set under other tests, compiled in.
-//! * [`ChosenTests`](crate::variants::chosen_tests::ChosenTests): either of them under tests that
-//!   are chosen at run time.
+//! * [`RetestedSet`]: a mixed set under other tests.
+
+use crate::geometry::scalar::Scalar;
 
 pub(crate) mod block_tests;
 pub(crate) mod blocks;
@@ -19,13 +19,11 @@ mod moving;
 mod polygon;
 mod precise;
 mod prim_set;
-mod prims_ref;
 mod retested;
 mod shear;
 mod shear_lanes;
 mod sphere;
 mod support;
-mod tagged;
 pub(crate) mod triangle;
 mod triangle_block;
 pub(crate) mod watertight;
@@ -37,10 +35,25 @@ pub use moving::MovingSet;
 pub use polygon::{Polygon, newell_normal};
 pub(crate) use prim_set::TransmissiveSet;
 pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind};
-pub use prims_ref::PrimsRef;
 pub use retested::RetestedSet;
 pub use shear::Shear;
 pub use sphere::{RearrangedSphere, Sphere, SphereTest};
 pub use support::Ball;
 pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
 pub use triangle_block::TriangleBlock;
+
+/// A set of primitives, whichever.
+pub enum PrimsRef<'a, S: Scalar> {
+    /// Triangles with the watertight test.
+    Watertight(&'a TriangleSet<S>),
+    /// Primitives of any kind.
+    Mixed(&'a MixedSet<S>),
+}
+
+impl<S: Scalar> Clone for PrimsRef<'_, S> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<S: Scalar> Copy for PrimsRef<'_, S> {}

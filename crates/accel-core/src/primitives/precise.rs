@@ -15,7 +15,7 @@
 //! nearer than 20, and not behind the origin, the depth is computed here, and its sign is that of the
 //! rounded corners' plane.
 //! So a box of a triangle that ends behind the origin holds no hit, were it padded for the rounding
-//! of corners alone (`wide_bvh/node.rs`). **A ray with a component so small** that sheared corners
+//! of corners alone (`bvh/node.rs`). **A ray with a component so small** that sheared corners
 //! are subnormal numbers of few digits: everything is computed in f64, from the corners on. **A
 //! triangle so small** that its determinant is one: corners are multiplied by powers of two.
 //!

@@ -104,9 +104,6 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// True if lists of its primitives may be kept as blocks of triangles; false where no test is
     /// compiled for them.
     const HAS_BLOCKS: bool = false;
-    /// True if a test is a call that finds out which test it is. Traversals are not compiled for
-    /// such a set: they hand their lists over.
-    const IS_CALLED: bool = false;
     /// Returns whether all are triangles that [`Watertight`](super::Watertight) tests: another way
     /// to compute that test gives the set's own answers.
     fn is_watertight(&self) -> bool {

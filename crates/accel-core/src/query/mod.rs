@@ -10,7 +10,6 @@ pub(crate) mod lists;
 pub mod mailbox;
 pub(crate) mod prepared;
 pub mod region;
-pub(crate) mod resumable;
 pub(crate) mod side_by_side;
 pub mod sink;
 pub mod trace;

@@ -5,7 +5,7 @@
 //! What a structure and a triangle test derive from a ray is a quarter of the instructions of a
 //! closest hit in a wide BVH, and a third of an occlusion's, and it is waited for: nothing can be
 //! fetched before. In lanes it is the work of one ray for eight, and done when a ray begins. Steps,
-//! answers and counters of rays that go alone are those of [`resumable::traverse`]. To have several
+//! answers and counters of rays that go alone are those of [`Structure::traverse`]. To have several
 //! prepared rays in flight besides was a loss (two 0.85 to 1.0, four 0.77 to 0.88 of one after the
 //! other).
 
@@ -16,11 +16,11 @@ use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::batch::{Batch, BatchDriver, PlainStructure, RayByRay, drive};
-use crate::query::resumable::{self, StepwiseStructure};
 use crate::query::sink::Sink;
+use crate::structure::Structure;
 
 /// A structure that derives what it needs of eight rays at once.
-pub(crate) trait LaneStructure<S: Scalar>: StepwiseStructure<S> {
+pub(crate) trait LaneStructure<S: Scalar>: Structure<S> {
     type Eight;
     /// The shared part of the eight states.
     type Packet;
@@ -31,8 +31,8 @@ pub(crate) trait LaneStructure<S: Scalar>: StepwiseStructure<S> {
     fn packet(&self, eight: &Self::Eight) -> Option<Self::Packet>;
     /// Answers the queries of eight rays, one a ray in their order, together.
     fn trace_packet<K: Sink<S>>(&self, eight: &Self::Eight, packet: &Self::Packet, sinks: &mut [K]);
-    /// Sets one of them on its way, as [`StepwiseStructure::begin`] does.
-    fn begin_prepared(&self, eight: &Self::Eight, lane: usize, t_max: S) -> Self::State;
+    /// [`Structure::traverse`] for one of them.
+    fn trace_prepared<K: Sink<S>>(&self, eight: &Self::Eight, lane: usize, sink: &mut K);
 }
 
 /// One prepared ray after the other.
@@ -80,8 +80,7 @@ impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
             }
             for (lane, ray) in rays.iter().enumerate() {
                 let mut sink = batch.sink(ray, setups(lane));
-                let state = structure.begin_prepared(&eight, lane, ray.t_max);
-                let _ = resumable::run(structure, state, &mut sink);
+                structure.trace_prepared(&eight, lane, &mut sink);
                 batch.keep(first + lane, Some((&sink, Parameters::SAME)));
             }
         }

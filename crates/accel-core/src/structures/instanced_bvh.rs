@@ -1,14 +1,14 @@
 //! A BVH over BVHs: an eight-wide tree over the boxes of copies, and one over each object.
 //!
-//! See [`crate::structures::instanced`] for the levels and [`crate::structures::wide_bvh`] for the
+//! See [`crate::structures::instanced`] for the levels and [`crate::bvh`] for the
 //! trees.
 
+use crate::bvh::{self, WideBvh};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::structure::StructureInfo;
 use crate::structures::instanced::{InstancedStructure, Levels};
 use crate::structures::obvhs::adapter::PRESET;
-use crate::structures::wide_bvh::{self, WideBvh};
 use crate::update::INSTANCES;
 
 pub static INFO: StructureInfo = StructureInfo {
@@ -30,7 +30,7 @@ impl<S: Scalar> Levels<S> for WideBvh<S> {
     fn settings(params: &Params) -> [Params; 2] {
         ["1", "4"].map(|leaf| {
             let own = [(PRESET.name, params.text(PRESET.name)), ("max-leaf", leaf)];
-            wide_bvh::INFO.defaults().taken(own)
+            bvh::INFO.defaults().taken(own)
         })
     }
 }

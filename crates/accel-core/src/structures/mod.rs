@@ -26,24 +26,24 @@ pub(crate) mod test_scenes;
 pub mod time_segments;
 pub mod two_level_grid;
 pub mod uniform_grid;
-pub mod wide_bvh;
 
+use crate::bvh::{self, WideBvh};
 use crate::geometry::scalar::Scalar;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
-use crate::primitives::{MixedSet, PrimsRef};
+use crate::primitives::{MixedSet, PrimSet, PrimsRef};
 use crate::query::tracer::tested::{TestChoice, tested_as};
-use crate::query::tracer::{Bound, BoundInMotion, PreviousFrame, Tracer};
+use crate::query::tracer::{BoundInMotion, PreviousFrame, Tracer};
 use crate::registry::{self, Buildable, RegistryItem};
 use crate::structure::{BuildError, Structure};
 use crate::structures::time_segments::TimeSegments;
-use crate::variants::chosen_tests::{self, ChosenTests};
+use crate::variants::chosen_tests::{self, Choice, TestedSetVisitor};
 
 /// Every structure of the workspace: one line each.
-#[cfg(any(not(test), feature = "compiled-tests"))]
+#[cfg(not(test))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
-    compiled_entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
+    compiled_entry!(prepare_tested, uniform_grid::UniformGrid, uniform_grid::INFO),
     entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
     entry!(compact_grid::CompactGrid, compact_grid::INFO),
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
@@ -52,30 +52,27 @@ pub static REGISTRY: &[Entry] = &[
     entry!(hug::Hug, hug::INFO),
     entry!(two_level_grid::TwoLevelGrid, two_level_grid::INFO),
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
-    compiled_entry!(irregular_grid::IrregularGrid, irregular_grid::INFO),
+    compiled_entry!(prepare_compiled, irregular_grid::IrregularGrid, irregular_grid::INFO),
     entry!(octree::Octree, octree::INFO),
-    compiled_entry!(kd_tree::KdTree, kd_tree::INFO),
+    compiled_entry!(prepare_compiled, kd_tree::KdTree, kd_tree::INFO),
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
-    compiled_entry!(wide_bvh::WideBvh, wide_bvh::INFO),
+    compiled_entry!(prepare_tested, WideBvh, bvh::INFO),
     entry!(instanced_grid::InstancedGrid, instanced_grid::INFO),
     entry!(instanced_bvh::InstancedBvh, instanced_bvh::INFO),
-    compiled_entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
-    compiled_entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
+    compiled_entry!(prepare_compiled, obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
+    compiled_entry!(prepare_compiled, obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
 ];
 
 /// Structures that unit tests find by name, or through the light buffer. Each line compiles a
 /// structure for all sets and queries: all of them, for unit tests alone, would double the compile
 /// time of this crate. So tests that find others by name are in `tests/`.
-#[cfg(not(any(not(test), feature = "compiled-tests")))]
-pub static REGISTRY: &[Entry] = &[
-    entry!(brute_force::BruteForce, brute_force::INFO),
-    entry!(wide_bvh::WideBvh, wide_bvh::INFO),
-];
+#[cfg(test)]
+pub static REGISTRY: &[Entry] =
+    &[entry!(brute_force::BruteForce, brute_force::INFO), entry!(WideBvh, bvh::INFO)];
 
 /// Parameters that every structure has.
-pub const COMMON: &[ParamSpec] =
-    &[chosen_tests::TRIANGLE_TEST, chosen_tests::SPHERE_TEST, time_segments::PARAM];
+pub const COMMON: &[ParamSpec] = &[time_segments::PARAM];
 
 /// A structure that answers rays.
 pub struct Traceable;
@@ -138,51 +135,33 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 }
 
 /// Reads the settings of `T`, which is then built over whichever set it is, or taken there from the
-/// frame before, and boxed as a tracer.
-pub fn prepare<S: Scalar, T: Structure<S>>(params: &Params) -> PreparedStructure<S> {
+/// frame before, and boxed as a tracer. `COMPILED`: see [`Bound`](crate::query::tracer::Bound).
+pub fn prepare<S: Scalar, T: Structure<S>, const COMPILED: bool>(
+    params: &Params,
+) -> PreparedStructure<S> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
-    Box::new(move |prims, before| {
-        build_tracer::<S, T>(prims, (&settings, &testing), segments, before)
+    let refusal = testing.chosen.map(|_| Choice::refused(params, "default in this precision"));
+    Box::new(move |prims, before| match &refusal {
+        Some(refusal) => Err(refusal.clone().into()),
+        None => build_tracer::<S, T, COMPILED>(prims, (&settings, &testing), segments, before),
     })
 }
 
-fn build_tracer<'a, S: Scalar, T: Structure<S>>(
+fn build_tracer<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     prims: PrimsRef<'a, S>,
     how: (&Settings<T::Config>, &TestChoice),
     segments: usize,
     before: Option<PreviousFrame<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let (settings, testing) = how;
-    let limits = settings.limits();
-    match (prims, testing.choice) {
-        (PrimsRef::Mixed(p), None) if p.has_motion() => in_motion::<S, T, false>(p, how, segments),
-        (PrimsRef::Mixed(p), Some(choice)) if p.has_motion() => {
-            let mailbox = testing.mailbox::<S, _>(p, limits)?;
-            let segments = TimeSegments::<S, T>::build(p, settings, testing, segments)?;
-            let view = Box::new(ChosenTests::of_mixed(p, choice));
-            Ok(Box::new(BoundInMotion::<S, _, T, false>::new(view, segments, mailbox)))
-        }
-        (PrimsRef::Watertight(p), None) => tested_as::<S, _, _, T>(p, p, how, before),
-        (PrimsRef::Mixed(p), None) => tested_as::<S, _, _, T>(p, p, how, before),
-        (prims, Some(choice)) => {
-            // built from the same bounds, so the structure is that of the set itself
-            let (view, mailbox, structure) = match prims {
-                PrimsRef::Watertight(p) => {
-                    let mailbox = testing.mailbox::<S, _>(p, limits)?;
-                    (ChosenTests::of_triangles(p, choice), mailbox, T::build(p, settings)?)
-                }
-                PrimsRef::Mixed(p) => {
-                    let mailbox = testing.mailbox::<S, _>(p, limits)?;
-                    (ChosenTests::of_mixed(p, choice), mailbox, T::build(p, settings)?)
-                }
-            };
-            Ok(Box::new(Bound::new(Box::new(view), structure).with_mailbox(mailbox)))
-        }
+    match prims {
+        PrimsRef::Watertight(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
+        PrimsRef::Mixed(p) if p.has_motion() => in_motion::<S, T, false>(p, how, segments),
+        PrimsRef::Mixed(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
     }
 }
 
-/// Builds `T` over a set that moves, under its own tests.
+/// Builds `T` over a set that moves.
 fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     set: &'a MixedSet<S>,
     (settings, testing): (&Settings<T::Config>, &TestChoice),
@@ -193,29 +172,65 @@ fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     Ok(Box::new(BoundInMotion::<S, _, T, COMPILED>::new(set.in_motion(), segments, mailbox)))
 }
 
-/// [`prepare`] for a structure of which more is compiled into its traversals, in f32 alone: the
-/// queries of sets that move, and chosen tests where the feature `compiled-tests` is on.
+/// [`prepare`] for a structure of which the queries of sets that move are compiled, too, in f32.
 pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
     Box::new(move |prims, before| {
         let how = (&settings, &testing);
-        #[cfg(feature = "compiled-tests")]
-        if let Some(built) = crate::variants::compiled_tests::build::<T>(prims, how) {
-            return built;
-        }
         match prims {
-            PrimsRef::Mixed(set) if testing.choice.is_none() && set.has_motion() => {
+            PrimsRef::Mixed(set) if set.has_motion() => {
                 in_motion::<f32, T, true>(set, how, segments)
             }
-            _ => build_tracer::<f32, T>(prims, how, segments, before),
+            _ => build_tracer::<f32, T, true>(prims, how, segments, before),
         }
     })
 }
 
+/// [`prepare_compiled`] for a structure of which the tests in [`chosen_tests`] are compiled, too,
+/// over primitives at rest. It is built over the set itself: the same one for every test.
+pub fn prepare_tested<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
+    let (settings, testing) = (Settings::of(params), TestChoice::of(params));
+    let Some(choice) = testing.chosen else { return prepare_compiled::<T>(params) };
+    let params = params.clone();
+    Box::new(move |prims, before| {
+        let how = (&settings, &testing);
+        if matches!(prims, PrimsRef::Mixed(set) if set.has_motion()) {
+            return Err(Choice::refused(&params, "default where primitives move").into());
+        }
+        let tested = Tested::<T> { prims, how, before };
+        chosen_tests::visit_tested(prims, choice, tested).unwrap_or_else(|| {
+            Err(Choice::refused(&params, "default, or f64 for both kinds of primitives").into())
+        })
+    })
+}
+
+/// A structure that is built over a set, and answers by the tests of the set that it is shown.
+struct Tested<'a, 'h, 'b, T: Structure<f32>> {
+    prims: PrimsRef<'a, f32>,
+    how: (&'h Settings<T::Config>, &'h TestChoice),
+    before: Option<PreviousFrame<'b>>,
+}
+
+impl<'a, T: Structure<f32>> TestedSetVisitor<'a> for Tested<'a, '_, '_, T> {
+    type Output = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
+
+    fn visit<P: PrimSet<f32>>(self, set: &'a P) -> Self::Output {
+        match self.prims {
+            PrimsRef::Watertight(over) => {
+                tested_as::<f32, _, _, T, true>(over, set, self.how, self.before)
+            }
+            PrimsRef::Mixed(over) => {
+                tested_as::<f32, _, _, T, true>(over, set, self.how, self.before)
+            }
+        }
+    }
+}
+
 /// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree,
 /// my_tree::INFO)`. The type's only parameter is its scalar; it is a
-/// [`Structure`](crate::structure::Structure) in f32 and in f64.
+/// [`Structure`](crate::structure::Structure) in f32 and in f64. Of f64, which is an option, no
+/// query is compiled into the traversal.
 #[macro_export]
 macro_rules! entry {
     ($structure:path, $info:path) => {
@@ -223,29 +238,30 @@ macro_rules! entry {
             &$info,
             |params| {
                 use $structure as It;
-                $crate::structures::prepare::<f32, It<f32>>(params)
+                $crate::structures::prepare::<f32, It<f32>, true>(params)
             },
             |params| {
                 use $structure as It;
-                $crate::structures::prepare::<f64, It<f64>>(params)
+                $crate::structures::prepare::<f64, It<f64>, false>(params)
             },
         )
     };
 }
 
-/// [`entry!`] for a structure of which more can be compiled in: see [`prepare_compiled`].
+/// [`entry!`] for a structure of which more is compiled: in f32 by `$prepare`, and f64, so that the
+/// price of double precision is measured on them.
 #[cfg_attr(test, allow(unused_macros, reason = "unit tests see two structures"))]
 macro_rules! compiled_entry {
-    ($structure:path, $info:path) => {
+    ($prepare:ident, $structure:path, $info:path) => {
         $crate::structures::Entry::new(
             &$info,
             |params| {
                 use $structure as It;
-                $crate::structures::prepare_compiled::<It<f32>>(params)
+                $crate::structures::$prepare::<It<f32>>(params)
             },
             |params| {
                 use $structure as It;
-                $crate::structures::prepare::<f64, It<f64>>(params)
+                $crate::structures::prepare::<f64, It<f64>, true>(params)
             },
         )
     };

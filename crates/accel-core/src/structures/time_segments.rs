@@ -13,8 +13,8 @@ use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
-use crate::query::tracer::compiled_once;
 use crate::query::tracer::tested::TestChoice;
+use crate::query::tracer::{traverse_counted, traverse_relayed};
 use crate::structure::{BuildError, Structure, StructureStats};
 
 /// The setting, which every structure has.
@@ -116,12 +116,12 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
 
     /// The traversal of all passes that count.
     pub(crate) fn counted_traversal(&self, ray: &Ray<S>, sink: ErasedSink<'_, S>) {
-        compiled_once::counted(&self.at(ray).structure, ray, sink);
+        traverse_counted(&self.at(ray).structure, ray, sink);
     }
 
     /// The traversal of all passes that are timed, where it is compiled once for all queries.
     pub(crate) fn timed_traversal(&self, ray: &Ray<S>, sink: RelayedSink<'_, S>) {
-        compiled_once::relayed(&self.at(ray).structure, ray, sink);
+        traverse_relayed(&self.at(ray).structure, ray, sink);
     }
 
     /// The sum of all; the resolution is that of the first.

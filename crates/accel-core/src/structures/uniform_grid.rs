@@ -26,6 +26,7 @@ use crate::query::kernel;
 use crate::query::mailbox;
 use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
+use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "uniform-grid",
@@ -46,6 +47,8 @@ pub static INFO: StructureInfo = StructureInfo {
         INCREMENTAL,
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
+        TRIANGLE_TEST,
+        SPHERE_TEST,
     ],
     variants: &[
         "",

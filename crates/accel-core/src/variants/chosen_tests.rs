@@ -1,29 +1,16 @@
-//! A set whose tests are chosen at run time: what other tests of triangles and spheres lose, all
-//! through equal machinery.
+//! Other tests of triangles and spheres, compiled into the traversals of two structures: what they
+//! lose, and what they cost.
 //!
-//! It is a view of a set. A traversal hands lists over by a call, and a test is a call of one
-//! function that branches to the test chosen, the same way for all rays; the tests that are the
-//! default are compiled into every traversal and pass by here not at all. So the times of chosen
-//! tests say nothing beside the default's, and little beside one another's: the call hides what
-//! differs. Their prices are measured with the feature `compiled-tests`, which compiles each into
-//! the traversals of some structures as the default is (`variants/compiled_tests.rs`,
-//! [`is_compiled`]).
-//!
-//! The settings are parameters of every structure ([`TRIANGLE_TEST`], [`SPHERE_TEST`]).
+//! A traversal is compiled once more for each test, over a set of that test's type ([`TriangleSet`]
+//! of another test, [`RetestedSet`](crate::primitives::RetestedSet)), as it is for the default
+//! tests; a default that is chosen by name is the default. A test that were called would cost its
+//! call, which hides what tests differ by. The settings ([`TRIANGLE_TEST`], [`SPHERE_TEST`]) are
+//! those of the structures on which `accuracy` compares tests: `uniform-grid`, primitives one by
+//! one or in blocks, and `wide-bvh`, triangles in blocks. They serve f32 and primitives at rest.
 
-use glam::DVec3;
-
-use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::Ray;
-use crate::geometry::scalar::Scalar;
-use crate::params::{ParamSpec, Params};
-use crate::primitives::Shear;
-use crate::primitives::Sphere;
-use crate::primitives::mixed::ShapeRef;
-use crate::primitives::triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
-use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
-use crate::query::tracer::Tracer;
-use crate::variants::sphere_tests;
+use crate::params::{ParamError, ParamSpec, Params};
+use crate::primitives::{MoellerTrumbore, PrimSet, PrimsRef, RearrangedSphere, Watertight};
+use crate::variants::sphere_tests::{NaiveSphere, SphereInDouble};
 use crate::variants::triangle_tests::{
     MoellerTrumboreTolerant, Pluecker, WatertightFallback, WatertightInDouble,
 };
@@ -31,7 +18,7 @@ use crate::variants::triangle_tests::{
 /// The test that is compiled into every traversal.
 const DEFAULT: &str = "default";
 
-/// A setting that every structure has.
+/// Test of triangles.
 pub const TRIANGLE_TEST: ParamSpec = ParamSpec::choice(
     "triangle-test",
     DEFAULT,
@@ -45,22 +32,12 @@ pub const TRIANGLE_TEST: ParamSpec = ParamSpec::choice(
         "f64",
     ],
 )
-.about(
-    "test of triangles: the default is the watertight one, compiled into each traversal; \
-              others are called, unless built with the feature compiled-tests",
-);
+.about("test of triangles, compiled into the traversal; the default is the watertight one");
 
+/// Test of spheres.
 pub const SPHERE_TEST: ParamSpec =
-    ParamSpec::choice("sphere-test", DEFAULT, &[DEFAULT, "naive", "rearranged", "f64"]).about(
-        "test of spheres: the default is the rearranged one, compiled into each traversal; \
-              others are called, unless built with the feature compiled-tests",
-    );
-
-/// Returns whether a tracer's chosen tests are compiled into its traversals, as the default tests
-/// are.
-pub fn is_compiled<S: Scalar>(tracer: &dyn Tracer<S>) -> bool {
-    !tracer.code().contains("ChosenTests")
-}
+    ParamSpec::choice("sphere-test", DEFAULT, &[DEFAULT, "naive", "rearranged", "f64"])
+        .about("test of spheres, compiled into the traversal; the default is the rearranged one");
 
 /// A test of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -95,7 +72,7 @@ impl Choice {
     pub fn of(params: &Params) -> Option<Self> {
         let [triangle, sphere] =
             ["triangle-test", "sphere-test"].map(|name| params.get(name).unwrap_or(DEFAULT));
-        if triangle == DEFAULT && sphere == DEFAULT {
+        if [triangle, sphere] == [DEFAULT; 2] {
             return None;
         }
         let triangle = match triangle {
@@ -112,6 +89,20 @@ impl Choice {
             _ => SphereChoice::Rearranged,
         };
         Some(Self { triangle, sphere })
+    }
+
+    /// The refusal of these settings where they are not compiled: for `expected`, all others.
+    pub(crate) fn refused(params: &Params, expected: &str) -> ParamError {
+        let chosen = |(name, _): &(&'static str, &str)| {
+            [TRIANGLE_TEST.name, SPHERE_TEST.name].contains(name)
+        };
+        let (name, value) = params.changed().find(chosen).unwrap_or((TRIANGLE_TEST.name, DEFAULT));
+        ParamError::Invalid {
+            structure: params.structure(),
+            name,
+            value: value.to_owned(),
+            expected: expected.to_owned(),
+        }
     }
 }
 
@@ -130,235 +121,78 @@ pub fn known_defect(params: &Params) -> Option<&'static str> {
     }
 }
 
-/// The set that is seen.
-#[derive(Debug)]
-enum TestedSet<'a, S: Scalar> {
-    Triangles(&'a TriangleSet<S>),
-    Mixed(&'a MixedSet<S>),
+/// What is done with a set under the tests that were chosen.
+pub trait TestedSetVisitor<'a> {
+    type Output;
+    fn visit<P: PrimSet<f32>>(self, set: &'a P) -> Self::Output;
 }
 
-/// A set under chosen tests.
-#[derive(Debug)]
-pub struct ChosenTests<'a, S: Scalar> {
-    over: TestedSet<'a, S>,
+/// Hands the set under the chosen tests to `visitor`; `None` where a test of triangles and one of
+/// spheres were chosen that are not compiled together.
+pub fn visit_tested<'a, V: TestedSetVisitor<'a>>(
+    prims: PrimsRef<'a, f32>,
     choice: Choice,
-}
-
-/// Ray data of the chosen test; data of other tests is not computed.
-#[derive(Debug, Clone, Copy)]
-pub struct ChosenSetup<S: Scalar> {
-    shear: Option<Shear<S>>,
-    double: Option<(Ray<f64>, Shear<f64>)>,
-}
-
-impl<'a, S: Scalar> ChosenTests<'a, S> {
-    /// Triangles under another test.
-    pub fn of_triangles(set: &'a TriangleSet<S>, choice: Choice) -> Self {
-        Self { over: TestedSet::Triangles(set), choice }
-    }
-
-    /// Primitives of any kind, moving ones too, whose triangles and spheres have other tests.
-    pub fn of_mixed(set: &'a MixedSet<S>, choice: Choice) -> Self {
-        Self { over: TestedSet::Mixed(set), choice }
-    }
-
-    #[inline(always)]
-    fn triangle(
-        &self,
-        v: &[[S; 3]; 3],
-        ray: &Ray<S>,
-        setup: &ChosenSetup<S>,
-        t_max: S,
-    ) -> Option<S> {
-        match (self.choice.triangle, &setup.shear, &setup.double) {
-            (TriangleChoice::MoellerTrumbore, _, _) => {
-                MoellerTrumbore::intersect(v, ray, &(), t_max)
+    visitor: V,
+) -> Option<V::Output> {
+    use {SphereChoice as Q, TriangleChoice as T};
+    Some(match prims {
+        PrimsRef::Watertight(set) => match choice.triangle {
+            T::MoellerTrumbore => visitor.visit(set.tested_by::<MoellerTrumbore>()),
+            T::Tolerant => visitor.visit(set.tested_by::<MoellerTrumboreTolerant>()),
+            T::Pluecker => visitor.visit(set.tested_by::<Pluecker>()),
+            T::Watertight => visitor.visit(set),
+            T::Fallback => visitor.visit(set.tested_by::<WatertightFallback>()),
+            T::Double => visitor.visit(set.tested_by::<WatertightInDouble>()),
+        },
+        PrimsRef::Mixed(set) => match (choice.triangle, choice.sphere) {
+            (T::MoellerTrumbore, Q::Rearranged) => {
+                visitor.visit(set.retested::<MoellerTrumbore, RearrangedSphere>())
             }
-            (TriangleChoice::Tolerant, _, _) => {
-                MoellerTrumboreTolerant::intersect(v, ray, &(), t_max)
+            (T::Tolerant, Q::Rearranged) => {
+                visitor.visit(set.retested::<MoellerTrumboreTolerant, RearrangedSphere>())
             }
-            (TriangleChoice::Pluecker, _, _) => Pluecker::intersect(v, ray, &(), t_max),
-            (TriangleChoice::Watertight, Some(shear), _) => {
-                Watertight::intersect(v, ray, shear, t_max)
+            (T::Pluecker, Q::Rearranged) => {
+                visitor.visit(set.retested::<Pluecker, RearrangedSphere>())
             }
-            (TriangleChoice::Fallback, Some(shear), _) => {
-                WatertightFallback::intersect(v, ray, shear, t_max)
+            (T::Watertight, Q::Rearranged) => visitor.visit(set),
+            (T::Fallback, Q::Rearranged) => {
+                visitor.visit(set.retested::<WatertightFallback, RearrangedSphere>())
             }
-            (TriangleChoice::Double, _, Some(double)) => {
-                WatertightInDouble::intersect(v, ray, double, t_max)
+            (T::Double, Q::Rearranged) => {
+                visitor.visit(set.retested::<WatertightInDouble, RearrangedSphere>())
             }
-            // `setup` computes what each test needs
-            (_, None, _) | (TriangleChoice::Double, _, None) => {
-                Watertight::intersect(v, ray, &Shear::of(ray, self.magnitude()), t_max)
+            (T::Watertight, Q::Naive) => visitor.visit(set.retested::<Watertight, NaiveSphere>()),
+            (T::Watertight, Q::Double) => {
+                visitor.visit(set.retested::<Watertight, SphereInDouble>())
             }
-        }
-    }
-
-    #[inline(always)]
-    fn sphere(&self, sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
-        match self.choice.sphere {
-            SphereChoice::Naive => sphere_tests::naive(sphere, ray, t_max),
-            SphereChoice::Rearranged => sphere.intersect(ray, t_max),
-            SphereChoice::Double => sphere_tests::in_double(sphere, ray, t_max),
-        }
-    }
-
-    fn of_shape(
-        &self,
-        set: &MixedSet<S>,
-        id: u32,
-        ray: &Ray<S>,
-        setup: &ChosenSetup<S>,
-        t_max: S,
-    ) -> Option<S> {
-        match set.shape(id) {
-            ShapeRef::Triangle(v) => self.triangle(v, ray, setup, t_max),
-            ShapeRef::Sphere(sphere) => self.sphere(sphere, ray, t_max),
-            ShapeRef::Other => {
-                let shear = setup.shear.unwrap_or_else(|| Shear::of(ray, set.magnitude()));
-                set.intersect(id, ray, &shear, t_max)
+            (T::Double, Q::Double) => {
+                visitor.visit(set.retested::<WatertightInDouble, SphereInDouble>())
             }
-        }
-    }
-}
-
-/// Calls the same of whichever set it is.
-macro_rules! seen {
-    ($self:ident, $set:ident => $call:expr) => {
-        match $self.over {
-            TestedSet::Triangles($set) => $call,
-            TestedSet::Mixed($set) => $call,
-        }
-    };
-}
-
-impl<S: Scalar> PrimSet<S> for ChosenTests<'_, S> {
-    type RaySetup = ChosenSetup<S>;
-
-    const IS_CALLED: bool = true;
-
-    fn len(&self) -> usize {
-        seen!(self, set => set.len())
-    }
-
-    fn bounds(&self, id: u32) -> Aabb<S> {
-        seen!(self, set => set.bounds(id))
-    }
-
-    fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
-        seen!(self, set => set.extent(id, direction))
-    }
-
-    fn farthest(&self, id: u32, from: DVec3) -> f64 {
-        seen!(self, set => set.farthest(id, from))
-    }
-
-    fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
-        seen!(self, set => set.hull(id, balls));
-    }
-
-    fn moves(&self, id: u32) -> bool {
-        seen!(self, set => set.moves(id))
-    }
-
-    fn kind(&self, id: u32) -> PrimitiveKind {
-        seen!(self, set => set.kind(id))
-    }
-
-    #[inline(never)]
-    fn setup(&self, ray: &Ray<S>) -> ChosenSetup<S> {
-        let is_mixed = matches!(self.over, TestedSet::Mixed(_));
-        let sheared =
-            matches!(self.choice.triangle, TriangleChoice::Watertight | TriangleChoice::Fallback);
-        ChosenSetup {
-            // polygons are tested in the sheared space whatever the test of triangles is
-            shear: (is_mixed || sheared).then(|| Shear::of(ray, self.magnitude())),
-            double: (self.choice.triangle == TriangleChoice::Double)
-                .then(|| <WatertightInDouble as TriangleTest<S>>::setup(ray, self.magnitude())),
-        }
-    }
-
-    #[inline(never)]
-    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &ChosenSetup<S>, t_max: S) -> Option<S> {
-        match self.over {
-            TestedSet::Triangles(set) => {
-                self.triangle(&set.triangles()[id as usize], ray, setup, t_max)
-            }
-            TestedSet::Mixed(set) => match set.motion().velocity(id) {
-                None => self.of_shape(set, id, ray, setup, t_max),
-                Some(_) => {
-                    let motion = set.motion();
-                    let moment = motion.moment(ray.time);
-                    let relative = ray.moved_back(motion.velocity_or_zero(id), moment);
-                    self.of_shape(set, id, &relative, &self.setup(&relative), t_max)
-                }
-            },
-        }
-    }
-
-    fn is_opaque(&self, id: u32) -> bool {
-        seen!(self, set => set.is_opaque(id))
-    }
-
-    fn magnitude(&self) -> S {
-        seen!(self, set => set.magnitude())
-    }
-
-    fn bytes(&self) -> usize {
-        seen!(self, set => set.bytes())
-    }
+            _ => return None,
+        },
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::MixedSetBuilder;
-
-    fn choice(settings: &[(&str, &str)]) -> Option<Choice> {
-        Choice::of(
-            &Params::new("x", &[TRIANGLE_TEST, SPHERE_TEST], settings.iter().copied()).unwrap(),
-        )
-    }
 
     #[test]
-    fn settings_choose_tests_and_say_what_is_wrong_with_them() {
-        assert_eq!(choice(&[]), None);
-        let chosen = choice(&[("sphere-test", "naive")]).unwrap();
-        assert_eq!(chosen.triangle, TriangleChoice::Watertight);
-        let defect = |name, value| {
-            known_defect(&Params::new("x", &[TRIANGLE_TEST, SPHERE_TEST], [(name, value)]).unwrap())
-                .is_some()
+    fn settings_choose_tests_and_name_their_defects() {
+        let params = |settings: &[(&str, &str)]| {
+            Params::new("x", &[TRIANGLE_TEST, SPHERE_TEST], settings.iter().copied()).unwrap()
         };
+        assert_eq!(Choice::of(&params(&[])), None);
+        let naive = params(&[("sphere-test", "naive")]);
+        assert_eq!(Choice::of(&naive).unwrap().triangle, TriangleChoice::Watertight);
+        let refusal = Choice::refused(&naive, "default in f64").to_string();
+        assert_eq!(refusal, "x.sphere-test = 'naive': expected default in f64");
+        let has_defect = |name, value| known_defect(&params(&[(name, value)])).is_some();
         for test in ["moeller-trumbore", "moeller-trumbore-epsilon", "pluecker", "f64"] {
-            assert!(defect("triangle-test", test), "{test}");
+            assert!(has_defect("triangle-test", test), "{test}");
         }
-        assert!(defect("sphere-test", "naive") && defect("sphere-test", "f64"));
-        assert!(!defect("triangle-test", "watertight") && !defect("sphere-test", "rearranged"));
-    }
-
-    #[test]
-    fn the_default_tests_give_the_same_bits_when_chosen() {
-        let mut builder = MixedSetBuilder::<f32>::default();
-        builder.triangle([DVec3::ZERO, DVec3::X, DVec3::Y]).unwrap();
-        builder.sphere(DVec3::new(0.3, 0.2, 1.0), 0.4).unwrap();
-        builder.polygon(&[DVec3::ZERO, DVec3::X, DVec3::ONE, DVec3::Y]).unwrap();
-        builder.last_moves(DVec3::new(0.1, 0.0, 0.0), 1.0).unwrap();
-        let set = builder.finish();
-        let chosen =
-            ChosenTests::of_mixed(&set, choice(&[("triangle-test", "watertight")]).unwrap());
-        let mut hits = 0;
-        for i in 0..500 {
-            let x = i as f32 * 0.002;
-            let mut ray =
-                Ray::<f32>::new(glam::vec3(x, 0.1 + x * 0.3, 3.0), glam::vec3(0.01, 0.02, -1.0));
-            ray.time = 0.5;
-            for id in 0..3 {
-                let expected =
-                    set.in_motion().intersect(id, &ray, &set.in_motion().setup(&ray), 9.0);
-                assert_eq!(chosen.intersect(id, &ray, &chosen.setup(&ray), 9.0), expected);
-                hits += usize::from(expected.is_some());
-            }
-        }
-        assert!(hits > 300, "{hits}");
+        assert!(has_defect("sphere-test", "naive") && has_defect("sphere-test", "f64"));
+        assert!(!has_defect("triangle-test", "watertight"));
+        assert!(!has_defect("sphere-test", "rearranged"));
     }
 }

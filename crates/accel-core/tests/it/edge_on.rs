@@ -6,7 +6,7 @@ use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};
-use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::variants::triangle_tests::WatertightFallback;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::{DVec3, dvec3};
 
@@ -148,8 +148,6 @@ fn counted<S: Scalar, P: PrimSet<S>>(
 
 fn no_hit_lies_outside<S: Buildable>() {
     let mut random = Random::new(4);
-    // planted fault: a test whose weights are rounding where a triangle is seen edge-on
-    let planted = Choice { triangle: TriangleChoice::Fallback, sphere: SphereChoice::Rearranged };
     let mut found = [[0; 2]; 2];
     for round in 0..24 {
         let (set, rays) = if round % 3 == 2 {
@@ -159,7 +157,8 @@ fn no_hit_lies_outside<S: Buildable>() {
         };
         agreed(&set, &rays);
         let of_round = counted(&set, &set, &rays);
-        let of_planted = counted(&set, &ChosenTests::of_triangles(&set, planted), &rays);
+        // planted fault: a test whose weights are rounding where a triangle is seen edge-on
+        let of_planted = counted(&set, set.tested_by::<WatertightFallback>(), &rays);
         for k in 0..2 {
             found[0][k] += of_round[k];
             found[1][k] += of_planted[k];
@@ -229,8 +228,14 @@ fn flat_scenes_are_hit_where_they_are_left<S: Buildable>(components: &[f64]) {
     }
     assert!(at_origin > 300 && at_origin < 1300, "{at_origin}");
     // planted fault: corners in subnormal numbers
-    let before = hits(prims, "brute-force", "triangle-test=watertight-fallback", &rays);
-    let wrong = before.iter().zip(&found).filter(|(a, b)| a != b).count();
+    let planted = set.tested_by::<WatertightFallback>();
+    let nearest = |ray: &Ray<S>| {
+        let setup = planted.setup(ray);
+        let of = |id| Some(Hit { t: planted.intersect(id, ray, &setup, ray.t_max)?, id });
+        let nearer = |a: Hit<S>, b: Hit<S>| if b.t < a.t { b } else { a };
+        (0..set.len() as u32).filter_map(of).reduce(nearer).unwrap_or(Hit::NONE)
+    };
+    let wrong = rays.iter().zip(&found).filter(|(ray, hit)| nearest(ray) != **hit).count();
     assert!(wrong > 30, "{wrong}");
 }
 

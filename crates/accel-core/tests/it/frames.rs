@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use accel_core::bvh;
 use accel_core::entry;
 use accel_core::params::Params;
 use accel_core::params::config::Settings;
@@ -12,7 +13,7 @@ use accel_core::query::sink::Sink;
 use accel_core::query::tracer::PreviousFrame;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureStats};
-use accel_core::structures::{Entry, REGISTRY, find, wide_bvh};
+use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::update::{Change, moved};
 use accel_core::{Ray, Scalar, Vec3, Vector};
 use glam::{DAffine3, DQuat, DVec3, dvec3};
@@ -210,10 +211,10 @@ fn every_frame_is_right_in_f64() {
 }
 
 /// A refit that forgets to fit.
-struct Stale<S: Scalar>(wide_bvh::WideBvh<S>);
+struct Stale<S: Scalar>(bvh::WideBvh<S>);
 
 impl<S: Scalar> Structure<S> for Stale<S> {
-    type Config = <wide_bvh::WideBvh<S> as Structure<S>>::Config;
+    type Config = <bvh::WideBvh<S> as Structure<S>>::Config;
 
     fn build<P: PrimSet<S>>(
         prims: &P,
@@ -245,7 +246,7 @@ fn planted_faults_are_found() {
     let rigid = frames::<f32>(false, Free::Rests);
     let asked = asked(&rigid);
     // boxes that are not fitted
-    let stale = entry!(Stale, wide_bvh::INFO);
+    let stale = entry!(Stale, bvh::INFO);
     assert!(wrong_of(&stale, &stale.defaults(), &rigid, &asked).0 > 100);
     // stale cells: half of what moved is not said to have
     let mut few = frames::<f32>(false, Free::Rests);

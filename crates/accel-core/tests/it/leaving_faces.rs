@@ -123,8 +123,7 @@ fn agrees<S: Buildable>(rounds: u64) -> [usize; 2] {
         ("wide-bvh", "query=batch"),
         ("wide-bvh", "query=packets"),
         ("wide-bvh", "max-leaf=1"),
-        ("obvhs-cwbvh", ""),
-        ("obvhs-bvh2", ""),
+        ("obvhs-cwbvh", "adapter=robust"),
     ];
     let mut counts = [0; 2];
     for round in 0..rounds {

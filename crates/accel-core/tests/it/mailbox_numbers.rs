@@ -51,7 +51,7 @@ fn wrong<S: Buildable>(mailbox: impl MailboxSource) -> usize {
     let params = Params::new(INFO.name, INFO.params, [("density", "8")]).unwrap();
     let grid = UniformGrid::build(&set, &Settings::of(&params)).unwrap();
     let mut hits = vec![Hit::NONE; rays.len()];
-    Bound::new(&set, grid).count_closest(&rays, &mut hits, mailbox);
+    Bound::<_, _, _, true>::new(&set, grid).count_closest(&rays, &mut hits, mailbox);
     let mut expected = vec![Hit::NONE; rays.len()];
     let brute_force = build(PrimsRef::Watertight(&set), "brute-force", "").unwrap();
     brute_force.closest_hits(&rays, &mut expected);

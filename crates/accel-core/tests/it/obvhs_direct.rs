@@ -1,4 +1,5 @@
-//! `adapter=direct`: the answers are those of obvhs used without us, to the last bit.
+//! The rows of obvhs by their plain names: the answers are those of obvhs used without us, to the
+//! last bit.
 
 use std::time::Duration;
 
@@ -126,7 +127,7 @@ fn answers_are_those_of_obvhs_without_us() {
     let (set, rays) = (soup::<f32>(3000), rays::<f32>(3000));
     for name in ROWS {
         for (preset, theirs) in presets {
-            let settings = format!("adapter=direct preset={preset}");
+            let settings = format!("preset={preset}");
             let tracer = tracer(name, &settings, PrimsRef::Watertight(&set)).unwrap();
             assert_eq!(tracer.batches(), Batches::Library);
             let (hits, blocked) = asked(&*tracer, &rays);
@@ -145,13 +146,13 @@ fn other_answers_are_seen() {
     // planted faults: our own test in the same traversal, and triangles that let no ray pass
     let (set, rays) = (soup::<f32>(3000), rays::<f32>(3000));
     let expected = without_us(&set, true, Preset::medium_build(), &rays);
-    let shipped = tracer("obvhs-cwbvh", "adapter=as-shipped", PrimsRef::Watertight(&set)).unwrap();
-    let (hits, _) = asked(&*shipped, &rays);
-    assert_eq!(shipped.batches(), Batches::RayByRay);
+    let robust = tracer("obvhs-cwbvh", "adapter=robust", PrimsRef::Watertight(&set)).unwrap();
+    let (hits, _) = asked(&*robust, &rays);
+    assert_eq!(robust.batches(), Batches::RayByRay);
     let differ = |(a, b): (&Hit<f32>, &(f32, u32))| a.t.to_bits() != b.0.to_bits();
     assert!(hits.iter().zip(&expected.0).filter(|pair| differ(*pair)).count() > 100);
     let opaque = TriangleSet::new(set.triangles().to_vec(), |_| false).unwrap();
-    let opaque = tracer("obvhs-cwbvh", "adapter=direct", PrimsRef::Watertight(&opaque)).unwrap();
+    let opaque = tracer("obvhs-cwbvh", "", PrimsRef::Watertight(&opaque)).unwrap();
     let (_, blocked) = asked(&*opaque, &rays);
     assert!(blocked.iter().zip(&expected.1).filter(|(a, b)| a != b).count() > 100);
 }
@@ -165,21 +166,20 @@ fn of_other_sets_the_primitives_are_tested_by_ours() {
         builder.sphere(random.signed() * 3.0, 0.2 * random.unit()).unwrap();
     }
     let mixed = builder.finish();
-    fn check<S: Buildable>(prims: PrimsRef<'_, S>, settings: &str) {
+    fn check<S: Buildable>(prims: PrimsRef<'_, S>) {
         let rays = rays::<S>(2000);
+        let expected = asked(&*tracer("brute-force", "", prims).unwrap(), &rays);
         for name in ROWS {
-            let direct = tracer(name, &format!("adapter=direct {settings}"), prims).unwrap();
-            let shipped = tracer(name, &format!("adapter=as-shipped {settings}"), prims).unwrap();
+            let direct = tracer(name, "", prims).unwrap();
             assert_eq!(direct.batches(), Batches::RayByRay);
-            let (direct, shipped) = (asked(&*direct, &rays), asked(&*shipped, &rays));
-            assert!(direct.0.iter().filter(|hit| hit.is_hit()).count() > 100);
-            assert!(direct == shipped, "{name} {settings} {}", S::NAME);
+            let found = asked(&*direct, &rays);
+            let equal = found.0.iter().zip(&expected.0).filter(|(a, b)| a == b && a.is_hit());
+            // its boxes lose some, but what is hit is hit as our own test has it
+            assert!(equal.count() > 100, "{name} {}", S::NAME);
         }
     }
-    check(PrimsRef::Watertight(&double), "");
-    check(PrimsRef::Mixed(&mixed), "");
-    // a test that is chosen is the one that is asked for
-    check(PrimsRef::Watertight(&soup::<f32>(1000)), "triangle-test=f64");
+    check(PrimsRef::Watertight(&double));
+    check(PrimsRef::Mixed(&mixed));
 }
 
 #[test]
@@ -191,11 +191,10 @@ fn trees_that_obvhs_cannot_traverse_are_refused() {
     for n in [1500, 6000] {
         let set = TriangleSet::<f32, Watertight>::new((0..n).map(nested).collect(), |_| false);
         let set = set.unwrap();
-        let wide =
-            tracer("obvhs-cwbvh", "adapter=direct preset=fastest", PrimsRef::Watertight(&set));
+        let wide = tracer("obvhs-cwbvh", "preset=fastest", PrimsRef::Watertight(&set));
         assert!(matches!(wide.err(), Some(BuildError::TooLarge { .. })), "{n}");
         for preset in ["fastest", "medium"] {
-            let settings = format!("adapter=direct preset={preset}");
+            let settings = format!("preset={preset}");
             let deep = tracer("obvhs-bvh2", &settings, PrimsRef::Watertight(&set)).unwrap();
             let ray = Ray::new([0.3, 0.2, 5.0].into(), [0.0, 0.0, -1.0].into());
             assert!(asked(&*deep, &[ray]).0[0].is_hit(), "{n} {preset}");
@@ -217,7 +216,7 @@ fn rays_that_are_none_hit_nothing() {
         ray([-4.0, 0.0, 0.0], [1.0, 0.0, 0.0], -1.0),
     ];
     for name in ROWS {
-        let tracer = tracer(name, "adapter=direct", PrimsRef::Watertight(&set)).unwrap();
+        let tracer = tracer(name, "", PrimsRef::Watertight(&set)).unwrap();
         let (hits, blocked) = asked(&*tracer, &none);
         assert!(hits.iter().all(|hit| !hit.is_hit()) && blocked == [false; 4], "{name}");
     }

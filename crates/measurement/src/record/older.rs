@@ -75,7 +75,10 @@ mod tests {
     fn rows_of_schema_1_have_the_names_of_today() {
         let names = [
             ("obvhs-cwbvh", "obvhs-cwbvh adapter=robust"),
-            ("obvhs-cwbvh preset=fast kernel=scalar", "obvhs-cwbvh preset=fast adapter=robust kernel=scalar"),
+            (
+                "obvhs-cwbvh preset=fast kernel=scalar",
+                "obvhs-cwbvh preset=fast adapter=robust kernel=scalar",
+            ),
             ("obvhs-cwbvh preset=fast adapter=direct", "obvhs-cwbvh preset=fast"),
             ("obvhs-bvh2 adapter=direct", "obvhs-bvh2"),
             ("obvhs-bvh2 adapter=as-shipped", "obvhs-bvh2 adapter=as-shipped"),

@@ -9,6 +9,7 @@ use accel_core::geometry::far_ray::{Parameters, PlacedRay, place};
 use accel_core::occluders;
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
+use accel_core::query::counters::Counters;
 use accel_core::query::kernel::ListBlocks;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{
@@ -143,15 +144,16 @@ impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
         Batches::Together
     }
 
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         prims: &P,
         _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
-    ) {
+    ) -> C {
         F::answer(prims, rays, reach, answers);
+        C::default()
     }
 
     fn stats(&self) -> StructureStats {

@@ -155,9 +155,7 @@ fn queries_and_what_a_scene_does_not_serve_are_said() {
     let out = run("tetra:2 -s brute-force --reference wide-bvh");
     assert!(out.contains("No row tells these apart: kernel: block to scalar; structure:"), "{out}");
     let out = run("balls:2 -s kd-tree");
-    for said in
-        ["Not all primitives are triangles", "(as-shipped)", "as-shipped to robust"]
-    {
+    for said in ["Not all primitives are triangles", "(as-shipped)", "as-shipped to robust"] {
         assert!(out.contains(said), "{said}: {out}");
     }
     assert!(!out.contains("kernel: "), "{out}");

@@ -151,8 +151,7 @@ fn without(object: &mut serde_json::Map<String, serde_json::Value>, names: &[&st
 
 #[test]
 fn a_set_says_how_it_is_run_and_what_is_typed_goes_before() {
-    let (record, ..) =
-        record_of("run pavilion --as speed --quick --size 8 --rounds 1 -s wide-bvh");
+    let (record, ..) = record_of("run pavilion --as speed --quick --size 8 --rounds 1 -s wide-bvh");
     let settings = &record.settings;
     assert_eq!(settings.rays, ["primary", "shadow", "diffuse"]);
     assert_eq!((settings.order.as_str(), settings.lights.as_str()), ("both", "first"));

@@ -105,7 +105,7 @@ fn what_cannot_be_swept_is_a_usage_error_that_says_what_can() {
     for (arguments, said) in [
         (format!("tetra:2 -s unifrom-grid -p density {range}"), "did you mean 'uniform-grid'?"),
         (format!("tetra:2 -s uniform-grid -p densty {range}"), "did you mean 'density'?"),
-        (format!("tetra:2 -s brute-force -p density {range}"), "it has triangle-test"),
+        (format!("tetra:2 -s brute-force -p density {range}"), "it has time-segments"),
         (format!("tetrra -s uniform-grid -p density {range}"), "tetra"),
         (format!("tetra:2 -s uniform-grid -p mailbox {range}"), "one of none"),
         (format!("tetra:2 -s uniform-grid -p resolution {range}"), "--values"),

@@ -12,6 +12,7 @@ use renderer::{Geometry, Image, RaySettings, render};
 use scene_loading::{Camera, Light, Material, Scene};
 
 use crate::accuracy::axes::voxel_traversal::LatticeRay;
+use crate::accuracy::stage::TRACER;
 use crate::error::{StudyError, UnsavedImage};
 use crate::verify::meshes::icosphere;
 use measurement::plan::rows::Row;
@@ -111,7 +112,7 @@ fn leak(registry: &[Entry]) -> Result<Image, StudyError> {
     let mesh = icosphere(3, DVec3::ZERO);
     mesh.iter().for_each(|corners| scene.push_triangle(material, *corners));
     let half = |test: &str| {
-        let label = format!("obvhs-bvh2:triangle-test={test}");
+        let label = format!("{TRACER}:triangle-test={test}");
         over(registry, &label, &scene, |tracer| leaks(tracer, &mesh))
     };
     Ok(beside(&half("moeller-trumbore")?, &half("watertight")?))
@@ -182,7 +183,7 @@ fn under(registry: &[Entry], scene: &Scene, rules: [OffsetRule; 2]) -> Result<Im
             offset,
             ..RaySettings::default()
         };
-        over(registry, "obvhs-bvh2", scene, |tracer| render(scene, tracer, &settings))
+        over(registry, TRACER, scene, |tracer| render(scene, tracer, &settings))
     };
     let [cheap, accurate] = rules;
     Ok(beside(&image(cheap)?, &image(accurate)?))

@@ -18,7 +18,7 @@ use scene_loading::Scene;
 use statistics::random::Random;
 
 /// Structure that traces whatever is not varied.
-pub const TRACER: &str = "obvhs-bvh2";
+pub const TRACER: &str = "wide-bvh";
 
 /// Trials where nobody asks what they come to.
 const FEW_TRIALS: usize = 1000;

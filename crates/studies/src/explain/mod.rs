@@ -387,7 +387,7 @@ mod tests {
     fn errors_say_what_can_be_explained() {
         let said = |row, reference| explain(row, reference).unwrap_err();
         assert!(said("obvhs-cwbvh", None).contains("is the reference, too"));
-        assert!(said("kd-tree:triangle-test=pluecker", None).contains("default tests"));
+        assert!(said("uniform-grid:triangle-test=pluecker", None).contains("default tests"));
         assert!(said("kd-tre", None).contains("did you mean 'kd-tree'?"));
         assert!(said("kd-tree", Some("octre")).contains("did you mean 'octree'?"));
     }

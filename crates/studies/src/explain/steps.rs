@@ -163,13 +163,7 @@ mod tests {
     #[test]
     fn there_is_one_way_where_each_row_is_one_step_further() {
         assert_eq!(
-            told(&[
-                DIRECT,
-                "wide-bvh:query=batch",
-                SCALAR,
-                ROBUST,
-                "wide-bvh"
-            ]),
+            told(&[DIRECT, "wide-bvh:query=batch", SCALAR, ROBUST, "wide-bvh"]),
             [
                 "adapter [(2, 1.0), (0, -1.0)]",
                 "kernel [(3, 1.0), (2, -1.0)]",
@@ -182,12 +176,7 @@ mod tests {
     #[test]
     fn of_two_ways_factors_are_the_mean() {
         assert_eq!(
-            told(&[
-                SCALAR,
-                "uniform-grid",
-                ROBUST,
-                "uniform-grid:kernel=scalar",
-            ]),
+            told(&[SCALAR, "uniform-grid", ROBUST, "uniform-grid:kernel=scalar",]),
             [
                 "kernel [(2, 0.5), (0, -0.5), (1, 0.5), (3, -0.5)]",
                 "structure [(1, 0.5), (2, -0.5), (3, 0.5), (0, -0.5)]",

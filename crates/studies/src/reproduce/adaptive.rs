@@ -63,7 +63,7 @@ fn count_over<P: PrimSet<f64>>(
             }
         }
     }
-    let work = scene.count(&Bound::new(prims, grid), ShadowRule::Historical);
+    let work = scene.count(&Bound::<_, _, _, true>::new(prims, grid), ShadowRule::Historical);
     let mut all = grid_counters(scene, &work);
     all.extend([
         ("N_ORP", orphans as f64),

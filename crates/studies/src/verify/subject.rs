@@ -1,10 +1,12 @@
 //! Subject of a check: a structure, or the negative control.
 
 use accel_core::occluders::{self, OccluderRegistry};
-use accel_core::primitives::PrimsRef;
-use accel_core::query::tracer::{PreviousFrame, Tracer};
+use accel_core::params::config::Settings;
+use accel_core::primitives::{MoellerTrumbore, PrimsRef};
+use accel_core::query::tracer::{Bound, PreviousFrame, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structure::BuildError;
+use accel_core::structure::{BuildError, Structure};
+use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, find};
 use accel_core::update::moved;
 
@@ -144,9 +146,11 @@ impl<'r> Subject<'r> {
                 Ok(Some(ask(&*tracer)))
             }
             Self::Control => {
-                let Model::Triangles(_) = model else { return Ok(None) };
-                let leaky = [("triangle-test", CONTROL)];
-                brute_force(model.prims(), &leaky, ask).map(Some)
+                let Model::Triangles(set) = model else { return Ok(None) };
+                let settings = Settings::<()>::of(&brute_force_entry()?.defaults());
+                let leaky = set.tested_by::<MoellerTrumbore>();
+                let tracer = BruteForce::<S>::build(leaky, &settings)?;
+                Ok(Some(ask(&Bound::<_, _, _, false>::new(leaky, tracer))))
             }
             Self::Occluder(_) => Ok(None),
         }
@@ -188,7 +192,8 @@ pub fn with_brute_force<S: Buildable, R>(
     prims: PrimsRef<'_, S>,
     ask: impl FnOnce(&dyn Tracer<S>) -> R,
 ) -> Result<R, BuildError> {
-    brute_force(prims, &[], ask)
+    let entry = brute_force_entry()?;
+    Ok(ask(&*entry.build(prims, &entry.defaults())?))
 }
 
 /// The reference's line of the registry.
@@ -198,14 +203,4 @@ pub fn with_brute_force<S: Buildable, R>(
 pub(super) fn brute_force_entry() -> Result<&'static Entry, BuildError> {
     find("brute-force")
         .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })
-}
-
-fn brute_force<S: Buildable, R>(
-    prims: PrimsRef<'_, S>,
-    settings: &[(&str, &str)],
-    ask: impl FnOnce(&dyn Tracer<S>) -> R,
-) -> Result<R, BuildError> {
-    let entry = brute_force_entry()?;
-    let tracer = entry.build(prims, &entry.params(settings.iter().copied())?)?;
-    Ok(ask(&*tracer))
 }

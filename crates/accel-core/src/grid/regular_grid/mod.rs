@@ -22,7 +22,7 @@ use crate::params::{ParamSpec, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::counters::NoCounters;
+use crate::query::counters::{Counters, NoCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::LaneDriver;
 use crate::query::sink::Sink;
@@ -188,14 +188,14 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     }
 
     #[inline(always)]
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         prims: &P,
         blocks: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
-    ) {
+    ) -> C {
         if let Some(blocks) = blocks {
             let grid = &BlockGrid {
                 grid: self,
@@ -206,6 +206,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
             };
             batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, rays, reach, answers);
         }
+        C::default()
     }
 
     fn stats(&self) -> StructureStats {

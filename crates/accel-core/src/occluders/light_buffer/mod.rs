@@ -12,7 +12,6 @@
 //! tested; depths are lengths along the axis of the face, which order as distances do. Everything
 //! is conservative (see `margins.rs`), so that answers are those of every structure.
 
-mod aim;
 mod batches;
 mod bodies;
 mod cell_part;
@@ -34,7 +33,6 @@ mod tests;
 
 use glam::DVec3;
 
-use self::aim::LightRays;
 use self::bodies::Bodies;
 use self::direction_cube::{CubePoint, FACES};
 use self::face_tree::{COVERED, Cells, Face, FaceLookup, LONG, Record};
@@ -54,6 +52,7 @@ use crate::primitives::PrimsRef;
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
 use crate::structure::{Batches, BuildError, StructureInfo, StructureStats, no_defect};
+use margins::LightRays;
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "light-buffer",

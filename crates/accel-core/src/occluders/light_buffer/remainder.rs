@@ -12,7 +12,7 @@ use crate::query::counters::WorkCounters;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use crate::registry::Buildable;
 use crate::structure::BuildError;
-use crate::structures::{self, wide_bvh};
+use crate::{bvh, structures};
 
 /// A structure made when it is first needed, over the same primitives.
 pub(super) struct Remainder<'a, S: Scalar, P> {
@@ -120,7 +120,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
 fn structure<'a, S: Buildable>(
     prims: PrimsRef<'a, S>,
 ) -> Result<Option<Box<dyn Tracer<S> + 'a>>, BuildError> {
-    let Some(entry) = structures::find(wide_bvh::INFO.name) else { return Ok(None) };
+    let Some(entry) = structures::find(bvh::INFO.name) else { return Ok(None) };
     // one ray is asked as it would be without
     Ok(Some(entry.build(prims, &entry.params([("query", "batch")])?)?))
 }

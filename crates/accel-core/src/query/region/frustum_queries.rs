@@ -3,8 +3,8 @@
 use std::ops::ControlFlow;
 
 use crate::primitives::{Ball, PrimSet};
-use crate::query::region::{Frustum, FrustumTraversal};
-use crate::structure::StructureStats;
+use crate::query::region::Frustum;
+use crate::structure::{Structure, StructureStats};
 
 /// A built structure that can be asked by frusta.
 pub trait FrustumQueries: Send + Sync {
@@ -130,4 +130,16 @@ impl<T: FrustumTraversal> FrustumQueries for BoundFrustumQueries<T> {
         let stats = self.structure.stats();
         StructureStats { bytes: stats.bytes + hulls as u64, ..stats }
     }
+}
+
+/// A structure that can be traversed by a frustum.
+pub trait FrustumTraversal: Structure<f64> {
+    /// Calls `cell` with the ids of every cell that the frustum meets, some of them more than once,
+    /// and with a depth ([`Frustum::depth`]) that neither this cell nor any later one begins
+    /// before. Ends when `cell` breaks.
+    fn traverse_frustum(
+        &self,
+        frustum: &Frustum,
+        cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
+    );
 }

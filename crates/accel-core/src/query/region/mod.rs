@@ -9,9 +9,8 @@
 
 mod frustum;
 mod frustum_queries;
-mod frustum_traversal;
 
 pub use frustum::{AxisFrustum, Frustum};
 pub(crate) use frustum_queries::BoundFrustumQueries;
+pub use frustum_queries::FrustumTraversal;
 pub use frustum_queries::{Candidates, FrustumQueries, FrustumWork};
-pub use frustum_traversal::FrustumTraversal;

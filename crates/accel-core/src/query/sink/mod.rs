@@ -57,11 +57,8 @@ pub trait Sink<S: Scalar> {
     fn inner_step(&mut self);
 }
 
-mod counting_calls;
 mod erased;
 mod relayed;
-
-pub(crate) use counting_calls::{count, count_steps};
 
 pub use erased::ErasedSink;
 pub(crate) use relayed::RelayedSink;
@@ -262,3 +259,28 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S
         ControlFlow::Continue(())
     }
 }
+
+/// A call to the counters. The feature `delete-counter-calls` removes it from the source, so that
+/// `scripts/counter-overhead.sh` can show that disabled counters cost nothing.
+macro_rules! count {
+    ($call:expr) => {
+        #[cfg(not(feature = "delete-counter-calls"))]
+        $call;
+    };
+}
+
+macro_rules! count_steps {
+    () => {
+        const COUNTING: bool = C::ENABLED;
+        #[inline(always)]
+        fn elementary_step(&mut self, _empty: bool) {
+            count!(self.counters.elementary_step(_empty));
+        }
+        #[inline(always)]
+        fn inner_step(&mut self) {
+            count!(self.counters.inner_step());
+        }
+    };
+}
+
+pub(crate) use {count, count_steps};

@@ -1,13 +1,10 @@
 //! A structure with its primitives: what is timed is compiled for each structure, kind of primitive
 //! and query, but for tests that are called anyway; what counts traverses with one [`ErasedSink`].
 
-use std::ops::Deref;
-
-use super::compiled_once;
 use super::counting::CountingTracer;
-use super::kept::{KeptStructure, Parts};
 use super::nearby::{closest, near};
 use super::timing::TimingTracer;
+use super::{KeptStructure, Parts};
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -26,10 +23,11 @@ use crate::query::trace::TraversalTrace;
 use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
 
-/// A structure bound to its primitives: the [`Tracer`] of static scenes. `H` holds the primitives:
-/// a reference, or a box for a view that nobody else keeps.
-pub struct Bound<S, H, T> {
-    prims: H,
+/// A structure bound to its primitives: the [`Tracer`] of static scenes. Where `COMPILED`, queries
+/// are compiled into the traversal; elsewhere each list that a traversal meets costs a dynamic
+/// call, and batches are answered ray by ray.
+pub struct Bound<'a, S, P, T, const COMPILED: bool> {
+    prims: &'a P,
     structure: T,
     mailbox: Setting,
     blocks: Option<ListBlocks<S>>,
@@ -37,9 +35,11 @@ pub struct Bound<S, H, T> {
     is_updated: bool,
 }
 
-impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H, T> {
+impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
+    Bound<'a, S, P, T, COMPILED>
+{
     /// Joins a structure with the primitives it was built over.
-    pub fn new(prims: H, structure: T) -> Self {
+    pub fn new(prims: &'a P, structure: T) -> Self {
         let reach = far_ray::reach(prims.magnitude());
         Self { prims, structure, mailbox: Setting::None, blocks: None, reach, is_updated: false }
     }
@@ -93,7 +93,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
         closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
             let mut sink =
-                ClosestHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
+                ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
             self.structure.traverse(ray, &mut sink);
             sink.finish().0
         });
@@ -101,10 +101,10 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     #[inline(always)]
     fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        let prims = &*self.prims;
+        let prims = self.prims;
         if self.structure.batches(prims, Some(blocks)).are_together() {
             let answers = BatchAnswers::Closest(hits);
-            return self.structure.answer_batch(prims, Some(blocks), rays, self.reach, answers);
+            return self.answer_batch(Some(blocks), rays, answers);
         }
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
             let mut query = ClosestHit::<S, P, NoCounters>::new(prims, ray);
@@ -115,10 +115,10 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     #[inline(always)]
     fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
-        let prims = &*self.prims;
+        let prims = self.prims;
         if self.structure.batches(prims, Some(blocks)).are_together() {
             let answers = BatchAnswers::Occlusion(blocked);
-            return self.structure.answer_batch(prims, Some(blocks), rays, self.reach, answers);
+            return self.answer_batch(Some(blocks), rays, answers);
         }
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = near(self.reach, ray, false, |ray, _| {
@@ -127,6 +127,17 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
                 query.finish().0
             });
         }
+    }
+
+    #[inline(always)]
+    fn answer_batch(
+        &self,
+        blocks: Option<&ListBlocks<S>>,
+        rays: &[Ray<S>],
+        answers: BatchAnswers<'_, S>,
+    ) {
+        let (prims, reach) = (self.prims, self.reach);
+        let NoCounters = self.structure.answer_batch(prims, blocks, rays, reach, answers);
     }
 
     /// [`Tracer::count_closest_hits`] with a mailbox of the caller's, in place of that of the
@@ -142,19 +153,30 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
 
     fn counting<R>(&self, pass: impl FnOnce(CountingTracer<'_, S, P>) -> R) -> R {
         let traversal = |ray: &Ray<S>, sink: ErasedSink<'_, S>| {
-            compiled_once::counted(&self.structure, ray, sink)
+            super::traverse_counted(&self.structure, ray, sink)
         };
-        pass(CountingTracer { prims: &*self.prims, reach: self.reach, traversal: &traversal })
+        pass(CountingTracer { prims: self.prims, reach: self.reach, traversal: &traversal })
     }
 
-    /// For sets that are not compiled into the traversal.
+    /// The mailbox that rays are timed with: none where lists are blocks.
+    fn timed_mailbox(&self) -> Option<&Setting> {
+        let is_used = T::DUPLICATES && self.blocks.is_none() && self.mailbox.is_used();
+        is_used.then_some(&self.mailbox)
+    }
+
+    /// How batches are answered by what is compiled.
+    fn batches_of(&self, blocks: Option<&ListBlocks<S>>) -> Batches {
+        if COMPILED { self.structure.batches(self.prims, blocks) } else { Batches::RayByRay }
+    }
+
+    /// For queries that are not compiled into the traversal.
     fn relaying<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
         let traversal = |ray: &Ray<S>, sink: RelayedSink<'_, S>| {
-            compiled_once::relayed(&self.structure, ray, sink)
+            super::traverse_relayed(&self.structure, ray, sink)
         };
-        let blocks = |_: &Ray<S>| None;
+        let blocks = |_: &Ray<S>| self.blocks.as_ref();
         pass(TimingTracer {
-            prims: &*self.prims,
+            prims: self.prims,
             reach: self.reach,
             traversal: &traversal,
             blocks: &blocks,
@@ -172,7 +194,7 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
             *blocked = near(self.reach, ray, false, |ray, _| {
                 let mailbox = mailboxes.next_ray();
                 let mut sink =
-                    AnyHit::<S, P, NoCounters, _>::with_mailbox(&*self.prims, ray, mailbox);
+                    AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
                 self.structure.traverse(ray, &mut sink);
                 sink.finish().0
             });
@@ -207,50 +229,38 @@ impl<S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>> Bound<S, H
     }
 }
 
-impl<S, P, H, T> Tracer<S> for Bound<S, H, T>
-where
-    S: Scalar,
-    P: PrimSet<S>,
-    H: Deref<Target = P> + Send + Sync,
-    T: Structure<S>,
+impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
+    for Bound<'_, S, P, T, COMPILED>
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         let n = rays.len().min(hits.len());
         let (rays, hits) = (&rays[..n], &mut hits[..n]);
+        // the constants stand here: what they exclude is not compiled
+        if !COMPILED {
+            let mailbox = self.timed_mailbox();
+            return self.relaying(|timing| timing.all_closest(rays, hits, mailbox));
+        }
         if T::HAS_LISTS
             && P::HAS_BLOCKS
             && let Some(blocks) = &self.blocks
         {
             return self.closest_by_blocks(blocks, rays, hits);
         }
-        // the constants stand here: what they exclude is not compiled
         if T::DUPLICATES && self.mailbox.is_used() {
-            if P::IS_CALLED {
-                self.relaying(|timing| timing.all_closest(rays, hits, Some(&self.mailbox)));
-            } else {
-                self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
-            }
-            return;
+            return self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
         }
-        match self.structure.batches(&*self.prims, None) {
-            Batches::RayByRay if P::IS_CALLED => {
-                self.relaying(|timing| timing.all_closest(rays, hits, None));
-            }
+        match self.structure.batches(self.prims, None) {
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Closest(hits);
                 let structure = &PlainStructure(&self.structure);
                 batch::answer::<RayByRay, NoCounters, _, _, _>(
-                    structure,
-                    &*self.prims,
-                    rays,
-                    self.reach,
-                    answers,
+                    structure, self.prims, rays, self.reach, answers,
                 );
             }
             Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
             Batches::Together | Batches::Packets | Batches::Library => {
                 let answers = BatchAnswers::Closest(hits);
-                self.structure.answer_batch(&*self.prims, None, rays, self.reach, answers);
+                self.answer_batch(None, rays, answers);
             }
         }
     }
@@ -258,51 +268,43 @@ where
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
         let n = rays.len().min(blocked.len());
         let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
+        // the constants stand here: what they exclude is not compiled
+        if !COMPILED {
+            let mailbox = self.timed_mailbox();
+            return self.relaying(|timing| timing.all_occlusions(rays, blocked, mailbox));
+        }
         if T::HAS_LISTS
             && P::HAS_BLOCKS
             && let Some(blocks) = &self.blocks
         {
             return self.occlusions_by_blocks(blocks, rays, blocked);
         }
-        // the constants stand here: what they exclude is not compiled
         if T::DUPLICATES && self.mailbox.is_used() {
-            if P::IS_CALLED {
-                self.relaying(|timing| timing.all_occlusions(rays, blocked, Some(&self.mailbox)));
-            } else {
-                self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
-            }
-            return;
+            return self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
         }
-        match self.structure.batches(&*self.prims, None) {
-            Batches::RayByRay if P::IS_CALLED => {
-                self.relaying(|timing| timing.all_occlusions(rays, blocked, None));
-            }
+        match self.structure.batches(self.prims, None) {
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
                 let answers = BatchAnswers::Occlusion(blocked);
                 let structure = &PlainStructure(&self.structure);
                 batch::answer::<RayByRay, NoCounters, _, _, _>(
-                    structure,
-                    &*self.prims,
-                    rays,
-                    self.reach,
-                    answers,
+                    structure, self.prims, rays, self.reach, answers,
                 );
             }
             Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
             Batches::Together | Batches::Packets | Batches::Library => {
                 let answers = BatchAnswers::Occlusion(blocked);
-                self.structure.answer_batch(&*self.prims, None, rays, self.reach, answers);
+                self.answer_batch(None, rays, answers);
             }
         }
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        if self.structure.batches(&*self.prims, None) != Batches::Packets {
+        if !COMPILED || self.structure.batches(self.prims, None) != Batches::Packets {
             return self.count_all_closest(rays, hits);
         }
         let n = rays.len().min(hits.len());
         let (rays, answers) = (&rays[..n], BatchAnswers::Closest(&mut hits[..n]));
-        self.structure.count_batch(&*self.prims, rays, self.reach, answers)
+        self.structure.answer_batch(self.prims, None, rays, self.reach, answers)
     }
 
     fn count_occlusions(
@@ -311,14 +313,15 @@ where
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        let batches = self.structure.batches(&*self.prims, None);
-        if batches != Batches::Packets || rule != ShadowRule::OpaqueBlocks {
+        let batches = self.structure.batches(self.prims, None);
+        if !COMPILED || batches != Batches::Packets || rule != ShadowRule::OpaqueBlocks {
             return self.count_all_occlusions(rays, rule, answers);
         }
         let n = rays.len().min(answers.len());
         let mut blocked: Vec<bool> = answers[..n].iter().map(|answer| answer.blocked).collect();
         let of_batch = BatchAnswers::Occlusion(&mut blocked);
-        let work = self.structure.count_batch(&*self.prims, &rays[..n], self.reach, of_batch);
+        let rays = &rays[..n];
+        let work = self.structure.answer_batch(self.prims, None, rays, self.reach, of_batch);
         for (answer, blocked) in answers.iter_mut().zip(blocked) {
             *answer = ShadowCount { blocked, glass: 0 };
         }
@@ -347,15 +350,14 @@ where
     }
 
     fn batches(&self) -> Batches {
-        if self.blocks.is_none() && T::DUPLICATES && self.mailbox.is_used() {
-            Batches::RayByRay
-        } else {
-            self.structure.batches(&*self.prims, self.blocks.as_ref())
+        match self.timed_mailbox() {
+            Some(_) => Batches::RayByRay,
+            None => self.batches_of(self.blocks.as_ref()),
         }
     }
 
     fn code(&self) -> &'static str {
-        std::any::type_name::<(P, T)>()
+        std::any::type_name::<Self>()
     }
 }
 
@@ -374,7 +376,7 @@ mod tests {
         let rays = rays(&set, 1500, 22);
         let params = INFO.defaults().set("density", 8).unwrap();
         let grid = UniformGrid::build(&set, &Settings::of(&params)).unwrap();
-        let bound = Bound::new(&set, grid);
+        let bound = Bound::<_, _, _, true>::new(&set, grid);
         let mut expected = vec![Hit::NONE; rays.len()];
         bound.closest_hits(&rays, &mut expected);
         let mut saved = Vec::new();

@@ -6,8 +6,6 @@
 //! without a mailbox have the query itself compiled in, as those of scenes at rest have. Scenes at
 //! rest are traced by [`Bound`](super::Bound) as ever.
 
-use std::ops::Deref;
-
 use super::counting::CountingTracer;
 use super::nearby::{closest, near};
 use super::timing::TimingTracer;
@@ -24,20 +22,20 @@ use crate::query::trace::TraversalTrace;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
 
-/// Structures over a set in motion, one per segment of time. `H` holds the primitives, as in
-/// [`Bound`](super::Bound). `COMPILED`: queries are compiled into the traversals.
-pub struct BoundInMotion<'a, S: Scalar, H, T, const COMPILED: bool> {
-    prims: H,
+/// Structures over a set in motion, one per segment of time. `COMPILED`: queries are compiled into
+/// the traversals.
+pub struct BoundInMotion<'a, S: Scalar, P, T, const COMPILED: bool> {
+    prims: &'a P,
     segments: TimeSegments<'a, S, T>,
     mailbox: Setting,
     reach: S,
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const COMPILED: bool>
-    BoundInMotion<'a, S, H, T, COMPILED>
+impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
+    BoundInMotion<'a, S, P, T, COMPILED>
 {
     /// Joins structures with the primitives they were built over.
-    pub fn new(prims: H, segments: TimeSegments<'a, S, T>, mailbox: Setting) -> Self {
+    pub fn new(prims: &'a P, segments: TimeSegments<'a, S, T>, mailbox: Setting) -> Self {
         let reach = far_ray::reach(prims.magnitude());
         Self { prims, segments, mailbox, reach }
     }
@@ -45,7 +43,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
     fn counting<R>(&self, pass: impl FnOnce(CountingTracer<'_, S, P>) -> R) -> R {
         let traversal =
             |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_traversal(ray, sink);
-        pass(CountingTracer { prims: &*self.prims, reach: self.reach, traversal: &traversal })
+        pass(CountingTracer { prims: self.prims, reach: self.reach, traversal: &traversal })
     }
 
     fn timing<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
@@ -53,7 +51,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
             |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_traversal(ray, sink);
         let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
         pass(TimingTracer {
-            prims: &*self.prims,
+            prims: self.prims,
             reach: self.reach,
             traversal: &traversal,
             blocks: &blocks,
@@ -63,7 +61,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
     #[inline(always)]
     fn compiled_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
-            let query = ClosestHit::<S, P, NoCounters>::new(&*self.prims, ray);
+            let query = ClosestHit::<S, P, NoCounters>::new(self.prims, ray);
             self.segments.traversed(ray, query).finish().0
         });
     }
@@ -72,7 +70,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
     fn compiled_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
         for (ray, blocked) in rays.iter().zip(blocked) {
             *blocked = near(self.reach, ray, false, |ray, _| {
-                let query = AnyHit::<S, P, NoCounters>::new(&*self.prims, ray);
+                let query = AnyHit::<S, P, NoCounters>::new(self.prims, ray);
                 self.segments.traversed(ray, query).finish().0
             });
         }
@@ -84,12 +82,8 @@ impl<'a, S: Scalar, P: PrimSet<S>, H: Deref<Target = P>, T: Structure<S>, const 
     }
 }
 
-impl<S, P, H, T, const COMPILED: bool> Tracer<S> for BoundInMotion<'_, S, H, T, COMPILED>
-where
-    S: Scalar,
-    P: PrimSet<S>,
-    H: Deref<Target = P> + Send + Sync,
-    T: Structure<S>,
+impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
+    for BoundInMotion<'_, S, P, T, COMPILED>
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
         let mailbox = self.timed_mailbox();

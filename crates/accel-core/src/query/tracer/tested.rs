@@ -1,7 +1,6 @@
 //! Structures built over a set whose primitives are tested as another set does, and the settings
 //! that all structures have or may have.
 
-use super::kept::{Parts, PreviousFrame};
 use super::{Bound, Tracer};
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
@@ -10,6 +9,7 @@ use crate::params::{ParamError, Params};
 use crate::primitives::PrimSet;
 use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
+use crate::query::tracer::{Parts, PreviousFrame};
 use crate::structure::{BuildError, Structure, refuse_unusable};
 use crate::update::Change;
 use crate::variants::chosen_tests::Choice;
@@ -17,16 +17,13 @@ use crate::variants::chosen_tests::Choice;
 /// How primitives are tested, whatever the structure.
 #[derive(Debug, Clone)]
 pub(crate) struct TestChoice {
-    /// `None` for the tests that are compiled in.
-    pub(crate) choice: Option<Choice>,
+    /// Tests other than the default ones, where the structure offers them.
+    pub(crate) chosen: Option<Choice>,
     pub(crate) mailbox: mailbox::Choice,
     /// Lists are asked for as blocks, which they are not where there is a mailbox.
     pub(crate) has_blocks: bool,
     /// Both were asked for.
     is_contradictory: bool,
-    /// A library's own traversal and test were asked for.
-    #[cfg(feature = "compiled-tests")]
-    pub(crate) is_direct: bool,
 }
 
 impl Config for TestChoice {
@@ -35,12 +32,10 @@ impl Config for TestChoice {
         let has_mailbox = mailbox != mailbox::Choice::None;
         let is_given = params.changed().any(|setting| setting == (kernel::PARAM.name, "block"));
         Self {
-            choice: Choice::of(params),
+            chosen: Choice::of(params),
             mailbox,
             has_blocks: params.get(kernel::PARAM.name) == Some("block") && !has_mailbox,
             is_contradictory: is_given && has_mailbox,
-            #[cfg(feature = "compiled-tests")]
-            is_direct: params.get("adapter") == Some("direct"),
         }
     }
 }
@@ -66,20 +61,27 @@ impl TestChoice {
 }
 
 /// Builds `T` over a set; its traversals test the primitives of `prims`, the same ones, perhaps
-/// under other tests.
-pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structure<S>>(
+/// under other tests. `COMPILED`: see [`Bound`].
+pub(crate) fn tested_as<'a, S, B, P, T, const COMPILED: bool>(
     over: &B,
     prims: &'a P,
     (settings, testing): (&Settings<T::Config>, &TestChoice),
     before: Option<PreviousFrame<'_>>,
-) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
+) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>
+where
+    S: Scalar,
+    B: PrimSet<S>,
+    P: PrimSet<S>,
+    T: Structure<S>,
+{
     let limits = settings.limits();
     let mailbox = testing.mailbox::<S, B>(over, limits)?;
+    let bound = |structure| Bound::<S, P, T, COMPILED>::new(prims, structure).with_mailbox(mailbox);
     let of_frame = |parts: &Parts<S, T>| parts.primitives == over.len();
     let Some((mut parts, moved)) =
         before.and_then(PreviousFrame::parts::<S, T>).filter(|b| of_frame(&b.0))
     else {
-        let bound = Bound::new(prims, T::build(over, settings)?).with_mailbox(mailbox);
+        let bound = bound(T::build(over, settings)?);
         return Ok(Box::new(if testing.has_blocks {
             bound.with_blocks(over, limits)?
         } else {
@@ -87,7 +89,7 @@ pub(crate) fn tested_as<'a, S: Scalar, B: PrimSet<S>, P: PrimSet<S>, T: Structur
         }));
     };
     let change = parts.structure.update(over, settings, moved)?;
-    let bound = Bound::new(prims, parts.structure).with_mailbox(mailbox).updated(&change);
+    let bound = bound(parts.structure).updated(&change);
     Ok(Box::new(match (testing.has_blocks, change, parts.blocks) {
         (false, ..) => bound,
         (true, Change::Lists(lists), Some(blocks)) => {

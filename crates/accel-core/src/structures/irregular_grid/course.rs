@@ -87,13 +87,6 @@ pub(super) struct LatticeRayState<S: Scalar> {
 }
 
 impl<S: Scalar> LatticeRayState<S> {
-    pub(super) fn idle() -> Self {
-        let zero = FourOf::<S>::splat(S::ZERO);
-        let down = Point::ZERO;
-        let far = Voxel::far_coordinates(down);
-        Self { origin: zero, direction: zero, inverse: zero, far, down }
-    }
-
     /// The course of a ray and the lattice point where it enters, or starts; `None` when it passes
     /// by.
     #[inline(always)]

@@ -46,11 +46,10 @@ use crate::params::{config, specs};
 use crate::primitives::PrimSet;
 use crate::query::batch::{self, PlainStructure, Traverse};
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::counters::NoCounters;
+use crate::query::counters::{Counters, NoCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::Lists;
 use crate::query::mailbox;
-use crate::query::resumable::{self, StepwiseStructure};
 use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
 use crate::structure::too_many;
@@ -63,7 +62,7 @@ use course_lanes::{Courses, StartStates};
 use lattice::Lattice;
 use place::{Placement, Source};
 use subdivide::{Settings, subdivide};
-use voxels::{Point, Voxel, Voxels};
+use voxels::Voxels;
 
 config! {
     /// How the cells are divided and asked.
@@ -220,7 +219,20 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        resumable::traverse(self, ray, sink);
+        let Some((course, mut at)) = LatticeRayState::of(ray, &self.place) else { return };
+        loop {
+            let mut voxel = self.voxels.top(at);
+            while voxel.is_divided() {
+                voxel = self.voxels.part(&voxel, at);
+            }
+            let list = voxel.list();
+            sink.elementary_step(list == 0);
+            if list != 0 && self.lists.test(list, sink).is_break()
+                || !course.leave(&mut at, &voxel, sink.t_max(), &self.place)
+            {
+                return;
+            }
+        }
     }
 
     #[inline(always)]
@@ -229,15 +241,16 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     }
 
     #[inline(always)]
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         prims: &P,
         _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
-    ) {
+    ) -> C {
         batch::answer::<LaneDriver, NoCounters, _, _, _>(self, prims, rays, reach, answers);
+        C::default()
     }
 
     fn stats(&self) -> StructureStats {
@@ -247,70 +260,6 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         self.show(each);
         Ok(())
-    }
-}
-
-/// A ray's way over the lattice.
-pub struct State<S: Scalar> {
-    course: LatticeRayState<S>,
-    at: Point,
-    /// Record of the part at that point.
-    voxel: Voxel,
-    misses: bool,
-}
-
-impl<S: Scalar> StepwiseStructure<S> for IrregularGrid<S> {
-    type State = State<S>;
-    type Room = ();
-
-    #[inline(always)]
-    fn begin(&self, ray: &Ray<S>, _: S) -> State<S> {
-        match LatticeRayState::of(ray, &self.place) {
-            Some((course, at)) => State { course, at, voxel: Voxel::NOTHING, misses: false },
-            None => State {
-                course: LatticeRayState::idle(),
-                at: Point::ZERO,
-                voxel: Voxel::NOTHING,
-                misses: true,
-            },
-        }
-    }
-
-    #[inline(always)]
-    fn misses(state: &State<S>) -> bool {
-        state.misses
-    }
-
-    #[inline(always)]
-    fn arrive(&self, state: &mut State<S>) {
-        state.voxel = self.voxels.top(state.at);
-    }
-
-    #[inline(always)]
-    fn is_inner(state: &State<S>) -> bool {
-        state.voxel.is_divided()
-    }
-
-    #[inline(always)]
-    fn is_empty(state: &State<S>) -> bool {
-        state.voxel.list() == 0
-    }
-
-    #[inline(always)]
-    unsafe fn descend<K: Sink<S>>(&self, state: &mut State<S>, (): &mut (), _: &mut K) -> bool {
-        state.voxel = self.voxels.part(&state.voxel, state.at);
-        true
-    }
-
-    #[inline(always)]
-    fn test<K: Sink<S>>(&self, state: &State<S>, sink: &mut K) -> ControlFlow<()> {
-        self.lists.test(state.voxel.list(), sink)
-    }
-
-    #[inline(always)]
-    unsafe fn leave<K: Sink<S>>(&self, state: &mut State<S>, (): &mut (), sink: &mut K) -> bool {
-        let State { course, at, voxel, .. } = state;
-        course.leave(at, voxel, sink.t_max(), &self.place)
     }
 }
 

@@ -1,31 +1,26 @@
-//! Builds obvhs's trees in the steps of its own `build_bvh2` and `build_cwbvh`, so that each scene
-//! gets one that its traversal can take.
+//! The trees of obvhs: over its own triangles as `build_bvh2_from_tris` and `build_cwbvh_from_tris`
+//! make them, presplitting included; over boxes of other primitives as `build_bvh2` and
+//! `build_cwbvh` do.
 //!
-//! Its agglomeration joins pairs that choose each other. Of boxes that lie one within the other
-//! only the innermost two do: so many passes are needed as there are boxes, the build is quadratic,
-//! and the tree a list. Its traversals have stacks for 96 levels (binary) and 32 (eight-wide), and
-//! lose what does not fit.
-//!
-//! Deviations, none with `adapter=as-shipped` and `adapter=direct`: where a sample of the boxes
-//! needs many passes ([`is_nested`]), all are halved at the medians of their centres instead,
-//! before the preset's other steps; subtrees that would reach below the levels a stack has room for
-//! are halved likewise, as far down as there is room for it ([`limit_levels`]). Trees of other
-//! scenes are obvhs's own, node by node.
+//! These functions are not called but their steps taken, for one reason: their conversion to
+//! eight-wide trees recurses, and ends the process where a binary tree is a list. So its levels are
+//! looked at between the steps where they can be too many, and those of the tree that came of it,
+//! which obvhs's stack has no room for and its traversal does not check: [`DepthError`]. A binary
+//! tree whose stack is on the heap is told its true depth, as it would panic. The trees are equal,
+//! node by node; only `adapter=robust` halves what is too deep.
 
-use glam::DVec3;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
-use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
-use obvhs::bvh2::{Bvh2, DEFAULT_MAX_STACK_DEPTH};
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
-use obvhs::ploc::morton::morton_encode_u64_unorm;
+use obvhs::splits::split_aabbs_preset;
+use obvhs::triangle::Triangle;
 
-/// Levels of a binary tree that obvhs's smallest stack has room for.
-const LEVELS: u32 = DEFAULT_MAX_STACK_DEPTH as u32;
+use crate::bvh::build::agglomerated::{LEVELS, agglomerated, levels, limit_levels};
 
 /// Levels of an eight-wide tree: obvhs's stack holds one entry per level and is not checked by it.
 pub(crate) const WIDE_LEVELS: u32 = 31;
@@ -40,49 +35,68 @@ pub(crate) struct DepthError {
     pub(crate) limit: u32,
 }
 
-/// The binary tree of a preset.
-pub(crate) fn binary(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
-    collapsed(agglomerated(boxes, params, robust), params, robust)
+/// The tree of `build_bvh2_from_tris`.
+pub(crate) fn binary(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
+    collapsed(agglomerated_triangles(triangles, params), params)
+}
+
+/// The tree of `build_bvh2`.
+pub(crate) fn binary_of_boxes(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {
+    collapsed(agglomerated(boxes, params, false), params)
+}
+
+/// The tree of `build_cwbvh_from_tris`.
+///
+/// # Errors
+/// [`DepthError`].
+pub(crate) fn eight_wide(
+    triangles: &[Triangle],
+    params: &BvhBuildParams,
+) -> Result<CwBvh, DepthError> {
+    widened(agglomerated_triangles(triangles, params), params, false)
+}
+
+/// The tree of `build_cwbvh`.
+///
+/// # Errors
+/// [`DepthError`].
+pub(crate) fn eight_wide_of_boxes(
+    boxes: &[Aabb],
+    params: &BvhBuildParams,
+) -> Result<CwBvh, DepthError> {
+    widened(agglomerated(boxes, params, false), params, false)
 }
 
 /// The other steps of [`binary`].
-pub(crate) fn collapsed(mut bvh: Bvh2, params: &BvhBuildParams, robust: bool) -> Bvh2 {
+fn collapsed(mut bvh: Bvh2, params: &BvhBuildParams) -> Bvh2 {
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut bvh, params.reinsertion_batch_ratio, None);
     collapse(&mut bvh, params.max_prims_per_leaf.clamp(1, 255), params.collapse_traversal_cost);
     let again = params.post_collapse_reinsertion_batch_ratio_multiplier;
     reinsertion.run(&mut bvh, params.reinsertion_batch_ratio * again, None);
-    // reinsertion deepens trees, and does not say so
-    if robust && params.reinsertion_batch_ratio > 0.0 {
-        limit_levels(&mut bvh, LEVELS);
-    } else if bvh.max_depth > LEVELS as usize {
+    if bvh.max_depth > LEVELS as usize {
         // a stack of so many entries, on the heap, panics when it is full
         bvh.max_depth = bvh.max_depth.max(levels(&bvh) as usize);
     }
     bvh
 }
 
-/// The eight-wide tree of a preset.
+/// The eight-wide tree of a preset, for `adapter=robust`.
 ///
 /// # Errors
-/// [`DepthError`] as shipped; never with the robust adapter.
-pub(crate) fn eight_wide(
+/// [`DepthError`]; none is known that its repairs do not serve.
+pub(crate) fn eight_wide_robust(
     boxes: &[Aabb],
     params: &BvhBuildParams,
-    robust: bool,
 ) -> Result<CwBvh, DepthError> {
-    widened(agglomerated(boxes, params, robust), params, robust)
+    widened(agglomerated(boxes, params, true), params, true)
 }
 
-/// The other steps of [`eight_wide`].
+/// The steps from a binary tree to an eight-wide one; if `robust`, too deep ones are repaired.
 ///
 /// # Errors
-/// [`DepthError`], as there.
-pub(crate) fn widened(
-    mut bvh: Bvh2,
-    params: &BvhBuildParams,
-    robust: bool,
-) -> Result<CwBvh, DepthError> {
+/// [`DepthError`].
+fn widened(mut bvh: Bvh2, params: &BvhBuildParams, robust: bool) -> Result<CwBvh, DepthError> {
     ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
     let binary_levels = if bvh.max_depth > LEVELS as usize { levels(&bvh) } else { 0 };
     if binary_levels > CONVERTED_LEVELS {
@@ -104,213 +118,6 @@ pub(crate) fn widened(
     }
 }
 
-/// The binary tree of a preset before leaves are joined: one box per leaf.
-pub(crate) fn reinserted(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
-    let mut bvh = agglomerated(boxes, params, robust);
-    ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
-    bvh
-}
-
-/// A binary tree with one box per leaf; if `robust`, of at most [`LEVELS`] levels.
-fn agglomerated(boxes: &[Aabb], params: &BvhBuildParams, robust: bool) -> Bvh2 {
-    if robust && is_nested(boxes) {
-        return halved(boxes);
-    }
-    let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
-        params.ploc_search_distance,
-        boxes,
-        (0..boxes.len() as u32).collect(),
-        params.sort_precision,
-        params.search_depth_threshold,
-    );
-    // the number of passes, which no tree is deeper than
-    if robust && bvh.max_depth > LEVELS as usize {
-        limit_levels(&mut bvh, LEVELS);
-    }
-    bvh
-}
-
-/// Fewer boxes are agglomerated in little time whatever they are.
-const FEW: usize = 8192;
-/// One box of this many is sampled, but at least [`FEWEST_SEEN`]: about 1% of the work of the
-/// fastest preset.
-const SAMPLED: usize = 64;
-const FEWEST_SEEN: usize = 512;
-/// Passes that a sample of boxes that are not nested stays well below: about 20 are needed. Boxes
-/// in one another that are too few to be seen, up to 4,096 or an eighth of all, cost little.
-const PASSES: usize = 64;
-
-/// Returns whether agglomeration would take time in proportion to the square of the number of
-/// boxes: a regular sample of them, agglomerated with a search distance of 1, needs many passes.
-fn is_nested(boxes: &[Aabb]) -> bool {
-    if boxes.len() <= FEW {
-        return false;
-    }
-    let stride = SAMPLED.min(boxes.len() / FEWEST_SEEN);
-    let sample = || boxes.iter().step_by(stride);
-    let all = sample().fold(Aabb::empty(), |all, b| all.union(b));
-    let scale = 1.0 / all.diagonal().as_dvec3().max(DVec3::splat(f64::MIN_POSITIVE));
-    let place = |b: &Aabb| (b.center().as_dvec3() - all.min.as_dvec3()) * scale;
-    let mut in_order: Vec<_> = sample().map(|b| (morton_encode_u64_unorm(place(b)), *b)).collect();
-    in_order.sort_by_key(|(key, _)| *key);
-    let mut current: Vec<Aabb> = in_order.into_iter().map(|(_, b)| b).collect();
-    let mut next = Vec::new();
-    for _ in 0..PASSES {
-        if current.len() == 1 {
-            return false;
-        }
-        let joined = |i: usize| current[i].union(&current[i + 1]).half_area();
-        // whether box i chooses the one behind it
-        let last = current.len() - 1;
-        let looks_on = |i: usize| i < last && (i == 0 || joined(i) <= joined(i - 1));
-        let mut i = 0;
-        while i <= last {
-            if looks_on(i) && !looks_on(i + 1) {
-                next.push(current[i].union(&current[i + 1]));
-                i += 2;
-            } else {
-                next.push(current[i]);
-                i += 1;
-            }
-        }
-        std::mem::swap(&mut current, &mut next);
-        next.clear();
-    }
-    current.len() > 1
-}
-
-/// A balanced tree with one box per leaf.
-fn halved(boxes: &[Aabb]) -> Bvh2 {
-    let mut bvh = Bvh2::default();
-    bvh.reset_for_reuse(boxes.len(), Some((0..boxes.len() as u32).collect()));
-    let leaf = |(b, i): (&Aabb, u32)| Bvh2Node::new(*b, 1, i);
-    let mut leaves: Vec<Bvh2Node> = boxes.iter().zip(0..).map(leaf).collect();
-    let mut pairs = (1..boxes.len() as u32).map(|i| 2 * i - 1);
-    halve(&mut bvh.nodes, 0, &mut leaves, &mut pairs);
-    bvh
-}
-
-/// Makes node `at` the root of a balanced tree over the leaves; inner nodes have their children at
-/// the next of `pairs`.
-fn halve(
-    nodes: &mut [Bvh2Node],
-    at: usize,
-    leaves: &mut [Bvh2Node],
-    pairs: &mut impl Iterator<Item = u32>,
-) {
-    if let [leaf] = leaves {
-        nodes[at] = *leaf;
-        return;
-    }
-    let Some(pair) = pairs.next() else { return };
-    let all = leaves.iter().fold(Aabb::empty(), |all, leaf| all.union(leaf.aabb()));
-    let centres = leaves.iter().fold(Aabb::empty(), |mut centres, leaf| {
-        centres.extend(leaf.aabb().center());
-        centres
-    });
-    let size = centres.diagonal();
-    let axis = (1..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
-    let middle = leaves.len() / 2;
-    // of boxes with one centre the inner ones; of equal ones in the order of their items
-    leaves.select_nth_unstable_by(middle, |a, b| {
-        let by_centre = a.aabb().center()[axis].total_cmp(&b.aabb().center()[axis]);
-        by_centre
-            .then_with(|| a.aabb().half_area().total_cmp(&b.aabb().half_area()))
-            .then_with(|| a.first_index.cmp(&b.first_index))
-    });
-    nodes[at] = Bvh2Node::new(all, 0, pair);
-    let (lower, upper) = leaves.split_at_mut(middle);
-    halve(nodes, pair as usize, lower, pairs);
-    halve(nodes, pair as usize + 1, upper, pairs);
-}
-
-/// Summary of a subtree, its root included.
-#[derive(Debug, Clone, Copy)]
-struct SubtreeSummary {
-    levels: u32,
-    leaves: u32,
-}
-
-impl SubtreeSummary {
-    /// Levels of a balanced tree over the same leaves.
-    fn least_levels(self) -> u32 {
-        1 + self.leaves.next_power_of_two().ilog2()
-    }
-}
-
-/// Summarises the subtree of each node.
-fn below(bvh: &Bvh2) -> Vec<SubtreeSummary> {
-    let mut order = Vec::with_capacity(bvh.nodes.len());
-    let mut waiting = if bvh.nodes.is_empty() { vec![] } else { vec![0] };
-    while let Some(at) = waiting.pop() {
-        order.push(at);
-        let node = &bvh.nodes[at as usize];
-        if !node.is_leaf() {
-            waiting.extend([node.first_index, node.first_index + 1]);
-        }
-    }
-    let mut all = vec![SubtreeSummary { levels: 1, leaves: 1 }; bvh.nodes.len()];
-    for at in order.into_iter().rev() {
-        let node = &bvh.nodes[at as usize];
-        if !node.is_leaf() {
-            let first = node.first_index as usize;
-            let (a, b) = (all[first], all[first + 1]);
-            let levels = 1 + a.levels.max(b.levels);
-            all[at as usize] = SubtreeSummary { levels, leaves: a.leaves + b.leaves };
-        }
-    }
-    all
-}
-
-/// Levels of nodes, leaves included.
-fn levels(bvh: &Bvh2) -> u32 {
-    below(bvh).first().map_or(0, |root| root.levels)
-}
-
-/// Halves the subtrees that reach below `limit` levels, each as far down as there is room for a
-/// balanced one. More than 2^(limit - 1) leaves cannot be served, and make a balanced tree.
-pub(crate) fn limit_levels(bvh: &mut Bvh2, limit: u32) {
-    let all = below(bvh);
-    bvh.max_depth = DEFAULT_MAX_STACK_DEPTH;
-    if all.first().is_none_or(|root| root.levels <= limit) {
-        return;
-    }
-    let mut waiting = vec![(0u32, limit)];
-    while let Some((at, room)) = waiting.pop() {
-        if all[at as usize].levels <= room {
-            continue;
-        }
-        let first = bvh.nodes[at as usize].first_index;
-        let below = room.saturating_sub(1);
-        if [first, first + 1].iter().all(|child| all[*child as usize].least_levels() <= below) {
-            waiting.extend([(first, below), (first + 1, below)]);
-        } else {
-            halve_subtree(bvh, at);
-        }
-    }
-    // both follow from the nodes, and are made again where they are needed
-    bvh.parents.clear();
-    bvh.primitives_to_nodes.clear();
-    bvh.children_are_ordered_after_parents = false;
-}
-
-/// Makes what is below a node a balanced tree, in the places that it has.
-fn halve_subtree(bvh: &mut Bvh2, root: u32) {
-    let (mut leaves, mut pairs) = (Vec::new(), Vec::new());
-    let mut waiting = vec![root];
-    while let Some(at) = waiting.pop() {
-        let node = bvh.nodes[at as usize];
-        if node.is_leaf() {
-            leaves.push(node);
-        } else {
-            pairs.push(node.first_index);
-            waiting.extend([node.first_index, node.first_index + 1]);
-        }
-    }
-    pairs.sort_unstable();
-    halve(&mut bvh.nodes, root as usize, &mut leaves, &mut pairs.into_iter());
-}
-
 /// Levels of nodes of an eight-wide tree.
 fn wide_levels(bvh: &CwBvh) -> u32 {
     let mut deepest = 0;
@@ -323,154 +130,156 @@ fn wide_levels(bvh: &CwBvh) -> u32 {
     deepest
 }
 
+/// A binary tree with one box per leaf: that of a triangle, or of a part of it.
+fn agglomerated_triangles(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
+    let ids = (0..triangles.len() as u32).collect();
+    let mut bvh = if params.pre_split {
+        let (boxes, ids) = split(triangles, ids);
+        PlocBuilder::with_capacity(boxes.len()).build(
+            params.ploc_search_distance,
+            &boxes,
+            ids,
+            params.sort_precision,
+            params.search_depth_threshold,
+        )
+    } else {
+        PlocBuilder::with_capacity(triangles.len()).build(
+            params.ploc_search_distance,
+            triangles,
+            ids,
+            params.sort_precision,
+            params.search_depth_threshold,
+        )
+    };
+    bvh.uses_spatial_splits = params.pre_split;
+    bvh
+}
+
+/// The boxes of all triangles, those of large ones in parts, and whose each is.
+fn split(triangles: &[Triangle], mut ids: Vec<u32>) -> (Vec<Aabb>, Vec<u32>) {
+    let mut boxes: Vec<Aabb> = triangles.iter().map(Triangle::aabb).collect();
+    let (mut sum, mut largest) = (0.0, 0.0f32);
+    for area in boxes.iter().map(Aabb::half_area) {
+        largest = area.max(largest);
+        sum += area;
+    }
+    let average = sum / triangles.len() as f32;
+    split_aabbs_preset(&mut boxes, &mut ids, triangles, average, largest);
+    (boxes, ids)
+}
+
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
+    use std::time::Duration;
+
     use glam::Vec3A;
+    use obvhs::bvh2::builder::{build_bvh2, build_bvh2_from_tris};
+    use obvhs::bvh2::node::Bvh2Node;
+    use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 
     use super::*;
+    use crate::bvh::build::agglomerated::tests::{nested, scattered as boxes_scattered};
+    use crate::bvh::build::agglomerated::{PRESETS, preset_named};
 
-    /// Checks a tree over `boxes`: each box in one leaf, leaves within their ancestors, at most
-    /// `limit` levels. Returns the fault.
-    pub(crate) fn fault(bvh: &Bvh2, boxes: &[Aabb], limit: u32) -> Option<String> {
-        let mut seen = vec![0; boxes.len()];
-        let mut waiting = vec![(0u32, 1, Vec3A::NEG_INFINITY, Vec3A::INFINITY)];
-        while let Some((at, level, lo, hi)) = waiting.pop() {
-            let node = &bvh.nodes[at as usize];
-            let b = node.aabb();
-            if level > limit {
-                return Some(format!("level {level}"));
-            }
-            if b.min.cmplt(lo).any() || b.max.cmpgt(hi).any() {
-                return Some(format!("node {at} reaches out of its parent"));
-            }
-            if node.is_leaf() {
-                for i in node.first_index..node.first_index + node.prim_count {
-                    let id = bvh.primitive_indices[i as usize] as usize;
-                    seen[id] += 1;
-                    if boxes[id].min.cmplt(b.min).any() || boxes[id].max.cmpgt(b.max).any() {
-                        return Some(format!("box {id} reaches out of its leaf"));
-                    }
-                }
-            } else {
-                for child in [node.first_index, node.first_index + 1] {
-                    waiting.push((child, level + 1, b.min, b.max));
-                }
-            }
-        }
-        seen.iter().position(|n| *n != 1).map(|id| format!("box {id} is {} times", seen[id]))
-    }
-
-    pub(crate) fn nested(n: usize) -> Vec<Aabb> {
-        let side = |i: usize| Vec3A::splat(1.0 + i as f32 / n as f32);
-        (0..n).map(|i| Aabb::new(Vec3A::ZERO, side(i))).collect()
-    }
-
-    /// Boxes of the size given at places without order.
-    pub(crate) fn scattered(n: usize, size: f32) -> Vec<Aabb> {
+    /// Triangles at places without order, every tenth large.
+    fn scattered(n: usize) -> Vec<Triangle> {
         let part = |i: usize, by: f64| (i as f64 * by).fract() as f32;
         let at = |i| Vec3A::new(part(i, 0.754_877), part(i, 0.569_84), part(i, 0.438_28));
-        (0..n).map(|i| Aabb::new(at(i), at(i) + size)).collect()
+        let triangle = |i: usize| {
+            let (v0, size) = (at(3 * i), if i.is_multiple_of(10) { 0.5 } else { 0.02 });
+            Triangle { v0, v1: v0 + at(3 * i + 1) * size, v2: v0 + at(3 * i + 2) * size }
+        };
+        (0..n).map(triangle).collect()
     }
 
-    const PRESETS: [BvhBuildParams; 3] = [
-        BvhBuildParams::fastest_build(),
-        BvhBuildParams::medium_build(),
-        BvhBuildParams::very_slow_build(),
-    ];
+    fn presets() -> impl Iterator<Item = (&'static str, BvhBuildParams)> {
+        PRESETS.iter().map(|preset| (*preset, preset_named(preset)))
+    }
+
+    fn equal(a: &Bvh2, b: &Bvh2) -> bool {
+        let same = |(a, b): (&Bvh2Node, &Bvh2Node)| {
+            a.aabb() == b.aabb() && a.first_index == b.first_index && a.prim_count == b.prim_count
+        };
+        a.primitive_indices == b.primitive_indices
+            && a.max_depth == b.max_depth
+            && a.nodes.len() == b.nodes.len()
+            && a.nodes.iter().zip(&b.nodes).all(same)
+    }
 
     #[test]
-    fn nested_boxes_are_seen_and_no_others() {
-        assert!(is_nested(&nested(9000)) && !is_nested(&nested(FEW)));
-        for size in [0.0, 0.001, 0.1, 3.0] {
-            for n in [9000, 100_000] {
-                assert!(!is_nested(&scattered(n, size)), "{n} {size}");
+    fn trees_are_those_of_obvhs() {
+        let mut split = 0;
+        for n in [1, 2, 5, 6000] {
+            let triangles = scattered(n);
+            for (preset, params) in presets() {
+                let time = &mut Duration::default();
+                let theirs = build_bvh2_from_tris(&triangles, params, time);
+                assert!(equal(&binary(&triangles, &params), &theirs), "{n} {preset}");
+                split += usize::from(theirs.primitive_indices.len() > n);
+                let theirs = build_cwbvh_from_tris(&triangles, params, time);
+                assert!(eight_wide(&triangles, &params).unwrap() == theirs, "{n} {preset}");
             }
         }
-        // a part of the boxes, beside others
-        for (n, others) in [(4000, 16_000), (8000, 200_000)] {
-            let mut some = scattered(others, 0.01);
-            some.extend(nested(n));
-            assert!(is_nested(&some), "{n} of {}", some.len());
+        assert_eq!(split, 2, "the two slow presets split");
+    }
+
+    #[test]
+    fn trees_of_boxes_are_those_of_obvhs() {
+        let boxes = boxes_scattered(9000, 0.02);
+        for (preset, params) in presets() {
+            let time = &mut Duration::default();
+            let theirs = build_bvh2(&boxes, params, time);
+            assert!(equal(&binary_of_boxes(&boxes, &params), &theirs), "{preset}");
+            let theirs = build_cwbvh(&boxes, params, time);
+            assert!(eight_wide_of_boxes(&boxes, &params).unwrap() == theirs, "{preset}");
+            assert!(eight_wide_robust(&boxes, &params).unwrap() == theirs, "{preset}");
         }
     }
 
     #[test]
-    fn trees_are_whole_and_no_deeper_than_their_stacks() {
-        for boxes in [nested(1), nested(2), nested(3), nested(1500), nested(9000)] {
-            for params in &PRESETS {
-                let bvh = binary(&boxes, params, true);
-                assert_eq!(fault(&bvh, &boxes, LEVELS), None);
-                let wide = eight_wide(&boxes, params, true).unwrap();
+    fn nested_boxes_are_refused_or_halved() {
+        let fastest = BvhBuildParams::fastest_build();
+        for (n, limit) in [(1500, WIDE_LEVELS), (4200, CONVERTED_LEVELS)] {
+            let boxes = nested(n);
+            let refused = eight_wide_of_boxes(&boxes, &fastest).unwrap_err();
+            assert!(refused.limit == limit && refused.needed > limit, "{refused:?}");
+            for (_, params) in presets() {
+                let wide = eight_wide_robust(&boxes, &params).unwrap();
                 assert!(wide_levels(&wide) <= WIDE_LEVELS);
                 let mut ids = wide.primitive_indices.clone();
                 ids.sort_unstable();
-                assert!(ids.iter().copied().eq(0..boxes.len() as u32));
+                assert!(ids.iter().copied().eq(0..n as u32));
             }
         }
     }
 
     #[test]
-    fn only_what_is_too_deep_changes() {
-        let boxes = nested(1500);
-        let [params, ..] = &PRESETS;
-        let list = agglomerated(&boxes, params, false);
-        assert_eq!(levels(&list), 1500);
-        let mut limited = list.clone();
-        limit_levels(&mut limited, 1500);
-        assert!(limited.nodes.iter().zip(&list.nodes).all(|(a, b)| a.aabb() == b.aabb()));
-        for limit in [11 + 1, 13, 31, 96, 700] {
-            let mut limited = list.clone();
-            limit_levels(&mut limited, limit);
-            assert_eq!(fault(&limited, &boxes, limit), None);
-            // a list of 1500 begins as it was
-            let kept = limited.nodes.iter().zip(&list.nodes).filter(|(a, b)| a.aabb() == b.aabb());
-            assert!(kept.count() as u32 >= limit.saturating_sub(12), "{limit}");
-        }
-        // balanced, and still one level too many
-        let mut limited = list.clone();
-        limit_levels(&mut limited, 11);
-        assert_eq!(fault(&limited, &boxes, 12), None);
+    fn another_tree_is_seen() {
+        // planted fault: the boxes without presplitting, and one node moved
+        let triangles = scattered(6000);
+        let (_, slow) = presets().find(|(preset, _)| *preset == "slow").unwrap();
+        let theirs = build_bvh2_from_tris(&triangles, slow, &mut Duration::default());
+        let unsplit = BvhBuildParams { pre_split: false, ..slow };
+        assert!(!equal(&binary(&triangles, &unsplit), &theirs));
+        let mut moved = theirs.clone();
+        moved.nodes[7].set_aabb(Aabb::new(Vec3A::ZERO, Vec3A::ZERO));
+        assert!(equal(&theirs, &theirs) && !equal(&moved, &theirs));
     }
 
     #[test]
-    fn trees_of_other_scenes_are_those_of_obvhs() {
-        let boxes = scattered(9000, 0.02);
-        for params in PRESETS {
-            let time = &mut std::time::Duration::default();
-            let theirs = obvhs::bvh2::builder::build_bvh2(&boxes, params, time);
-            let ours = binary(&boxes, &params, true);
-            assert!(ours.primitive_indices == theirs.primitive_indices);
-            let same = |(a, b): (&Bvh2Node, &Bvh2Node)| {
-                a.aabb() == b.aabb() && a.first_index == b.first_index
-            };
-            assert!(ours.nodes.iter().zip(&theirs.nodes).all(same));
-            let theirs = obvhs::cwbvh::builder::build_cwbvh(&boxes, params, time);
-            assert!(eight_wide(&boxes, &params, true).unwrap() == theirs);
-            assert!(eight_wide(&boxes, &params, false).unwrap() == theirs);
-        }
-    }
-
-    #[test]
-    fn as_shipped_what_is_too_deep_is_refused() {
-        for (n, limit) in [(1500, WIDE_LEVELS), (4200, CONVERTED_LEVELS)] {
-            let refused = eight_wide(&nested(n), &PRESETS[0], false).unwrap_err();
-            assert!(refused.limit == limit && refused.needed > limit, "{refused:?}");
-        }
-    }
-
-    #[test]
-    fn broken_trees_are_seen() {
-        // planted faults
-        let boxes = scattered(300, 0.02);
-        let right = binary(&boxes, &PRESETS[0], true);
-        assert_eq!(fault(&right, &boxes, LEVELS), None);
-        assert!(fault(&right, &boxes, 5).unwrap().starts_with("level"));
-        let leaf = right.nodes.iter().position(Bvh2Node::is_leaf).unwrap();
-        let mut lost = right.clone();
-        lost.nodes[leaf].first_index = (lost.nodes[leaf].first_index + 1) % 300;
-        assert!(fault(&lost, &boxes, LEVELS).is_some());
-        let mut small = right.clone();
-        small.nodes[1].set_aabb(Aabb::new(Vec3A::ZERO, Vec3A::ZERO));
-        assert!(fault(&small, &boxes, LEVELS).is_some());
+    fn what_would_end_the_process_is_refused() {
+        // triangles in one another, whose tree is a list
+        let corner = |i: usize| 1.0 + i as f32 / 6000.0;
+        let nested = |i| Triangle {
+            v0: Vec3A::ZERO,
+            v1: Vec3A::X * corner(i),
+            v2: (Vec3A::Y + Vec3A::Z) * corner(i),
+        };
+        let triangles: Vec<_> = (0..6000).map(nested).collect();
+        let refused = eight_wide(&triangles, &BvhBuildParams::fastest_build()).unwrap_err();
+        assert!(refused.needed > refused.limit && refused.limit > WIDE_LEVELS, "{refused:?}");
+        let refused = eight_wide(&triangles[..1500], &BvhBuildParams::fastest_build()).unwrap_err();
+        assert_eq!(refused.limit, WIDE_LEVELS);
+        assert_eq!(binary(&triangles, &BvhBuildParams::fastest_build()).nodes.len(), 2 * 6000 - 1);
     }
 }

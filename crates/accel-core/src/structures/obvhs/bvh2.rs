@@ -1,110 +1,103 @@
-//! The binary BVH of the `obvhs` crate: PLOC with reinsertion, the modern baseline.
+//! The binary BVH of the `obvhs` crate as its authors use it: PLOC with reinsertion.
 //!
 //! Papers: D. Meister, J. Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume
 //! Hierarchy Construction", TVCG 2018, and "Parallel Reinsertion for Bounding Volume Hierarchy
-//! Optimization", 2018, as implemented by obvhs 0.4. Its builder and its traversal are used;
-//! primitives are tested by our own sets. See `adapter.rs` for the robust adapter, and
-//! `builder.rs` for scenes that the builder does not serve.
+//! Optimization", 2018, as implemented by obvhs 0.4. See `direct.rs`, and `adapter.rs` for its
+//! defects.
 
-use obvhs::aabb::Aabb as ObvhsAabb;
-use obvhs::bvh2::{Bvh2, node::Bvh2Node};
-use obvhs::fast_stack;
-use obvhs::ray::{Ray as ObvhsRay, RayHit};
+use std::marker::PhantomData;
 
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::config::Settings;
-use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::params::Params;
+use crate::params::config::{Config, Settings};
+use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::counters::Counters;
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
-use crate::structures::obvhs::adapter::{
-    ADAPTER, ALSO_TESTED, AdapterConfig, DEVIATIONS, KERNEL, PRESET, VARIANTS, known_defect,
-};
-use crate::structures::obvhs::box_ray::{BoxRay, Length, RaySetup};
+use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET, preset_of};
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, DirectQueries};
-use crate::structures::obvhs::items::{self, BoxScale, Groups, Items, items};
-use crate::structures::obvhs::{direct_builder, leaf_blocks, refit};
-use crate::update::{Change, MovedIds, REBUILD_AT, REFIT};
+use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
+use obvhs::aabb::Aabb as ObvhsAabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+use obvhs::ray::{Ray as ObvhsRay, RayHit};
+use obvhs::{BvhBuildParams, fast_stack};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "obvhs-bvh2",
-    summary: "binary BVH of the obvhs crate (PLOC, reinsertion)",
+    summary: "binary BVH of the obvhs crate (PLOC, reinsertion), as its authors use it",
     paper: "Meister, Bittner 2018 (two papers); obvhs 0.4",
     deviations: DEVIATIONS,
-    params: &[
-        PRESET,
-        ADAPTER,
-        KERNEL,
-        REFIT,
-        REBUILD_AT,
-        #[cfg(feature = "compiled-tests")]
-        crate::structures::obvhs::adapter::PADDING,
-    ],
-    variants: VARIANTS,
-    also_tested: ALSO_TESTED,
-    known_defect,
+    params: &[PRESET, REFIT, REBUILD_AT],
+    variants: &["", "preset=fastest"],
+    also_tested: &["preset=very-fast", "preset=fast", "preset=slow", "preset=very-slow"],
+    known_defect: |_| Some(DIRECT_DEFECT),
     sampled: false,
 };
 
-/// obvhs's `Bvh2` over our primitives.
-pub struct ObvhsBvh2<S: Scalar> {
+/// Settings of the build.
+#[derive(Clone)]
+pub struct Bvh2Config {
+    preset: BvhBuildParams,
+    refitted_until: Option<f64>,
+}
+
+impl Config for Bvh2Config {
+    fn of(params: &Params) -> Self {
+        Self { preset: preset_of(params), refitted_until: refitted_until(params) }
+    }
+}
+
+/// obvhs's `Bvh2` over its own triangles, or over our primitives.
+pub struct ObvhsBvh2<S> {
     bvh: Bvh2,
-    groups: Groups,
-    /// In place of ids, where the triangles are in blocks: leaves then begin at the number of one.
-    blocks: Option<Vec<TriangleBlock<S>>>,
-    setup: RaySetup<S>,
-    /// With `adapter=direct`, where it serves the set.
+    /// Its own triangles, where they serve the set.
     direct: Option<DirectQueries>,
     /// With `update=refit`: what a ray was expected to cost when the tree was built.
     built_cost: Option<f64>,
+    scalar: PhantomData<S>,
 }
 
 impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     const DUPLICATES: bool = false;
 
-    type Config = AdapterConfig;
+    type Config = Bvh2Config;
 
     fn build<P: PrimSet<S>>(
         prims: &P,
-        settings: &Settings<AdapterConfig>,
+        settings: &Settings<Bvh2Config>,
     ) -> Result<Self, BuildError> {
-        if settings.is_direct
-            && let Some(triangles) = direct::triangles(prims)
-        {
-            let bvh = direct_builder::binary(&triangles, &settings.preset);
-            let direct = Some(DirectQueries::new(prims, &bvh, &triangles));
-            let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
-            let built_cost = settings.refitted_until.map(|_| refit::expected_cost(&bvh));
-            return Ok(Self { bvh, groups, blocks: None, setup, direct, built_cost });
-        }
-        let items = items(prims, settings)?;
-        let robust = items.setup.is_robust();
-        let mut bvh = builder::binary(&items.boxes, &settings.preset, robust);
-        let Items { groups, setup, .. } = items;
-        let is_block = leaf_blocks::serve(prims, &groups, settings);
-        if is_block {
-            // the leaves of a binary tree
-            leaf_blocks::fit::<S>(bvh.nodes.len() / 2 + 1, settings.limits())?;
-        }
-        let blocks = is_block.then(|| leaf_blocks::of_binary(&mut bvh, prims));
-        let built_cost = settings.refitted_until.map(|_| refit::expected_cost(&bvh));
-        Ok(Self { bvh, groups, blocks, setup, direct: None, built_cost })
+        let (bvh, direct) = match direct::triangles(prims) {
+            Some(triangles) => {
+                let bvh = builder::binary(&triangles, &settings.preset);
+                let direct = DirectQueries::new(prims, &bvh, &triangles);
+                (bvh, Some(direct))
+            }
+            None => {
+                let boxes = direct::boxes(prims, settings.limits())?;
+                (builder::binary_of_boxes(&boxes, &settings.preset), None)
+            }
+        };
+        let built_cost = settings.refitted_until.map(|_| expected_cost(&bvh));
+        Ok(Self { bvh, direct, built_cost, scalar: PhantomData })
     }
 
     fn update<P: PrimSet<S>>(
         &mut self,
         prims: &P,
-        settings: &Settings<AdapterConfig>,
-        moved: &[u32],
+        settings: &Settings<Bvh2Config>,
+        _moved: &[u32],
     ) -> Result<Change, BuildError> {
         if let (Some(built), Some(until)) = (self.built_cost, settings.refitted_until)
-            && self.refit(prims, settings, moved)?
-            && refit::expected_cost(&self.bvh) <= until * built
+            && self.refit_all(prims)
+            && expected_cost(&self.bvh) <= until * built
         {
             return Ok(Change::Updated);
         }
@@ -114,15 +107,13 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let start = self.setup.ray(ray, Length::Unit);
-        let of_boxes = start.for_obvhs(&self.setup, ray, sink.t_max());
+        let of_boxes = direct::own(ray);
         if K::COUNTING {
-            count_nodes(&self.bvh, of_boxes, |node, r| self.leaf(node, r, &start, sink));
+            count_nodes(&self.bvh, of_boxes, |node, ray| self.leaf(node, ray, sink));
             return;
         }
-        let mut leaf = |node: &Bvh2Node, r: &mut ObvhsRay, _: &mut RayHit| {
-            self.leaf(Some(node), r, &start, sink)
-        };
+        let mut leaf =
+            |node: &Bvh2Node, ray: &mut ObvhsRay, _: &mut RayHit| self.leaf(Some(node), ray, sink);
         let mut none = RayHit::none();
         fast_stack!(u32, (96, 192), self.bvh.max_depth, stack, {
             self.bvh.ray_traverse_dynamic(&mut stack, of_boxes, &mut none, &mut leaf);
@@ -135,159 +126,91 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     }
 
     #[inline(always)]
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         _: &P,
         _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         _: S,
         answers: BatchAnswers<'_, S>,
-    ) {
+    ) -> C {
         if let Some(own) = &self.direct {
             own.answer_batch(&self.bvh, rays, answers);
         }
+        C::default()
     }
 
     fn stats(&self) -> StructureStats {
         let cells = self.bvh.nodes.iter().filter(|n| n.is_leaf()).count() as u64;
-        let ids = self.bvh.primitive_indices.iter();
-        let references = match &self.blocks {
-            Some(blocks) => leaf_blocks::references(blocks),
-            None => ids.map(|i| self.groups.ids(i).len() as u64).sum(),
-        };
-        let blocks = self.blocks.as_deref().map_or(0, size_of_val) as u64;
+        let ids = self.bvh.primitive_indices.as_slice();
         StructureStats {
             inner_cells: self.bvh.nodes.len() as u64 - cells,
             cells,
-            empty_cells: 0,
-            references,
-            resolution: None,
-            bytes: (size_of_val(self.bvh.nodes.as_slice())
-                + size_of_val(self.bvh.primitive_indices.as_slice())) as u64
-                + self.groups.bytes()
-                + blocks
+            references: ids.len() as u64,
+            bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(ids)) as u64
                 + self.direct.as_ref().map_or(0, DirectQueries::bytes),
             ..StructureStats::default()
         }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        let mut ids = Vec::new();
         let mut waiting = vec![(0, 0)];
         while let Some((number, depth)) = waiting.pop() {
             let node: &Bvh2Node = &self.bvh.nodes[number as usize];
             let b = node.aabb();
-            let bounds = self.setup.world([b.min.to_array(), b.max.to_array()]);
-            let first = node.first_index;
-            if !node.is_leaf() {
+            let bounds = Aabb::<f64> { min: b.min.as_dvec3(), max: b.max.as_dvec3() };
+            if node.is_leaf() {
+                each(Cell::elementary(bounds, depth, leaf_ids(&self.bvh, node)));
+            } else {
+                let first = node.first_index;
                 each(Cell::inner(bounds, depth));
                 waiting.extend([(first + 1, depth + 1), (first, depth + 1)]);
-                continue;
             }
-            match &self.blocks {
-                Some(all) => blocks::ids_of_list(&all[first as usize..], &mut ids),
-                None => {
-                    let items = &self.bvh.primitive_indices[first as usize..];
-                    let items = items.iter().take(node.prim_count as usize);
-                    ids.extend(items.flat_map(|item| self.groups.ids(item)));
-                }
-            }
-            each(Cell::elementary(bounds, depth, &ids));
-            ids.clear();
         }
         Ok(())
     }
 }
 
 impl<S: Scalar> ObvhsBvh2<S> {
-    /// Fits the boxes, and triangles that the tree has copies of, to primitives of which some stand
+    /// Fits the boxes, and the library's copies of triangles, to primitives of which some stand
     /// elsewhere now. False where these would be kept in another way, and nothing was done.
-    fn refit<P: PrimSet<S>>(
-        &mut self,
-        prims: &P,
-        settings: &Settings<AdapterConfig>,
-        moved: &[u32],
-    ) -> Result<bool, BuildError> {
-        let triangles = if settings.is_direct { direct::triangles(prims) } else { None };
-        let is_block = leaf_blocks::serve(prims, &self.groups, settings);
-        if triangles.is_some() != self.direct.is_some()
-            || self.direct.is_none() && is_block != self.blocks.is_some()
-        {
-            return Ok(false);
+    fn refit_all<P: PrimSet<S>>(&mut self, prims: &P) -> bool {
+        let triangles = direct::triangles(prims);
+        if triangles.is_some() != self.direct.is_some() {
+            return false;
         }
-        if let Some(triangles) = triangles {
-            refit::refit(&mut self.bvh, |bvh, leaf| {
-                let ids = leaf_items(bvh, leaf).iter();
-                ids.fold(ObvhsAabb::empty(), |all, &id| all.union(&triangles[id as usize].aabb()))
-            });
-            self.direct = Some(DirectQueries::new(prims, &self.bvh, &triangles));
-            return Ok(true);
-        }
-        let scale = BoxScale::of_set(prims, settings.structure(), items::padding_of(settings))?;
-        let moved = MovedIds::new(moved);
-        let is_same = scale.serves(&self.setup);
-        self.setup = scale.setup;
-        let fitted = |ids: &[u32], before: &ObvhsAabb| {
-            if is_same && !ids.iter().any(|&id| moved.has(id)) {
-                *before
-            } else {
-                scale.around(prims, ids)
-            }
-        };
-        let mut ids = Vec::new();
-        if let Some(all) = &mut self.blocks {
-            blocks::refresh(prims, all, &moved);
-            refit::refit(&mut self.bvh, |bvh, leaf| {
-                ids.clear();
-                let leaf = &bvh.nodes[leaf];
-                blocks::ids_of_list(&all[leaf.first_index as usize..], &mut ids);
-                fitted(&ids, leaf.aabb())
-            });
-        } else {
-            let groups = &self.groups;
-            refit::refit(&mut self.bvh, |bvh, leaf| {
-                ids.clear();
-                let items = leaf_items(bvh, leaf).iter();
-                items.for_each(|item| ids.extend_from_slice(groups.ids(item)));
-                fitted(&ids, bvh.nodes[leaf].aabb())
-            });
-        }
-        Ok(true)
+        refit(&mut self.bvh, |bvh, leaf| {
+            let of = |id: &u32| match &triangles {
+                Some(triangles) => triangles[*id as usize].aabb(),
+                None => direct::rounded(&prims.bounds(*id)),
+            };
+            let ids = leaf_ids(bvh, &bvh.nodes[leaf]).iter();
+            ids.fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)))
+        });
+        self.direct = triangles.map(|own| DirectQueries::new(prims, &self.bvh, &own));
+        true
     }
 
     /// Tests a leaf's primitives (or reports an inner node, `None`); false ends the traversal.
     #[inline(always)]
-    fn leaf<K: Sink<S>>(
-        &self,
-        node: Option<&Bvh2Node>,
-        ray: &mut ObvhsRay,
-        start: &BoxRay<S>,
-        sink: &mut K,
-    ) -> bool {
+    fn leaf<K: Sink<S>>(&self, node: Option<&Bvh2Node>, ray: &mut ObvhsRay, sink: &mut K) -> bool {
         let Some(node) = node else {
             sink.inner_step();
             return true;
         };
         sink.elementary_step(false);
-        let first = node.first_index as usize;
-        let tested = match &self.blocks {
-            Some(blocks) => sink.test_blocks(&blocks[first..]),
-            None => self.bvh.primitive_indices[first..first + node.prim_count as usize]
-                .iter()
-                .try_for_each(|item| sink.test(self.groups.ids(item))),
-        };
-        if tested.is_break() {
+        if sink.test(leaf_ids(&self.bvh, node)).is_break() {
             return false;
         }
-        ray.tmax = start.parameters.bound(sink.t_max());
+        ray.tmax = sink.t_max().to_f64() as f32;
         true
     }
 }
 
-/// Items of a leaf.
-fn leaf_items(bvh: &Bvh2, leaf: usize) -> &[u32] {
-    let (first, count) = (bvh.nodes[leaf].first_index, bvh.nodes[leaf].prim_count);
-    &bvh.primitive_indices[first as usize..][..count as usize]
+/// Primitives of a leaf.
+#[inline(always)]
+fn leaf_ids<'a>(bvh: &'a Bvh2, leaf: &Bvh2Node) -> &'a [u32] {
+    &bvh.primitive_indices[leaf.first_index as usize..][..leaf.prim_count as usize]
 }
 
 /// Visits nodes in the order obvhs does, reporting inner nodes as well (`None`): only for
@@ -324,5 +247,31 @@ fn count_nodes(
             }
         }
         waiting[waiting_before..].reverse();
+    }
+}
+
+/// Fits all boxes to those that `bounds` gives for the leaves, by the number of the leaf's node.
+fn refit(bvh: &mut Bvh2, mut bounds: impl FnMut(&Bvh2, usize) -> ObvhsAabb) {
+    for number in 0..bvh.nodes.len() {
+        if bvh.nodes[number].is_leaf() {
+            let bounds = bounds(bvh, number);
+            bvh.nodes[number].set_aabb(bounds);
+        }
+    }
+    bvh.refit_all();
+}
+
+/// Expected visits to nodes and tests of primitives of a ray that meets the scene (J. D. MacDonald,
+/// K. S. Booth, "Heuristics for Ray Tracing Using Space Subdivision", The Visual Computer 6(3),
+/// 1990), both costing the same.
+fn expected_cost(bvh: &Bvh2) -> f64 {
+    let area = |node: usize| f64::from(bvh.nodes[node].aabb().half_area());
+    let weight = |node: usize| {
+        if bvh.nodes[node].is_leaf() { f64::from(bvh.nodes[node].prim_count) } else { 1.0 }
+    };
+    let sum: f64 = (0..bvh.nodes.len()).map(|node| area(node) * weight(node)).sum();
+    match bvh.nodes.first() {
+        Some(_) if area(0) > 0.0 => sum / area(0),
+        _ => 1.0,
     }
 }

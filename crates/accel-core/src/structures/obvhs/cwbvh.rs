@@ -1,73 +1,109 @@
 //! The compressed 8-wide BVH of the `obvhs` crate.
 //!
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
-//! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. Its builder, node test and
-//! traversal are used; primitives are tested by our own sets. See `adapter.rs`, and
-//! `builder.rs` for scenes that the builder does not serve.
+//! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. By its plain name it is the library
+//! as its authors use it (`direct.rs`); with `adapter=robust` its answers are right: see
+//! `adapter.rs`, and `builder.rs` for scenes that its builder does not serve.
 
 use std::ops::ControlFlow;
 
 use glam::UVec2;
+use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::cwbvh::{CwBvh, Traversal};
+use obvhs::ray::Ray as ObvhsRay;
 
+use crate::bvh::box_ray::{Length, RaySetup};
+use crate::bvh::items::{Groups, Items, Padding, items_of};
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::config::Settings;
+use crate::params::Params;
+use crate::params::config::{Config, Settings};
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::counters::Counters;
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
 use crate::structures::obvhs::adapter::{
-    ADAPTER, ALSO_TESTED, AdapterConfig, DEVIATIONS, KERNEL, PRESET, VARIANTS, known_defect,
+    ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET, preset_of,
 };
-use crate::structures::obvhs::box_ray::{Length, RaySetup};
-use crate::structures::obvhs::builder::{DepthError, eight_wide};
+use crate::structures::obvhs::builder::{self, DepthError};
 use crate::structures::obvhs::direct::{self, DirectQueries};
-use crate::structures::obvhs::items::{Groups, Items, items};
-use crate::structures::obvhs::{direct_builder, leaf_blocks};
+use crate::structures::obvhs::leaf_blocks;
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "obvhs-cwbvh",
-    summary: "compressed 8-wide BVH of the obvhs crate",
+    summary: "compressed 8-wide BVH of the obvhs crate, as its authors use it",
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
     deviations: DEVIATIONS,
-    params: &[
-        PRESET,
-        ADAPTER,
-        KERNEL,
-        #[cfg(feature = "compiled-tests")]
-        crate::structures::obvhs::adapter::PADDING,
+    params: &[PRESET, ADAPTER, KERNEL],
+    variants: &["", "preset=fastest"],
+    also_tested: &[
+        "preset=very-slow",
+        "adapter=robust",
+        "adapter=robust kernel=scalar",
+        "adapter=robust preset=fastest",
+        "adapter=robust preset=fastest kernel=scalar",
+        "adapter=robust preset=very-fast",
+        "adapter=robust preset=fast",
+        "adapter=robust preset=slow",
+        "adapter=robust preset=very-slow",
     ],
-    variants: VARIANTS,
-    also_tested: ALSO_TESTED,
-    known_defect,
+    known_defect: |params| (params.text(ADAPTER.name) == "direct").then_some(DIRECT_DEFECT),
     sampled: false,
 };
 
-/// obvhs's `CwBvh` over our primitives.
+/// Settings of the build and of queries.
+#[derive(Clone)]
+pub struct CwBvhConfig {
+    preset: BvhBuildParams,
+    is_robust: bool,
+    has_blocks: bool,
+}
+
+impl Config for CwBvhConfig {
+    fn of(params: &Params) -> Self {
+        Self {
+            preset: preset_of(params),
+            is_robust: params.text(ADAPTER.name) == "robust",
+            has_blocks: params.text(KERNEL.name) == "block",
+        }
+    }
+}
+
+/// obvhs's `CwBvh`.
 pub struct ObvhsCwBvh<S: Scalar> {
     bvh: CwBvh,
-    groups: Groups,
-    /// In place of ids, where the triangles are in blocks: a node's then begin at the number of
-    /// one.
-    blocks: Option<Vec<TriangleBlock<S>>>,
-    setup: RaySetup<S>,
-    /// With `adapter=direct`, where it serves the set.
-    direct: Option<DirectQueries>,
+    leaves: Leaves<S>,
+}
+
+/// Primitives of the tree's leaves, and how rays are told to it.
+enum Leaves<S: Scalar> {
+    /// Its own triangles, as its authors use it.
+    Direct(DirectQueries),
+    /// Our primitives by their ids, where its own triangles do not serve the set.
+    Callback,
+    /// With `adapter=robust`.
+    Robust {
+        setup: RaySetup<S>,
+        groups: Groups,
+        /// In place of ids, where triangles are in blocks: a node's begin at the number of one.
+        blocks: Option<Vec<TriangleBlock<S>>>,
+    },
 }
 
 impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     const DUPLICATES: bool = false;
 
-    type Config = AdapterConfig;
+    type Config = CwBvhConfig;
 
     fn build<P: PrimSet<S>>(
         prims: &P,
-        settings: &Settings<AdapterConfig>,
+        settings: &Settings<CwBvhConfig>,
     ) -> Result<Self, BuildError> {
         let too_deep = |DepthError { needed, limit }| BuildError::TooLarge {
             structure: settings.structure(),
@@ -76,58 +112,74 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             limit: u128::from(limit),
         };
         let preset = settings.preset;
-        if settings.is_direct
-            && let Some(triangles) = direct::triangles(prims)
-        {
-            let bvh = direct_builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
-            let direct = Some(DirectQueries::new(prims, &bvh, &triangles));
-            let (groups, setup) = (Groups::Single, RaySetup::AsShipped);
-            return Ok(Self { bvh, groups, blocks: None, setup, direct });
+        if settings.is_robust {
+            let Items { boxes, groups, setup } =
+                items_of(prims, settings.limits(), Padding::OfScene)?;
+            let mut bvh = builder::eight_wide_robust(&boxes, &preset).map_err(too_deep)?;
+            let has_blocks = settings.has_blocks && leaf_blocks::serve(prims, &groups);
+            if has_blocks {
+                leaf_blocks::fit::<S>(bvh.nodes.len(), settings.limits())?;
+            }
+            let blocks = has_blocks.then(|| leaf_blocks::of_wide(&mut bvh, prims));
+            return Ok(Self { bvh, leaves: Leaves::Robust { setup, groups, blocks } });
         }
-        let items = items(prims, settings)?;
-        let Items { boxes, groups, setup } = items;
-        let mut bvh = eight_wide(&boxes, &preset, setup.is_robust()).map_err(too_deep)?;
-        let is_block = leaf_blocks::serve(prims, &groups, settings);
-        if is_block {
-            leaf_blocks::fit::<S>(bvh.nodes.len(), settings.limits())?;
+        if let Some(triangles) = direct::triangles(prims) {
+            let bvh = builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
+            let leaves = Leaves::Direct(DirectQueries::new(prims, &bvh, &triangles));
+            return Ok(Self { bvh, leaves });
         }
-        let blocks = is_block.then(|| leaf_blocks::of_wide(&mut bvh, prims));
-        Ok(Self { bvh, groups, blocks, setup, direct: None })
+        let boxes = direct::boxes(prims, settings.limits())?;
+        let bvh = builder::eight_wide_of_boxes(&boxes, &preset).map_err(too_deep)?;
+        Ok(Self { bvh, leaves: Leaves::Callback })
     }
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        match &self.blocks {
-            Some(blocks) => self.traverse_with(ray, sink, |state, sink| {
+        let Leaves::Robust { setup, groups, blocks } = &self.leaves else {
+            let bound = |t_max: S| t_max.to_f64() as f32;
+            return self.traverse_with(direct::own(ray), sink, bound, |state, sink| {
+                let id = self.bvh.primitive_indices[state.primitive_id as usize];
+                sink.test(&[id])
+            });
+        };
+        let start = setup.ray(ray, Length::Brief);
+        let of_boxes = start.for_obvhs(sink.t_max());
+        let bound = |t_max| start.parameters.bound(t_max);
+        match blocks {
+            Some(blocks) => self.traverse_with(of_boxes, sink, bound, |state, sink| {
                 let first = state.primitive_group.x;
                 let (block, bits) = leaf_blocks::block_of(state.primitive_id, first);
                 state.primitive_group.y &= !bits;
                 sink.test_block(&blocks[block])
             }),
-            None => self.traverse_with(ray, sink, |state, sink| {
+            None => self.traverse_with(of_boxes, sink, bound, |state, sink| {
                 let item = &self.bvh.primitive_indices[state.primitive_id as usize];
-                sink.test(self.groups.ids(item))
+                sink.test(groups.ids(item))
             }),
         }
     }
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        DirectQueries::batches::<S, P>(self.direct.as_ref(), prims)
+        match &self.leaves {
+            Leaves::Direct(own) => DirectQueries::batches::<S, P>(Some(own), prims),
+            _ => Batches::RayByRay,
+        }
     }
 
     #[inline(always)]
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         _: &P,
         _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         _: S,
         answers: BatchAnswers<'_, S>,
-    ) {
-        if let Some(own) = &self.direct {
+    ) -> C {
+        if let Leaves::Direct(own) = &self.leaves {
             own.answer_batch(&self.bvh, rays, answers);
         }
+        C::default()
     }
 
     fn stats(&self) -> StructureStats {
@@ -139,26 +191,34 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             .filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c))
             .count();
         let indices = self.bvh.primitive_indices.as_slice();
+        let (references, bytes) = match &self.leaves {
+            Leaves::Direct(own) => (indices.len() as u64, own.bytes()),
+            Leaves::Callback => (indices.len() as u64, 0),
+            Leaves::Robust { blocks: Some(blocks), .. } => {
+                (leaf_blocks::references(blocks), size_of_val(blocks.as_slice()) as u64)
+            }
+            Leaves::Robust { groups, .. } => {
+                (indices.iter().map(|i| groups.ids(i).len() as u64).sum(), groups.bytes())
+            }
+        };
         StructureStats {
             inner_cells: self.bvh.nodes.len() as u64,
             cells: cells as u64,
-            empty_cells: 0,
-            references: match &self.blocks {
-                Some(blocks) => leaf_blocks::references(blocks),
-                None => indices.iter().map(|i| self.groups.ids(i).len() as u64).sum(),
-            },
-            resolution: None,
-            bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64
-                + self.groups.bytes()
-                + self.blocks.as_deref().map_or(0, size_of_val) as u64
-                + self.direct.as_ref().map_or(0, DirectQueries::bytes),
+            references,
+            bytes: (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(indices)) as u64 + bytes,
             ..StructureStats::default()
         }
     }
 
     /// Boxes of children are those that their node has compressed.
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        let world = |b: ObvhsAabb| self.setup.world([b.min.to_array(), b.max.to_array()]);
+        let unit = match &self.leaves {
+            Leaves::Robust { setup, .. } => setup.unit(),
+            _ => 1.0,
+        };
+        let world = |b: ObvhsAabb| -> Aabb<f64> {
+            Aabb { min: b.min.as_dvec3() / unit, max: b.max.as_dvec3() / unit }
+        };
         let mut ids = Vec::new();
         // a node, and the leaf that is one of its children
         let mut waiting = vec![(0, None, world(self.bvh.total_aabb), 0)];
@@ -167,17 +227,16 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             if let Some(leaf) = leaf {
                 let (first, count) = node.child_primitives(leaf);
                 for at in first..first + count {
-                    match &self.blocks {
-                        Some(blocks) => {
+                    match &self.leaves {
+                        Leaves::Robust { blocks: Some(blocks), .. } => {
                             let (block, _) = leaf_blocks::block_of(at, node.primitive_base_idx);
-                            ids.push(
-                                blocks[block].ids().0[at as usize % TriangleBlock::<S>::LANES],
-                            );
+                            let lane = at as usize % TriangleBlock::<S>::LANES;
+                            ids.push(blocks[block].ids().0[lane]);
                         }
-                        None => {
-                            let item = &self.bvh.primitive_indices[at as usize];
-                            ids.extend(self.groups.ids(item));
+                        Leaves::Robust { groups, .. } => {
+                            ids.extend(groups.ids(&self.bvh.primitive_indices[at as usize]));
                         }
+                        _ => ids.push(self.bvh.primitive_indices[at as usize]),
                     }
                 }
                 each(Cell::elementary(bounds, depth, &ids));
@@ -200,16 +259,16 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 }
 
 impl<S: Scalar> ObvhsCwBvh<S> {
-    /// [`Structure::traverse`]; `test` tests the primitive at which the traversal is.
+    /// The library's loop; `test` tests the primitive at which it is, `bound` says where a query
+    /// ends as a parameter of `ray`.
     #[inline(always)]
     fn traverse_with<K: Sink<S>>(
         &self,
-        ray: &Ray<S>,
+        mut ray: ObvhsRay,
         sink: &mut K,
+        bound: impl Fn(S) -> f32,
         test: impl Fn(&mut Traversal, &mut K) -> ControlFlow<()>,
     ) {
-        let start = self.setup.ray(ray, Length::Brief);
-        let mut ray = start.for_obvhs(&self.setup, ray, sink.t_max());
         let mut state = self.bvh.new_traversal(ray.direction);
         let mut node;
         'traversal: {
@@ -226,7 +285,7 @@ impl<S: Scalar> ObvhsCwBvh<S> {
                     if test(&mut state, sink).is_break() {
                         break 'traversal;
                     }
-                    ray.tmax = start.parameters.bound(sink.t_max());
+                    ray.tmax = bound(sink.t_max());
                 }
             );
         }

@@ -1,11 +1,12 @@
-//! obvhs as its authors use it: `adapter=direct`.
+//! obvhs as its authors use it.
 //!
 //! Its own triangles ([`RtTriangle`], Moeller and Trumbore) in the order of its leaves, its own
 //! rays, `ray_traverse` for closest hits, `ray_traverse_miss` for occlusion; nothing of ours but
 //! that the answer is written. So its defects are its own as well. It serves triangles in f32; of
-//! other sets the primitives are tested by ours in its callback, as with `adapter=as-shipped`. What
-//! is counted is that, too: the library's nodes, our sink.
+//! other sets the primitives are tested by ours in its callback, their boxes as they are. What is
+//! counted is that, too: the library's nodes, our sink.
 
+use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::CwBvh;
 use obvhs::ray::{Ray as ObvhsRay, RayHit, safe_inverse};
@@ -16,8 +17,11 @@ use glam::Vec3A;
 
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::Limits;
+use crate::parallel;
 use crate::primitives::PrimSet;
-use crate::structure::{BatchAnswers, Batches};
+use crate::structure::{BatchAnswers, Batches, BuildError, refuse_out_of_scale};
 
 /// Queries that both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -170,9 +174,35 @@ impl DirectQueries {
     }
 }
 
+/// The boxes of all primitives of a set that [`triangles`] does not serve.
+///
+/// # Errors
+/// [`BuildError`] for a set without primitives that fit f32, which is all that obvhs knows.
+pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    limits: Limits,
+) -> Result<Vec<Aabb>, BuildError> {
+    // a box and an id of each primitive, twice as many nodes
+    limits.fits(96 * prims.len() as u128)?;
+    let structure = limits.structure;
+    refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
+    BoundsOf::new(prims, BoundsRule::Padded)
+        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    Ok(parallel::collect(prims.len(), |id| rounded(&prims.bounds(id as u32))))
+}
+
+/// A box in f32, rounded outwards.
+pub(crate) fn rounded<S: Scalar>(b: &crate::Aabb<S>) -> Aabb {
+    let (min, max) = (b.min.to_dvec3(), b.max.to_dvec3());
+    let low = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
+    let high = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
+    let vector = |v: [f64; 3], round: &dyn Fn(f64) -> f32| Vec3A::from_array(v.map(round));
+    Aabb::new(vector(min.to_array(), &low), vector(max.to_array(), &high))
+}
+
 /// As `obvhs::ray::Ray::new` makes it, which in debug builds panics where a ray is not finite.
 #[inline(always)]
-fn own<S: Scalar>(ray: &Ray<S>) -> ObvhsRay {
+pub(crate) fn own<S: Scalar>(ray: &Ray<S>) -> ObvhsRay {
     let direction = to_obvhs::<S>(ray.direction);
     ObvhsRay {
         origin: to_obvhs::<S>(ray.origin),

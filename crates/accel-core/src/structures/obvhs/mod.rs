@@ -1,12 +1,8 @@
-//! Bounding volume hierarchies of the crate `obvhs`.
+//! Bounding volume hierarchies of the crate `obvhs`, as its authors use them.
 
 pub(crate) mod adapter;
-pub(crate) mod box_ray;
-pub(crate) mod builder;
+mod builder;
 pub mod bvh2;
 pub mod cwbvh;
-pub(crate) mod direct;
-mod direct_builder;
-pub(crate) mod items;
+mod direct;
 mod leaf_blocks;
-mod refit;

@@ -74,13 +74,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             work: Box::new(replay),
         }
     });
-    let made = if cfg!(feature = "compiled-tests") {
-        "each test compiled into it"
-    } else {
-        "each test is a call"
-    };
     let said = AxisReport {
-        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives; {made}"),
+        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
         judged: format!("{} rays at corners, edges and faces of boxes", aims.len()),
         ..AxisReport::default()
     };

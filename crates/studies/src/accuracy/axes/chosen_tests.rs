@@ -1,8 +1,10 @@
 //! Parts shared by the axes of primitive tests: a test chosen by name, its number of wrong answers,
 //! and the error of its parameters.
 
-use accel_core::variants::chosen_tests::is_compiled;
+use accel_core::primitives::PrimSet;
+use accel_core::variants::chosen_tests::TestedSetVisitor;
 
+use super::triangle_aims::AimedRay;
 use crate::accuracy::error_of::TrialCounts;
 use crate::accuracy::stage::{Batches, Replay, StagedStructure};
 use crate::accuracy::timing::Variant;
@@ -11,12 +13,21 @@ use statistics::estimate::median;
 /// The test that all others are compared with.
 const REFERENCE: &str = "f64";
 
-/// Note on whether chosen tests are compiled in or called.
-pub fn made(built: &[StagedStructure<'_>]) -> &'static str {
-    if built.iter().all(|built| is_compiled(&*built.tracer)) {
-        "each test compiled into it as the default is"
-    } else {
-        "each test is a call: build with --features compiled-tests for prices"
+/// The parameter by which an aimed ray hits, of the nearest of the primitives that it is judged by.
+pub struct NearestOf<'m> {
+    pub aims: &'m [AimedRay],
+}
+
+impl TestedSetVisitor<'_> for NearestOf<'_> {
+    type Output = Vec<Option<f32>>;
+
+    fn visit<P: PrimSet<f32>>(self, set: &P) -> Self::Output {
+        let nearest = |aim: &AimedRay| {
+            let setup = set.setup(&aim.ray);
+            let t = |id: &u32| set.intersect(*id, &aim.ray, &setup, f32::INFINITY);
+            aim.primitives.iter().filter_map(t).reduce(f32::min)
+        };
+        self.aims.iter().map(nearest).collect()
     }
 }
 

@@ -10,11 +10,8 @@ pub mod mailbox;
 pub mod precision;
 pub mod ray_offset;
 mod refracted_shift;
-#[cfg(feature = "compiled-tests")]
 mod right_aims;
-#[cfg(feature = "compiled-tests")]
 pub mod right_answers;
-#[cfg(feature = "compiled-tests")]
 mod right_work;
 pub mod secondary_rays;
 mod shadow_terminator;
@@ -47,7 +44,6 @@ pub static AXES: &[&Axis] = &[
     &effects::FOCUS,
     &time_segments::AXIS,
     &effects::AXIS,
-    #[cfg(feature = "compiled-tests")]
     &right_answers::AXIS,
 ];
 

@@ -30,7 +30,7 @@ pub static AXIS: Axis = Axis {
     metric: "rays in 10^6, aimed at what breaks cheap variants, that are answered wrongly",
     reference: "exact predicates; a plane is not met again from outside; height over the surface",
     scenes: &["mount", "gears-tess", "pavilion"],
-    setting: "STRUCTURE.padding, STRUCTURE.triangle-test, rays.offset, run --precision",
+    setting: "STRUCTURE.padding, STRUCTURE.adapter, STRUCTURE.triangle-test, rays.offset, run --precision",
     measure: Measure::Each {
         subjects: &["obvhs-cwbvh", "uniform-grid", "wide-bvh"],
         serves: |_, _| true,
@@ -54,26 +54,23 @@ const fn step(adds: &'static str, settings: &'static str, offset: OffsetRule) ->
 }
 
 const OBVHS: &[Step] = &[
-    step("fastest known: obvhs as its authors use it", ":adapter=direct", PLAIN),
-    step("our sink", ":adapter=as-shipped:triangle-test=moeller-trumbore", PLAIN),
-    step("ray setup", ":kernel=scalar:padding=none:triangle-test=moeller-trumbore", PLAIN),
-    step("box padding", ":kernel=scalar:triangle-test=moeller-trumbore", PLAIN),
-    step("watertight test", ":kernel=scalar", PLAIN),
-    step("ray offset", ":kernel=scalar", BOUND),
-    step("blocks of eight", ":kernel=block", BOUND),
-    Step { adds: "f64", settings: ":kernel=block", offset: BOUND, is_double: true },
+    step("fastest known: obvhs as its authors use it", "", PLAIN),
+    step("adapter, watertight test", ":adapter=robust:kernel=scalar", PLAIN),
+    step("ray offset", ":adapter=robust:kernel=scalar", BOUND),
+    step("blocks of eight", ":adapter=robust", BOUND),
+    Step { adds: "f64", settings: ":adapter=robust", offset: BOUND, is_double: true },
 ];
 
 const GRID: &[Step] = &[
     step(
         "fastest known: accumulated traversal, tight boxes, Moeller-Trumbore",
-        ":traversal=accumulate:insertion=box:triangle-test=moeller-trumbore",
+        ":kernel=scalar:traversal=accumulate:insertion=box:triangle-test=moeller-trumbore",
         PLAIN,
     ),
-    step("voxel traversal", ":insertion=box:triangle-test=moeller-trumbore", PLAIN),
-    step("box padding", ":triangle-test=moeller-trumbore", PLAIN),
-    step("watertight test", "", PLAIN),
-    step("ray offset", "", BOUND),
+    step("voxel traversal", ":kernel=scalar:insertion=box:triangle-test=moeller-trumbore", PLAIN),
+    step("box padding", ":kernel=scalar:triangle-test=moeller-trumbore", PLAIN),
+    step("watertight test", ":kernel=scalar", PLAIN),
+    step("ray offset", ":kernel=scalar", BOUND),
     step("blocks of eight", ":kernel=block", BOUND),
     Step { adds: "f64", settings: ":kernel=block", offset: BOUND, is_double: true },
 ];

@@ -5,13 +5,14 @@
 
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, PrimitiveKind};
-use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::variants::chosen_tests::{Choice, SphereChoice, TriangleChoice, visit_tested};
 use accel_core::{Ray, Vector};
 use glam::DVec3;
 use renderer::RaySettings;
 use scene_loading::Scene;
 
-use super::chosen_tests;
+use super::chosen_tests::{NearestOf, variant};
+use super::triangle_aims::AimedRay;
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{PreparedScene, Stage, TRACER, count};
@@ -95,26 +96,21 @@ fn judged(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyError> {
             aims.push(None);
             continue;
         }
-        aims.push(Some((id, ray, passing < 1.0)));
+        aims.push(Some((AimedRay { ray, primitives: vec![id] }, passing < 1.0)));
     }
-    let aims: Vec<_> = aims.into_iter().flatten().collect();
+    let (aims, is_met): (Vec<_>, Vec<bool>) = aims.into_iter().flatten().unzip();
     let hit = |sphere: SphereChoice| {
         let choice = Choice { triangle: TriangleChoice::Watertight, sphere };
-        let tested = ChosenTests::of_mixed(set, choice);
-        let t = |(id, ray, _): &(u32, Ray<f32>, bool)| {
-            tested.intersect(*id, ray, &tested.setup(ray), f32::INFINITY)
-        };
-        aims.iter().map(t).collect::<Vec<Option<f32>>>()
+        visit_tested(PrimsRef::Mixed(set), choice, NearestOf { aims: &aims }).unwrap_or_default()
     };
     let exact = hit(SphereChoice::Double);
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let answers = hit(test).into_iter().zip(&exact).zip(&aims);
-        let answers =
-            answers.map(|((t, exact), (_, _, is_met))| (t, *exact, t.is_some() != *is_met));
-        chosen_tests::variant(name, built, &batches, answers)
+        let answers = hit(test).into_iter().zip(&exact).zip(&is_met);
+        let answers = answers.map(|((t, exact), is_met)| (t, *exact, t.is_some() != *is_met));
+        variant(name, built, &batches, answers)
     });
     let said = AxisReport {
-        timed: format!("{rays} rays of {what} through {TRACER}; {}", chosen_tests::made(&built)),
+        timed: format!("{rays} rays of {what} through {TRACER}"),
         judged: format!("{} rays beside and through spheres of {what}", aims.len()),
         ..AxisReport::default()
     };

@@ -16,12 +16,12 @@ use robust::{Coord3D, orient3d};
 use crate::verify::draw::{point, unit};
 use statistics::random::Random;
 
-/// A ray and triangles of which it must hit one.
+/// A ray, and the primitives of which it is asked: here the triangles around its target, of which it
+/// must hit one.
 #[derive(Debug, Clone)]
-pub struct CertainHit {
+pub struct AimedRay {
     pub ray: Ray<f32>,
-    /// The triangles around the target.
-    pub around: Vec<u32>,
+    pub primitives: Vec<u32>,
 }
 
 /// Distance of an outline from the ray, in roundings of the largest coordinate.
@@ -86,7 +86,7 @@ impl<'a> SharedFeatures<'a> {
         target: Vec3,
         around: &[u32],
         is_inner: impl Fn([f32; 3], [f32; 3]) -> bool,
-    ) -> Option<CertainHit> {
+    ) -> Option<AimedRay> {
         let ray = Ray::<f32>::new(from, target - from);
         let reach = from.abs().max(target.abs()).max(ray.direction.abs()).max_element();
         let margin = f64::from(reach * f32::EPSILON) * ROUNDINGS;
@@ -99,8 +99,8 @@ impl<'a> SharedFeatures<'a> {
             return None;
         }
         let id = |index: &u32| self.triangles.get(*index as usize).map(|(id, _)| *id);
-        let around = around.iter().filter_map(id).collect();
-        ray.is_traceable().then_some(CertainHit { ray, around })
+        let primitives = around.iter().filter_map(id).collect();
+        ray.is_traceable().then_some(AimedRay { ray, primitives })
     }
 
     /// The corner of a triangle that is none of the two.
@@ -134,7 +134,7 @@ impl<'a> SharedFeatures<'a> {
 
     /// A ray at a corner or, every other time, at an edge; none where what was drawn has an open or
     /// outer side.
-    pub fn aim(&self, random: &mut Random, centre: Vec3, reach: f32) -> Option<CertainHit> {
+    pub fn aim(&self, random: &mut Random, centre: Vec3, reach: f32) -> Option<AimedRay> {
         let corner = *self.order.get(random.below(self.order.len()))?;
         let from = centre + point(random).as_vec3() * (reach * 1.5);
         let eye = from.as_dvec3();
@@ -183,12 +183,12 @@ mod tests {
         let with_ids: Vec<_> = (0..).zip(corners.clone()).collect();
         let shared = SharedFeatures::new(&with_ids);
         let mut random = Random::new(1, "aims");
-        let aims: Vec<CertainHit> =
+        let aims: Vec<AimedRay> =
             (0..4000).filter_map(|_| shared.aim(&mut random, Vec3::ZERO, 2.0)).collect();
         assert!(aims.len() > 1000, "{}", aims.len());
         for aim in aims {
-            assert!(aim.around.len() == 2 || (5..=6).contains(&aim.around.len()));
-            let sides = aim.around.iter().map(|&id| {
+            assert!(aim.primitives.len() == 2 || (5..=6).contains(&aim.primitives.len()));
+            let sides = aim.primitives.iter().map(|&id| {
                 let [a, b, c] = corners[id as usize].map(Vec3::from);
                 // outwards, whichever way round the corners are
                 let normal = (b - a).cross(c - a);

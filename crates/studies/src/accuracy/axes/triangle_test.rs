@@ -2,10 +2,10 @@
 
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, PrimitiveKind};
-use accel_core::variants::chosen_tests::{Choice, ChosenTests, SphereChoice, TriangleChoice};
+use accel_core::variants::chosen_tests::{Choice, SphereChoice, TriangleChoice, visit_tested};
 
-use super::chosen_tests;
-use super::triangle_aims::{CertainHit, SharedFeatures};
+use super::chosen_tests::{NearestOf, variant};
+use super::triangle_aims::{AimedRay, SharedFeatures};
 use crate::accuracy::axis::{Axis, Measure};
 use crate::accuracy::record::SceneOutcome;
 use crate::accuracy::stage::{PreparedScene, Stage, count};
@@ -23,26 +23,14 @@ pub static AXIS: Axis = Axis {
     measure: Measure::Each { subjects: SUBJECTS, serves, measure },
 };
 
-/// Through what the tests are timed where they are compiled in: triangles one by one, then in
-/// blocks of eight; but for the first, for scenes of triangles alone.
-const COMPILED: &[&str] = &[
-    "obvhs-bvh2:kernel=scalar",
-    "obvhs-cwbvh:kernel=scalar",
-    "uniform-grid:kernel=scalar",
-    "obvhs-cwbvh:kernel=block",
-    "uniform-grid:kernel=block",
-    "wide-bvh",
-];
+/// Through what the tests are timed: triangles one by one, then in blocks of eight.
+const SUBJECTS: &[&str] = &["uniform-grid:kernel=scalar", "uniform-grid", "wide-bvh"];
 
 /// Blocks are of triangles alone: in other scenes they would repeat what is tested one by one.
 fn serves(prepared: &PreparedScene, subject: &str) -> bool {
-    let has_blocks = subject.ends_with("kernel=block") || subject == "wide-bvh";
-    !has_blocks || matches!(prepared.geometry.prims(), PrimsRef::Watertight(_))
+    let is_one_by_one = subject.ends_with("kernel=scalar");
+    is_one_by_one || matches!(prepared.geometry.prims(), PrimsRef::Watertight(_))
 }
-
-/// Tests that are called would only repeat the first.
-const SUBJECTS: &[&str] =
-    if cfg!(feature = "compiled-tests") { COMPILED } else { COMPILED.split_at(1).0 };
 
 /// Values of the setting, and the test each is.
 pub const TESTS: [(&str, TriangleChoice); 6] = [
@@ -69,27 +57,15 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     }
     let hit = |triangle: TriangleChoice| {
         let choice = Choice { triangle, sphere: SphereChoice::Rearranged };
-        let tested = match prims {
-            PrimsRef::Watertight(set) => ChosenTests::of_triangles(set, choice),
-            PrimsRef::Mixed(set) => ChosenTests::of_mixed(set, choice),
-        };
-        let nearest = move |aim: &CertainHit| {
-            let setup = tested.setup(&aim.ray);
-            let t = |id: &u32| tested.intersect(*id, &aim.ray, &setup, f32::INFINITY);
-            aim.around.iter().filter_map(t).reduce(f32::min)
-        };
-        aims.iter().map(nearest).collect::<Vec<Option<f32>>>()
+        visit_tested(prims, choice, NearestOf { aims: &aims }).unwrap_or_default()
     };
     let exact = hit(TriangleChoice::Double);
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
         let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
-        chosen_tests::variant(name, built, &batches, answers)
+        variant(name, built, &batches, answers)
     });
     let said = AxisReport {
-        timed: format!(
-            "{rays} rays of the scene through {subject}; {}",
-            chosen_tests::made(&built)
-        ),
+        timed: format!("{rays} rays of the scene through {subject}"),
         judged: format!("{} rays at corners and edges within the mesh", aims.len()),
         ..AxisReport::default()
     };
@@ -98,7 +74,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
 }
 
 /// Rays at the corners and edges of the scene's meshes.
-fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<CertainHit> {
+fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<AimedRay> {
     let mut balls = Vec::new();
     let corners = |id: u32| {
         balls.clear();

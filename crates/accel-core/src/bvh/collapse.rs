@@ -13,14 +13,17 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use wide::f32x8;
 
+use crate::bvh::build::agglomerated::limit_levels;
+use crate::bvh::items::Groups;
 use crate::geometry::lanes::Eight;
 use crate::parallel::forks;
 use crate::primitives::TriangleBlock;
-use crate::structures::obvhs::builder::limit_levels;
-use crate::structures::obvhs::items::Groups;
 
 /// Children of a node at most.
 pub(super) const WIDTH: usize = 8;
+
+/// Upper bound on the depth of the binary tree; collapsing only makes it shallower.
+pub(super) const LEVELS: u32 = 96;
 
 /// Set in the child of a node that is a leaf.
 pub(super) const LEAF: u32 = 1 << 31;

@@ -4,23 +4,22 @@
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
 //! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT
 //! 2008 (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree
-//! is built in `binary_tree/`, or with a `preset` by obvhs's agglomeration and reinsertion (see
-//! `obvhs/bvh2.rs`).
+//! is built in `build/`: binned, in Morton order, or with a `preset` by obvhs.
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays
 //! are padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT
 //! 2(2), 2013, pads the slabs' rounding alone; the children that a ray meets are sorted by where it
 //! enters them, unless any hit ends the query.
 
-mod binary_tree;
+pub(crate) mod box_ray;
+pub(crate) mod build;
 mod collapse;
-mod eight_rays;
+pub(crate) mod items;
 mod node;
 mod node_ray_lanes;
 mod packet;
 mod refit;
-mod stack;
-mod traversal;
+mod traverse;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -31,26 +30,22 @@ use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::counters::{NoCounters, WorkCounters};
+use crate::query::counters::Counters;
 use crate::query::kernel::ListBlocks;
 use crate::query::lists::{Layout, Lists};
 use crate::query::prepared::SequentialDriver;
-use crate::query::resumable;
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
-use crate::structures::obvhs::adapter::{
-    AdapterConfig, BINNED, BUILDS, MORTON, PRESET, UNPADDED, is_unpadded,
-};
-use crate::structures::obvhs::box_ray::RaySetup;
-use crate::structures::obvhs::builder::reinserted;
-use crate::structures::obvhs::items::{Padding, items_of};
-use crate::update::{Change, REBUILD_AT, REFIT};
-use binary_tree::{binned, morton};
-use collapse::{Collapse, Costs, LEAF, WIDTH};
+use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
+use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
+use box_ray::RaySetup;
+use build::agglomerated::{preset_named, reinserted};
+use build::{binned, morton};
+use collapse::{Collapse, Costs, LEAF, LEVELS, WIDTH};
+use items::{Padding, items_of};
 use node::Node;
-use stack::LEVELS;
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
@@ -62,7 +57,7 @@ pub static INFO: StructureInfo = StructureInfo {
             .about(
                 "rays derived one by one, or those of a batch eight at a time, which go together where they run alike",
             ),
-        ParamSpec::choice(PRESET.name, BINNED, BUILDS)
+        ParamSpec::choice("preset", BINNED, BUILDS)
             .about(
                 "the binary tree: binned from the top down, the same over clusters in Morton order (built faster), or \
                  of one of obvhs's build presets",
@@ -72,8 +67,11 @@ pub static INFO: StructureInfo = StructureInfo {
             .about("cost of a visit to a node, that of a block of triangles being 1"),
         REFIT,
         REBUILD_AT,
-        #[cfg(feature = "compiled-tests")]
-        crate::structures::obvhs::adapter::PADDING,
+        TRIANGLE_TEST,
+        SPHERE_TEST,
+        ParamSpec::choice("padding", "default", &["default", "none"]).about(
+            "for comparison: none leaves out what keeps rounding from losing boxes that hold hits",
+        ),
     ],
     variants: &[""],
     also_tested: &[
@@ -85,9 +83,19 @@ pub static INFO: StructureInfo = StructureInfo {
         "max-leaf=1",
         "max-leaf=4 node-cost=4",
     ],
-    known_defect: |params| is_unpadded(params).then_some(UNPADDED),
+    known_defect: |params| {
+        (params.text("padding") == "none")
+            .then_some("boxes are not padded: hits at their faces are lost to rounding")
+    },
     sampled: false,
 };
+
+const BINNED: &str = "binned";
+const MORTON: &str = "morton";
+
+/// Builders of the binary tree: ours, and obvhs's presets.
+const BUILDS: &[&str] =
+    &[BINNED, MORTON, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
 /// How rays are asked about: those of a batch that run alike go together.
 const PACKETS: &str = "packets";
@@ -110,9 +118,8 @@ pub struct WideBvh<S: Scalar> {
     batches: Batches,
     /// True if a primitive that ends behind a ray's origin is not hit: see [`NodeRay`].
     is_exact: bool,
-    /// Rays are not padded.
-    #[cfg(feature = "compiled-tests")]
-    is_plain: bool,
+    /// Neither boxes nor rays are padded.
+    is_unpadded: bool,
     stats: StructureStats,
     /// With `update=refit`: what a ray was expected to cost when the tree was built.
     built_cost: Option<f64>,
@@ -121,10 +128,11 @@ pub struct WideBvh<S: Scalar> {
 /// Settings of the build and of queries.
 #[derive(Clone)]
 pub struct WideBvhConfig {
-    adapter: AdapterConfig,
     costs: Costs,
     batches: Batches,
     build: Build,
+    is_unpadded: bool,
+    refitted_until: Option<f64>,
 }
 
 /// Builder of the binary tree.
@@ -132,25 +140,26 @@ pub struct WideBvhConfig {
 enum Build {
     Binned,
     Morton,
-    Obvhs,
+    Preset(obvhs::BvhBuildParams),
 }
 
 impl Config for WideBvhConfig {
     fn of(params: &Params) -> Self {
         let longest_leaf = params.integer("max-leaf") as u32;
         Self {
-            adapter: Config::of(params),
             costs: Costs { node: params.real("node-cost") as f32, longest_leaf },
             batches: match params.text("query") {
                 "batch" => Batches::Together,
                 PACKETS => Batches::Packets,
                 _ => Batches::RayByRay,
             },
-            build: match params.text(PRESET.name) {
+            build: match params.text("preset") {
                 BINNED => Build::Binned,
                 MORTON => Build::Morton,
-                _ => Build::Obvhs,
+                preset => Build::Preset(preset_named(preset)),
             },
+            is_unpadded: params.text("padding") == "none",
+            refitted_until: refitted_until(params),
         }
     }
 }
@@ -158,10 +167,12 @@ impl Config for WideBvhConfig {
 impl WideBvhConfig {
     /// By how much boxes are padded.
     fn padding<S: Scalar, P: PrimSet<S>>(&self, prims: &P) -> Padding {
-        match self.adapter.is_unpadded {
-            true => Padding::Rounding,
-            false if is_exact(prims) => Padding::OF_CORNERS,
-            false => OTHER_PADDING,
+        if self.is_unpadded {
+            Padding::Rounding
+        } else if is_exact(prims) {
+            Padding::OF_CORNERS
+        } else {
+            OTHER_PADDING
         }
     }
 }
@@ -180,10 +191,10 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         let structure = settings.structure();
         let items = items_of(prims, settings.limits(), settings.padding(prims))?;
         let longest_leaf = settings.costs.longest_leaf;
-        let mut bvh = match settings.build {
+        let mut bvh = match settings.build.clone() {
             Build::Binned => binned::tree(&items.boxes, longest_leaf),
             Build::Morton => morton::tree(&items.boxes, longest_leaf),
-            Build::Obvhs => reinserted(&items.boxes, &settings.adapter.preset, true),
+            Build::Preset(preset) => reinserted(&items.boxes, &preset),
         };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
         let collapsed = collapse.collapsed();
@@ -233,12 +244,11 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             setup: items.setup,
             batches,
             is_exact: is_exact(prims),
-            #[cfg(feature = "compiled-tests")]
-            is_plain: settings.adapter.is_unpadded,
+            is_unpadded: settings.is_unpadded,
             stats,
             built_cost: None,
         };
-        let is_refitted = settings.adapter.refitted_until.is_some();
+        let is_refitted = settings.refitted_until.is_some();
         built.built_cost = is_refitted.then(|| built.expected_cost(settings.costs));
         Ok(built)
     }
@@ -249,8 +259,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         settings: &Settings<WideBvhConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if let (Some(built), Some(until)) = (self.built_cost, settings.adapter.refitted_until)
-            && let Some(cost) = self.refit(prims, settings, moved)?
+        if let (Some(built), Some(until)) = (self.built_cost, settings.refitted_until)
+            && let Some(cost) = self.refit(prims, settings, moved)
             && cost <= until * built
         {
             return Ok(Change::Updated);
@@ -261,37 +271,24 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        resumable::traverse(self, ray, sink);
+        self.traverse_ray(ray, sink);
     }
 
     #[inline(always)]
     fn batches<P: PrimSet<S>>(&self, _: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        let has_batches = P::HAS_BLOCKS;
-        #[cfg(feature = "compiled-tests")]
-        let has_batches = has_batches && !self.is_plain;
-        if has_batches { self.batches } else { Batches::RayByRay }
+        if P::HAS_BLOCKS && !self.is_unpadded { self.batches } else { Batches::RayByRay }
     }
 
     #[inline(always)]
-    fn answer_batch<P: PrimSet<S>>(
+    fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         prims: &P,
         _: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         reach: S,
         answers: BatchAnswers<'_, S>,
-    ) {
-        batch::answer::<SequentialDriver, NoCounters, _, _, _>(self, prims, rays, reach, answers);
-    }
-
-    fn count_batch<P: PrimSet<S>>(
-        &self,
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    ) -> WorkCounters {
-        batch::answer::<SequentialDriver, _, _, _, _>(self, prims, rays, reach, answers)
+    ) -> C {
+        batch::answer::<SequentialDriver, C, _, _, _>(self, prims, rays, reach, answers)
     }
 
     fn stats(&self) -> StructureStats {

@@ -8,29 +8,23 @@ use crate::geometry::ray::{Ray, unit_factor};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{Scalar, Vector};
 
-/// Representation of rays for trees.
+/// How rays are told to a tree: in units of the scene's size, so that its largest coordinate lies
+/// in [1, 2).
 #[derive(Debug, Clone, Copy)]
-pub(crate) enum RaySetup<S: Scalar> {
-    AsShipped,
-    /// Origins times `unit`, so that the scene's largest coordinate lies in [1, 2).
-    Robust {
-        /// A power of two.
-        unit: S,
-    },
+pub(crate) struct RaySetup<S> {
+    /// A power of two.
+    unit: S,
 }
 
 impl<S: Scalar> RaySetup<S> {
     /// For a scene whose largest coordinate is `magnitude`.
-    pub(super) fn robust(magnitude: S) -> Self {
-        Self::Robust { unit: magnitude.to_unit_size() }
+    pub(super) fn new(magnitude: S) -> Self {
+        Self { unit: magnitude.to_unit_size() }
     }
 
     /// Factor that coordinates are multiplied by.
     pub(crate) fn unit(&self) -> f64 {
-        match self {
-            Self::AsShipped => 1.0,
-            Self::Robust { unit } => unit.to_f64(),
-        }
+        self.unit.to_f64()
     }
 
     /// A box as the tree has it, in world units.
@@ -42,20 +36,14 @@ impl<S: Scalar> RaySetup<S> {
     /// The ray as boxes see it.
     #[inline(always)]
     pub(crate) fn ray(&self, ray: &Ray<S>, length: Length) -> BoxRay<S> {
-        match *self {
-            Self::AsShipped => BoxRay::as_shipped(ray),
-            Self::Robust { unit } => BoxRay::robust(ray, unit, length),
-        }
+        BoxRay::new(ray, self.unit, length)
     }
 
     /// [`RaySetup::ray`] of [`Length::Own`] for eight rays whose intervals begin at their origins
     /// or later.
     #[inline(always)]
     pub(crate) fn ray_lanes(&self, rays: &RayLanes<S>) -> BoxRayLanes<S> {
-        let unit = match *self {
-            Self::AsShipped => S::ONE,
-            Self::Robust { unit } => unit,
-        };
+        let unit = self.unit;
         let is_own = size_of::<S>() == size_of::<f32>();
         let mut lanes = BoxRayLanes {
             origin: [[0.0; LANES]; 3],
@@ -74,12 +62,6 @@ impl<S: Scalar> RaySetup<S> {
         }
         lanes
     }
-
-    /// Returns whether obvhs is to get bounds that rounding cannot make too small.
-    #[inline(always)]
-    pub(super) fn is_robust(&self) -> bool {
-        matches!(self, Self::Robust { .. })
-    }
 }
 
 /// Rule for the length of the ray direction in box tests.
@@ -87,8 +69,6 @@ impl<S: Scalar> RaySetup<S> {
 pub(crate) enum Length {
     /// The ray's own in f32, its largest component in [1, 2) in f64 or where it starts earlier.
     Own,
-    /// Its largest component lies in [1, 2).
-    Unit,
     /// Its largest component lies in [1, 2) times [`BRIEF`].
     Brief,
 }
@@ -133,7 +113,7 @@ const LEAD_SLACK: f32 = 32.0 * f32::EPSILON;
 
 impl<S: Scalar> BoxRay<S> {
     #[inline(always)]
-    fn robust(ray: &Ray<S>, unit: S, length: Length) -> Self {
+    fn new(ray: &Ray<S>, unit: S, length: Length) -> Self {
         if ray.t_min < S::ZERO {
             return Self::starting_earlier(ray, unit);
         }
@@ -165,23 +145,10 @@ impl<S: Scalar> BoxRay<S> {
         Self { origin, direction, parameters: BoxParameters { scale, lead } }
     }
 
+    /// This for obvhs, up to `t_max`.
     #[inline(always)]
-    fn as_shipped(ray: &Ray<S>) -> Self {
-        Self {
-            origin: to_f32::<S>(ray.origin).into(),
-            direction: to_f32::<S>(ray.direction).into(),
-            parameters: BoxParameters::SAME,
-        }
-    }
-
-    /// This for obvhs: of `ray`, by the same setup, up to `t_max`.
-    #[inline(always)]
-    pub(super) fn for_obvhs(&self, setup: &RaySetup<S>, ray: &Ray<S>, t_max: S) -> ObvhsRay {
+    pub(crate) fn for_obvhs(&self, t_max: S) -> ObvhsRay {
         let (origin, direction) = (self.origin, self.direction);
-        if let RaySetup::AsShipped = setup {
-            let [t_min, t_max] = [ray.t_min, ray.t_max].map(|t| t.to_f64() as f32);
-            return ObvhsRay::new(origin, direction, t_min, t_max);
-        }
         // all axes at once
         let is_small = direction.abs().cmplt(Vec3A::splat(1e-30));
         let large = Vec3A::splat(f32::from_bits(0x7180_0000)).copysign(direction);
@@ -192,8 +159,6 @@ impl<S: Scalar> BoxRay<S> {
 }
 
 impl<S: Scalar> BoxParameters<S> {
-    const SAME: Self = Self { scale: S::ONE, lead: 0.0 };
-
     /// Returns whether its origin is not the true one.
     #[inline(always)]
     pub(crate) fn starts_earlier(&self) -> bool {

@@ -1,18 +1,16 @@
-//! Input of the BVH builders of obvhs: boxes in f32, checked, padded and grouped.
+//! Input of the builders of BVHs: boxes in f32, checked, padded and grouped.
 
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
 
+use crate::bvh::box_ray::RaySetup;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
 use crate::memory::Limits;
 use crate::parallel;
-use crate::params::config::Settings;
 use crate::primitives::PrimSet;
-use crate::structure::{BuildError, refuse_out_of_scale};
-use crate::structures::obvhs::adapter::AdapterConfig;
-use crate::structures::obvhs::box_ray::RaySetup;
+use crate::structure::BuildError;
 
 /// The boxes a BVH is built over, and which primitives each stands for.
 pub(crate) struct Items<S: Scalar> {
@@ -56,28 +54,9 @@ impl Groups {
 const TOLERATED_COINCIDENT: usize = 3;
 const CENTRE_SAMPLE: usize = 4096;
 
-/// The boxes of all primitives, checked, padded and grouped as the adapter setting says.
-pub(crate) fn items<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
-    settings: &Settings<AdapterConfig>,
-) -> Result<Items<S>, BuildError> {
-    items_of(prims, settings.limits(), padding_of(settings))
-}
-
-/// By how much the boxes of obvhs's own trees grow.
-pub(crate) fn padding_of(config: &AdapterConfig) -> Padding {
-    match (config.is_robust, config.is_unpadded) {
-        (false, _) => Padding::None,
-        (true, false) => Padding::OfScene,
-        (true, true) => Padding::Rounding,
-    }
-}
-
 /// By how much the box of a primitive grows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Padding {
-    /// Not at all, and coordinates are kept as they are: boxes for obvhs as shipped.
-    None,
     /// By no more than the rounding of coordinates to f32, in units of the scene's size.
     Rounding,
     /// By [`PADDING_ULPS`] ulps of the scene's largest coordinate.
@@ -90,12 +69,15 @@ pub(crate) enum Padding {
 impl Padding {
     /// By how far the point in which the watertight test hits a triangle in f32 lies outside of its
     /// box, beyond what grows with the distance of the hit: half an epsilon of both extents, and a
-    /// little more (`wide_bvh/node.rs`).
+    /// little more (`bvh/node.rs`).
     pub(crate) const OF_CORNERS: Self =
         Self::OfExtent { along: 0.5 + 1.0 / 32.0, largest: 0.5 + 1.0 / 32.0 };
 }
 
-/// [`items`], the padding given.
+/// The boxes of all primitives, checked, padded and grouped.
+///
+/// # Errors
+/// [`BuildError`] for boxes that are not finite or do not fit in memory.
 pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     limits: Limits,
@@ -104,24 +86,17 @@ pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
     // a box and an id of each primitive, twice as many nodes
     limits.fits(96 * prims.len() as u128)?;
     let (single, setup) = boxes(prims, limits.structure, padding)?;
-    let (boxes, groups) = if padding != Padding::None && centres_coincide(&single) {
-        grouped(&single)
-    } else {
-        (single, Groups::Single)
-    };
+    let (boxes, groups) =
+        if centres_coincide(&single) { grouped(&single) } else { (single, Groups::Single) };
     Ok(Items { boxes, groups, setup })
 }
 
-/// The boxes of all primitives in f32, by id, checked; if padded, in units of the scene's size.
+/// The boxes of all primitives in f32, by id, checked, in units of the scene's size.
 pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     structure: &'static str,
     padding: Padding,
 ) -> Result<(Vec<ObvhsAabb>, RaySetup<S>), BuildError> {
-    if padding == Padding::None {
-        // obvhs knows f32 alone
-        refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
-    }
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     let scale = BoxScale::new(boxes.scene().magnitude(), padding);
@@ -140,36 +115,20 @@ pub(crate) struct BoxScale<S: Scalar> {
 
 impl<S: Scalar> BoxScale<S> {
     fn new(magnitude: S, padding: Padding) -> Self {
-        let setup = match padding {
-            Padding::None => RaySetup::AsShipped,
-            Padding::Rounding | Padding::OfScene | Padding::OfExtent { .. } => {
-                RaySetup::robust(magnitude)
-            }
-        };
-        Self { padding, magnitude: magnitude.to_f64(), setup }
+        Self { padding, magnitude: magnitude.to_f64(), setup: RaySetup::new(magnitude) }
     }
 
     /// That of [`boxes`], without a look at all primitives.
-    ///
-    /// # Errors
-    /// Those of [`boxes`].
-    pub(crate) fn of_set<P: PrimSet<S>>(
-        prims: &P,
-        structure: &'static str,
-        padding: Padding,
-    ) -> Result<Self, BuildError> {
-        if padding == Padding::None {
-            refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
-        }
+    pub(super) fn of_set<P: PrimSet<S>>(prims: &P, padding: Padding) -> Self {
         // the scene's box is padded twice
         let padded = S::ONE + S::EPSILON * S::from_f64(2.0 * PADDING_ULPS + 1.0);
-        Ok(Self::new((prims.magnitude() * padded).greater(S::from_f64(1e-30)), padding))
+        Self::new((prims.magnitude() * padded).greater(S::from_f64(1e-30)), padding)
     }
 
     /// Returns whether the boxes of primitives that have not moved are large enough in this scale,
     /// too.
-    pub(crate) fn serves(&self, before: &RaySetup<S>) -> bool {
-        self.padding != Padding::OfScene && self.setup.unit() == before.unit()
+    pub(super) fn serves(&self, before: &RaySetup<S>) -> bool {
+        self.setup.unit() == before.unit()
     }
 
     /// The box of a primitive with these bounds.
@@ -178,7 +137,7 @@ impl<S: Scalar> BoxScale<S> {
         // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
         let epsilon = f64::from(f32::EPSILON);
         let margins = match self.padding {
-            Padding::None | Padding::Rounding => DVec3::ZERO,
+            Padding::Rounding => DVec3::ZERO,
             Padding::OfScene => DVec3::splat(epsilon * PADDING_ULPS * self.magnitude),
             Padding::OfExtent { along, largest } => {
                 let extents = tight.size().to_dvec3();
@@ -257,6 +216,7 @@ fn grouped(single: &[ObvhsAabb]) -> (Vec<ObvhsAabb>, Groups) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::params::config::Settings;
     use crate::primitives::MixedSetBuilder;
 
     #[test]
@@ -292,8 +252,8 @@ mod tests {
             builder.sphere(centre, 0.1 + f64::from(i) * 1e-4).unwrap();
         }
         let set = builder.finish();
-        let params = crate::structures::obvhs::bvh2::INFO.defaults();
-        let items = items(&set, &Settings::of(&params)).unwrap();
+        let limits = Settings::<()>::of(&crate::bvh::INFO.defaults()).limits();
+        let items = items_of(&set, limits, Padding::OfScene).unwrap();
         let Groups::Many { ids, .. } = &items.groups else { panic!("not grouped") };
         assert_eq!(items.boxes.len(), 501);
         let mut sorted = ids.clone();

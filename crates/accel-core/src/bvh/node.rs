@@ -154,9 +154,8 @@ impl NodeRay {
     }
 
     /// The same without anything added, for the price of it.
-    #[cfg(feature = "compiled-tests")]
     #[inline(always)]
-    pub(super) fn plain(o: Vec3A, d: Vec3A) -> Self {
+    pub(super) fn unpadded(o: Vec3A, d: Vec3A) -> Self {
         let inverse = d.recip().min(Vec3A::splat(LARGE)).max(Vec3A::splat(-LARGE));
         let offset = (-(o * inverse)).to_array();
         Self::with([inverse.to_array(); 2], [offset; 2], inverse.is_negative_bitmask())
@@ -184,10 +183,10 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::bvh::box_ray::{BoxRay, Length};
+    use crate::bvh::items::{Padding, boxes};
     use crate::geometry::ray::Ray;
     use crate::primitives::{PrimSet, TriangleSet, Watertight};
-    use crate::structures::obvhs::box_ray::{BoxRay, Length};
-    use crate::structures::obvhs::items::{Padding, boxes};
     use crate::structures::test_scenes::Random;
 
     /// One of these powers of ten, evenly by logarithm.

@@ -11,18 +11,18 @@
 //! box of each child that it meets; at a list each ray that meets its box tests the blocks as it
 //! would alone. A node that the rays visit together counts as one step of one of them.
 
-use super::WideBvh;
-use super::collapse::{LEAF, WIDTH};
-use super::node::{EPSILON, LARGE, LEAST_PART, NodeRay};
-use super::node_ray_lanes::NodeRayLanes;
-use super::stack::{Stack, StackStorage};
-use super::traversal::State;
+use crate::bvh::WideBvh;
+use crate::bvh::box_ray::{BoxParameters, BoxRayLanes};
+use crate::bvh::collapse::{LEAF, WIDTH};
+use crate::bvh::node::{EPSILON, LARGE, LEAST_PART, NodeRay};
+use crate::bvh::node_ray_lanes::NodeRayLanes;
+use crate::bvh::traverse::Stack;
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
-use crate::geometry::ray_lanes::LANES;
+use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
-use crate::query::resumable;
+use crate::query::prepared::LaneStructure;
 use crate::query::sink::Sink;
-use crate::structures::obvhs::box_ray::BoxParameters;
+use crate::structure::Batches;
 use wide::f32x8;
 
 /// Rays go together if their origins lie within this part of the scene's size, on each axis, and
@@ -121,7 +121,7 @@ impl Packet {
             *end = parameters.bound(sink.t_max());
         }
         let is_any_hit = sinks[0].is_any_hit();
-        let (mut room, mut waiting) = (StackStorage::default(), 0);
+        let mut stack = Stack::new();
         let (mut end, mut at, mut first) = (ends.last(), bvh.root, 0);
         'nodes: loop {
             sinks[first].inner_step();
@@ -132,8 +132,6 @@ impl Packet {
                 bvh.prefetch(node.children[child]);
                 at * WIDTH as u32 + child as u32
             };
-            // SAFETY: no other stack is in this room
-            let mut stack = unsafe { Stack::new(&mut room, &mut waiting) };
             let mut next = stack.descend(node, &self.ray, end, is_any_hit, name);
             while let Some(place) = next {
                 let (node, child) = (&bvh.nodes[place as usize / WIDTH], place as usize % WIDTH);
@@ -148,11 +146,8 @@ impl Packet {
                     let lane = take_lowest(&mut meeting) & (LANES - 1);
                     let sink = &mut sinks[lane];
                     let flow = if to & LEAF == 0 {
-                        resumable::run(
-                            bvh,
-                            State::at_node(parameters[lane], rays.get(lane), ends.0[lane], to),
-                            sink,
-                        )
+                        let ray = rays.get(lane);
+                        bvh.traverse_from(to, &ray, &parameters[lane], ends.0[lane], sink)
                     } else {
                         sink.elementary_step(false);
                         bvh.lists.test(to & !LEAF, sink)
@@ -173,13 +168,54 @@ impl Packet {
     }
 }
 
+/// Data of eight rays that node tests need.
+pub struct EightRays<S: Scalar> {
+    rays: NodeRayLanes,
+    parameters: [BoxParameters<S>; LANES],
+    /// Inputs from which `rays` was derived.
+    origin: [[f32; LANES]; 3],
+    direction: [[f32; LANES]; 3],
+}
+
+impl<S: Scalar> LaneStructure<S> for WideBvh<S> {
+    type Eight = EightRays<S>;
+    type Packet = Packet;
+
+    #[inline(always)]
+    fn prepare(&self, rays: &RayLanes<S>) -> EightRays<S> {
+        let BoxRayLanes { origin, direction, parameters } = self.setup.ray_lanes(rays);
+        let rays = NodeRayLanes::of(&origin, &direction, self.is_exact);
+        EightRays { rays, parameters, origin, direction }
+    }
+
+    #[inline(always)]
+    fn trace_prepared<K: Sink<S>>(&self, eight: &EightRays<S>, lane: usize, sink: &mut K) {
+        let (ray, parameters) = (eight.rays.get(lane), &eight.parameters[lane & (LANES - 1)]);
+        let end = parameters.bound(sink.t_max());
+        let _ = self.traverse_from(self.root, &ray, parameters, end, sink);
+    }
+
+    #[inline(always)]
+    fn packet(&self, eight: &EightRays<S>) -> Option<Packet> {
+        match self.batches {
+            Batches::Packets => Packet::of(&eight.origin, &eight.direction, self.is_exact),
+            _ => None,
+        }
+    }
+
+    #[inline(always)]
+    fn trace_packet<K: Sink<S>>(&self, eight: &EightRays<S>, packet: &Packet, sinks: &mut [K]) {
+        packet.trace(self, &eight.rays, &eight.parameters, sinks);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use glam::Vec3A;
 
     use super::*;
+    use crate::bvh::node::Node;
     use crate::structures::test_scenes::Random;
-    use crate::structures::wide_bvh::node::Node;
 
     type Columns = [[f32; LANES]; 3];
 

@@ -4,9 +4,9 @@
 use wide::{f32x4, i32x4};
 
 use super::boxes::{Bounds, Item, SetBounds};
+use crate::bvh::collapse::blocks;
 use crate::geometry::lanes::Four;
 use crate::parallel::{map_parts, parts};
-use crate::structures::wide_bvh::collapse::blocks;
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;

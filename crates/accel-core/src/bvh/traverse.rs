@@ -1,12 +1,81 @@
-//! The traversal stack of the wide BVH: nodes still to visit, with their entry distances.
+//! One ray's way through the tree: at a node its eight boxes are tested at once, the children that
+//! are met are sorted and pushed, and the nearest comes next; at a leaf its triangles are tested.
+//!
+//! Paper: I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray
+//! Traversal using Multi-branching BVHs", RT 2008. Deviation: where any hit ends the query, the
+//! children are not sorted. The test of the boxes is in `node.rs`, where a ray's interval ends in
+//! `box_ray.rs`; eight rays at once are in `eight_rays.rs` and `packet.rs`.
 
 use std::mem::MaybeUninit;
+use std::ops::ControlFlow;
 
-use super::collapse::WIDTH;
+use super::WideBvh;
+use super::box_ray::{BoxParameters, BoxRay, Length};
+use super::collapse::{LEAF, LEVELS, WIDTH};
 use super::node::{Node, NodeRay};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::Scalar;
+use crate::memory::prefetch;
+use crate::query::sink::Sink;
 
-/// Upper bound on the depth of the binary tree; collapsing only makes it shallower.
-pub(super) const LEVELS: u32 = 96;
+impl<S: Scalar> WideBvh<S> {
+    /// Tests the primitives that a ray may hit.
+    #[inline(always)]
+    pub(super) fn traverse_ray<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
+        let BoxRay { origin, direction, parameters } = self.setup.ray(ray, Length::Own);
+        let of_nodes = if self.is_unpadded {
+            NodeRay::unpadded(origin, direction)
+        } else {
+            NodeRay::of(origin, direction, self.is_exact && !parameters.starts_earlier())
+        };
+        let end = parameters.bound(sink.t_max());
+        let _ = self.traverse_from(self.root, &of_nodes, &parameters, end, sink);
+    }
+
+    /// The traversal from a child on, which a ray enters before its parameter `end`; `Break` when
+    /// the query is over.
+    #[inline(always)]
+    pub(super) fn traverse_from<K: Sink<S>>(
+        &self,
+        mut at: u32,
+        ray: &NodeRay,
+        parameters: &BoxParameters<S>,
+        mut end: f32,
+        sink: &mut K,
+    ) -> ControlFlow<()> {
+        let mut stack = Stack::new();
+        loop {
+            while at & LEAF == 0 {
+                sink.inner_step();
+                let node = &self.nodes[at as usize];
+                let name = |child: usize| node.children[child];
+                match stack.descend(node, ray, end, sink.is_any_hit(), name) {
+                    Some(next) => at = next,
+                    None => return ControlFlow::Continue(()),
+                }
+            }
+            sink.elementary_step(false);
+            self.lists.test(at & !LEAF, sink)?;
+            if !sink.is_any_hit() {
+                end = parameters.bound(sink.t_max());
+            }
+            match stack.pop(end) {
+                Some(next) => at = next,
+                None => return ControlFlow::Continue(()),
+            }
+        }
+    }
+
+    /// Begins to load a child.
+    #[inline(always)]
+    pub(super) fn prefetch(&self, child: u32) {
+        match child & LEAF {
+            0 => prefetch(&self.nodes[child as usize]),
+            _ => self.lists.prefetch(child & !LEAF),
+        }
+    }
+}
+
 /// Capacity: a node pushes at most `WIDTH - 1` children per level, plus one full node at the
 /// bottom.
 const ROOM: usize = LEVELS as usize * (WIDTH - 1) + WIDTH;
@@ -17,42 +86,30 @@ type Entry = u64;
 
 const SIGN: u32 = 1 << 31;
 
-/// Memory of a stack. The length is kept apart so that it can stay in a register.
-pub struct StackStorage([MaybeUninit<Entry>; ROOM]);
-
-impl Default for StackStorage {
-    #[inline(always)]
-    fn default() -> Self {
-        Self([const { MaybeUninit::uninit() }; ROOM])
-    }
+/// Nodes to visit, with their entry distances; within one parent, nearer children lie above farther
+/// ones.
+pub(super) struct Stack {
+    /// Those below `waiting` were written.
+    entries: [MaybeUninit<Entry>; ROOM],
+    waiting: usize,
 }
 
-/// Nodes to visit; within one parent, nearer children lie above farther ones.
-pub(super) struct Stack<'a> {
-    entries: &'a mut [MaybeUninit<Entry>; ROOM],
-    waiting: &'a mut usize,
-}
-
-impl<'a> Stack<'a> {
-    /// Stack of the first `len` entries of the storage.
-    ///
-    /// # Safety
-    /// A stack wrote them.
+impl Stack {
     #[inline(always)]
-    pub(super) unsafe fn new(room: &'a mut StackStorage, waiting: &'a mut usize) -> Self {
-        Self { entries: &mut room.0, waiting }
+    pub(super) fn new() -> Self {
+        Self { entries: [const { MaybeUninit::uninit() }; ROOM], waiting: 0 }
     }
 
     #[inline(always)]
     fn push(&mut self, entry: Entry) {
-        self.entries[*self.waiting].write(entry);
-        *self.waiting += 1;
+        self.entries[self.waiting].write(entry);
+        self.waiting += 1;
     }
 
     /// Pushes an entry below the nearer ones among those from `first` on.
     #[inline(always)]
     fn insert(&mut self, entry: Entry, first: usize) {
-        let mut place = *self.waiting;
+        let mut place = self.waiting;
         while place > first {
             // SAFETY: what lies below `waiting` was written
             let above = unsafe { self.entries[place - 1].assume_init() };
@@ -63,16 +120,16 @@ impl<'a> Stack<'a> {
             place -= 1;
         }
         self.entries[place].write(entry);
-        *self.waiting += 1;
+        self.waiting += 1;
     }
 
     /// The next child that the ray enters before `end`.
     #[inline(always)]
     pub(super) fn pop(&mut self, end: f32) -> Option<u32> {
-        while *self.waiting > 0 {
-            *self.waiting -= 1;
+        while self.waiting > 0 {
+            self.waiting -= 1;
             // SAFETY: what lies below `waiting` was written
-            let entry = unsafe { self.entries[*self.waiting].assume_init() };
+            let entry = unsafe { self.entries[self.waiting].assume_init() };
             if f32::from_bits((entry >> 32) as u32) <= end {
                 return Some(entry as u32);
             }
@@ -171,7 +228,7 @@ impl<'a> Stack<'a> {
         let (c, is_last) = next();
         let (b, c) = (b.min(c), b.max(c));
         let (a, b) = (a.min(b), a.max(b));
-        let first = *self.waiting;
+        let first = self.waiting;
         self.push(c);
         self.push(b);
         let mut nearest = a;

@@ -12,11 +12,10 @@ use obvhs::aabb::Aabb;
 use super::collapse::{Costs, LEAF, WIDTH};
 use super::node::Node;
 use super::{WideBvh, WideBvhConfig};
+use crate::bvh::items::BoxScale;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
-use crate::structure::BuildError;
-use crate::structures::obvhs::items::BoxScale;
 use crate::update::MovedIds;
 
 impl<S: Scalar> WideBvh<S> {
@@ -27,11 +26,11 @@ impl<S: Scalar> WideBvh<S> {
         prims: &P,
         settings: &Settings<WideBvhConfig>,
         moved: &[u32],
-    ) -> Result<Option<f64>, BuildError> {
-        let scale = BoxScale::of_set(prims, settings.structure(), settings.padding(prims))?;
+    ) -> Option<f64> {
+        let scale = BoxScale::of_set(prims, settings.padding(prims));
         let moved = MovedIds::new(moved);
         if !self.lists.refresh(prims, &moved) {
-            return Ok(None);
+            return None;
         }
         let is_same = scale.serves(&self.setup);
         self.setup = scale.setup;
@@ -61,7 +60,7 @@ impl<S: Scalar> WideBvh<S> {
             }
             cost.node(&own[number]);
         }
-        Ok(Some(cost.of_ray(own.first())))
+        Some(cost.of_ray(own.first()))
     }
 
     /// Expected cost of a ray that meets the scene.

@@ -75,7 +75,7 @@ pub(super) mod tests {
     use super::super::cut::{BinSplit, Bins};
     use super::super::sets::MOST_CUTS;
     use super::*;
-    use crate::structures::obvhs::builder::tests::{fault, nested, scattered};
+    use crate::bvh::build::agglomerated::tests::{fault, nested, scattered};
 
     /// Asserts that trees have each box once, have few levels and do not depend on the number of
     /// threads.

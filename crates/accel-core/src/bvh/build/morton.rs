@@ -238,7 +238,7 @@ fn within(
 mod tests {
     use super::super::binned::tests::{assert_few_in_a_leaf, assert_whole_and_the_same};
     use super::*;
-    use crate::structures::obvhs::builder::tests::scattered;
+    use crate::bvh::build::agglomerated::tests::scattered;
 
     #[test]
     fn trees_are_whole_and_the_same_for_any_number_of_threads() {
