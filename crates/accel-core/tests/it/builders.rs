@@ -134,6 +134,9 @@ fn tiny_triangles_are_hit<S: Buildable>(sizes: &[f64]) {
             assert_eq!(met, is_met.then_some(0.5), "{size:e} {x} {y}");
             for entry in REGISTRY {
                 let params = entry.params([]).unwrap();
+                if (entry.info.known_defect)(&params).is_some() {
+                    continue;
+                }
                 let tracer = entry.build(PrimsRef::Watertight(&set), &params).unwrap();
                 let mut hit = [Hit::NONE];
                 tracer.closest_hits(&[ray], &mut hit);

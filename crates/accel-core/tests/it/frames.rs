@@ -182,7 +182,8 @@ fn every_frame_is_right<S: Buildable>() {
                 let (wrong, updated) = wrong_of(entry, &params, &frames, &asked);
                 let how = params.get("update").unwrap_or("rebuild");
                 let label = format!("{} {params:?} {is_mixed}", entry.info.name);
-                assert_eq!(wrong, 0, "{label}");
+                let is_right = (entry.info.known_defect)(&params).is_none();
+                assert!(wrong == 0 || !is_right, "{label}: {wrong}");
                 match (how, free) {
                     ("rebuild", _) | ("instances", Free::Moves) => {
                         assert_eq!(updated, 0, "{label}")

@@ -363,8 +363,9 @@ fn answers<'r>(registry: &'r [Entry]) -> Result<Vec<Row<'r>>, PlanError> {
     };
     let mut entries: Vec<&Entry> = registry.iter().collect();
     entries.sort_by_key(|e| rank(e));
-    let rows = entries.into_iter().map(Row::defaults).collect::<Result<Vec<_>, _>>()?;
-    Ok(rows.into_iter().filter(|r| r.known_defect().is_none()).collect())
+    let mut rows = entries.into_iter().map(Row::defaults).collect::<Result<Vec<_>, _>>()?;
+    rows.sort_by_key(|row| row.known_defect().is_some());
+    Ok(rows)
 }
 
 fn kinds(names: &[String]) -> Result<Vec<RayKind>, PlanError> {

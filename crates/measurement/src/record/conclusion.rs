@@ -22,7 +22,6 @@ pub enum Question {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Conclusion {
-    /// The question.
     pub question: Question,
     /// Of which rows: those that answer ray by ray, or those that answer batches as well.
     pub query: Query,

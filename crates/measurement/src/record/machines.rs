@@ -58,7 +58,6 @@ pub enum MachinesError {
 pub struct MachinesRecord {
     /// Version of this schema: that of runs.
     pub schema_version: u32,
-    /// The program.
     pub tool: Tool,
     /// The command line that joined them, program first.
     pub command_line: Vec<String>,
@@ -77,7 +76,6 @@ pub struct MachinesRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct MachineRun {
-    /// The machine.
     pub machine: Machine,
     /// When the run began, seconds since 1970.
     pub started_unix_s: u64,
@@ -91,7 +89,6 @@ pub struct MachineRun {
 pub struct MachineRatio {
     /// The scene; none of means over all.
     pub scene: Option<String>,
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,
@@ -103,7 +100,6 @@ pub struct MachineRatio {
     pub mean: f64,
     /// The least of the machines.
     pub least: f64,
-    /// The largest.
     pub most: f64,
     /// Two machines differ by more than chance explains, among all that were compared.
     pub is_apart: bool,

@@ -28,11 +28,13 @@ fn rename(value: &mut Value) {
                 }
                 _ => None,
             };
+            // what was typed stays
+            let mut kept = vec!["command_line"];
             if let Some(settings) = of_row {
                 fields.insert("settings".into(), settings.into());
+                kept.extend(["structure", "settings"]);
             }
-            // what was typed stays
-            let others = fields.iter_mut().filter(|(name, _)| *name != "command_line");
+            let others = fields.iter_mut().filter(|(name, _)| !kept.contains(&&***name));
             others.for_each(|(_, value)| rename(value));
         }
         Value::Array(values) => values.iter_mut().for_each(rename),

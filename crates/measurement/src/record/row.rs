@@ -69,7 +69,6 @@ impl Sample {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct RowRecord {
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

@@ -36,7 +36,6 @@ pub struct SizeRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SlopeRecord {
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

@@ -9,11 +9,9 @@ use crate::record::conclusion::{Conclusion, LeastTime};
 use crate::record::row::{Answered, RowRecord, Verdict, label, with_query};
 use statistics::estimate::Estimate;
 
-/// A scene's results.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SceneRecord {
-    /// Name.
     pub name: String,
     /// Hash of the source.
     pub sha256: String,
@@ -97,7 +95,6 @@ impl SceneRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SummaryRow {
-    /// Structure.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

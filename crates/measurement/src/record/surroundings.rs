@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-/// The program.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Tool {
@@ -14,7 +13,6 @@ pub struct Tool {
     pub git_revision: Option<String>,
 }
 
-/// The machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Machine {
@@ -38,7 +36,6 @@ pub struct Machine {
     pub batches_by_avx512: Option<bool>,
 }
 
-/// The compiler.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Compiler {

@@ -1,6 +1,6 @@
 //! One image of a scene and its effects: whatever the structure, the number of threads, the run.
 
-use accel_core::structures::REGISTRY;
+use accel_core::structures::{Entry, REGISTRY};
 use renderer::EffectPlan;
 use scene_loading::SampleWishes;
 
@@ -22,7 +22,8 @@ fn all_structures_give_the_same_image() {
         let plan = EffectPlan::of(&scene, &settings([24, 18], few()));
         let expected = image_of(&scene, &plan, "brute-force");
         assert!(expected.image.pixels.as_flattened().iter().any(|x| *x != 0.0));
-        for entry in REGISTRY {
+        let is_right = |entry: &&Entry| (entry.info.known_defect)(&entry.defaults()).is_none();
+        for entry in REGISTRY.iter().filter(is_right) {
             let got = image_of(&scene, &plan, entry.info.name);
             assert!(bits(&got) == bits(&expected), "{} {}", scene.name, entry.info.name);
             assert_eq!(got.counts, expected.counts, "{} {}", scene.name, entry.info.name);

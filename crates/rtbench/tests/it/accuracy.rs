@@ -6,11 +6,12 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::common::{Ended, planted, run_with};
+use accel_core::bvh;
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
-use accel_core::structures::{Entry, REGISTRY, obvhs};
+use accel_core::structures::{Entry, REGISTRY};
 use accel_core::{Ray, Scalar};
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
@@ -228,7 +229,7 @@ static FICKLE: StructureInfo = StructureInfo {
 };
 
 static PLANTED: &[Entry] = &[
-    accel_core::entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
+    accel_core::entry!(bvh::WideBvh, bvh::INFO),
     accel_core::entry!(crate::accuracy::Fickle, FICKLE),
 ];
 
@@ -249,7 +250,7 @@ fn axes_are_listed() {
     let ended = run("list axes");
     assert_eq!(ended.code, 0);
     assert!(
-        ended.out.lines().count() == 16 && ended.out.contains("voxel-traversal  "),
+        ended.out.lines().count() == 17 && ended.out.contains("voxel-traversal  "),
         "{}",
         ended.out
     );

@@ -198,10 +198,28 @@ static DROPPER: StructureInfo = INFO;
 static SHIPPED: StructureInfo =
     StructureInfo { known_defect: |_| Some("forgets on purpose"), ..INFO };
 
+/// An entry whose batches are compiled, and so asked, in f64 too.
+macro_rules! batched_entry {
+    ($structure:path, $info:path) => {
+        accel_core::structures::Entry::new(
+            &$info,
+            |params| {
+                use $structure as It;
+                accel_core::structures::prepare::<f32, It<f32>, true>(params)
+            },
+            |params| {
+                use $structure as It;
+                accel_core::structures::prepare::<f64, It<f64>, true>(params)
+            },
+        )
+    };
+}
+pub(crate) use batched_entry;
+
 /// Real structures and the wrong one. The real ones are taken from the registry as the program
 /// runs: named in a constant they would be compiled again with the tests, and not optimised.
 pub static PLANTED: LazyLock<Vec<Entry>> = LazyLock::new(|| {
-    let real = ["brute-force", "uniform-grid", "obvhs-bvh2", "obvhs-cwbvh"];
+    let real = ["brute-force", "uniform-grid", "wide-bvh", "obvhs-bvh2", "obvhs-cwbvh"];
     let real = real.iter().filter_map(|name| find(name).copied());
     real.chain([accel_core::entry!(crate::common::Dropper, DROPPER)]).collect()
 });

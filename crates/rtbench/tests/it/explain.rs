@@ -133,7 +133,7 @@ fn all_rows_are_asked_the_rays_of_the_slowest() {
 
 #[test]
 fn queries_and_what_a_scene_does_not_serve_are_said() {
-    let ended = run_stepping("explain tetra:2 --size 16 -s wide-bvh:query=batch");
+    let ended = run_stepping("explain tetra:2 --size 16 -s irregular-grid:query=batch");
     assert_eq!(ended.code, 2, "not in that registry: {}", ended.err);
     let run = |arguments: &str| {
         let ended = run_with(

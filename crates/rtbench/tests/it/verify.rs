@@ -138,7 +138,7 @@ fn all_structures_pass_a_fast_subset() {
     );
     let table = ended.out.lines().take(40).collect::<Vec<_>>().join("\n");
     assert_eq!(ended.code, 0, "{table}\n{}", ended.err);
-    assert!(ended.out.contains("obvhs-cwbvh adapter=robust"), "{table}");
+    assert!(ended.out.contains("obvhs-cwbvh preset=fastest"), "{table}");
     let subject = "hashed-grid hash=constant";
     assert!(ended.out.lines().any(|l| l.starts_with(subject)), "{subject}: {table}");
     assert!(ended.out.contains("f32 serves 2^-30 to 2^32"), "{table}");

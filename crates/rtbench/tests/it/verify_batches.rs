@@ -56,7 +56,7 @@ type OneForEight<S> = Batched<S, OfTheFirst>;
 static ONE_FOR_EIGHT: StructureInfo = planted("one-for-eight", "wrong on purpose");
 static FAULTS: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
-    accel_core::entry!(OneForEight, ONE_FOR_EIGHT),
+    crate::common::batched_entry!(OneForEight, ONE_FOR_EIGHT),
 ];
 
 #[test]

@@ -203,9 +203,9 @@ static FAULTS: &[Entry] = &[
     accel_core::entry!(Highest, HIGHEST),
     accel_core::entry!(OddCrossings, ODD),
     accel_core::entry!(Shrunk, SHRUNK),
-    accel_core::entry!(LoneRays, LONE),
-    accel_core::entry!(SilentShadows, SILENT_SHADOWS),
-    accel_core::entry!(SilentAll, SILENT),
+    crate::common::batched_entry!(LoneRays, LONE),
+    crate::common::batched_entry!(SilentShadows, SILENT_SHADOWS),
+    crate::common::batched_entry!(SilentAll, SILENT),
 ];
 
 fn verify(arguments: &str) -> Ended {

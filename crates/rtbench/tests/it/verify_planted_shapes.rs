@@ -134,7 +134,7 @@ static FAULTS: &[Entry] = &[
     accel_core::entry!(Early, EARLY),
     accel_core::entry!(Highest, HIGHEST),
     accel_core::entry!(Highest, EQUAL),
-    accel_core::entry!(Glass, GLASS),
+    crate::common::batched_entry!(Glass, GLASS),
     accel_core::entry!(Ids, THREADS),
     accel_core::entry!(Ids, STALE),
 ];

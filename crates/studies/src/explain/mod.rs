@@ -291,7 +291,7 @@ mod tests {
         assert_eq!((explain.row, explain.plan.baseline), (0, 3));
         assert!(explain.plan.same_rays && explain.plan.keeps_baseline);
         let same = self::explain("obvhs-cwbvh:adapter=robust", Some("obvhs-cwbvh")).unwrap();
-        assert_eq!((same.plan.rows.len(), same.plan.baseline), (3, 2));
+        assert_eq!((same.plan.rows.len(), same.plan.baseline), (3, 1));
     }
 
     #[test]
