@@ -91,14 +91,16 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
     first.into_iter().chain(second.map(|lead| conclusion(Query::Batch, lead, &all))).collect()
 }
 
-/// A row that is not the best of anything since answers of it are wrong by a known defect.
+/// A row that is not the best of anything since answers of it may be wrong by a known defect.
 struct Suspect<'r> {
     timed: TimedRow,
     row: &'r RowRecord,
 }
 
 fn suspects<'r>(question: &Question, scene: &'r SceneRecord) -> Vec<Suspect<'r>> {
-    let is_suspect = |row: &&RowRecord| row.verdict == Verdict::WrongAsShipped;
+    let is_suspect = |row: &&RowRecord| {
+        row.known_defect.is_some() && matches!(row.verdict, Verdict::Ok | Verdict::WrongAsShipped)
+    };
     let rows = scene.rows.iter().filter(is_suspect);
     let images = TimesToImage::of(scene);
     let timed = |row: &RowRecord| match question {
