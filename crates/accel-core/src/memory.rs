@@ -18,7 +18,6 @@ impl MemoryLimit {
     /// No limit except the system's.
     pub const NONE: Self = Self(u64::MAX);
 
-    /// So many bytes.
     pub fn new(bytes: u64) -> Self {
         Self(bytes)
     }
@@ -163,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_does_not_fit_says_how_much_it_is() {
+    fn a_structure_over_the_limit_reports_its_bytes() {
         let limit = MemoryLimit::new(8 << 20);
         assert_eq!((limit.count(4), MemoryLimit::NONE.count(4)), (2 << 20, u64::MAX));
         assert_eq!(limit.fits("a", 8 << 20), Ok(()));

@@ -60,7 +60,7 @@ impl<L: RegistryItem> Entry<L> {
 pub enum RegistryError {
     /// Settings are typed as `NAME:setting=value`, and `all` means all of them.
     #[error(
-        "'{0}' cannot be the name of a structure: expected small letters, digits and hyphens, and not 'all'"
+        "'{0}' cannot be the name of a structure: expected lowercase letters, digits and hyphens, and not 'all'"
     )]
     Name(&'static str),
     /// The same name twice.
@@ -70,7 +70,7 @@ pub enum RegistryError {
     #[error("{structure} has two parameters of the name '{name}'")]
     SameParam { structure: &'static str, name: &'static str },
     /// One of the variants that are measured or tested is not `name=value ...`.
-    #[error("{structure}: '{settings}' is no variant: expected name=value, separated by spaces")]
+    #[error("{structure}: '{settings}' is not a variant: expected name=value, separated by spaces")]
     Variant { structure: &'static str, settings: &'static str },
     /// The default of a parameter, or a variant, is not valid.
     #[error(transparent)]

@@ -162,17 +162,14 @@ pub struct StructureStats {
 /// Why a structure could not be built.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
+#[allow(missing_docs, reason = "the message of a variant says what its fields are")]
 pub enum BuildError {
     /// There is nothing to build over.
     #[error("{structure}: the scene has no primitives")]
-    NoPrimitives {
-        /// Structure.
-        structure: &'static str,
-    },
+    NoPrimitives { structure: &'static str },
     /// The scene's box is too large for the scalar.
     #[error("{structure}: the scene is too large for this precision (see primitive {id})")]
     NonFiniteBounds {
-        /// Structure.
         structure: &'static str,
         /// The first of the farthest primitives.
         id: u32,
@@ -184,25 +181,21 @@ pub enum BuildError {
          2^{} to 2^{}: scale the scene", .served[0], .served[1]
     )]
     OutOfScale {
-        /// Structure.
         structure: &'static str,
         /// Logarithm of the largest coordinate, base 2, rounded down.
         exponent: i32,
-        /// `f32` or `f64`.
         precision: &'static str,
-        /// Supported range.
+        /// Smallest and largest exponent of 2 that the precision supports.
         served: [i32; 2],
     },
     /// A limit on its size would be exceeded.
     #[error("{structure}: {what} would be {needed}, more than the limit of {limit}")]
     TooLarge {
-        /// Structure.
         structure: &'static str,
         /// Name of the quantity that is too large.
         what: &'static str,
         /// Bytes that would be needed.
         needed: u128,
-        /// The limit.
         limit: u128,
     },
     /// It needs more memory than there is for it.
@@ -211,7 +204,6 @@ pub enum BuildError {
     /// A library that builds the structure refuses to.
     #[error("{structure}: cannot be built: {message}")]
     Library {
-        /// Structure.
         structure: &'static str,
         /// The reason that it gives.
         message: String,
@@ -240,7 +232,7 @@ pub enum BuildError {
 pub struct StructureInfo {
     /// Name as typed: `uniform-grid`.
     pub name: &'static str,
-    /// One line.
+    /// Description in one line, for lists.
     pub summary: &'static str,
     /// The origin of the structure.
     pub paper: &'static str,
@@ -330,7 +322,7 @@ pub(crate) fn too_many(
     }
 }
 
-/// For [`StructureInfo::known_defect`]: none.
+/// Value of [`StructureInfo::known_defect`] for structures without one.
 pub fn no_defect(_: &Params) -> Option<&'static str> {
     None
 }

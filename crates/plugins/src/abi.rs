@@ -10,31 +10,31 @@ use std::fmt::Debug;
 
 use bytemuck::{Pod, Zeroable};
 
-/// What this program speaks: `RTBENCH_ABI_VERSION`.
+/// Version of the interface: `RTBENCH_ABI_VERSION`.
 pub const VERSION: u32 = 1;
-/// `RTBENCH_MISS`.
+/// Id of a ray that hits nothing: `RTBENCH_MISS`.
 pub const MISS: u32 = u32::MAX;
-/// `RTBENCH_TRIANGLES_F32`.
+/// Bit of `answers`: closest hits with triangles in f32; every plugin sets it.
 pub const TRIANGLES_F32: u32 = 1;
-/// `RTBENCH_OCCLUSION`.
+/// Bit of `answers`: a query for shadow rays; without it they ask for closest hits.
 pub const OCCLUSION: u32 = 2;
-/// `RTBENCH_TRIANGLES_F64`.
+/// Bit of `answers`: the functions of [`Plugin::in_f64`].
 pub const TRIANGLES_F64: u32 = 4;
-/// `RTBENCH_INDICES`.
+/// Bit of `answers`: the plugin reads [`Scene::vertices`] and [`Scene::indices`].
 pub const INDICES: u32 = 32;
-/// `RTBENCH_ONE_RAY`.
+/// Value of `query`: each ray is traced to its end before the next one.
 pub const ONE_RAY: u32 = 0;
-/// `RTBENCH_BATCH`.
+/// Value of `query`: several rays are in flight, or are sorted.
 pub const BATCH: u32 = 1;
-/// `RTBENCH_OWN_TEST`.
+/// Value of `test`: the plugin's own; answers are compared up to rounding.
 pub const OWN_TEST: u32 = 0;
-/// `RTBENCH_HOST_TEST`.
+/// Value of `test`: [`Scene::intersect`]; answers are compared bit by bit.
 pub const HOST_TEST: u32 = 1;
-/// `RTBENCH_INTEGER`.
+/// Kind of a setting: a whole number.
 pub const INTEGER: u32 = 0;
-/// `RTBENCH_REAL`.
+/// Kind of a setting: a real number.
 pub const REAL: u32 = 1;
-/// `RTBENCH_CHOICE`.
+/// Kind of a setting: one of its words.
 pub const CHOICE: u32 = 2;
 /// The one symbol of a plugin.
 pub const SYMBOL: &[u8] = b"rtbench_plugin_describe\0";
@@ -69,13 +69,13 @@ impl Real for f64 {
 #[repr(C)]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ray<T = f32> {
-    /// Start, world units.
+    /// Start of the ray, world units.
     pub origin: [T; 3],
-    /// Smallest accepted parameter.
+    /// Smallest parameter that counts as a hit.
     pub t_min: T,
     /// Direction, of any length.
     pub direction: [T; 3],
-    /// Largest accepted parameter.
+    /// Largest parameter that counts as a hit.
     pub t_max: T,
 }
 
@@ -90,9 +90,9 @@ unsafe impl<T: Real> Pod for Ray<T> {}
 pub struct Hit<T: Real = f32> {
     /// Parameter, in multiples of the direction.
     pub t: T,
-    /// Triangle, or [`MISS`].
+    /// Number of the triangle, or [`MISS`].
     pub id: u32,
-    /// Not read.
+    /// Fills the struct; not read.
     pub fill: T::Fill,
 }
 
@@ -111,12 +111,12 @@ unsafe impl<T: Real> Pod for Hit<T> {}
 const _: () = assert!(size_of::<Ray<f32>>() == 32 && size_of::<Ray<f64>>() == 64);
 const _: () = assert!(size_of::<Hit<f32>>() == 8 && size_of::<Hit<f64>>() == 16);
 
-/// `rtbench_setting`.
+/// A setting that users can change.
 #[repr(C)]
 pub struct Setting {
     /// `a-z`, digits and hyphens.
     pub name: *const c_char,
-    /// One line.
+    /// Description in one line.
     pub summary: *const c_char,
     /// The default, as a user would type it.
     pub initial: *const c_char,
@@ -130,21 +130,21 @@ pub struct Setting {
     pub words: *const c_char,
 }
 
-/// `rtbench_prepared`, or `rtbench_prepared_f64`.
+/// A ray made ready for [`Scene::intersect`].
 #[repr(C)]
 pub struct Prepared<T: Real = f32> {
     /// Room, which the host knows how to use.
     pub words: T::Room,
 }
 
-/// `rtbench_scene`, or `rtbench_scene_f64`.
+/// Scene that a structure is built over; it stays valid until `destroy`.
 #[repr(C)]
 pub struct Scene<T: Real = f32> {
     /// Bytes of this struct.
     pub size: u32,
-    /// How many threads the build may use.
+    /// Number of threads that the build may use.
     pub threads: u32,
-    /// How many.
+    /// Number of triangles: at least 1, less than [`MISS`].
     pub triangles: u64,
     /// Nine coordinates for each.
     pub positions: *const T,
@@ -156,7 +156,7 @@ pub struct Scene<T: Real = f32> {
     pub host: *const c_void,
     /// Makes a ray ready for `intersect`.
     pub prepare: unsafe extern "C" fn(*const c_void, *const Ray<T>, *mut Prepared<T>),
-    /// rtbench's triangle test.
+    /// rtbench's watertight triangle test, of a prepared ray.
     pub intersect: Intersect<T>,
     /// With [`INDICES`]: how many vertices.
     pub vertex_count: u64,
@@ -170,7 +170,7 @@ pub struct Scene<T: Real = f32> {
 pub type Intersect<T = f32> =
     unsafe extern "C" fn(*const c_void, *const Prepared<T>, u32, T, *mut T) -> c_int;
 
-/// `rtbench_stats`.
+/// Figures of what was built; zero where unknown.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Stats {
@@ -180,26 +180,26 @@ pub struct Stats {
     pub has_counters: u32,
     /// Bytes of the structure.
     pub bytes: u64,
-    /// N_IN.
+    /// N_IN: number of inner nodes.
     pub inner_nodes: u64,
-    /// N_V.
+    /// N_V: number of leaves or cells.
     pub leaves: u64,
-    /// N_EV.
+    /// N_EV: number of empty leaves.
     pub empty_leaves: u64,
-    /// N_OIV.
+    /// N_OIV: number of triangle references in leaves.
     pub references: u64,
     /// N_IT since the build.
     pub intersection_tests: u64,
-    /// N_TS likewise.
+    /// N_TS since the build: nodes visited.
     pub traversal_steps: u64,
 }
 
-/// Builds: `rtbench_plugin.build`.
+/// Builds a structure: `rtbench_plugin.build`.
 pub type Build<T = f32> =
     unsafe extern "C" fn(*const Scene<T>, *mut *mut c_void, *mut c_char, usize) -> c_int;
-/// `rtbench_plugin.closest`.
+/// Finds closest hits: `rtbench_plugin.closest`.
 pub type Closest<T = f32> = unsafe extern "C" fn(*mut c_void, *const Ray<T>, *mut Hit<T>, usize);
-/// `rtbench_plugin.occluded`.
+/// Finds blocked rays: `rtbench_plugin.occluded`.
 pub type Occluded<T = f32> = unsafe extern "C" fn(*mut c_void, *const Ray<T>, *mut u8, usize);
 
 /// The functions of a plugin for one number type.
@@ -208,7 +208,7 @@ pub type Occluded<T = f32> = unsafe extern "C" fn(*mut c_void, *const Ray<T>, *m
 pub struct Functions<T: Real> {
     /// Builds, or writes why not.
     pub build: Option<Build<T>>,
-    /// Writes closest hits.
+    /// Writes the closest hit of each ray.
     pub closest: Option<Closest<T>>,
     /// Writes which rays are blocked; none without [`OCCLUSION`].
     pub occluded: Option<Occluded<T>>,
@@ -232,35 +232,35 @@ impl<T: Real> Functions<T> {
     };
 }
 
-/// `rtbench_plugin`.
+/// Description of a plugin: `rtbench_plugin`.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct Plugin {
-    /// [`VERSION`].
+    /// Version of the interface: [`VERSION`].
     pub abi_version: u32,
     /// Bytes of this struct.
     pub size: u32,
-    /// Of its row.
+    /// Name of its row: `a-z`, digits and hyphens.
     pub name: *const c_char,
-    /// Of the structure.
+    /// Version of the structure, as text.
     pub version: *const c_char,
-    /// One line.
+    /// Description in one line.
     pub summary: *const c_char,
     /// [`TRIANGLES_F32`] and other bits.
     pub answers: u32,
-    /// [`ONE_RAY`] or [`BATCH`].
+    /// How it answers many rays in one call: [`ONE_RAY`] or [`BATCH`].
     pub query: u32,
-    /// [`OWN_TEST`] or [`HOST_TEST`].
+    /// Whose triangle test decides: [`OWN_TEST`] or [`HOST_TEST`].
     pub test: u32,
-    /// How many settings.
+    /// Number of elements of `settings`.
     pub settings_count: u32,
-    /// That many.
+    /// Array of `settings_count` settings.
     pub settings: *const Setting,
-    /// `build` to `destroy`.
+    /// `build` to `destroy` for triangles in f32.
     pub in_f32: Functions<f32>,
     /// `build_f64` to `destroy_f64`, with [`TRIANGLES_F64`].
     pub in_f64: Functions<f64>,
 }
 
-/// `rtbench_plugin_describe`.
+/// Type of [`SYMBOL`]: `rtbench_plugin_describe`.
 pub type Describe = unsafe extern "C" fn() -> *const Plugin;

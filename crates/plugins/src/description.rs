@@ -85,7 +85,7 @@ impl Description {
         }
         let count = plugin.settings_count;
         if count > MOST_SETTINGS || count > 0 && plugin.settings.is_null() {
-            return Err(format!("it has {count} settings, or none where they should be"));
+            return Err(format!("it declares {count} settings: too many, or `settings` is NULL"));
         }
         let settings = (0..count as usize).map(|i| {
             // SAFETY: the array has that many, by the contract
@@ -191,7 +191,7 @@ unsafe fn text(text: *const c_char, what: &str) -> Result<String, String> {
     }
     // SAFETY: by the contract
     let text = unsafe { CStr::from_ptr(text) };
-    text.to_str().map(str::to_owned).map_err(|_| format!("the {what} is no UTF-8"))
+    text.to_str().map(str::to_owned).map_err(|_| format!("the {what} is not valid UTF-8"))
 }
 
 /// # Safety
@@ -286,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_valid_is_named() {
+    fn invalid_descriptions_are_named() {
         type Change = fn(&mut abi::Plugin);
         let planted: [(Change, &str); 10] = [
             (|p| p.answers = abi::OCCLUSION, "triangles in f32"),

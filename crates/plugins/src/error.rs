@@ -18,26 +18,26 @@ pub enum PluginError {
     NoSymbol { file: PathBuf },
     /// It was compiled for another interface.
     #[error(
-        "{}: speaks version {found} of rtbench.h, this program version {own}: compile it with the \
-         header of this program", file.display()
+        "{}: built for version {found} of rtbench.h, but this program has version {own}; compile \
+         it with this program's header", file.display()
     )]
     Version { file: PathBuf, found: u32, own: u32 },
     /// It says something of itself that is not valid.
     #[error("{}: {what}", file.display())]
     Description { file: PathBuf, what: String },
     /// Its process ended or hung while describing itself.
-    #[error("{}: {how} while it was asked what it is", file.display())]
+    #[error("{}: {how} while describing itself", file.display())]
     Died { file: PathBuf, how: String },
     /// There are no processes of plugins on this system.
     #[error(
-        "{}: plugins have processes of their own on Unix only: add --in-process", file.display()
+        "{}: plugins run in separate processes on Unix only; add --in-process", file.display()
     )]
     NoProcesses { file: PathBuf },
     /// Error reported by its process, starting with the file's name.
     #[error("{0}")]
     Child(String),
     /// There is another row of that name.
-    #[error("{}: there is another structure '{name}': give the plugin a name of its own", file.display())]
+    #[error("{}: another structure is named '{name}'; rename the plugin", file.display())]
     NameTaken { file: PathBuf, name: String },
     /// The file cannot be read.
     #[error("{}: {source}", file.display())]

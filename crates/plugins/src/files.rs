@@ -158,7 +158,7 @@ impl FileSubject {
             return Err(wrong(12, format!("records of {} bytes, expected {size}", short(12))));
         }
         if short(64) == 0 || short(68) > 1 {
-            return Err(wrong(64, "no size of an image, or no choice of lights".into()));
+            return Err(wrong(64, "invalid image size or choice of lights".into()));
         }
         let origin = match short(8) {
             WITH_ORIGIN => [0, 1, 2].map(|k| f64::from_bits(long(HEADER + 8 * k))),
@@ -186,7 +186,7 @@ impl FileSubject {
             let has = bytes.len();
             return Err(wrong(
                 offset,
-                format!("the file has {has} bytes, its header speaks of {expected}"),
+                format!("the file has {has} bytes, its header states {expected}"),
             ));
         }
         Ok(about)
@@ -301,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named_with_its_offset() {
+    fn faults_are_named_with_their_offset() {
         let mut good = about().header(Content::Hits);
         good.resize(HEADER + 24, 0);
         let planted: [(usize, u8, usize); 6] =

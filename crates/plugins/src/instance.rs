@@ -114,7 +114,7 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
             let end = message.iter().position(|&b| b == 0).unwrap_or(message.len());
             let said = String::from_utf8_lossy(message.get(..end).unwrap_or_default());
             return Err(match said.trim() {
-                "" => format!("it refuses with {code} and says nothing"),
+                "" => format!("it returned {code} without a reason"),
                 said => said.to_owned(),
             });
         }
@@ -240,7 +240,7 @@ impl<S: PluginScalar, H> Drop for Instance<S, H> {
     }
 }
 
-/// Data behind `rtbench_prepared`.
+/// Data that the host keeps in a plugin's `rtbench_prepared`.
 struct PreparedRay<S: Scalar> {
     ray: Ray<S>,
     shear: Shear<S>,

@@ -2,7 +2,7 @@
 //!
 //! A plugin becomes a line of the registry of structures ([`entry`]). Its rows are measured as all
 //! others are: the same rays in the same rounds, and every answer compared. By default a plugin
-//! runs in a process of its own ([`serve`] is what that one does), so that a crash, a hang or a
+//! runs in a separate process ([`serve`] is what that one does), so that a crash, a hang or a
 //! wild write costs its row and nothing else. Triangles, rays and answers are in shared memory; the
 //! child reads the clock right before and after each call of the plugin, so that the way there and
 //! back is in no time.

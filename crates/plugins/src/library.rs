@@ -53,7 +53,7 @@ impl Library {
             return Err(wrong(format!("its rtbench_plugin has {size} bytes, not {least}")));
         }
         // SAFETY: it is one of our version, as long as we read it
-        let plugin = unsafe { whole(plugin, size as usize) };
+        let plugin = unsafe { copy_plugin(plugin, size as usize) };
         // SAFETY: likewise
         let description = unsafe { Description::read(&plugin) }.map_err(wrong)?;
         Ok(Self { description, plugin })
@@ -64,7 +64,7 @@ impl Library {
 ///
 /// # Safety
 /// `plugin` is aligned and has `size` bytes, at least those before `in_f64`.
-unsafe fn whole(plugin: *const abi::Plugin, size: usize) -> abi::Plugin {
+unsafe fn copy_plugin(plugin: *const abi::Plugin, size: usize) -> abi::Plugin {
     if size >= size_of::<abi::Plugin>() {
         // SAFETY: by the contract
         return unsafe { *plugin };

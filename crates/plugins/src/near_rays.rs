@@ -68,7 +68,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn far_rays_come_near_and_others_are_not_asked() {
+    fn far_rays_are_moved_near_and_others_unchanged() {
         let ray = |x: f32, d: f32| Ray::<f32>::new([x, 0.0, 0.0].into(), [d, 0.0, 0.0].into());
         let reach = far_ray::reach(1.0f32);
         assert!(NearRays::of(&[ray(2.0, -1.0), ray(-7.0, 1.0)], reach).is_none());

@@ -12,7 +12,7 @@ pub(crate) enum Remote {}
 
 impl Remote {
     pub(crate) fn start(_: &Launch) -> Result<Self, String> {
-        Err("there are processes of plugins on Unix only".into())
+        Err("plugins run in separate processes on Unix only".into())
     }
 
     pub(crate) fn failure(&self) -> Option<&str> {

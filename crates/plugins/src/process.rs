@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// How processes are started.
+/// Settings for starting processes.
 #[derive(Debug, Clone)]
 pub struct Launch {
     pub program: PathBuf,

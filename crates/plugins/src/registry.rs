@@ -23,12 +23,12 @@ use crate::process::Launch;
 use crate::remote::Remote;
 use crate::tracer::PluginTracer;
 
-/// How plugins are to be run.
+/// Settings for running plugins.
 #[derive(Debug, Clone)]
 pub struct Options {
     /// This program, for processes of their own.
     pub program: PathBuf,
-    /// Longest time of a build, and of a call that answers rays, in a process of its own.
+    /// Longest time of a build, and of a call that answers rays, in a separate process.
     pub limit: Duration,
     /// In this process: no limit, and what ends the plugin ends the run.
     pub in_process: bool,
@@ -76,7 +76,7 @@ pub fn entry(
     let specs: &'static [ParamSpec] = Vec::leak(specs);
     for spec in specs {
         if specs.iter().chain(COMMON).filter(|s| s.name == spec.name).count() > 1 {
-            return Err(invalid(&format_args!("there are two settings '{}'", spec.name)));
+            return Err(invalid(&format_args!("the setting '{}' is declared twice", spec.name)));
         }
         Params::new(name, specs, [(spec.name, spec.default)]).map_err(|e| invalid(&e))?;
     }
@@ -104,7 +104,7 @@ pub fn entry(
     Ok(Entry::new(info, built::<f32>, built::<f64>))
 }
 
-/// Description that a plugin gives in a process of its own, which then ends.
+/// Description that a plugin gives in a separate process, which then ends.
 fn described(launch: &Launch) -> Result<Description, PluginError> {
     let file = || launch.file.clone();
     std::fs::metadata(&launch.file).map_err(|source| PluginError::Read { file: file(), source })?;
@@ -126,15 +126,15 @@ fn built<S: PluginScalar>(params: &Params) -> PreparedStructure<S> {
     let settings = plugin.iter().flat_map(|plugin| &plugin.description.settings);
     let values: Vec<String> = settings.map(|s| params.text(&s.name).to_owned()).collect();
     Box::new(move |prims, _| {
-        let plugin = plugin.clone().ok_or_else(|| refused("there is no plugin of that name"))?;
+        let plugin = plugin.clone().ok_or_else(|| refused("no plugin has this name"))?;
         if S::NAME == "f64" && !plugin.description.has_f64 {
             return Err(refused(
-                "serves f32 only (it lacks RTBENCH_TRIANGLES_F64): leave out --precision f64",
+                "supports f32 only (it lacks RTBENCH_TRIANGLES_F64); leave out --precision f64",
             ));
         }
         let PrimsRef::Watertight(set) = prims else {
             return Err(refused(
-                "plugins serve scenes of triangles at rest; scenes named ...-tess are tessellated",
+                "plugins support static triangles only; scenes named ...-tess are tessellated",
             ));
         };
         Ok(Box::new(PluginTracer::build(plugin, set, row.clone(), &values, memory)?))

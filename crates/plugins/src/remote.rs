@@ -1,4 +1,4 @@
-//! A plugin in a process of its own, as its parent sees it.
+//! A plugin in a separate process, as its parent sees it.
 //!
 //! The process is started once for each row and kept between rounds, so that its allocator is as
 //! warm as ours. A reply that does not come in time, or none at all, ends it: what is asked later
@@ -23,15 +23,15 @@ use crate::shared::{SharedSegment, folder};
 use crate::stopwatch::CallTime;
 use crate::wire::{Reply, Request, SegmentContent, receive, send};
 
-/// How long a process may take to start.
+/// Time limit for the start of a process.
 const START: Duration = Duration::from_secs(20);
-/// How often it is looked whether it has started.
+/// Interval of checks whether it has started.
 const POLL: Duration = Duration::from_millis(1);
-/// How long a process that was hung up on may take to end by itself.
+/// Time limit for a process to end after its connection was closed.
 const LAST_WORDS: Duration = Duration::from_millis(50);
 /// Bytes of a triangle in the process's own copy beside its corners: flags and spare capacity.
 const COPY_EXTRA: usize = 12;
-/// How much is kept of what a plugin prints, bytes.
+/// Bytes of a plugin's output that are kept.
 const TAIL: usize = 500;
 
 /// A running process with a plugin.
@@ -96,7 +96,7 @@ impl Remote {
         Ok(Self { process, stream, limit, parts, said, is_watched: false, failure: None })
     }
 
-    /// How it ended, if it has.
+    /// Its exit status, if it has ended.
     pub(crate) fn failure(&self) -> Option<&str> {
         self.failure.as_deref()
     }
@@ -242,7 +242,7 @@ impl Remote {
         };
         if !has(&self.parts) {
             let (shared, file) = SharedSegment::new(bytes)
-                .map_err(|e| self.ends(format!("there is no memory to share with it: {e}")))?;
+                .map_err(|e| self.ends(format!("cannot share memory with its process: {e}")))?;
             let request = Request::Map { part, file: file.path().to_owned() };
             self.done(&request, "mapping the memory it shares")?;
             if let Some(slot) = self.parts.get_mut(part as usize) {
@@ -278,7 +278,7 @@ impl Remote {
                 )))
             }
             Err(e) if e.kind() == io::ErrorKind::InvalidData => {
-                Err(self.ends(format!("its process says what cannot be read while {doing}: {e}")))
+                Err(self.ends(format!("its process sent an invalid reply while {doing}: {e}")))
             }
             Ok(None) | Err(_) => {
                 if self.is_watched {

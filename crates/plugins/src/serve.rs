@@ -128,7 +128,7 @@ impl State {
         let (Some(corners), Some(flags)) =
             (bytes.get(..positions), bytes.get(positions..positions + count))
         else {
-            return Err(format!("there are no {count} triangles"));
+            return Err(format!("fewer than {count} triangles were sent"));
         };
         let corners: Vec<[[S; 3]; 3]> = bytemuck::cast_slice(corners).to_vec();
         let lets_pass = |id: u32| flags.get(id as usize).is_some_and(|flag| *flag != 0);
@@ -156,9 +156,9 @@ impl<S: PluginScalar> Served for Instance<S, Box<TriangleSet<S>>> {
         answers: &mut [u8],
     ) -> Result<CallTime, String> {
         let rays = rays.get(..size_of::<abi::Ray<S>>() * count);
-        let rays = bytemuck::cast_slice(rays.ok_or("there are not so many rays")?);
+        let rays = bytemuck::cast_slice(rays.ok_or("fewer rays were sent")?);
         let size = if query == Query::Closest { size_of::<abi::Hit<S>>() } else { 1 };
-        let answers = answers.get_mut(..size * count).ok_or("there is not so much room")?;
+        let answers = answers.get_mut(..size * count).ok_or("the shared memory is too small")?;
         Ok(match query {
             Query::Closest => self.closest(rays, bytemuck::cast_slice_mut(answers)),
             Query::Occlusion => self.occluded(rays, answers),

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_one_writes_the_other_sees_unless_it_may_not_write() {
+    fn shared_segments_show_writes_and_refuse_them_if_read_only() {
         let (mut own, file) = SharedSegment::new(100).unwrap();
         assert_eq!(own.bytes().len(), LEAST);
         own.bytes_mut()[7] = 42;

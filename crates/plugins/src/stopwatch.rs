@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn waiting_is_no_work_and_threads_are() {
+    fn waiting_is_not_counted_and_other_threads_are() {
         let sleep = || std::thread::sleep(Duration::from_millis(30));
         let by_day = Stopwatch::start(2);
         sleep();

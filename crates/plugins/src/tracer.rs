@@ -1,4 +1,4 @@
-//! A plugin as a tracer of rtbench: in a process of its own, or in this one.
+//! A plugin as a tracer of rtbench: in a separate process, or in this one.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 

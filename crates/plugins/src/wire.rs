@@ -34,7 +34,6 @@ pub(crate) enum Request {
     /// To build over so many triangles.
     Build {
         triangles: usize,
-        /// In f64.
         is_double: bool,
         values: Vec<String>,
         threads: usize,

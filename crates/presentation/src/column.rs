@@ -33,7 +33,6 @@ impl Value {
 pub enum Unit {
     /// None: counts whole, other numbers short.
     None,
-    /// Something per ray.
     PerRay,
     /// Seconds; milliseconds in tables.
     Seconds,
@@ -170,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn one_line_gives_the_cell_and_the_fields() {
+    fn a_column_gives_the_cell_and_the_csv_fields() {
         type Row = Option<Estimate>;
         let keys: &[&str] = &["time_s", "time_s_low", "time_s_high"];
         let of = |row: &Row| Value::of(*row, Value::Measured);

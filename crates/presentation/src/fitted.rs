@@ -67,7 +67,7 @@ pub fn widths(table: &Table, width: usize) -> Vec<usize> {
     widths
 }
 
-/// How wide the first column and the last are made at most; figures are not broken.
+/// Maximum width of the first column and the last; figures are not wrapped.
 fn limits(table: &Table, natural: &[usize], width: usize) -> [usize; 2] {
     let [name, last] = [natural.first(), natural.last()].map(|w| w.copied().unwrap_or(0));
     let cut = if ends_in_words(table) { (width / 5).max(NARROWEST[1]) } else { last };
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn names_get_what_the_others_leave() {
+    fn the_name_column_gets_the_remaining_width() {
         assert_eq!(widths(&table(), 200), [40, 10, 5, 23]);
         let widths = widths(&table(), 70);
         assert_eq!(widths.iter().sum::<usize>() + 3 * GAP, 70);
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_at_the_end_are_not_broken() {
+    fn figures_in_the_last_column_are_not_wrapped() {
         let (some, _) = fitted(&table(), 50, &["wide", "small"]);
         assert_eq!(some.header, ["structure", "wide", "small"]);
         assert_eq!(widths(&some, 40)[1..], [10, 5]);

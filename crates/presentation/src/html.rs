@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_of_nothing_are_nothing() {
+    fn empty_lists_produce_no_html() {
         let mut html = Html::default();
         html.list(Vec::new());
         assert_eq!(html.finish(), "");

@@ -34,7 +34,7 @@ pub fn ratio(estimate: &Estimate) -> String {
     format!("{median:.2} [{low:.2}, {high:.2}]{mark}")
 }
 
-/// Voxels per axis.
+/// Formats voxels per axis: `4x4x8`.
 pub fn resolution(voxels: [u32; 3]) -> String {
     voxels.map(|n| n.to_string()).join("x")
 }

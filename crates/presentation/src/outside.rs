@@ -77,7 +77,7 @@ pub struct Annotation {
     /// `error` or `warning`.
     pub level: &'static str,
     pub title: String,
-    /// What there is to say.
+    /// Text of the message.
     pub text: String,
 }
 
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_is_shown() {
+    fn control_characters_are_escaped() {
         let shown = line(ORDERS);
         assert!(!shown.contains(is_hidden), "{shown:?}");
         let expected =
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn no_line_is_an_order_to_a_job() {
+    fn workflow_commands_are_defused() {
         assert_eq!(guarded(&["::error title=x::a\n"]), ":\\u003aerror title=x::a\n");
         assert_eq!(guarded(&["a\n", " \t:", ":b\n"]), "a\n \t:\\u003ab\n");
         assert_eq!(guarded(&["x ::y\n:z::\n"]), "x ::y\n:z::\n");

@@ -1,6 +1,6 @@
 //! Tables before any markup: text and Markdown differ only in how they draw them.
 
-/// How a cell looks where there are colours.
+/// Colour of a cell.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
     Plain,

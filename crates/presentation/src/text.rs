@@ -6,23 +6,38 @@ use crate::fitted::{fitted, widths, wrapped};
 use crate::outside::{COLORS, line};
 use crate::table::{Cell, Style, Table};
 
-/// Where text is printed.
+/// Target of printed text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Screen {
     /// Characters of a line.
     pub width: usize,
     pub colors: bool,
+    /// Tables have all their columns, however wide; other text keeps to the width.
+    pub is_wide: bool,
 }
 
 impl Screen {
+    /// Lines of any length, without colours.
+    pub const UNLIMITED: Self = Self { width: 1 << 16, colors: false, is_wide: true };
+
     /// Prints lines of little weight.
     pub fn write_notes(self, out: &mut dyn Write, lines: &[&str]) -> io::Result<()> {
-        write_notes_within(out, lines, self.colors, Some(self.width))
+        for text in lines {
+            for part in wrapped(&line(text), self.width, 0) {
+                writeln!(out, "{}", painted(&part, Style::Dim, self.colors))?;
+            }
+        }
+        Ok(())
     }
 
     /// Prints a line of words.
     pub fn write_line(self, out: &mut dyn Write, text: &str) -> io::Result<()> {
-        wrapped(&line(text), self.width, 2).iter().try_for_each(|part| writeln!(out, "{part}"))
+        self.write_item(out, text, 2)
+    }
+
+    /// Prints a line whose continuations are indented by this many spaces.
+    pub fn write_item(self, out: &mut dyn Write, text: &str, indent: usize) -> io::Result<()> {
+        wrapped(&line(text), self.width, indent).iter().try_for_each(|part| writeln!(out, "{part}"))
     }
 
     /// Prints a table with those of its columns that fit, the heads of `first` before others, and
@@ -33,60 +48,34 @@ impl Screen {
         table: &Table,
         first: &[&str],
     ) -> io::Result<()> {
-        let (mut table, left_out) = fitted(table, self.width, first);
+        let (mut table, left_out) = fitted(table, self.table_width(), first);
         if !left_out.is_empty() {
             table
                 .notes
-                .push(format!("No room for the columns {}; files have all.", left_out.join(", ")));
+                .push(format!("Columns that do not fit: {}; files have all.", left_out.join(", ")));
         }
-        write_table_within(out, &table, self.colors, Some(self.width))
+        self.write_table(out, &table)
     }
-}
 
-/// Prints lines of little weight.
-pub fn write_notes(out: &mut dyn Write, lines: &[&str], colors: bool) -> io::Result<()> {
-    write_notes_within(out, lines, colors, None)
-}
-
-/// The same in lines of so many characters.
-pub fn write_notes_within(
-    out: &mut dyn Write,
-    lines: &[&str],
-    colors: bool,
-    width: Option<usize>,
-) -> io::Result<()> {
-    for text in lines {
-        for part in wrapped(&line(text), width.unwrap_or(usize::MAX), 0) {
-            writeln!(out, "{}", painted(&part, Style::Dim, colors))?;
+    /// Prints all columns of a table: names and words at the end go on in the next line.
+    pub fn write_table(self, out: &mut dyn Write, table: &Table) -> io::Result<()> {
+        let table = &shown(table);
+        let widths = widths(table, self.table_width());
+        for part in wrapped(&table.title, self.width, 2) {
+            writeln!(out, "{}", painted(&part, Style::Best, self.colors))?;
         }
+        let header: Vec<Cell> = table.header.iter().map(|h| (*h).to_owned().into()).collect();
+        for row in std::iter::once(&header).chain(&table.rows) {
+            write_row(out, row, &widths, self.colors)?;
+        }
+        let notes: Vec<&str> = table.notes.iter().map(String::as_str).collect();
+        self.write_notes(out, &notes)?;
+        writeln!(out)
     }
-    Ok(())
-}
 
-/// Prints any table.
-pub fn write_table(out: &mut dyn Write, table: &Table, colors: bool) -> io::Result<()> {
-    write_table_within(out, table, colors, None)
-}
-
-/// The same in lines of so many characters: names and words at the end go on in the next line.
-pub fn write_table_within(
-    out: &mut dyn Write,
-    table: &Table,
-    colors: bool,
-    width: Option<usize>,
-) -> io::Result<()> {
-    let table = &shown(table);
-    let widths = widths(table, width.unwrap_or(usize::MAX));
-    for part in wrapped(&table.title, width.unwrap_or(usize::MAX), 2) {
-        writeln!(out, "{}", painted(&part, Style::Best, colors))?;
+    fn table_width(self) -> usize {
+        if self.is_wide { Self::UNLIMITED.width } else { self.width }
     }
-    let header: Vec<Cell> = table.header.iter().map(|h| (*h).to_owned().into()).collect();
-    for row in std::iter::once(&header).chain(&table.rows) {
-        write_row(out, row, &widths, colors)?;
-    }
-    let notes: Vec<&str> = table.notes.iter().map(String::as_str).collect();
-    write_notes_within(out, &notes, colors, width)?;
-    writeln!(out)
 }
 
 /// Names left, numbers right, the last column left; what is wider than its column goes on below it.
@@ -154,13 +143,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_is_no_wider_than_the_screen_and_names_what_has_no_room() {
+    fn a_table_fits_the_screen_and_names_omitted_columns() {
         let row = ["grid density=4", "1234567890", "12345"].map(|t| Cell::from(t.to_owned()));
         let header = vec!["structure", "wide", "small"];
         let table = Table { title: "t ".repeat(20), header, rows: vec![row.into()], notes: vec![] };
         let printed = |width| {
             let mut out = Vec::new();
-            let screen = Screen { width, colors: false };
+            let screen = Screen { width, colors: false, is_wide: false };
             screen.write_fitted(&mut out, &table, &["small"]).unwrap();
             screen.write_notes(&mut out, &["so many words"]).unwrap();
             screen.write_line(&mut out, &"word ".repeat(20)).unwrap();
@@ -173,10 +162,23 @@ mod tests {
                 "{width}:\n{text}"
             );
             let words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-            let is_named = words.contains("No room for the columns wide;");
+            let is_named = words.contains("Columns that do not fit: wide;");
             assert_eq!(is_named, width == 24, "{text}");
         }
         assert!(printed(24).contains("12345") && !printed(24).contains("1234567890"));
+    }
+
+    #[test]
+    fn wide_tables_keep_prose_within_the_width() {
+        let row = vec![Cell::from("name ".repeat(20)), Cell::from("1".to_owned())];
+        let (title, note) = ("title ".repeat(20), "note ".repeat(20));
+        let table = Table { title, header: vec!["x", "y"], rows: vec![row], notes: vec![note] };
+        let mut out = Vec::new();
+        let screen = Screen { width: 40, colors: false, is_wide: true };
+        screen.write_fitted(&mut out, &table, &[]).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let too_long = text.lines().filter(|line| line.trim_end().chars().count() > 40);
+        assert_eq!(too_long.count(), 2, "the table alone: {text}");
     }
 
     #[test]
@@ -188,7 +190,7 @@ mod tests {
         let table =
             Table { title: name.into(), header: vec!["x", "y"], rows, notes: vec![name.into()] };
         let mut out = Vec::new();
-        write_table(&mut out, &table, false).unwrap();
+        Screen::UNLIMITED.write_table(&mut out, &table).unwrap();
         let text = String::from_utf8(out).unwrap();
         assert_eq!(text.matches("a\\u001b[2K\\n::error::b").count(), 3, "{text}");
         assert_eq!(text.lines().count(), 5, "{text}");

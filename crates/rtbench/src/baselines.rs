@@ -19,7 +19,7 @@ use measurement::system::interrupt::undisturbed;
 
 /// Default folder of baselines.
 const FOLDER: &str = ".rtbench/baselines";
-/// How their files end.
+/// File name extension of baselines.
 const EXTENSION: &str = "json";
 const LONGEST: usize = 64;
 
@@ -27,7 +27,7 @@ const LONGEST: usize = 64;
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
     #[error(
-        "'{0}' is no name of a baseline: expected 1 to {LONGEST} letters, digits, '.', '-' \
+        "'{0}' is not a valid baseline name: expected 1 to {LONGEST} letters, digits, '.', '-' \
              and '_', beginning with a letter or digit"
     )]
     Name(String),
@@ -41,15 +41,15 @@ pub enum BaselineError {
         valid: String,
     },
     /// It would overwrite one.
-    #[error("there is a baseline '{0}' already; --force replaces it")]
+    #[error("baseline '{0}' exists; replace it with --force")]
     Exists(String),
     #[error(
-        "a baseline cannot be resumed: finish the run with `rtbench run --resume DIR`, then \
-             keep it with `rtbench baseline save NAME --from DIR`"
+        "a baseline cannot be resumed: finish the run with `rtbench run --resume DIR`, then save \
+             it with `rtbench baseline save NAME --from DIR`"
     )]
     Resume,
     /// Only a whole run serves.
-    #[error("{}: the run was not finished; go on with `rtbench run --resume DIR`", .0.display())]
+    #[error("{}: the run is not finished; finish it with `rtbench run --resume DIR`", .0.display())]
     Incomplete(PathBuf),
     #[error("baseline {}: {source}", path.display())]
     Io {
@@ -145,7 +145,7 @@ impl Store {
             folder: self.0.clone(),
             hint: choice::hint(name, names.iter().map(String::as_str)),
             valid: if names.is_empty() {
-                "there is none yet: `rtbench baseline save NAME`".into()
+                "create one with `rtbench baseline save NAME`".into()
             } else {
                 format!("there are: {}", names.join(", "))
             },

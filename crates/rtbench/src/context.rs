@@ -14,6 +14,7 @@ use measurement::system::program_copy::{CopyError, ProgramCopy};
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use measurement::system::{pressure, world};
+use presentation::fitted::wrapped;
 use presentation::outside::{self, Annotation};
 use presentation::text::Screen;
 
@@ -34,9 +35,9 @@ pub struct Context<'a> {
     pub err: &'a mut dyn Write,
     /// The command line, program first; commands get it as results record it.
     pub command_line: Vec<String>,
-    /// Whether the outputs are terminals, and what the environment says of colours.
+    /// Which outputs are terminals, their width, and colours by the environment.
     pub terminal: Terminal,
-    /// How much to say on standard error.
+    /// Verbosity on standard error.
     pub verbosity: Verbosity,
     /// Files and results that are there may be replaced.
     pub overwrite: bool,
@@ -44,11 +45,11 @@ pub struct Context<'a> {
     pub environment: Environment,
     /// Annotations for a CI job, printed when the command has ended.
     pub annotations: Vec<Annotation>,
-    /// Which of the structures are of plugins.
+    /// Structures that come from plugins.
     pub plugins: Plugins,
 }
 
-/// What the environment of the process says, beside the terminal.
+/// Environment of the process, apart from the terminal.
 #[derive(Debug, Clone, Default)]
 pub struct Environment {
     /// This program's file, to start it again; none where it is not known.
@@ -95,9 +96,9 @@ pub struct Terminal {
     pub stderr: bool,
     /// NO_COLOR is set and not empty, or TERM is `dumb`.
     pub no_color: bool,
-    /// How wide help is printed; none: found out when it is.
+    /// Width of help text; `None`: determined when it is printed.
     pub columns: Option<usize>,
-    /// How wide standard output is, where it is a terminal or COLUMNS says so.
+    /// Width of standard output, if it is a terminal or COLUMNS is set.
     pub found_width: Option<usize>,
 }
 
@@ -126,10 +127,10 @@ impl Terminal {
 
     /// Standard output, as tables are printed on it.
     pub fn screen(self, choice: Color) -> Screen {
-        Screen { width: self.width(), colors: self.colors(choice) }
+        Screen { width: self.width(), colors: self.colors(choice), is_wide: false }
     }
 
-    /// Whether standard output gets colours.
+    /// Returns whether standard output gets colours.
     pub fn colors(self, choice: Color) -> bool {
         match choice {
             Color::Always => true,
@@ -139,7 +140,7 @@ impl Terminal {
     }
 }
 
-/// How much to say on standard error.
+/// Verbosity on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verbosity {
     Quiet,
@@ -177,15 +178,14 @@ impl Context<'_> {
         loaded
     }
 
-    /// Whether a bar is shown: somebody may look at it, and nobody asked for quiet.
+    /// Returns whether a bar is shown: somebody may look at it, and nobody asked for quiet.
     pub fn shows_progress(&self) -> bool {
         self.terminal.stderr && self.verbosity > Verbosity::Quiet
     }
 
-    /// Prints a warning. A closed standard error is nobody's loss.
     pub fn warn(&mut self, message: impl std::fmt::Display) {
         if self.verbosity > Verbosity::Quiet {
-            let _ = writeln!(self.err, "warning: {}", outside::message(&message.to_string()));
+            self.write_err(&format!("warning: {}", outside::message(&message.to_string())));
         }
     }
 
@@ -196,27 +196,38 @@ impl Context<'_> {
         if !unused.is_empty() {
             let unused = unused.join(", ");
             let advice = world::ADVICE;
-            self.warn(format_args!("compiled without {unused}, which this processor has: times are those of a slower program; {advice}"));
+            self.warn(format_args!(
+                "compiled without {unused}, which this processor has: the program is slower than \
+                 possible; {advice}"
+            ));
+        }
+    }
+
+    /// Prints to standard error, within the width of the terminal if that is known. A closed
+    /// standard error is nobody's loss.
+    pub fn write_err(&mut self, text: &str) {
+        let width = self.terminal.found_width.map_or(usize::MAX, |_| self.terminal.width());
+        for part in text.lines().flat_map(|line| wrapped(line, width, 2)) {
+            let _ = writeln!(self.err, "{part}");
         }
     }
 
     /// Prints an error, whatever it holds.
     pub fn error(&mut self, message: impl std::fmt::Display) {
-        let _ = writeln!(self.err, "error: {}", outside::message(&message.to_string()));
+        self.write_err(&format!("error: {}", outside::message(&message.to_string())));
     }
 
     /// Prints which file was written, and of what it is.
     pub fn wrote(&mut self, path: &Path, what: impl std::fmt::Display) {
         if self.verbosity > Verbosity::Quiet {
-            let text = format!("wrote {}: {what}", path.display());
-            let _ = writeln!(self.err, "{}", outside::message(&text));
+            self.write_err(&outside::message(&format!("wrote {}: {what}", path.display())));
         }
     }
 
     /// Prints what is being done, when asked to.
     pub fn say(&mut self, message: impl std::fmt::Display) {
         if self.verbosity >= Verbosity::Verbose {
-            let _ = writeln!(self.err, "{}", outside::message(&message.to_string()));
+            self.write_err(&outside::message(&message.to_string()));
         }
     }
 }

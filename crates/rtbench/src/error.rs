@@ -76,7 +76,9 @@ pub enum Error {
     #[error(transparent)]
     ForeignRow(#[from] ForeignRowError),
     /// Only triangles are written to files.
-    #[error("scene {scene}: not of triangles at rest alone; scenes named ...-tess are tessellated")]
+    #[error(
+        "scene {scene}: has other primitives than static triangles; scenes named ...-tess are tessellated"
+    )]
     NotOfTriangles { scene: String },
     /// A study ended early.
     #[error(transparent)]
@@ -91,7 +93,7 @@ pub enum Error {
     #[error(transparent)]
     Occupied(#[from] OccupiedError),
     /// Nothing was measured that a model of times could be made from.
-    #[error("the images of {scenes} took no time that a prediction could be made from")]
+    #[error("the images of {scenes} were too fast to predict from")]
     NoModel { scenes: String },
     /// Results could not be turned into text.
     #[error(transparent)]

@@ -16,16 +16,16 @@ pub enum ForeignRowError {
     #[error(transparent)]
     Record(#[from] RecordError),
     /// Some scenes are not measured yet.
-    #[error("{}: the run is not finished: `rtbench run --resume` first", path.display())]
+    #[error("{}: the run is not finished; finish it with `rtbench run --resume`", path.display())]
     Incomplete { path: PathBuf },
     /// The run was of other scenes.
-    #[error("{}: it has no scene {scene} of that content; it has: {valid}", path.display())]
+    #[error("{}: no scene {scene} with this content; it has: {valid}", path.display())]
     NoScene { path: PathBuf, scene: String, valid: String },
     /// The run issued other rays.
-    #[error("{}: its rays are others: {what}; export those of the run, with its options", path.display())]
+    #[error("{}: its rays differ: {what}; export those of the run, with its options", path.display())]
     OtherRays { path: PathBuf, what: String },
     /// There is such a row.
-    #[error("{}: scene {scene} has a row '{name}': another --name, or --overwrite for a foreign one", path.display())]
+    #[error("{}: scene {scene} has a row '{name}'; choose another --name, or replace a foreign row with --overwrite", path.display())]
     Taken { path: PathBuf, scene: String, name: String },
 }
 

@@ -1,10 +1,11 @@
 //! Benchmark harness for ray-tracing acceleration structures.
 //!
 //! The way of a run: [`args`] (syntax) -> [`measurement::settings`] -> [`measurement::plan`]
-//! (validated) -> [`measurement::rounds`]: what is right, is each row right, rounds in seeded random
-//! order -> [`measurement::record`] -> the journal, tables ([`studies::run`]) and [`exports`]. A sweep
-//! is such a run whose rows are the values of one parameter, or whose scenes are the sizes of one scene. [`comparison`] puts records side by side, the [`gate`] compares a run with an earlier
-//! one, a [`report`] is made of a folder of them.
+//! (validated) -> [`measurement::rounds`]: what is right, is each row right, rounds in seeded
+//! random order -> [`measurement::record`] -> the journal, tables ([`studies::run`]) and
+//! [`exports`]. A sweep is such a run whose rows are the values of one parameter, or whose scenes
+//! are the sizes of one scene. [`comparison`] puts records side by side, the [`gate`] compares a
+//! run with an earlier one, a [`report`] is made of a folder of them.
 
 // What a command line or a file says can make nothing panic. Modules that index lists of their own
 // making say so.
@@ -78,7 +79,8 @@ pub fn main() -> ExitCode {
     main_over(REGISTRY)
 }
 
-/// The same with structures of the caller's beside ours: each a line of [`entry!`](accel_core::entry).
+/// The same with structures of the caller's beside ours: each a line of
+/// [`entry!`](accel_core::entry).
 ///
 /// ```no_run
 /// use rtbench::accel_core::structures::uniform_grid::{self, UniformGrid};
@@ -109,7 +111,8 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
     }
     panics::keep_quiet();
     interrupt::arm();
-    // without the signal a write beyond the limit ends the process: nothing is lost that was kept before
+    // without the signal a write beyond the limit ends the process: nothing is lost that was kept
+    // before
     let _ = files::refuse_writes_beyond();
     let arguments: Vec<OsString> = std::env::args_os().collect();
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
@@ -303,16 +306,15 @@ fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
         return SUCCESS;
     }
     if error.is_closed_pipe() {
-        let _ = writeln!(
-            context.err,
-            "error: standard output was closed before the run was finished; what is finished is \
-             in the output files"
+        context.error(
+            "standard output was closed before the run finished; finished scenes are in the \
+             output files",
         );
         return FAILURE;
     }
     context.error(error);
     if let Some(listed) = listed_by(&cli.command, error) {
-        let _ = writeln!(context.err, "For what there is, try 'rtbench list {listed}'.");
+        context.write_err(&format!("To list valid names: rtbench list {listed}"));
     }
     error.exit_code()
 }

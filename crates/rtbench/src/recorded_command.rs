@@ -35,7 +35,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn no_folder_of_the_machine_is_recorded() {
+    fn recorded_commands_name_no_folder_of_the_machine() {
         let typed = "/home/me/rtbench/target/release/rtbench run /data/hall.obj kitchen -o /tmp/out \
                      --export-csv=/home/me/rtbench/out/a.csv -o/tmp/x/y --baselines /home/me/rtbench \
                      -s grid:a=1 --set uniform-grid.density=4 --export-json - results/one ../b";

@@ -35,7 +35,7 @@ pub enum ReplanError {
     #[error("the baseline has no finished scene: there is nothing to compare with it")]
     Empty,
     /// A row is of a plugin that is not loaded.
-    #[error("row {row} is of the plugin {file}: name its file with --plugin")]
+    #[error("row {row} belongs to the plugin {file}; give its file with --plugin")]
     NoPlugin {
         row: String,
         /// The plugin's file, without folders.
@@ -132,7 +132,7 @@ pub fn plan<'r>(
 
 /// The record without the rows that this program does not know; rows of plugins stay. A reference
 /// that is not known is another one.
-pub fn known(record: &RunRecord, context: &Context<'_>) -> RunRecord {
+pub fn restrict_to_known_rows(record: &RunRecord, context: &Context<'_>) -> RunRecord {
     let mut record = record.clone();
     let is_known =
         |label: &str| select(context.registry, context.occluders, &[label.to_owned()], &[]).is_ok();

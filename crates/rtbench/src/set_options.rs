@@ -181,8 +181,10 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
         let text = match value {
             Value::String(text) => text.clone(),
             Value::Number(number) => number.to_string(),
-            _ if is_list => return Err(format!("{name}: expected texts: [\"a\", \"b\"]")),
-            _ => return Err(format!("{name}: expected a text or a number")),
+            _ if is_list => {
+                return Err(format!("{name}: expected a list of strings: [\"a\", \"b\"]"));
+            }
+            _ => return Err(format!("{name}: expected a string or a number")),
         };
         arguments.push(format!("--{name}={text}").into());
     }
@@ -249,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn the_set_says_what_the_command_line_does_not() {
+    fn a_set_supplies_options_not_on_the_command_line() {
         let of = |typed| {
             let options = json!({"size": 1024, "order": "both", "structures": ["hug", "octree"],
                                  "by-kind": true});
@@ -299,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_known_is_an_error_that_names_the_set() {
+    fn unknown_options_of_a_set_are_errors_that_name_it() {
         let of = |options| joined(options, "rtbench run own").unwrap_err();
         let error = of(json!({"szie": 9}));
         let said = "own.json: run: unknown option 'szie' (did you mean 'size'?)";

@@ -38,7 +38,7 @@ pub fn of_check(
     (1..).zip(&entries).map(read).collect()
 }
 
-/// What an entry says, or what is wrong with it.
+/// Reads an entry, or describes its fault.
 fn threshold(context: &Context<'_>, entry: &SetThreshold) -> Result<RowThreshold, String> {
     let row = entry.row.as_deref().map(|text| row(context, text)).transpose()?;
     let of = entry.of.as_deref().map(quantity_named).transpose()?;
@@ -56,9 +56,9 @@ fn threshold(context: &Context<'_>, entry: &SetThreshold) -> Result<RowThreshold
     }
     let threshold = RowThreshold { row, of, time, instructions };
     match threshold.kind() {
-        Some(kind) if instructions.is_some() => {
-            Err(format!("instruction-threshold: instructions of {kind} rays are not counted apart"))
-        }
+        Some(kind) if instructions.is_some() => Err(format!(
+            "instruction-threshold: instructions of {kind} rays are not counted separately"
+        )),
         _ => Ok(threshold),
     }
 }

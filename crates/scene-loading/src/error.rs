@@ -69,8 +69,8 @@ pub enum LoadError {
     TooLarge { place: FilePlace, limit: u64 },
     /// A `.gz` or `.zst` file unpacks to so much that it can be no scene.
     #[error(
-        "{place}: {packed} bytes unpack to more than {limit}: 64 MiB and 200 times the packed size \
-         are taken"
+        "{place}: {packed} bytes unpack to more than {limit} (the limit is 64 MiB plus 200 times \
+         the packed size)"
     )]
     Inflated { place: FilePlace, packed: u64, limit: u64 },
     /// A `.gz` or `.zst` stream is damaged.
@@ -95,7 +95,7 @@ pub enum LoadError {
     #[error("{place}: {what} is {radius}, expected {expected}")]
     NegativeRadius { place: FilePlace, what: &'static str, radius: f64, expected: &'static str },
     /// A count that the rest of the file cannot possibly hold, or that is above a loader's cap.
-    #[error("{place}: {what} says {count}, but at most {limit} are possible here")]
+    #[error("{place}: {what} is {count}, but at most {limit} are possible here")]
     CountTooLarge { place: FilePlace, what: String, count: u64, limit: u64 },
     /// An index refers to something that does not exist.
     #[error("{place}: {what} index {index} is out of range: {valid}")]
@@ -107,7 +107,7 @@ pub enum LoadError {
     #[error("{place}: no primitives; expected at least one {expected}")]
     NoPrimitives { place: FilePlace, expected: &'static str },
     /// The glTF or OBJ parser of a library reported an error after our own checks passed.
-    #[error("{place}: {parser} says: {message}")]
+    #[error("{place}: {parser} reports: {message}")]
     Parser { place: FilePlace, parser: &'static str, message: String },
     /// The length in a GLB header differs from the file's.
     #[error("{place}: the GLB header states {declared} bytes, the file has {actual}")]
@@ -116,7 +116,7 @@ pub enum LoadError {
     #[error("{place}: {object}: found {found}, expected {expected}")]
     Gltf { place: FilePlace, object: String, found: String, expected: String },
     /// A glTF accessor or buffer view reads beyond the bytes it has.
-    #[error("{place}: {object} needs {needed} bytes, but only {available} are there")]
+    #[error("{place}: {object} needs {needed} bytes, but only {available} are available")]
     PastBuffer { place: FilePlace, object: String, needed: u64, available: u64 },
     /// A reference leads out of the folder of the file that holds it.
     #[error(
@@ -126,7 +126,7 @@ pub enum LoadError {
     /// The source of a scene file lies outside its folder.
     #[error(
         "{place}: `{path}` leads out of the scene file's folder; expected a relative path below it \
-         (--allow-outside reads it all the same: for files that are your own)"
+         (--allow-outside reads it; only for scenes that you trust)"
     )]
     OutsideSource { place: FilePlace, path: String },
     /// A node of a glTF scene can be reached twice (a cycle, or two parents).
@@ -145,10 +145,10 @@ pub enum LoadError {
     #[error("unknown scene `{name}`{suggestion}; valid: {valid}")]
     UnknownScene { name: String, suggestion: String, valid: String },
     /// No file has a name that fits the pattern of a sequence.
-    #[error("{place}: no file has a number in place of the %d, and that ending")]
+    #[error("{place}: no file matches this name with a number instead of %d")]
     NoFrames { place: FilePlace },
     /// A sequence of files has a hole.
-    #[error("{place}: {} is missing, but {} is there", .files.0.display(), .files.1.display())]
+    #[error("{place}: {} is missing, but {} exists", .files.0.display(), .files.1.display())]
     MissingFrame { place: FilePlace, files: Box<(PathBuf, PathBuf)> },
     /// A scene of which there is but one size.
     #[error("`{name}` does not come in sizes; those that do: {valid}")]

@@ -88,7 +88,7 @@ impl FaceCounts {
         self.bent.warn("faces that are not flat split", scene);
         self.crossing.warn("faces that cross themselves split at the crossing", scene);
         self.vertices.warn("vertices with a coordinate that is not usable", scene);
-        self.normals.warn("normals that are none: faces that have them are flat", scene);
+        self.normals.warn("invalid normals: their faces are flat", scene);
     }
 
     /// The scene of a file of triangles alone: warned of, seen by a camera that frames it.

@@ -348,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_area_is_left_out_with_a_warning() {
+    fn shapes_without_area_are_left_out_with_a_warning() {
         let mut scene = Scene::new("odd");
         let material = scene.push_material(Material::default());
         scene.push_sphere(material, DVec3::ZERO, 0.0);

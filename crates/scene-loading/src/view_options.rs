@@ -1,8 +1,8 @@
-//! A camera and lights that are said from outside: what the command line gives scenes instead of their
-//! own, or because they have none.
+//! A camera and lights that are said from outside: what the command line gives scenes instead of
+//! their own, or because they have none.
 //!
-//! Each has a text, by which it is typed and recorded; numbers are printed so that they are read back
-//! bit for bit.
+//! Each has a text, by which it is typed and recorded; numbers are printed so that they are read
+//! back bit for bit.
 
 use std::fmt;
 use std::path::Path;
@@ -110,7 +110,7 @@ impl ViewOptions {
 pub(crate) fn light_if_dark(scene: &mut Scene) {
     if scene.lights.is_empty() {
         scene.lights.push(Light::Point { position: scene.camera.from, color: None });
-        let text = "no lights: one is put at the eye; --light X,Y,Z or a scene file gives others";
+        let text = "no lights: added one at the eye; set others with --light X,Y,Z or a scene file";
         scene.warnings.push(Warning(text.into()));
     }
 }
@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_camera_says_what_would_be() {
+    fn invalid_cameras_are_errors_that_name_valid_ones() {
         for (text, part) in [
             ("1,2,3", "FROM:AT"),
             ("1,2,3:1,2,3", "same point"),
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_said_replaces_what_the_scene_has() {
+    fn given_views_replace_those_of_the_scene() {
         let mut scene = Scene::new("a");
         let options = ViewOptions {
             camera: "0,0,5:0,0,0".parse().ok(),

@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_alone_is_said_to_change_no_more_often_than_stated() {
+    fn noise_has_no_more_false_changes_than_stated() {
         let count = |sensitivity: Sensitivity, series: u64, n: usize| {
             let has_some = |seed: &u64| {
                 !change_points(&noise(n, 0.02, *seed + 1000), &sensitivity, *seed).is_empty()
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn few_values_equal_ones_and_none_have_no_change() {
+    fn short_and_constant_series_have_no_change_points() {
         for n in 0..6 {
             assert_eq!(found(&noise(n, 1.0, 1), 1), [0; 0]);
         }

@@ -9,9 +9,9 @@ use crate::random::Random;
 pub(crate) const RESAMPLES: usize = if cfg!(fuzzing) { 20 } else { 2000 };
 
 /// A median with its 95% bootstrap percentile interval, expanded by the factor of T. Hesterberg,
-/// "What Teachers Should Know About the Bootstrap", The American Statistician 69(4), 2015: the plain
-/// percentile interval of few samples is too narrow. Fewer than 6 samples cannot say more than their
-/// least and largest, which hold the median in 75% (3 samples) to 94% (5) of all cases.
+/// "What Teachers Should Know About the Bootstrap", The American Statistician 69(4), 2015: the
+/// plain percentile interval of few samples is too narrow. Fewer than 6 samples cannot say more
+/// than their least and largest, which hold the median in 75% (3 samples) to 94% (5) of all cases.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Estimate {
@@ -30,7 +30,8 @@ impl Estimate {
         Self { median: 1.0 / self.median, low: 1.0 / self.high, high: 1.0 / self.low }
     }
 
-    /// True when the interval contains `value`: the quantity is not significantly different from it.
+    /// True when the interval contains `value`: the quantity is not significantly different from
+    /// it.
     pub fn holds(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }

@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn the_approximation_meets_the_exact_counts() {
+    fn the_approximation_matches_the_exact_counts() {
         for u in [127, 150, 180] {
             let exact = exact(20, 20, u);
             let a: Vec<f64> = (0..20).map(f64::from).collect();
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn it_errs_as_often_as_it_says_and_finds_what_is_there() {
+    fn the_test_keeps_its_error_rate_and_finds_shifts() {
         let mut random = Random::new(5, "mann-whitney");
         let mut unit = || random.next_u64() as f64 / u64::MAX as f64;
         let mut found = [0; 2];

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_lies_beyond_the_fences_is_counted() {
+    fn values_beyond_the_fences_are_counted() {
         let mut samples = vec![10.0, 11.0, 12.0, 13.0, 14.0];
         assert_eq!(outliers(&samples), [0, 0]);
         samples.push(40.0);

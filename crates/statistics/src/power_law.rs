@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_logarithm_is_left_out() {
+    fn values_without_a_logarithm_are_left_out() {
         let law = power_law(&[(1.0, 0.0), (10.0, 10.0), (100.0, 100.0), (5.0, f64::NAN)]).unwrap();
         assert_eq!((law.points, law.interval), (2, None));
         assert!((law.exponent - 1.0).abs() < 1e-12);

@@ -101,14 +101,14 @@ mod tests {
     }
 
     #[test]
-    fn what_all_rounds_share_has_no_width() {
+    fn constant_ratios_have_an_interval_of_no_width() {
         let doubled = A.map(|x| 2.0 * x);
         let e = product_of_medians(&[(&doubled, 1.0), (&A, -1.0)], 1).unwrap();
         assert!((e.median - 2.0).abs() < 1e-12 && (e.high - e.low).abs() < 1e-12, "{e:?}");
     }
 
     #[test]
-    fn what_has_no_product_has_none() {
+    fn products_of_empty_or_invalid_samples_are_none() {
         assert_eq!(product_of_medians(&[], 1), None);
         assert_eq!(product_of_medians(&[(&[], 1.0)], 1), None);
         assert_eq!(product_of_medians(&[(&A, 1.0), (&A[..4], 1.0)], 1), None);

@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn below_covers_its_range() {
+    fn random_numbers_below_n_cover_the_range() {
         let mut r = Random::new(1, "below");
         let mut seen = [0; 5];
         for _ in 0..5000 {

@@ -1,17 +1,19 @@
 //! Values of rounds that were measured in one process or in several.
 //!
-//! Where code and data lie in memory is drawn once for a process: its rounds share what comes of that,
-//! and say nothing of what another process would have. Of several processes the figure is the
-//! geometric mean of their medians, and its interval is what those medians, one per process, say of it.
+//! Where code and data lie in memory is drawn once for a process: its rounds share what comes of
+//! that, and say nothing of what another process would have. Of several processes the figure is the
+//! geometric mean of their medians, and its interval is what those medians, one per process, say of
+//! it.
 //!
-//! Paper: T. Kalibera, R. Jones, "Rigorous Benchmarking in Reasonable Time", ISMM 2013, section 6: the
-//! interval of the mean of the highest level, by Student's distribution with a degree less than there are
-//! processes. Deviations: medians of rounds in place of means, since what disturbs a round only ever
-//! makes it longer; logarithms, since they are of times and ratios; the bootstrap over both levels that
-//! the paper prefers is not used, since of three processes it cannot reach beyond the least and the
-//! largest: in simulation it held the truth in about 80 of 100 runs, and Student's in 95 (see the
-//! tests). Sums of series of unequal spread have the degrees of F. E. Satterthwaite, "An Approximate Distribution of
-//! Estimates of Variance Components", Biometrics Bulletin 2(6), 1946.
+//! Paper: T. Kalibera, R. Jones, "Rigorous Benchmarking in Reasonable Time", ISMM 2013, section 6:
+//! the interval of the mean of the highest level, by Student's distribution with a degree less than
+//! there are processes. Deviations: medians of rounds in place of means, since what disturbs a
+//! round only ever makes it longer; logarithms, since they are of times and ratios; the bootstrap
+//! over both levels that the paper prefers is not used, since of three processes it cannot reach
+//! beyond the least and the largest: in simulation it held the truth in about 80 of 100 runs, and
+//! Student's in 95 (see the tests). Sums of series of unequal spread have the degrees of F. E.
+//! Satterthwaite, "An Approximate Distribution of Estimates of Variance Components", Biometrics
+//! Bulletin 2(6), 1946.
 
 use std::collections::BTreeMap;
 
@@ -22,8 +24,8 @@ use crate::mann_whitney;
 use crate::normal::{student_95, student_tails};
 use crate::ratio_of_medians::{geometric_mean_of_ratios, log_median_variance, ratio_of_medians};
 
-/// Rounds of one process from which their least and largest hold the median in 94 of 100 cases. With
-/// fewer nothing is significant.
+/// Rounds of one process from which their least and largest hold the median in 94 of 100 cases.
+/// With fewer nothing is significant.
 pub const FEWEST_ROUNDS: usize = 5;
 
 /// Values of rounds, each with the process that it is of.
@@ -49,8 +51,8 @@ impl From<Vec<f64>> for Series {
 }
 
 impl Series {
-    /// What `value` makes of two rows' rounds, in pairs, where it is finite. The rounds are those of so many
-    /// processes, one after the other and as many of each.
+    /// What `value` makes of two rows' rounds, in pairs, where it is finite. The rounds are those
+    /// of so many processes, one after the other and as many of each.
     pub fn of_pairs(a: &[f64], b: &[f64], processes: u32, value: impl Fn(f64, f64) -> f64) -> Self {
         let each = (a.len() / processes.max(1) as usize).max(1);
         let pairs = a.iter().zip(b).enumerate();
@@ -99,8 +101,8 @@ impl Series {
         }
     }
 
-    /// The same of differences, of any sign, which have no logarithms: of several processes the mean of their
-    /// medians.
+    /// The same of differences, of any sign, which have no logarithms: of several processes the
+    /// mean of their medians.
     pub fn estimate_of_differences(&self, seed: u64) -> Option<Estimate> {
         if !self.has_levels() {
             return estimate(&self.values, seed);
@@ -119,7 +121,8 @@ impl Series {
         }
     }
 
-    /// The two-sided probability of values as far from 1, by the medians of several processes; none of one.
+    /// The two-sided probability of values as far from 1, by the medians of several processes; none
+    /// of one.
     pub fn p_value_of_one(&self) -> Option<f64> {
         Some(self.levels()?.p_value())
     }
@@ -133,9 +136,9 @@ impl Series {
         Levels::of(&medians.collect::<Option<Vec<_>>>()?)
     }
 
-    /// As [`Series::levels`]; of one process from its rounds, whose variance is as uncertain as so few
-    /// of them are: taken as known, it made means of two scenes of three rounds different in 27 of 400
-    /// pairs of equal runs.
+    /// As [`Series::levels`]; of one process from its rounds, whose variance is as uncertain as so
+    /// few of them are: taken as known, it made means of two scenes of three rounds different in 27
+    /// of 400 pairs of equal runs.
     fn levels_or_rounds(&self) -> Option<Levels> {
         self.levels().or_else(|| {
             Some(Levels {
@@ -234,8 +237,8 @@ pub fn geometric_mean_of_ratios_of(groups: &[(&Series, &Series)]) -> Option<Esti
     Some(Levels::sum(terms?.into_iter().map(|term| (term, weight))).estimate())
 }
 
-/// The two-sided probability of such ratios if their geometric mean is 1: of several groups each by its
-/// processes, or else its rounds.
+/// The two-sided probability of such ratios if their geometric mean is 1: of several groups each by
+/// its processes, or else its rounds.
 pub fn p_value_of_mean(groups: &[(&Series, &Series)]) -> Option<f64> {
     if let [(above, below)] = groups {
         return p_value(above, below);
@@ -252,8 +255,8 @@ fn difference(above: &Series, below: &Series) -> Option<Levels> {
     Some(Levels::sum(terms.into_iter()))
 }
 
-/// The two-sided probability of two series as unlike as these if there is no difference: the rank test of
-/// rounds where both are of one process; else that of Welch, on what each process has.
+/// The two-sided probability of two series as unlike as these if there is no difference: the rank
+/// test of rounds where both are of one process; else that of Welch, on what each process has.
 pub fn p_value(a: &Series, b: &Series) -> Option<f64> {
     if !a.has_levels() && !b.has_levels() {
         return mann_whitney::p_value(a.values(), b.values());
@@ -274,9 +277,9 @@ pub struct TwoLevels {
 /// The least quotient of two levels.
 pub const LEVELS_APART: f64 = 1.05;
 
-/// The levels of a series whose processes disagree more than their rounds do: sorted by their medians
-/// and parted at the widest gap, all middle halves of rounds on one side lie below all on the other,
-/// and the medians of both sides are [`LEVELS_APART`]. None of one process.
+/// The levels of a series whose processes disagree more than their rounds do: sorted by their
+/// medians and parted at the widest gap, all middle halves of rounds on one side lie below all on
+/// the other, and the medians of both sides are [`LEVELS_APART`]. None of one process.
 pub fn two_levels(series: &Series) -> Option<TwoLevels> {
     let mut processes: Vec<(f64, Vec<f64>)> = series
         .by_process()
@@ -338,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn differences_of_several_processes_have_the_interval_of_their_means() {
+    fn differences_over_processes_use_the_interval_of_their_means() {
         let mut random = Random::new(23, "coverage of differences");
         let trial = |_| {
             // half of them are negative
@@ -351,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_that_forget_the_processes_are_caught() {
+    fn intervals_that_ignore_processes_are_caught() {
         // planted: all rounds as if of one process, and the bootstrap over both levels
         let pooled = |s: &Series| estimate(s.values(), 1).unwrap();
         assert!(held(3, 0.05, pooled) < 1700);
@@ -396,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn one_process_is_as_it_was() {
+    fn series_of_one_process_equal_plain_estimates() {
         let values: Vec<f64> = (1..20).map(f64::from).collect();
         let series = Series::from(values.clone());
         assert_eq!(series.estimate(3), estimate(&values, 3));
@@ -421,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn planted_levels_are_found_and_noise_is_none() {
+    fn planted_levels_are_found_and_noise_has_none() {
         let rounds = |process, level: f64| {
             [0.98, 1.0, 1.01, 1.02].map(|noise| (process, level * noise)).into_iter()
         };

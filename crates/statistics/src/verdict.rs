@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_say_what_the_interval_says() {
+    fn verdicts_follow_the_interval() {
         let verdict = |low, high| RULE.verdict(&of(low, high, 0.01));
         assert_eq!(verdict(0.96, 1.05), Verdict::Same);
         // certainly different, and certainly by less than the margin
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_unclear_says_what_would_decide_it() {
+    fn inconclusive_results_name_the_rounds_needed() {
         let missing = |low, high, p| RULE.missing(&of(low, high, p), "rounds");
         // 10% either way is twice what tells the same from not: four times the rounds
         let text = missing(1.0 / 1.1, 1.1, 0.5);
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn one_scene_is_judged_as_its_row_is() {
+    fn the_mean_of_one_scene_is_judged_like_its_row() {
         let series = |values: &[f64]| Series::from(values.to_vec());
         let (old, new) = (series(&[1.0, 1.1, 0.9, 1.0]), series(&[1.3, 1.2, 1.4, 1.3]));
         let row = Change::of_series(&old, &new);

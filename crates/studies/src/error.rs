@@ -18,7 +18,7 @@ pub enum StudyError {
     #[error(transparent)]
     Measure(Box<MeasureError>),
     /// A scene has nothing that an axis of accuracy is about.
-    #[error("{axis}: scene {scene} does not serve: {reason}")]
+    #[error("{axis}: scene {scene} is not suitable: {reason}")]
     UnfitScene { axis: &'static str, scene: String, reason: &'static str },
     /// Processes that were to measure the same did not.
     #[error(transparent)]
@@ -33,7 +33,9 @@ pub enum StudyError {
 
 /// Another process measured something else.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{axis} on {place}: process {process} has {found}, not what was judged")]
+#[error(
+    "{axis} on {place}: process {process} measured {found}, which differs from what was judged"
+)]
 pub struct ProcessMismatch {
     /// The axis of accuracy.
     pub axis: String,

@@ -49,13 +49,15 @@ impl Node {
 ///   not within the boxes of that face. For primitives other than triangles under the watertight
 ///   test in f32 both ends are shifted.
 ///
-/// That test hits, at no negative parameter, a point of the triangle of its rounded corners: it finds signs exactly
-/// (`primitives/precise.rs`). A corner at `a` along an axis and `z` along the longest axis of the direction, from the
-/// origin, is rounded by half an epsilon of `|a| + |s z| + |a - s z|`, where `s` is the slope, and along the longest axis
-/// of `z`. The point is a mean of corners, weighted; so is what it is off by. The mean of absolute values of numbers spread over
-/// an extent is at most that of the numbers and half the extent, and `a - s z` has the mean 0. So the point is off by half an
-/// epsilon of twice its distance along the axis, of the extent along it and of that along the longest one. The extents are in the
-/// padding. The distance, which is none where a box ends behind the origin, is in the shift.
+/// That test hits, at no negative parameter, a point of the triangle of its rounded corners: it
+/// finds signs exactly (`primitives/precise.rs`). A corner at `a` along an axis and `z` along the
+/// longest axis of the direction, from the origin, is rounded by half an epsilon of `|a| + |s z| +
+/// |a - s z|`, where `s` is the slope, and along the longest axis of `z`. The point is a mean of
+/// corners, weighted; so is what it is off by. The mean of absolute values of numbers spread over
+/// an extent is at most that of the numbers and half the extent, and `a - s z` has the mean 0. So
+/// the point is off by half an epsilon of twice its distance along the axis, of the extent along it
+/// and of that along the longest one. The extents are in the padding. The distance, which is none
+/// where a box ends behind the origin, is in the shift.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct NodeRay {
     /// A plane is met at `plane * inverse + offset`: planes where boxes are entered, and those

@@ -147,7 +147,7 @@ impl Packet {
                     let sink = &mut sinks[lane];
                     let flow = if to & LEAF == 0 {
                         let ray = rays.get(lane);
-                        bvh.traverse_from(to, &ray, &parameters[lane], ends.0[lane], sink)
+                        bvh.traverse_from(to, ray, parameters[lane], ends.0[lane], sink)
                     } else {
                         sink.elementary_step(false);
                         bvh.lists.test(to & !LEAF, sink)
@@ -190,9 +190,9 @@ impl<S: Scalar> LaneStructure<S> for WideBvh<S> {
 
     #[inline(always)]
     fn trace_prepared<K: Sink<S>>(&self, eight: &EightRays<S>, lane: usize, sink: &mut K) {
-        let (ray, parameters) = (eight.rays.get(lane), &eight.parameters[lane & (LANES - 1)]);
+        let (ray, parameters) = (eight.rays.get(lane), eight.parameters[lane & (LANES - 1)]);
         let end = parameters.bound(sink.t_max());
-        let _ = self.traverse_from(self.root, &ray, parameters, end, sink);
+        let _ = self.traverse_from(self.root, ray, parameters, end, sink);
     }
 
     #[inline(always)]

@@ -29,7 +29,7 @@ impl<S: Scalar> WideBvh<S> {
             NodeRay::of(origin, direction, self.is_exact && !parameters.starts_earlier())
         };
         let end = parameters.bound(sink.t_max());
-        let _ = self.traverse_from(self.root, &of_nodes, &parameters, end, sink);
+        let _ = self.traverse_from(self.root, of_nodes, parameters, end, sink);
     }
 
     /// The traversal from a child on, which a ray enters before its parameter `end`; `Break` when
@@ -38,8 +38,8 @@ impl<S: Scalar> WideBvh<S> {
     pub(super) fn traverse_from<K: Sink<S>>(
         &self,
         mut at: u32,
-        ray: &NodeRay,
-        parameters: &BoxParameters<S>,
+        ray: NodeRay,
+        parameters: BoxParameters<S>,
         mut end: f32,
         sink: &mut K,
     ) -> ControlFlow<()> {
@@ -49,7 +49,7 @@ impl<S: Scalar> WideBvh<S> {
                 sink.inner_step();
                 let node = &self.nodes[at as usize];
                 let name = |child: usize| node.children[child];
-                match stack.descend(node, ray, end, sink.is_any_hit(), name) {
+                match stack.descend(node, &ray, end, sink.is_any_hit(), name) {
                     Some(next) => at = next,
                     None => return ControlFlow::Continue(()),
                 }

@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn they_agree_on_what_is_clear() {
+    fn box_tests_agree_away_from_borders() {
         let b = Aabb::<f64> { min: glam::DVec3::ZERO, max: glam::DVec3::ONE };
         for test in [BoxTest::Plain, BoxTest::Padded, BoxTest::Double] {
             let at = |y: f64| {

@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn intervals_hold_the_parameters_that_were_told() {
+    fn intervals_contain_the_reported_parameters() {
         intervals_are_closed::<f32>();
         intervals_are_closed::<f64>();
     }

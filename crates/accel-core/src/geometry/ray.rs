@@ -89,7 +89,7 @@ pub struct Hit<S: Scalar> {
 }
 
 impl<S: Scalar> Hit<S> {
-    /// A miss.
+    /// Result for a ray without a hit.
     pub const NONE: Self = Self { t: S::INFINITY, id: MISS };
 
     /// True when something was hit.

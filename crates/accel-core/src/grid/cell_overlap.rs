@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_beside_a_shape_within_its_box_are_told_apart() {
+    fn cells_within_the_box_of_a_shape_but_beside_it_are_excluded() {
         let set = set();
         let mut balls = Vec::new();
         let mut cell = |id: u32, at: DVec3| overlaps(&set, id, (at, at + 1.0), &mut balls);

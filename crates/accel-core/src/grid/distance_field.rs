@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_the_distances_found_by_search() {
+    fn distances_equal_those_found_by_search() {
         let n = [9u32, 7, 12];
         let cells = (n[0] * n[1] * n[2]) as usize;
         let at = |i: usize| [i % 9, i / 9 % 7, i / 63].map(|c| c as i32);

@@ -167,7 +167,6 @@ impl<S: Scalar> NestedGrids<S> {
     }
 }
 
-/// Counts of [`NestedGrids::census`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub(crate) struct Census {
     /// Cells without inner grids.

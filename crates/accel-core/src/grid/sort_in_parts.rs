@@ -151,7 +151,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn as_many_parts_as_memory_allows() {
+    fn the_number_of_chunks_fits_the_memory() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
         let parts = |cells| pool.install(|| useful_parts(100_000, cells).len());
         assert_eq!([parts(200_000), parts(2_000_000), parts(50_000_000)], [8, 3, 1]);

@@ -76,7 +76,7 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
         Ok(this)
     }
 
-    /// The primitives.
+    /// Primitives that the structure was built over.
     pub fn prims(&self) -> &'a P {
         self.prims
     }

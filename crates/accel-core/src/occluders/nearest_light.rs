@@ -82,7 +82,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_light_is_the_one_that_looking_at_all_finds() {
+    fn the_nearest_light_equals_a_linear_search() {
         let lattice =
             (0..512).map(|i| DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64));
         let lattice: Vec<_> = lattice.collect();

@@ -1,4 +1,5 @@
-//! Typed settings: what a structure is built by, read off [`Params`] once, before anything is built.
+//! Typed settings: what a structure is built by, read off [`Params`] once, before anything is
+//! built.
 
 #![warn(missing_docs)]
 
@@ -8,7 +9,8 @@ use super::Params;
 use crate::grid::resolution::ResolutionRule;
 use crate::memory::{Limits, MemoryLimit, OutOfMemory};
 
-/// The settings of a structure, typed; [`config!`](crate::config) writes them with their parameters.
+/// The settings of a structure, typed; [`config!`](crate::config) writes them with their
+/// parameters.
 pub trait Config: Clone + Send + Sync + 'static {
     /// Reads the settings from parameters that the structure declares.
     fn of(params: &Params) -> Self;
@@ -89,9 +91,10 @@ impl<C> Deref for Settings<C> {
     }
 }
 
-/// Settings of a structure and the parameters that they are read from: the constant `PARAMS` of the type, and its
-/// [`Config`](crate::params::config::Config). The text above a field is the summary of its parameter, which keeps
-/// its own where there is none; `=>` reads a word. Parameters that others read stand last, after `and`.
+/// Settings of a structure and the parameters that they are read from: the constant `PARAMS` of the
+/// type, and its [`Config`](crate::params::config::Config). The text above a field is the summary
+/// of its parameter, which keeps its own where there is none; `=>` reads a word. Parameters that
+/// others read stand last, after `and`.
 ///
 /// ```
 /// use accel_core::prelude::*;
@@ -102,9 +105,8 @@ impl<C> Deref for Settings<C> {
 ///         /// most primitives of a leaf
 ///         leaf: usize = ParamSpec::integer("leaf", "4", 1, 64),
 ///         /// cuts at medians, or by cost
-///         is_by_cost: bool = ParamSpec::choice("cut", "cost", &["median", "cost"]) => |cut| cut == "cost",
-///     }
-/// }
+/// is_by_cost: bool = ParamSpec::choice("cut", "cost", &["median", "cost"]) => |cut| cut == "cost",
+/// } }
 ///
 /// pub static INFO: StructureInfo = StructureInfo {
 ///     params: TreeConfig::PARAMS,

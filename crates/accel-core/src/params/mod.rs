@@ -16,16 +16,16 @@ use crate::memory::{Limits, MemoryLimit};
 pub enum ParamKind {
     /// A whole number in a closed range.
     Integer {
-        /// Smallest.
+        /// Smallest valid value, inclusive.
         min: u64,
-        /// Largest.
+        /// Largest valid value, inclusive.
         max: u64,
     },
     /// A real number in a closed range.
     Real {
-        /// Smallest.
+        /// Smallest valid value, inclusive.
         min: f64,
-        /// Largest.
+        /// Largest valid value, inclusive.
         max: f64,
     },
     /// One of these words.
@@ -89,25 +89,16 @@ impl ParamSpec {
 
 /// A setting that cannot be used; names what is valid.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of a variant says what its fields are")]
 pub enum ParamError {
     /// No such parameter.
     #[error("{structure} has no parameter '{name}'; {}", valid_names(.valid))]
-    Unknown {
-        /// Structure.
-        structure: &'static str,
-        /// Name as given.
-        name: String,
-        /// Names it has.
-        valid: Vec<&'static str>,
-    },
+    Unknown { structure: &'static str, name: String, valid: Vec<&'static str> },
     /// The value does not fit.
     #[error("{structure}.{name} = '{value}': expected {expected}")]
     Invalid {
-        /// Structure.
         structure: &'static str,
-        /// Parameter.
         name: &'static str,
-        /// Value as given.
         value: String,
         /// Description of the valid values.
         expected: String,

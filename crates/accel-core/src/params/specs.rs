@@ -11,7 +11,7 @@ pub const RESOLUTION: ParamSpec = ParamSpec {
     kind: ParamKind::Resolution,
 };
 
-/// Voxels per primitive.
+/// Voxels per primitive of a grid.
 pub const DENSITY: ParamSpec = ParamSpec::real("density", "2", 1e-6, 1e6)
     .about("voxels per primitive, D, for the rules that have it");
 
@@ -41,7 +41,7 @@ pub(crate) const fn max_references(default: &'static str, max: u64) -> ParamSpec
     ParamSpec { default, kind: ParamKind::Integer { min: 1, max }, ..MAX_REFERENCES }
 }
 
-/// Limit for references.
+/// Upper limit of references in all voxels.
 pub const MAX_REFERENCES: ParamSpec =
     ParamSpec::integer("max-references", "536870912", 1, (1 << 32) - 1)
         .about("upper limit for the references in all voxels together");

@@ -151,8 +151,9 @@ impl<S: Scalar> Cone<S> {
         (radius >= S::ZERO && self.is_between_radii(from_axis)).then_some(t)
     }
 
-    /// Two of Newton's steps from a root that is not on the cone to one that is, if one is there. The
-    /// ray across the axis is `m + d t`, its radius `r + dr t`, and half of the slope of F `a t + b`.
+    /// Two of Newton's steps from a root that is not on the cone to one that is, if one is there.
+    /// The ray across the axis is `m + d t`, its radius `r + dr t`, and half of the slope of F `a t
+    /// + b`.
     #[cold]
     #[inline(never)]
     fn refined(
@@ -246,7 +247,7 @@ struct Place<S> {
     from_axis: S,
     /// The cosine times the cone's radius at its height.
     radius: S,
-    /// Its parameter.
+    /// Parameter of the ray at this place.
     t: S,
 }
 
@@ -471,7 +472,7 @@ mod tests {
     }
 
     #[test]
-    fn no_length_no_hit() {
+    fn cones_without_length_are_never_hit() {
         let c = Cone::<f32>::new(DVec3::ZERO, 1.0, DVec3::ZERO, 1.0);
         let r = Ray::<f32>::new(glam::vec3(-3.0, 0.0, 0.0), glam::Vec3::X);
         assert_eq!(c.intersect(&r, 9.0), None);

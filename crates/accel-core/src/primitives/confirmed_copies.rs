@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_claimed_is_looked_at() {
+    fn claimed_copies_are_confirmed_or_refused() {
         let places = [0.0, 5.0, -3.0].map(moved);
         let (set, claims) = triangles(&places);
         let found = Instances::confirmed(&set, &claims);

@@ -343,7 +343,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Cone => self.cones[i].farthest(from),
         };
         // the distance is convex along the way: one of its ends is farthest
-        let farthest = match self.motion.ways(id) {
+        let farthest = match self.motion.displacements(id) {
             Some([first, last]) => still(from - first).max(still(from - last)),
             None => still(from),
         };
@@ -360,7 +360,7 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             PrimitiveKind::Sphere => self.spheres[i].hull(balls),
             PrimitiveKind::Cone => self.cones[i].hull(balls),
         }
-        if let Some([from, to]) = self.motion.ways(id) {
+        if let Some([from, to]) = self.motion.displacements(id) {
             for still in first..balls.len() {
                 let ball = balls[still];
                 balls[still].center = ball.center + from;

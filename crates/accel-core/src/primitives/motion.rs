@@ -141,7 +141,7 @@ impl<S: Scalar> Motion<S> {
     }
 
     /// Offsets of a primitive at both ends of the time span of its bounds.
-    pub fn ways(&self, id: u32) -> Option<[DVec3; 2]> {
+    pub fn displacements(&self, id: u32) -> Option<[DVec3; 2]> {
         let velocity = self.velocity(id)?;
         Some(self.span.map(|time| (velocity * time).to_dvec3()))
     }
@@ -159,8 +159,8 @@ impl<S: Scalar> Motion<S> {
 
     /// Extent of the whole way along `direction`, from that at time 0.
     pub fn swept_extent(&self, id: u32, still: (f64, f64), direction: DVec3) -> (f64, f64) {
-        let Some(ways) = self.ways(id) else { return still };
-        let [first, last] = ways.map(|way| way.dot(direction));
+        let Some(displacements) = self.displacements(id) else { return still };
+        let [first, last] = displacements.map(|way| way.dot(direction));
         (still.0 + first.min(last), still.1 + first.max(last))
     }
 

@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_derived_from_the_ray_is_what_would_be_set_up_anew() {
+    fn derived_ray_setups_equal_fresh_ones() {
         is_as_set_up_anew::<f32>();
         is_as_set_up_anew::<f64>();
     }

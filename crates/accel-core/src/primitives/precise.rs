@@ -12,12 +12,12 @@
 //! ulps of their own. **A hit so near the origin** that it may lie behind it: with weights off by 2
 //! epsilons of `m^2` each, and a sum of three terms off by 1.5 epsilons of the largest depth, depth
 //! times `det` is off by 18 epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most);
-//! nearer than 20, and not behind the origin, the depth is computed here, and its sign is that of the
-//! rounded corners' plane.
-//! So a box of a triangle that ends behind the origin holds no hit, were it padded for the rounding
-//! of corners alone (`bvh/node.rs`). **A ray with a component so small** that sheared corners
-//! are subnormal numbers of few digits: everything is computed in f64, from the corners on. **A
-//! triangle so small** that its determinant is one: corners are multiplied by powers of two.
+//! nearer than 20, and not behind the origin, the depth is computed here, and its sign is that of
+//! the rounded corners' plane. So a box of a triangle that ends behind the origin holds no hit,
+//! were it padded for the rounding of corners alone (`bvh/node.rs`). **A ray with a component so
+//! small** that sheared corners are subnormal numbers of few digits: everything is computed in f64,
+//! from the corners on. **A triangle so small** that its determinant is one: corners are multiplied
+//! by powers of two.
 //!
 //! Differences of products: after W. Kahan's algorithm, see C.-P. Jeannerod, N. Louvet, J.-M.
 //! Muller, "Further Analysis of Kahan's Algorithm for the Accurate Computation of 2x2
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_too_small_for_the_scalar_keeps_its_sign() {
+    fn differences_that_underflow_keep_their_sign() {
         let (a, b) = (1e-30f32, 2e-30f32);
         assert_eq!(b * b - a * a, 0.0);
         assert!(exact_difference(b, b, a, a) > 0.0);

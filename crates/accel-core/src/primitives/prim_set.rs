@@ -30,39 +30,27 @@ pub enum PrimitiveKind {
 
 /// Why a primitive cannot be part of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[allow(missing_docs, reason = "the message of a variant says what its fields are")]
 pub enum PrimitiveError {
     /// A NaN or infinite coordinate, or one too large for the scalar of the set.
     #[error("primitive {id} has a coordinate that is not finite (or too large for this precision)")]
-    NotFinite {
-        /// Its id.
-        id: u32,
-    },
+    NotFinite { id: u32 },
     /// A sphere of a negative radius.
     #[error("sphere {id} has a negative radius")]
-    NegativeRadius {
-        /// Its id.
-        id: u32,
-    },
+    NegativeRadius { id: u32 },
     /// A motion over a time that is negative or not finite.
-    #[error("primitive {id} moves until a time that is negative or not finite")]
-    Exposure {
-        /// Its id.
-        id: u32,
-    },
+    #[error("primitive {id}: its motion ends at a time that is negative or not finite")]
+    Exposure { id: u32 },
     /// A polygon with fewer than three vertices.
     #[error("polygon {id} has {vertices} vertices; at least 3 are needed")]
     TooFewVertices {
-        /// Its id.
         id: u32,
         /// Number of vertices it has.
         vertices: usize,
     },
     /// More primitives than ids.
     #[error("more than {limit} primitives of a kind")]
-    TooMany {
-        /// The limit.
-        limit: u32,
-    },
+    TooMany { limit: u32 },
 }
 
 /// A set of primitives with ids `0..len()`.

@@ -111,7 +111,6 @@ pub(super) fn fine<S: Scalar>(magnitude: S) -> S {
     S::from_i32(4) * magnitude
 }
 
-/// Factor of [`Shear::near`].
 #[inline(always)]
 pub(super) fn near_factor<S: Scalar>() -> S {
     S::from_i32(20) * S::EPSILON

@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_at_once_are_one_after_the_other() {
+    fn eight_lanes_equal_eight_single_rays() {
         agrees::<f32>(1e-44);
         agrees::<f64>(1e-322);
         agrees::<f32>(1e-12);

@@ -47,7 +47,7 @@ pub type CellVisitor<'v> = dyn FnMut(Cell<'_>) + 'v;
 
 /// Why a structure shows no cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("its cells cannot be looked at: {0}")]
+#[error("its cells cannot be shown: {0}")]
 pub struct NoCells(pub &'static str);
 
 impl NoCells {

@@ -70,13 +70,13 @@ fn span(bounds: &Aabb<f64>, ray: &Ray<f64>) -> Option<[f64; 2]> {
     Some([ray.t_min, ray.t_max])
 }
 
-/// For each step of a way, the cells among those [`crossed`] that it is a step into: one, but for
+/// For each step of a trace, the cells among those [`crossed`] that it is a step into: one, but for
 /// structures that test primitives of several leaves at once; none for steps of a hierarchy, where
 /// what was tested does not tell.
 pub fn cells_entered<S: Scalar>(
     tracer: &dyn Tracer<S>,
     ray: &Ray<S>,
-    way: &TraversalTrace<S>,
+    trace: &TraversalTrace<S>,
     crossed: &[CrossedCell],
 ) -> Vec<Vec<usize>> {
     let mut by_list: HashMap<&[u32], Vec<usize>> = HashMap::new();
@@ -94,8 +94,8 @@ pub fn cells_entered<S: Scalar>(
     let entries = Entries { tracer, ray, end };
     let mut parameters: Option<Vec<f64>> = None;
     let (mut used, mut elementary) = (HashSet::new(), 0);
-    let mut found = Vec::with_capacity(way.steps.len());
-    for step in &way.steps {
+    let mut found = Vec::with_capacity(trace.steps.len());
+    for step in &trace.steps {
         let is_elementary = step.kind != CellKind::Inner;
         elementary += usize::from(is_elementary);
         let ids: Vec<u32> = step.tests.iter().map(|(id, _)| *id).collect();
@@ -117,7 +117,7 @@ pub fn cells_entered<S: Scalar>(
             }
             [only] => vec![*only],
             several if is_elementary => {
-                let all = way.counters.elementary_steps;
+                let all = trace.counters.elementary_steps;
                 let parameters = parameters.get_or_insert_with(|| entries.of(all));
                 let t = parameters.get(elementary - 1).copied().unwrap_or(end);
                 vec![at(several, crossed, t)]

@@ -1,4 +1,4 @@
-//! One ray's way through a structure: what the counted traversal does, in its order.
+//! Trace of one ray through a structure: the steps of the counted traversal, in their order.
 //!
 //! It is written down by a sink around the counted query, through the one
 //! [`ErasedSink`](crate::query::sink::ErasedSink) that counting passes traverse with: the traversal

@@ -225,8 +225,8 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
 }
 
 impl<S: Scalar> AdaptiveGrid<S> {
-    /// [`Structure::traverse`] that also reports every inner node of the hierarchy entered: N_BIT of 1999,
-    /// where a node that holds one grid and one orphan was one test.
+    /// [`Structure::traverse`] that also reports every inner node of the hierarchy entered: N_BIT
+    /// of 1999, where a node that holds one grid and one orphan was one test.
     #[inline(always)]
     pub fn traverse_with<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K, on_node: impl FnMut()) {
         let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
@@ -299,8 +299,8 @@ impl<S: Scalar> GridBuilder<'_, S> {
         })
     }
 
-    /// The crowd in a voxel; `None` if a grid of one cell is all that would come of it, which is asked of today's
-    /// grids only.
+    /// The crowd in a voxel; `None` if a grid of one cell is all that would come of it, which is
+    /// asked of today's grids only.
     fn crowd_in(
         &self,
         cell: Aabb<S>,

@@ -1,5 +1,5 @@
-//! The compact grid: one bit per cell, and the starts of lists of occupied cells alone, rows of cells
-//! laid over each other.
+//! The compact grid: one bit per cell, and the starts of lists of occupied cells alone, rows of
+//! cells laid over each other.
 //!
 //! Paper: A. Lagae, P. Dutre, "Compact, Fast and Robust Grids for Ray Tracing", Computer Graphics
 //! Forum 27(4) (Eurographics Symposium on Rendering), 2008. Their first structure, one offset a

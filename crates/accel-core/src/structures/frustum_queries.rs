@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_a_ray_of_the_frustum_hits_is_found_in_order() {
+    fn frustum_queries_find_all_hit_primitives_in_order() {
         let mut sets = hard_scenes::<f64>();
         sets.retain(|(name, _)| *name != "duplicates");
         sets.push(("many", mixed_scene(3000, 5, [1.0, 1.0, 0.2])));
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_are_forgotten_are_noticed() {
+    fn forgotten_cells_are_caught() {
         struct LossyGrid(uniform_grid::UniformGrid<f64>);
         impl Structure<f64> for LossyGrid {
             type Config = <uniform_grid::UniformGrid<f64> as Structure<f64>>::Config;

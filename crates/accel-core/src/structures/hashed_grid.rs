@@ -8,7 +8,8 @@
 //! (D. Knuth, "The Art of Computer Programming", volume 3, section 6.4) and a reduction to the
 //! table's size by a product, so that any size serves. Keys are 64 bits: a virtual grid of 2048^3
 //! voxels has more cells than a u32. No random seed: the same scene gives the same table.
-//! A look-up probes at most as far as the farthest key of the build, even in a full table. Keys are taken in their order.
+//! A look-up probes at most as far as the farthest key of the build, even in a full table. Keys are
+//! taken in their order.
 
 use crate::config;
 use crate::geometry::scalar::Scalar;
@@ -80,8 +81,8 @@ pub type HashedGrid<S> = RegularGrid<S, HashedCells>;
 /// 2^64 divided by the golden ratio: spreads equal strides evenly (Knuth 6.4).
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
-/// Up to so many cells a reference, and so many more, lists are made cell by cell, which takes no more memory than the
-/// slots do; beyond that in a table that grows. The same table comes of both.
+/// Up to so many cells a reference, and so many more, lists are made cell by cell, which takes no
+/// more memory than the slots do; beyond that in a table that grows. The same table comes of both.
 const CELLS_PER_REFERENCE: u64 = 4;
 const FEW_CELLS: u64 = 1 << 16;
 
@@ -166,7 +167,8 @@ impl Table {
         table
     }
 
-    /// The table of these keys, taken in turn, with the lengths of their lists, which stand in the order of slots.
+    /// The table of these keys, taken in turn, with the lengths of their lists, which stand in the
+    /// order of slots.
     fn of(cells: &[(u64, u32)], load_factor: f64, multiplier: u64) -> Self {
         let capacity = (cells.len() as f64 / load_factor).ceil() as usize;
         let mut table = Self::new(capacity.max(cells.len()), multiplier);

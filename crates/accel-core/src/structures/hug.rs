@@ -5,7 +5,8 @@
 //! 1995. Filtering: primitives fall into classes of equal width in the logarithm of their size
 //! (longest side of the box). Clustering: within a class, connected components of boxes nearer
 //! than a gap. Every cluster gets a grid, which is inserted like a primitive into the smallest
-//! grid of a larger class that holds it; a ray traverses a grid only once, however many cells list it.
+//! grid of a larger class that holds it; a ray traverses a grid only once, however many cells list
+//! it.
 //!
 //! Deviations: the largest class is not clustered but fills the root grid over the scene; clusters
 //! of fewer than `min-objects` primitives go to the grid around them; a grid whose primitives
@@ -51,7 +52,8 @@ config! {
         /// voxels per primitive of a grid
         density: f64 = specs::DENSITY,
         historical: bool = specs::BOXES => specs::is_historical,
-        /// with boxes=historical, primitives that the root grid is sized for; 0: those of the largest class
+        /// with boxes=historical, primitives that the root grid is sized for; 0: those of the
+        /// largest class
         root_objects: usize = ParamSpec::integer("root-objects", "0", 0, 1 << 30),
         max_cells: u64 = specs::max_cells("134217728", (1 << 32) - 2),
         max_references: u64 = specs::MAX_REFERENCES,

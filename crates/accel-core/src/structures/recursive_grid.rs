@@ -8,10 +8,10 @@
 //! outermost grid is made coarser, where a grid would multiply references too much (copies of one
 //! primitive would otherwise be divided for ever). `build=lazy` makes deep grids when a ray first
 //! enters their voxel, from any thread; where the paper has no limits, ours leave such a voxel
-//! undivided once they are reached. Blocks of triangles (`kernel=block`) are made with the structure, so the
-//! lists of grids that are made later stay ids.
-//! `boxes=historical` is Havran and Sixta's (1999) grid as their counters show it: boxes enlarged
-//! by 0.01 on insertion, and a grid's first voxel that of the point 0.01 beyond its entry.
+//! undivided once they are reached. Blocks of triangles (`kernel=block`) are made with the
+//! structure, so the lists of grids that are made later stay ids. `boxes=historical` is Havran and
+//! Sixta's (1999) grid as their counters show it: boxes enlarged by 0.01 on insertion, and a grid's
+//! first voxel that of the point 0.01 beyond its entry.
 
 mod budget;
 mod levels;
@@ -200,8 +200,8 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
 
 impl<S: Scalar> RecursiveGrid<S> {
     /// Traverses one grid, which the ray enters at `t_enter`, and the grids within; `Break`
-    /// ends the query. A hit before the exit from a voxel ends the traversal of its grid alone: the grid
-    /// reaches beyond the one around it, whose next voxel may hold what is closer.
+    /// ends the query. A hit before the exit from a voxel ends the traversal of its grid alone: the
+    /// grid reaches beyond the one around it, whose next voxel may hold what is closer.
     fn traverse_grid<K: Sink<S>>(
         &self,
         grid: &Grid<S>,

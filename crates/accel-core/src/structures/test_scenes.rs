@@ -14,7 +14,7 @@ use crate::structures::Entry;
 pub(crate) struct Random(pub u64);
 
 impl Random {
-    /// In [0, 1).
+    /// Random number in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
         (self.0 >> 33) as f64 / (1u64 << 31) as f64

@@ -120,7 +120,7 @@ fn ten_thousand_duplicates() {
 
 /// Copies of one primitive take a structure no more than four times what they take a tree.
 #[test]
-fn duplicates_take_what_they_take_a_tree() {
+fn duplicates_need_the_memory_of_one_tree() {
     let one = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [1.0, 1.0, 0.5]];
     let set = set(vec![one; 100_000]);
     let bytes = |entry: &Entry| build(entry, &set).unwrap();
@@ -189,7 +189,7 @@ fn slivers() {
 }
 
 #[test]
-fn cuts_that_do_not_separate_are_few() {
+fn cuts_that_separate_nothing_are_limited() {
     let references = |triangles: &[Corners], settings: &[(&str, &str)]| {
         let set = set(triangles.to_vec());
         let entry = find("octree").unwrap();
@@ -254,7 +254,7 @@ static PLANTED: &[Entry] =
     &[accel_core::entry!(crate::caps::Refuses, REFUSES), accel_core::entry!(crate::caps::Fat, FAT)];
 
 #[test]
-fn structures_that_refuse_or_take_too_much_are_found() {
+fn structures_that_refuse_or_exceed_memory_are_caught() {
     let wrong = complaints(PLANTED, "flat", flat());
     assert_eq!(wrong.len(), 2, "{wrong:?}");
     assert!(wrong[0].contains("refuses: number of cells would be 2"), "{wrong:?}");

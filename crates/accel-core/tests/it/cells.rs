@@ -176,7 +176,7 @@ fn all_structures_show_what_they_count_in_f64() {
 }
 
 #[test]
-fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
+fn a_dropped_cell_and_a_reference_counted_twice_are_caught() {
     let scenes = all_scenes::<f32>();
     let (_, set, _) = scenes.iter().find(|(name, ..)| *name == "soup").unwrap();
     let solids = solids(set);
@@ -214,24 +214,25 @@ fn a_dropped_cell_and_a_reference_counted_twice_are_found_out() {
 fn faults_of_way<S: Buildable>(
     tracer: &dyn Tracer<S>,
     ray: &Ray<S>,
-    way: &TraversalTrace<S>,
+    trace: &TraversalTrace<S>,
 ) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut hits = [Hit::NONE];
     let counters = tracer.count_closest_hits(&[*ray], &mut hits);
-    if way.counted() != counters || way.counters != counters {
-        wrong.push(format!("{:?} recorded, {counters:?} counted", way.counted()));
+    if trace.counted() != counters || trace.counters != counters {
+        wrong.push(format!("{:?} recorded, {counters:?} counted", trace.counted()));
     }
-    if way.hit != hits[0] {
-        wrong.push(format!("{:?} recorded, {:?} answered", way.hit, hits[0]));
+    if trace.hit != hits[0] {
+        wrong.push(format!("{:?} recorded, {:?} answered", trace.hit, hits[0]));
     }
-    let last_hit = way.steps.iter().flat_map(|step| &step.tests).rfind(|t| t.1 == TestResult::Hit);
-    if last_hit.map(|test| test.0) != way.hit.is_hit().then_some(way.hit.id) {
-        wrong.push(format!("the last hit is {last_hit:?}, the answer {:?}", way.hit));
+    let last_hit =
+        trace.steps.iter().flat_map(|step| &step.tests).rfind(|t| t.1 == TestResult::Hit);
+    if last_hit.map(|test| test.0) != trace.hit.is_hit().then_some(trace.hit.id) {
+        wrong.push(format!("the last hit is {last_hit:?}, the answer {:?}", trace.hit));
     }
     let crossed = crossed(tracer, ray).unwrap();
-    let entered = cells_entered(tracer, ray, way, &crossed);
-    for (number, (step, cells)) in way.steps.iter().zip(&entered).enumerate() {
+    let entered = cells_entered(tracer, ray, trace, &crossed);
+    for (number, (step, cells)) in trace.steps.iter().zip(&entered).enumerate() {
         let ids: Vec<u32> = step.tests.iter().map(|test| test.0).collect();
         let [first, ..] = cells.as_slice() else {
             if step.kind != CellKind::Inner {
@@ -267,10 +268,10 @@ fn all_ways<S: Buildable>() {
             for setting in settings(entry) {
                 let tracer = built(entry, &set, setting);
                 for ray in &rays {
-                    let way = tracer.way(ray).unwrap();
-                    let wrong = faults_of_way(&*tracer, ray, &way);
+                    let trace = tracer.trace(ray).unwrap();
+                    let wrong = faults_of_way(&*tracer, ray, &trace);
                     let name = format!("{} {setting}, {scene}, {ray:?}", entry.info.name);
-                    assert!(wrong.is_empty(), "{name}: {wrong:#?}\n{way:#?}");
+                    assert!(wrong.is_empty(), "{name}: {wrong:#?}\n{trace:#?}");
                 }
             }
         }
@@ -278,31 +279,31 @@ fn all_ways<S: Buildable>() {
 }
 
 #[test]
-fn ways_are_what_is_counted_in_f32() {
+fn traces_have_the_counted_steps_in_f32() {
     all_ways::<f32>();
 }
 
 #[test]
-fn ways_are_what_is_counted_in_f64() {
+fn traces_have_the_counted_steps_in_f64() {
     all_ways::<f64>();
 }
 
 #[test]
-fn ways_with_a_step_or_a_test_less_are_found_out() {
+fn traces_that_lack_a_step_or_a_test_are_caught() {
     let scenes = all_scenes::<f32>();
     let (_, set, bounds) = scenes.iter().find(|(name, ..)| *name == "soup").unwrap();
     let from = bounds.0 - DVec3::new(0.3, 0.1, 0.2);
     let ray = Ray::<f32>::new(from.as_vec3(), (bounds.1 - from).as_vec3());
     for entry in REGISTRY {
         let tracer = built(entry, set, settings(entry).next().unwrap());
-        let way = tracer.way(&ray).unwrap();
+        let trace = tracer.trace(&ray).unwrap();
         let found =
             |planted: &TraversalTrace<f32>| !faults_of_way(&*tracer, &ray, planted).is_empty();
-        assert!(!found(&way), "{}", entry.info.name);
-        let mut shorter = way.clone();
+        assert!(!found(&trace), "{}", entry.info.name);
+        let mut shorter = trace.clone();
         shorter.steps.pop();
         assert!(found(&shorter), "{}", entry.info.name);
-        let mut forgetful = way.clone();
+        let mut forgetful = trace.clone();
         let tested = forgetful.steps.iter_mut().find(|step| !step.tests.is_empty()).unwrap();
         tested.tests.pop();
         assert!(found(&forgetful), "{}", entry.info.name);
@@ -310,7 +311,7 @@ fn ways_with_a_step_or_a_test_less_are_found_out() {
 }
 
 #[test]
-fn empty_voxels_are_told_by_where_the_ray_is() {
+fn entered_empty_voxels_follow_from_the_ray() {
     // two small triangles in opposite corners, all empty between: which voxels a ray enters is
     // known without any traversal
     let at = |x: f32| [[x, x, x], [x + 0.1, x, x], [x, x + 0.1, x]];
@@ -319,9 +320,9 @@ fn empty_voxels_are_told_by_where_the_ray_is() {
     let ray = Ray::<f32>::new([-1.0, 5.1, 5.3].into(), [1.0, 0.0, 0.0].into());
     let entered = |name: &str| {
         let tracer = built(find(name).unwrap(), &set, "density=4000");
-        let way = tracer.way(&ray).unwrap();
+        let trace = tracer.trace(&ray).unwrap();
         let crossed = crossed(&*tracer, &ray).unwrap();
-        let entered = cells_entered(&*tracer, &ray, &way, &crossed);
+        let entered = cells_entered(&*tracer, &ray, &trace, &crossed);
         let start = |cell: &usize| crossed[*cell].bounds.min.x;
         let starts: Vec<f64> = entered.iter().map(|cells| start(&cells[0])).collect();
         let mut row: Vec<f64> = (0..crossed.len()).map(|cell| start(&cell)).collect();
@@ -337,7 +338,7 @@ fn empty_voxels_are_told_by_where_the_ray_is() {
 }
 
 #[test]
-fn what_shows_no_cells_says_so() {
+fn structures_without_cells_return_an_error() {
     struct Silent;
     impl Tracer<f32> for Silent {
         fn closest_hits(&self, _: &[Ray<f32>], _: &mut [Hit<f32>]) {}
@@ -363,5 +364,5 @@ fn what_shows_no_cells_says_so() {
     }
     assert_eq!(kept(&Silent).unwrap_err(), NoCells::UNTOLD);
     let ray = Ray::<f32>::new([0.0; 3].into(), [1.0; 3].into());
-    assert_eq!(Silent.way(&ray).unwrap_err(), NoCells::UNTOLD);
+    assert_eq!(Silent.trace(&ray).unwrap_err(), NoCells::UNTOLD);
 }

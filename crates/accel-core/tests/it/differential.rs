@@ -36,7 +36,7 @@ fn all_structures_agree_with_brute_force_in_f64() {
 }
 
 #[test]
-fn rays_that_mean_nothing_miss() {
+fn meaningless_rays_miss() {
     let [x, nan, inf] = [1.0f32, f32::NAN, f32::INFINITY];
     let ray = |o: [f32; 3], d: [f32; 3], t_min, t_max| Ray::<f32> {
         origin: o.into(),

@@ -59,7 +59,7 @@ fn references(set: &MixedSet<f32>, entry: &Entry, settings: &str) -> u64 {
 }
 
 #[test]
-fn what_cannot_be_separated_is_near_linear() {
+fn building_over_inseparable_primitives_is_near_linear() {
     for (scene, set) in scenes(N) {
         let rows = REGISTRY.iter().flat_map(|e| e.info.variants.iter().map(move |v| (e, *v)));
         let robust = REGISTRY.iter().find(|entry| entry.info.name == "obvhs-cwbvh");
@@ -82,7 +82,7 @@ fn what_cannot_be_separated_is_near_linear() {
 }
 
 #[test]
-fn growth_without_a_limit_is_seen() {
+fn unlimited_growth_is_caught() {
     let n = 4000;
     let [_, (_, triangles), ..] = scenes(n);
     let entry = find("irregular-grid").unwrap();

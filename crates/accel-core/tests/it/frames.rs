@@ -284,7 +284,7 @@ fn planted_faults_are_found() {
 }
 
 #[test]
-fn what_moved_is_seen() {
+fn moved_primitives_are_found() {
     let sets = [0, 1, 2, 3, 4].map(|frame| mixed_set::<f64>(frame, Free::Rests));
     let count = |a: usize, b: usize| moved(&sets[a], &sets[b]).unwrap().len();
     assert_eq!([count(2, 3), count(3, 4)], [0, 20]);

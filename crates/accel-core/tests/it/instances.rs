@@ -126,7 +126,7 @@ fn an_object_is_divided_once() {
 }
 
 #[test]
-fn a_planted_copy_that_is_none_is_found_out() {
+fn a_planted_false_copy_is_caught() {
     let (set, mut claims) = bushes::<f32>(24, 10.0, DVec3::ZERO);
     let whole = set.instances().unwrap().copies();
     // a transform that is not inverted: where the second stands, a ray would look for another place

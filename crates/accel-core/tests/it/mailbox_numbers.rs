@@ -70,7 +70,7 @@ fn none_is_wrong<S: Buildable>() {
 }
 
 #[test]
-fn numbers_that_come_again_skip_nothing() {
+fn reused_ray_numbers_skip_no_test() {
     none_is_wrong::<f32>();
     none_is_wrong::<f64>();
 }

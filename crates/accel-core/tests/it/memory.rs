@@ -77,7 +77,7 @@ fn too_little_memory_is_an_error_and_changes_no_structure() {
 
 /// Each part within the limit, all of them not.
 #[test]
-fn parts_are_asked_for_together() {
+fn memory_limits_hold_for_all_parts_together() {
     let set = relief(64);
     let names = ["kd-tree", "octree", "hug", "adaptive-grid", "two-level-grid", "wide-bvh"];
     for entry in REGISTRY.iter().filter(|entry| names.contains(&entry.info.name)) {
@@ -93,7 +93,7 @@ fn parts_are_asked_for_together() {
 
 /// Planted: a structure that does not ask, and one that makes itself smaller.
 #[test]
-fn structures_that_do_not_ask_are_found() {
+fn structures_that_skip_the_filter_are_caught() {
     let whole = StructureStats { bytes: 1 << 20, ..StructureStats::default() };
     assert_eq!(complaint(|_| Ok(whole), 64).as_deref(), Some("built in a 1/64"));
     let smaller =

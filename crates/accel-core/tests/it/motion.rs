@@ -76,7 +76,7 @@ fn a_moment_of_a_motion_is_the_set_at_rest_there() {
 }
 
 #[test]
-fn a_way_that_is_not_finite_is_a_typed_error() {
+fn a_motion_that_is_not_finite_is_a_typed_error() {
     for (velocity, exposure) in
         [(dvec3(f64::NAN, 0.0, 0.0), 1.0), (DVec3::X, f64::INFINITY), (DVec3::X * 1e30, 1e30)]
     {

@@ -143,7 +143,7 @@ fn intervals_may_begin_before_the_origin_in_f64() {
 }
 
 #[test]
-fn what_obvhs_itself_makes_of_negative_intervals_is_seen() {
+fn wrong_hits_of_unmodified_obvhs_in_negative_intervals_are_caught() {
     // planted fault: the library as it is
     let sphere = icosphere(4, DVec3::ZERO);
     let rays: Vec<Ray<f32>> = backward_rays(1500, DVec3::ZERO, &mut Random::new(2));

@@ -115,7 +115,7 @@ fn without_us(
 }
 
 #[test]
-fn answers_are_those_of_obvhs_without_us() {
+fn answers_equal_those_of_plain_obvhs() {
     let presets = [
         ("fastest", Preset::fastest_build()),
         ("very-fast", Preset::very_fast_build()),
@@ -142,7 +142,7 @@ fn answers_are_those_of_obvhs_without_us() {
 }
 
 #[test]
-fn other_answers_are_seen() {
+fn answers_of_another_test_or_occlusion_differ() {
     // planted faults: our own test in the same traversal, and triangles that let no ray pass
     let (set, rays) = (soup::<f32>(3000), rays::<f32>(3000));
     let expected = without_us(&set, true, Preset::medium_build(), &rays);
@@ -158,7 +158,7 @@ fn other_answers_are_seen() {
 }
 
 #[test]
-fn of_other_sets_the_primitives_are_tested_by_ours() {
+fn mixed_and_double_sets_use_our_primitive_tests() {
     let double = soup::<f64>(1000);
     let mut builder = MixedSetBuilder::<f32>::default();
     let mut random = Random::new(9);
@@ -203,7 +203,7 @@ fn trees_that_obvhs_cannot_traverse_are_refused() {
 }
 
 #[test]
-fn rays_that_are_none_hit_nothing() {
+fn invalid_rays_hit_nothing() {
     let set = soup::<f32>(1000);
     let ray = |origin: [f32; 3], direction: [f32; 3], t_max: f32| Ray {
         t_max,

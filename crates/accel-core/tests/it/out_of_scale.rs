@@ -5,7 +5,7 @@ use accel_core::structure::BuildError;
 use accel_core::structures::REGISTRY;
 
 #[test]
-fn what_is_not_finite_never_reaches_a_structure() {
+fn sets_refuse_coordinates_that_are_not_finite() {
     let good = [[0.0f32; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
         let mut triangles = vec![good; 4];

@@ -319,7 +319,7 @@ fn lazy_gives_the_same_hits_a_hundred_times_with_two_threads() {
 }
 
 #[test]
-fn the_oracle_finds_a_grid_that_forgets() {
+fn the_oracle_catches_a_grid_that_loses_primitives() {
     // planted fault: a grid built over fewer primitives than the set has
     let set = mixed::<f64>(600, 41);
     let rays = rays(4000, 42);

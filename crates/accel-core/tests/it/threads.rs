@@ -60,7 +60,7 @@ fn any_number_of_threads_builds_the_same() {
 
 /// Refusals, their messages, and omissions for a limit depend on what was built before.
 #[test]
-fn limits_hold_back_the_same_for_any_number_of_threads() {
+fn limits_are_the_same_for_any_number_of_threads() {
     let set = many_triangles(13_000);
     let prims = PrimsRef::Watertight(&set);
     for name in ["recursive-grid", "hug", "adaptive-grid", "kay-kajiya"] {
@@ -95,7 +95,7 @@ fn limits_hold_back_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn lists_in_another_order_or_grid_are_seen() {
+fn lists_in_another_order_or_grid_are_caught() {
     // planted faults: what parts that are put together wrongly would look like
     let set = many_triangles(3_000);
     let prims = PrimsRef::Watertight(&set);

@@ -126,7 +126,7 @@ impl<S: Scalar> Structure<S> for CutShort<S> {
 }
 
 #[test]
-fn bounds_that_miss_the_end_of_the_way_are_found_out() {
+fn bounds_that_miss_the_end_of_a_motion_are_caught() {
     let mut set = MixedSetBuilder::<f32>::default();
     for i in 0..40 {
         set.sphere(dvec3(f64::from(i % 7), f64::from(i / 7), 0.0), 0.2).unwrap();

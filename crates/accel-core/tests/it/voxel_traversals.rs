@@ -20,11 +20,11 @@ fn below(random: &mut Random, n: usize) -> usize {
 }
 
 /// Draws grids and rays.
-type Drawn = fn(&mut Random, usize) -> Vec<Question>;
+type RayGenerator = fn(&mut Random, usize) -> Vec<GridRay>;
 
 /// A ray through a grid of `n` cells per axis, in f64; its numbers are those of single precision.
 #[derive(Debug, Clone, Copy)]
-struct Question {
+struct GridRay {
     /// Cells an axis.
     n: u32,
     /// Side of a cell.
@@ -39,19 +39,19 @@ struct Question {
 
 /// Faults of the traversals that `start` makes, over this many questions.
 fn wrong<S: Scalar, W: CellTraversal<S>>(
-    drawn: Drawn,
+    rays_of: RayGenerator,
     rays: usize,
     start: impl Fn(&GridFrame<S>, &Ray<S>) -> Option<W>,
 ) -> Vec<String> {
-    let judged = |question: Question| {
+    let judged = |question: GridRay| {
         let (frame, ray) = question.posed::<S>();
         let outcome = question.judge(&frame, start(&frame, &ray));
         outcome.err().map(|what| format!("{question:?}: {what}"))
     };
-    drawn(&mut Random::new(1), rays).into_iter().filter_map(judged).collect()
+    rays_of(&mut Random::new(1), rays).into_iter().filter_map(judged).collect()
 }
 
-impl Question {
+impl GridRay {
     fn posed<S: Scalar>(&self) -> (GridFrame<S>, Ray<S>) {
         let high = self.low + self.side * f64::from(self.n);
         let [low, high] = [self.low, high].map(|x| Vec3::<S>::splat(S::from_f64(x)));
@@ -157,12 +157,12 @@ impl Question {
 
 /// Origins in 1024ths of a cell, directions of whole numbers up to 2^20, each ray in a grid of
 /// 16, 32, ... 1024 cells per axis: so many rays for each.
-fn lattice_rays(random: &mut Random, rays: usize) -> Vec<Question> {
+fn lattice_rays(random: &mut Random, rays: usize) -> Vec<GridRay> {
     let sizes = (4..=10).map(|power| 1_u32 << power);
     sizes.flat_map(|n| (0..rays).map(|_| lattice_ray(random, n)).collect::<Vec<_>>()).collect()
 }
 
-fn lattice_ray(random: &mut Random, n: u32) -> Question {
+fn lattice_ray(random: &mut Random, n: u32) -> GridRay {
     let parts = 1024 * n as usize;
     let mut point = |origin: f64, size: usize| {
         let mut at = || origin + below(random, size + 1) as f64;
@@ -181,12 +181,12 @@ fn lattice_ray(random: &mut Random, n: u32) -> Question {
         _ => (around, ((target - around) / 4.0).trunc()),
     };
     let direction = if direction == DVec3::ZERO { DVec3::Z } else { direction };
-    Question { n, side: 1.0, low: 0.0, origin: origin / 1024.0, direction }
+    GridRay { n, side: 1.0, low: 0.0, origin: origin / 1024.0, direction }
 }
 
 /// Two rays that are known to have broken traversals, through cells of side 16; then the same moved
 /// by whole numbers and mirrored.
-fn published_rays(random: &mut Random, rays: usize) -> Vec<Question> {
+fn published_rays(random: &mut Random, rays: usize) -> Vec<GridRay> {
     let published = [
         (dvec3(-668.0, -340.0, 77.0), dvec3(404.0, -64.0, -784.0)),
         (dvec3(386.71, 137.41, 7.06), dvec3(416.0, 142.0, 0.0)),
@@ -200,14 +200,14 @@ fn published_rays(random: &mut Random, rays: usize) -> Vec<Question> {
         // 1024ths, so that single precision holds the ends and their difference
         let exact = |p: DVec3| ((p * 1024.0).round() / 1024.0 + by) * sign;
         let (from, to) = (exact(from), exact(to));
-        Question { n: 128, side: 16.0, low: -1024.0, origin: from, direction: to - from }
+        GridRay { n: 128, side: 16.0, low: -1024.0, origin: from, direction: to - from }
     };
     (0..rays).map(one).collect()
 }
 
 /// Origins about 10^6 grids away, aimed at points of the grid's surface: the point of entry rounds
 /// to a cell beyond the last.
-fn far_origins(random: &mut Random, rays: usize) -> Vec<Question> {
+fn far_origins(random: &mut Random, rays: usize) -> Vec<GridRay> {
     let one = |_| {
         let n = random.one_of(&[8_u32, 100, 1024]);
         let side = f64::from(n);
@@ -225,20 +225,20 @@ fn far_origins(random: &mut Random, rays: usize) -> Vec<Question> {
         }
         let (direction, target) = (DVec3::from_array(direction), DVec3::from_array(target));
         let far = target - direction * (side * 1e6 / 1024.0).round();
-        Question { n, side: 1.0, low: 0.0, origin: far.as_vec3().as_dvec3(), direction }
+        GridRay { n, side: 1.0, low: 0.0, origin: far.as_vec3().as_dvec3(), direction }
     };
     (0..rays).map(one).collect()
 }
 
 fn agrees<S: Scalar>() {
-    for (drawn, rays) in [
-        (lattice_rays as Drawn, 2000),
-        (published_rays as Drawn, 2000),
-        (far_origins as Drawn, 2000),
+    for (rays_of, rays) in [
+        (lattice_rays as RayGenerator, 2000),
+        (published_rays as RayGenerator, 2000),
+        (far_origins as RayGenerator, 2000),
     ] {
-        assert_eq!(wrong::<S, _>(drawn, rays, |f, r| f.traversal(r)), [""; 0]);
+        assert_eq!(wrong::<S, _>(rays_of, rays, |f, r| f.traversal(r)), [""; 0]);
         assert_eq!(
-            wrong::<S, _>(drawn, rays, |f, r| f.driving_traversal_from(r, S::ZERO)),
+            wrong::<S, _>(rays_of, rays, |f, r| f.driving_traversal_from(r, S::ZERO)),
             [""; 0]
         );
     }

@@ -5,8 +5,8 @@
 //! f64 brute force decides where it refutes that. If the row that was asked first is contradicted,
 //! the answer expected of that ray is replaced and all rows are checked again.
 //!
-//! A row with primitive tests of its own may differ where rounding decides: by as much as moving the
-//! ray by [`EDGE_ULPS`] ulps changes the right answer, and no more (`own_test.rs`).
+//! A row with primitive tests of its own may differ where rounding decides: by as much as moving
+//! the ray by [`EDGE_ULPS`] ulps changes the right answer, and no more (`own_test.rs`).
 
 use std::collections::HashMap;
 use std::sync::{Mutex, PoisonError};
@@ -23,9 +23,9 @@ use crate::rays::batches::{Answers, Batch, BatchSet, trace};
 use crate::rays::exactness::Exactness;
 
 /// How far a ray is moved to find out whether it passes an edge: ulps, of the precision that is
-/// tested, of the scene's largest coordinate and of the direction's length. 64 are 4e-6 of the scene
-/// in f32, 7e-15 in f64: a few times what the usual tests (Moeller and Trumbore) are off by at
-/// triangles that are no slivers.
+/// tested, of the scene's largest coordinate and of the direction's length. 64 are 4e-6 of the
+/// scene in f32, 7e-15 in f64: a few times what the usual tests (Moeller and Trumbore) are off by
+/// at triangles that are no slivers.
 pub const EDGE_ULPS: f64 = 64.0;
 
 /// Name of a batch, and index of a ray in all of its rays.
@@ -106,8 +106,8 @@ impl<'a, S: Buildable> Arbiter<'a, S> {
         self.overturned.lock().unwrap_or_else(PoisonError::into_inner).len()
     }
 
-    /// The rays of `all` with the answers that are right; `None` if the row that was asked first was
-    /// contradicted on none.
+    /// The rays of `all` with the answers that are right; `None` if the row that was asked first
+    /// was contradicted on none.
     pub fn amended<'b>(&self, all: &'b BatchSet<'_, S>) -> Option<BatchSet<'b, S>> {
         let overturned = self.overturned.lock().unwrap_or_else(PoisonError::into_inner);
         let mut amended = (!overturned.is_empty()).then(|| all.thinned(1))?;

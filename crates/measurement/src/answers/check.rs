@@ -26,7 +26,7 @@ pub struct RowCheck {
     /// Verdict on its answers.
     pub verdict: Verdict,
     pub stats: StatsRecord,
-    /// How it answers the rays of a batch.
+    /// Its way to answer the rays of a batch: one by one or together.
     pub query: Query,
     /// The work of the counted rays; none where nothing counts it.
     pub work: Option<WorkRecord>,

@@ -36,7 +36,7 @@ fn of_hit<S: Scalar>(
     if t.is_nan() {
         "no answer written"
     } else if said.id as usize >= primitives {
-        "wrong id: there is no such triangle"
+        "wrong id: no such triangle"
     } else if t < ray.t_min.to_f64() {
         "accepts t < t_min"
     } else if t > ray.t_max.to_f64() {
@@ -68,7 +68,7 @@ mod tests {
             (Hit { t: 9.0, ..Hit::NONE }, "drops a hit"),
             (hit(3.0, 4), "drops a hit, and takes one behind it"),
             (hit(2.0, 4), "wrong id"),
-            (hit(2.0, 70), "wrong id: there is no such triangle"),
+            (hit(2.0, 70), "wrong id: no such triangle"),
             (hit(0.25, 3), "accepts t < t_min"),
             (hit(9.5, 3), "accepts t > t_max"),
             (hit(1.0, 3), "wrong t"),

@@ -4,8 +4,8 @@
 //! [`Arbiter`](crate::answers::arbiter::Arbiter). What a structure answers with our primitive tests
 //! must be right to the last bit. One that comes with a triangle test of its own (a plugin) may
 //! answer otherwise where a ray passes an edge, where two surfaces meet, or where the interval of
-//! the ray ends: *at an edge*. Answers at edges are wrong where they are more than rounding explains
-//! ([`MOST_AT_EDGES`]).
+//! the ray ends: *at an edge*. Answers at edges are wrong where they are more than rounding
+//! explains ([`MOST_AT_EDGES`]).
 
 use accel_core::registry::Buildable;
 use rayon::prelude::*;
@@ -27,7 +27,7 @@ const FEW: usize = 16;
 /// counted as wrong.
 const ENOUGH_WRONG: usize = 64;
 
-/// How the answers to a batch compare.
+/// Comparison of the answers to a batch.
 #[derive(Debug, Default)]
 pub struct BatchVerdict {
     pub compared: usize,

@@ -191,7 +191,7 @@ impl<'a> Oracle<'a> {
         self.reach::<S>(ray) / ray.direction.length()
     }
 
-    /// How far origins are moved.
+    /// Distance by which origins are moved.
     pub(super) fn reach<S: Scalar>(&self, ray: &Ray<f64>) -> f64 {
         self.ulps * S::EPSILON.to_f64() * self.magnitude.max(ray.origin.abs().max_element())
     }

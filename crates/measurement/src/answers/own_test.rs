@@ -152,7 +152,7 @@ mod tests {
     use crate::answers::oracle::tests::two_triangles;
 
     #[test]
-    fn answers_of_another_test_may_differ_at_edges_if_what_they_claim_is_there() {
+    fn answers_of_another_test_may_differ_at_edges_only() {
         let geometry = two_triangles();
         let oracle = Oracle::new(&geometry).unwrap().with_ulps(64.0);
         let opinion = |x: f32, y: f32, id: u32, t: f32| {

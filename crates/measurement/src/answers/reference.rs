@@ -1,5 +1,5 @@
-//! The rays of a scene, and the answers that all rows are compared with: those of the structure that
-//! is asked first, amended where f64 brute force refutes them on a sample.
+//! The rays of a scene, and the answers that all rows are compared with: those of the structure
+//! that is asked first, amended where f64 brute force refutes them on a sample.
 //!
 //! Whichever is asked first, rows are judged alike: see [`Arbiter`].
 
@@ -38,8 +38,8 @@ pub struct Stage<'a, S: Buildable> {
 }
 
 impl<S: Buildable> Stage<'_, S> {
-    /// Produces rays and answers with the first structure that the oracle does not refute on a sample;
-    /// with any that can be built if it refutes all.
+    /// Produces rays and answers with the first structure that the oracle does not refute on a
+    /// sample; with any that can be built if it refutes all.
     ///
     /// # Errors
     /// [`MeasureError::NoAnswers`] when no structure can be built at all.
@@ -47,7 +47,7 @@ impl<S: Buildable> Stage<'_, S> {
         let mut unconfirmed = None;
         let mut refused = Vec::new();
         for row in &plan.answers {
-            match caught(|| pools.helper.install(|| self.asked(row, plan))) {
+            match caught(|| pools.helper.install(|| self.candidate(row, plan))) {
                 Err(panicked) => refused.push(format!("{}: {panicked}", row.label())),
                 Ok(Err(error)) => refused.push(format!("{}: {error}", row.label())),
                 Ok(Ok((mut reference, None))) => {
@@ -74,7 +74,7 @@ impl<S: Buildable> Stage<'_, S> {
     }
 
     /// Rays and answers of one candidate, and its first wrong answer. Runs in the current pool.
-    fn asked(
+    fn candidate(
         &self,
         row: &Row<'_>,
         plan: &Plan<'_>,

@@ -35,7 +35,7 @@ pub enum CallgrindError {
     #[error(transparent)]
     Child(#[from] ChildError),
     /// This program's own file is not known.
-    #[error("cannot tell where the file of this program is, to start it under valgrind")]
+    #[error("cannot find the file of this program to start it under valgrind")]
     NoProgram,
     #[error("callgrind's output {}: {source}", path.display())]
     Io {
@@ -59,7 +59,7 @@ pub enum CallgrindError {
     },
     /// The results that counts were asked for are of another commit.
     #[error(
-        "{}: made by rtbench at {}, this is {}: instructions of the one say nothing of the other",
+        "{}: made by rtbench at {}, this is {}: instruction counts of different builds are not comparable",
         path.display(), name(was), name(is)
     )]
     OtherProgram {
@@ -225,7 +225,7 @@ mod tests {
         desc: Trigger: --dump-after=x\nevents: Ir\nfn=x\n0 12\n\ntotals: 1234\n";
 
     #[test]
-    fn a_part_has_a_number_and_a_total() {
+    fn callgrind_parts_have_a_number_and_a_total() {
         assert_eq!(part(PART), Ok(Some((3, 1234))));
         let end = PART.replace("--dump-after=x", "Program termination");
         assert_eq!(part(&end), Ok(None));
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_come_in_the_order_of_their_numbers() {
+    fn callgrind_parts_are_sorted_by_number() {
         let folder = Scratch::new().unwrap();
         for (name, number, total) in [("out.10", "10", "5"), ("out.9", "9", "4"), ("out", "x", "9")]
         {

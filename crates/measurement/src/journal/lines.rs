@@ -91,7 +91,7 @@ impl Line {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LineError {
     /// There is not even a first line.
-    #[error("no whole line: nothing was begun")]
+    #[error("no complete line: the run had not started")]
     Empty,
     /// A line in the middle is damaged.
     #[error("line {line}: {message}")]

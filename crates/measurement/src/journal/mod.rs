@@ -27,7 +27,7 @@ pub enum JournalError {
     #[error("cannot write the journal {}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
     /// No run was begun there.
-    #[error("{}: no run was begun here with -o; expected the file {NAME}", folder.display())]
+    #[error("{}: no run with -o was started here; expected the file {NAME}", folder.display())]
     None { folder: PathBuf },
     /// It is damaged, or of another version.
     #[error("{}: {source}", path.display())]
@@ -36,10 +36,10 @@ pub enum JournalError {
     #[error("{}: more than {MAX_BYTES} bytes, too large for a journal", path.display())]
     TooLarge { path: PathBuf },
     /// Another process writes to it.
-    #[error("{}: another run writes here", path.display())]
+    #[error("{}: another run is writing to it", path.display())]
     Busy { path: PathBuf },
     /// A scene that is finished there is not what this run would have measured.
-    #[error("{}: line {line}: {message}; begin a new run in another folder", path.display())]
+    #[error("{}: line {line}: {message}; start a new run in another folder", path.display())]
     NotOfPlan {
         path: PathBuf,
         /// Its line, counted from 1.
@@ -49,7 +49,7 @@ pub enum JournalError {
     },
     /// The run that is to be resumed is not the one that this program would run.
     #[error(
-        "{}: this would not be the same run: {differences}; begin a new one in another folder",
+        "{}: the settings differ from those of the interrupted run: {differences}; start a new run in another folder",
         folder.display()
     )]
     Differs {
@@ -59,8 +59,8 @@ pub enum JournalError {
     },
     /// It does not say what was asked for.
     #[error(
-        "{}: an earlier version of rtbench began this run, and it does not say what was asked for; \
-         begin a new one in another folder",
+        "{}: an earlier version of rtbench started this run and did not record its settings; \
+         start a new run in another folder",
         path.display()
     )]
     NotAsked { path: PathBuf },

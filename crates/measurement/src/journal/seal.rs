@@ -24,10 +24,10 @@ pub struct Seal {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SealError {
     /// It has no checksum.
-    #[error("it has no checksum: damaged, or written by another version")]
+    #[error("no checksum: the line is damaged, or was written by another version")]
     None,
     /// It has another checksum.
-    #[error("its checksum does not fit: it was edited, or is of another run")]
+    #[error("wrong checksum: the line was edited, or belongs to another run")]
     Differs,
 }
 
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_open_under_their_own_seal_only() {
+    fn lines_are_valid_with_their_own_seal_only() {
         let seal = Seal::behind("{\"begun\":1}");
         let line = seal.sealed("{\"scene\":0}");
         assert_eq!(seal.opened(&line), Ok("{\"scene\":0}"));

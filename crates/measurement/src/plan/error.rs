@@ -77,26 +77,26 @@ pub enum PlanError {
     #[error("{structure} answers shadow rays only; add shadow to --rays")]
     NoRaysFor { structure: &'static str },
     /// The cases asked for concern none of the structures asked for.
-    #[error("none of these cases concerns these structures: leave out -s, or name other cases")]
+    #[error("none of these cases applies to these structures; leave out -s, or name other cases")]
     NothingAsked,
     /// There are no structures at all.
     #[error("there are no structures to measure")]
     NoRows,
     /// A part of a run that is too small to be cut so often.
     #[error(
-        "--shard {shard}: this run has {cells} cells (scenes times rows, without the \
-             reference); divide it into at most {cells}"
+        "--shard {shard}: this run has {cells} cells (scenes times rows, without the reference); \
+             use at most {cells} shards"
     )]
     TooManyShards {
         shard: Shard,
-        /// What there is to divide.
+        /// Number of cells to divide.
         cells: usize,
     },
     /// Parts could not be joined again.
-    #[error("--shard: two scenes have the name {name}; parts are joined by names")]
+    #[error("--shard: two scenes are named {name}; shards are merged by names")]
     SameName { name: String },
     /// Two outputs would be mixed up.
-    #[error("more than one output is to go to standard output (-); name files for the others")]
+    #[error("only one output can go to standard output (-); name files for the others")]
     OneStdout,
     /// No such scene or set.
     #[error(transparent)]

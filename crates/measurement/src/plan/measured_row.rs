@@ -170,7 +170,7 @@ impl<S: Buildable> BuiltRow<'_, S> {
         (blocked, work)
     }
 
-    /// How it answers the rays of a batch.
+    /// Its way to answer the rays of a batch: one by one or together.
     pub fn query(&self) -> Query {
         match self.batches() {
             _ if self.foreign().is_some_and(Foreign::answers_batches) => Query::Batch,
@@ -186,7 +186,7 @@ impl<S: Buildable> BuiltRow<'_, S> {
         }
     }
 
-    /// How far its answers must agree with those expected.
+    /// Required agreement of its answers with the expected ones.
     pub fn exactness(&self) -> Exactness {
         Exactness::of(self.foreign(), self.batches())
     }
@@ -259,7 +259,7 @@ pub fn select<'r>(
     };
     for text in names.iter().filter(|n| *n != "all") {
         let name = name_of(text).unwrap_or_default();
-        known(&name, registry, occluders)?;
+        check_name(&name, registry, occluders)?;
     }
     let split = |texts: &[String]| -> (Vec<String>, Vec<String>) {
         texts.iter().cloned().partition(|t| is_occluder(&t))
@@ -267,27 +267,35 @@ pub fn select<'r>(
     let (of_occluders, of_structures) = split(names);
     let (set_occluders, set_structures) = split(overrides);
     let all = names.is_empty() || names.iter().any(|n| n == "all");
-    let structures = match of_structures.is_empty() && !all {
+    let structures = if all || !of_structures.is_empty() {
+        rows::select(registry, &of_structures, &set_structures)?
+    } else if set_structures.is_empty() {
+        Vec::new()
+    } else {
         // a setting of a structure that is not measured is an error all the same
-        true if set_structures.is_empty() => Vec::new(),
-        true => return Err(rows::override_without_row(registry, &set_structures)),
-        false => rows::select(registry, &of_structures, &set_structures)?,
+        return Err(rows::override_without_row(registry, &set_structures));
     };
     let asked: Vec<String> = if all {
         std::iter::once("all".to_owned()).chain(of_occluders).collect()
     } else {
         of_occluders
     };
-    let rows = match asked.is_empty() {
-        true if set_occluders.is_empty() => Vec::new(),
-        true => return Err(rows::override_without_row(occluders, &set_occluders)),
-        false => rows::select(occluders, &asked, &set_occluders)?,
+    let rows = if !asked.is_empty() {
+        rows::select(occluders, &asked, &set_occluders)?
+    } else if set_occluders.is_empty() {
+        Vec::new()
+    } else {
+        return Err(rows::override_without_row(occluders, &set_occluders));
     };
     Ok((structures, rows))
 }
 
 /// An error for a name that neither registry has.
-fn known(name: &str, registry: &[Entry], occluders: &[occluders::Entry]) -> Result<(), PlanError> {
+fn check_name(
+    name: &str,
+    registry: &[Entry],
+    occluders: &[occluders::Entry],
+) -> Result<(), PlanError> {
     let structures = registry.iter().map(|e| e.info.name);
     let names: Vec<_> = structures.chain(occluders.iter().map(|e| e.info.name)).collect();
     if names.contains(&name) {

@@ -129,7 +129,7 @@ pub struct Plan<'r> {
     pub threads: usize,
     /// Seed of everything random.
     pub seed: u64,
-    /// How rays are produced.
+    /// Settings of ray generation.
     pub settings: RaySettings,
     pub precision: Precision,
     /// Limits of a pass.

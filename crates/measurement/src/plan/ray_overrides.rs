@@ -59,7 +59,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_of_rays_are_told_from_those_of_structures() {
+    fn settings_of_rays_and_structures_are_distinguished() {
         let (others, rule) = applied(&["rays.offset=none", "uniform-grid.density=4"]).unwrap();
         assert_eq!(
             (others.as_slice(), rule),

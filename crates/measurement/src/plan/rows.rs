@@ -264,14 +264,14 @@ mod tests {
     }
 
     #[test]
-    fn nothing_said_means_all_variants() {
+    fn all_variants_are_the_default() {
         let variants: usize = REGISTRY.iter().map(|e| e.info.variants.len()).sum();
         assert_eq!(labels(&[], &[]).unwrap().len(), variants);
         assert_eq!(labels(&["all", "uniform-grid"], &[]), labels(&[], &[]));
     }
 
     #[test]
-    fn settings_are_read_and_duplicates_dropped() {
+    fn settings_are_parsed_and_duplicates_dropped() {
         let spec = "uniform-grid:resolution=woo:density=1";
         let expected = vec!["uniform-grid resolution=woo density=1".to_owned()];
         assert_eq!(labels(&[spec], &[]).unwrap(), expected);

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use crate::rays::order::{distinct, kind_of};
-use crate::record::{Answered, RowRecord, RunRecord, SceneRecord};
+use crate::record::{AnsweredRays, RowRecord, RunRecord, SceneRecord};
 
 /// Strides by scene and label of the row; none but of the rows of a record.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -53,7 +53,7 @@ impl FixedStrides {
 /// The power of two that leaves so many rays as were counted.
 fn checked(scene: &SceneRecord, row: &RowRecord) -> Option<usize> {
     let counted = row.work.as_ref()?.rays;
-    let is_asked = |name: &str| row.answers == Answered::AllRays || kind_of(name) == "shadow";
+    let is_asked = |name: &str| row.answers == AnsweredRays::AllRays || kind_of(name) == "shadow";
     let all = || distinct(&scene.rays).filter(|(name, _)| is_asked(name)).map(|(_, n)| n);
     let left = |stride: u64| all().map(|n| n.div_ceil(stride)).sum::<u64>();
     let stride = (0..40).map(|power| 1u64 << power).find(|&stride| left(stride) == counted)?;

@@ -125,7 +125,7 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
-    /// Number of elements.
+    /// Number of rays that were answered.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
         match self {
@@ -143,7 +143,7 @@ fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item
 #[derive(Debug, Clone)]
 pub struct Batch<'a, S: Scalar> {
     pub kind: RayKind,
-    /// How they follow one another.
+    /// Order of the rays.
     pub order: RayOrder,
     pub rays: Cow<'a, [Ray<S>]>,
     /// The light that each shadow ray runs to; empty for other kinds.
@@ -339,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_librarys_own_test_rounding_is_no_fault() {
+    fn rounding_of_a_foreign_triangle_test_is_not_wrong() {
         let hit = |t: f32, id| Hit { t, id };
         let expected = vec![hit(1.0, 0), hit(2.0, 1), hit(3.0, 2), Hit::NONE, hit(5.0, 4)];
         let ray = Ray::new([1.0f32, 0.0, 0.0].into(), [0.0, 0.0, 2.0].into());

@@ -10,7 +10,7 @@ pub fn rounding<S: Scalar>() -> f64 {
     128.0 * S::EPSILON.to_f64()
 }
 
-/// How far answers must agree with those expected.
+/// Required agreement of answers with the expected ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Exactness {
     /// To the last bit: the primitive tests are ours.

@@ -122,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn each_ray_is_distinct_once() {
+    fn distinct_batches_count_each_ray_once() {
         for (orders, names) in [
             (Orders::Both, ["primary", "shadow"]),
             (Orders::Shuffled, ["primary-shuffled", "shadow-shuffled"]),

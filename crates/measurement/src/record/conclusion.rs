@@ -1,4 +1,5 @@
-//! What a run says of the questions that it is made for: which row is the fastest, which the smallest.
+//! What a run says of the questions that it is made for: which row is the fastest, which the
+//! smallest.
 
 use serde::{Deserialize, Serialize};
 

@@ -164,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_record_is_an_error_that_names_the_place() {
+    fn invalid_records_are_errors_with_line_and_column() {
         let error = |text: &str| read_text(text).unwrap_err().to_string();
         assert!(error("").contains("results.json: line 1, column 0: EOF"), "{}", error(""));
         let error_of_syntax = error("{\n  \"schema_version\": nonsense");

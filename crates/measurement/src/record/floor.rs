@@ -1,8 +1,9 @@
 //! The A/A floor: how far the same program is from itself.
 //!
-//! What a copy of the program's own file takes, in processes of its own, over what the program takes
-//! differs from 1 by what a process draws once and for all: where the linker's pages, the heap and the stack
-//! come to lie. No smaller difference between two programs is worth a word, however narrow its interval.
+//! What a copy of the program's own file takes, in processes of its own, over what the program
+//! takes differs from 1 by what a process draws once and for all: where the linker's pages, the
+//! heap and the stack come to lie. No smaller difference between two programs is worth a word,
+//! however narrow its interval.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,8 +35,9 @@ impl FloorRecord {
     pub fn in_words(&self) -> String {
         let Self { figures, floor, largest, row } = self;
         format!(
-            "A/A floor {:.1}%: so much do {} figures of a copy of this program differ from its own, and at \
-             most {:.1}% ({row}); smaller differences between programs are none.",
+            "A/A floor {:.1}%: 95% of {} figures of a copy of this program differ by less from \
+             its own, all by at most {:.1}% ({row}); smaller differences between programs mean \
+             nothing.",
             floor * 100.0,
             if *figures < 20 { format!("all {figures}") } else { format!("95% of {figures}") },
             largest * 100.0
@@ -58,8 +60,8 @@ impl FloorRecord {
     }
 }
 
-/// The factors of a scene whose processes are of the program and, of those that `is_copy` says, of its
-/// copy: of build and trace ratios, the reference's own times left out.
+/// The factors of a scene whose processes are of the program and, of those that `is_copy` says, of
+/// its copy: of build and trace ratios, the reference's own times left out.
 pub fn factors<'s>(
     scene: &'s SceneRecord,
     is_copy: impl Fn(u32) -> bool + Copy + 's,
@@ -108,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn of_many_figures_one_in_twenty_is_left_out() {
+    fn the_floor_ignores_the_largest_5_percent() {
         let factors = (0..100).map(|i| (format!("row {i}"), if i == 7 { 2.0 } else { 1.01 }));
         let floor = FloorRecord::of(factors).unwrap();
         assert!((floor.floor - 0.01).abs() < 1e-9 && floor.largest == 1.0 && floor.row == "row 7");

@@ -1,8 +1,9 @@
 //! The same run on several machines: what each ratio is on each, and its range over them.
 //!
-//! A ratio within a run does not depend on how fast a machine is, but on its caches, its memory and the
-//! neighbours it has: an interval of one machine promises nothing of the next. Runs must be of the
-//! same program, settings and scenes; machines may be of one model, and are distinguished by their order.
+//! A ratio within a run does not depend on how fast a machine is, but on its caches, its memory and
+//! the neighbours it has: an interval of one machine promises nothing of the next. Runs must be of
+//! the same program, settings and scenes; machines may be of one model, and are distinguished by
+//! their order.
 
 use std::path::PathBuf;
 
@@ -25,7 +26,7 @@ const SIGNIFICANCE: f64 = 0.05;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MachinesError {
     /// There is nothing to compare.
-    #[error("expected two runs at least, of different machines; found {found}")]
+    #[error("expected at least two runs, of different machines; found {found}")]
     TooFew {
         /// Runs that were named.
         found: usize,
@@ -235,8 +236,9 @@ fn rounds_of(
     records.iter().map(of_record).collect()
 }
 
-/// Marks the ratios that differ between two machines by more than chance explains, corrected for all
-/// ratios and all pairs of machines. Returns the rounds that can be significant, where these cannot.
+/// Marks the ratios that differ between two machines by more than chance explains, corrected for
+/// all ratios and all pairs of machines. Returns the rounds that can be significant, where these
+/// cannot.
 fn mark_apart(all: &mut [RatioOnMachines]) -> Option<usize> {
     let mut tested: Vec<(usize, Change)> = Vec::new();
     let mut has_processes = false;
@@ -357,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn chance_is_no_machine() {
+    fn noise_is_not_reported_as_a_difference_of_machines() {
         let mut random = Random::new(3, "two runs of one machine");
         let mut noise = |n: usize| -> Vec<f64> {
             (0..n).map(|_| 2.0 + random.next_u64() as f64 / u64::MAX as f64).collect()
@@ -377,7 +379,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_the_same_run_is_refused() {
+    fn runs_with_other_settings_are_refused() {
         let one = part("a", &[2.0; 4]);
         let other = |plant: fn(&mut RunRecord)| {
             let mut other = part("b", &[2.0; 4]);

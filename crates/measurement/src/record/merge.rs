@@ -24,13 +24,13 @@ pub enum MergeProblem {
     #[error("{0}")]
     Unreadable(String),
     /// It is the record of a whole run.
-    #[error("{}: not a part of a run: expected one of `rtbench run --shard I/N`", path.display())]
+    #[error("{}: not a shard; expected results of `rtbench run --shard I/N`", path.display())]
     NotAPart {
         /// The file or folder.
         path: PathBuf,
     },
     /// The run was broken off.
-    #[error("{}: part {shard} has {finished} of {scenes} scenes; finish it with `rtbench run \
+    #[error("{}: shard {shard} has {finished} of {scenes} scenes; finish it with `rtbench run \
              --resume`", path.display())]
     Unfinished {
         /// The file or folder.
@@ -43,14 +43,14 @@ pub enum MergeProblem {
         scenes: usize,
     },
     /// A part is not there.
-    #[error("part {index}/{count} is missing")]
+    #[error("shard {index}/{count} is missing")]
     Missing {
-        /// Which, from 1.
+        /// Number of the part, counted from 1.
         index: u32,
         count: u32,
     },
     /// A part is there twice.
-    #[error("part {shard} is there twice: {} and {}", first.display(), second.display())]
+    #[error("shard {shard} is given twice: {} and {}", first.display(), second.display())]
     Doubled {
         /// The part, like `2/8`.
         shard: String,
@@ -83,13 +83,13 @@ pub enum MergeProblem {
 
 /// The parts cannot be joined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the parts do not make one run:{}", listed(problems))]
+#[error("the shards do not belong to one run:{}", problem_list(problems))]
 pub struct MergeError {
     /// Everything that is wrong with them.
     pub problems: Vec<MergeProblem>,
 }
 
-fn listed(problems: &[MergeProblem]) -> String {
+fn problem_list(problems: &[MergeProblem]) -> String {
     problems.iter().map(|problem| format!("\n  {problem}")).collect()
 }
 
@@ -133,8 +133,8 @@ struct CountedResults<'a> {
     answers_sha256: &'a Option<String>,
 }
 
-/// Joins parts, read or not, in any order. `mixed` allows parts of different machines. The result has
-/// everything but a command line of its own.
+/// Joins parts, read or not, in any order. `mixed` allows parts of different machines. The result
+/// has everything but a command line of its own.
 ///
 /// # Errors
 /// [`MergeError`] with everything that is wrong with the parts.

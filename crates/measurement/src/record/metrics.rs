@@ -20,11 +20,11 @@ pub struct Metric {
     pub summary: &'static str,
     /// More of it is worse. False of what is no cost in itself, only a share of another metric.
     pub is_cost: bool,
-    /// How it is read off a row.
+    /// Source of its values in a row.
     pub reading: Reading,
 }
 
-/// How a metric is read off a row.
+/// Source of a metric in a row.
 #[derive(Debug, Clone, Copy)]
 pub enum Reading {
     /// Derived from build statistics; independent of the machine.

@@ -31,7 +31,8 @@ use crate::settings::shard::ShardRecord;
 pub use conclusion::{Conclusion, Defective, LeastTime, NextRow, Question};
 pub use floor::FloorRecord;
 pub use row::{
-    Answered, ForeignRecord, Outliers, PluginRecord, RowRecord, Sample, Verdict, label, with_query,
+    AnsweredRays, ForeignRecord, Outliers, PluginRecord, RowRecord, Sample, Verdict, label,
+    with_query,
 };
 pub use scale::ScaleRecord;
 pub use scene::{OracleRecord, SceneRecord, SummaryRow};
@@ -66,8 +67,8 @@ pub struct RunRecord {
     pub scenes: Vec<SceneRecord>,
     /// Over all finished scenes, one for each row.
     pub summary: Vec<SummaryRow>,
-    /// Which rows are the fastest and the smallest over all finished scenes, by geometric means; empty of one
-    /// scene, and in records from before.
+    /// Which rows are the fastest and the smallest over all finished scenes, by geometric means;
+    /// empty of one scene, and in records from before.
     #[serde(default)]
     pub conclusions: Vec<Conclusion>,
     /// Largest resident set of the process so far, bytes.

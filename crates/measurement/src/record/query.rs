@@ -1,9 +1,9 @@
 //! How a row is asked: ray by ray, or a batch at a time.
 //!
-//! A call that has several rays go side by side, or prepares several at once, hides the time that each of them waits
-//! for; one ray alone cannot. The two are different questions, so tables say which one a row
-//! answered. It is read off what was built over the scene, not off names or settings: a structure may
-//! have its batches for triangles alone.
+//! A call that has several rays go side by side, or prepares several at once, hides the time that
+//! each of them waits for; one ray alone cannot. The two are different questions, so tables say
+//! which one a row answered. It is read off what was built over the scene, not off names or
+//! settings: a structure may have its batches for triangles alone.
 
 use serde::{Deserialize, Serialize};
 
@@ -39,15 +39,15 @@ impl Query {
 }
 
 /// What stands below tables that have rows of both.
-pub const NOTE: &str = "query: batch rows answer many rays in one call, together; to all others, \
-                        the reference among them, rays are issued one by one.";
+pub const NOTE: &str = "query: batch rows answer many rays together in one call; all others, \
+                        including the reference, get rays one by one.";
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_row_of_both_says_in_how_many_scenes() {
+    fn mixed_queries_name_the_number_of_batch_scenes() {
         assert_eq!(Query::over_scenes(0, 3), "one ray");
         assert_eq!(Query::over_scenes(3, 3), "batch");
         assert_eq!(Query::over_scenes(1, 3), "batch in 1 of 3");

@@ -69,7 +69,7 @@ mod tests {
     const OTHERS: Rows<'_> = &[("octree", &[2.0])];
 
     #[test]
-    fn the_rows_in_place_of_the_reference_are_told() {
+    fn substitute_references_are_named() {
         let mut mixed = run(&[("tetra", ROWS), ("balls", OTHERS)]);
         assert_eq!(of_scene(&mixed.scenes[0]).as_deref(), Some("obvhs-cwbvh"));
         assert!(is_over(&mixed.scenes[1], "octree") && !is_over(&mixed.scenes[0], "octree"));

@@ -13,7 +13,8 @@ use statistics::series::TwoLevels;
 /// Which rays a row answers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
-pub enum Answered {
+#[cfg_attr(feature = "testing", schemars(rename = "Answered"))]
+pub enum AnsweredRays {
     /// Rays of every kind: a structure.
     #[default]
     #[serde(rename = "all rays")]
@@ -23,7 +24,7 @@ pub enum Answered {
     ShadowRays,
 }
 
-impl Answered {
+impl AnsweredRays {
     pub fn name(self) -> &'static str {
         match self {
             Self::AllRays => "all rays",
@@ -77,7 +78,7 @@ pub struct RowRecord {
     pub is_reference: bool,
     /// Which rays it answers.
     #[serde(default)]
-    pub answers: Answered,
+    pub answers: AnsweredRays,
     /// How it was asked.
     #[serde(default)]
     pub query: Query,
@@ -171,7 +172,7 @@ impl RowRecord {
             structure,
             settings,
             is_reference: false,
-            answers: Answered::AllRays,
+            answers: AnsweredRays::AllRays,
             query: Query::default(),
             verdict,
             known_defect: None,
@@ -201,8 +202,8 @@ impl RowRecord {
         }
     }
 
-    /// Rays that a triangle test of another's answered otherwise than expected where rounding decides; none
-    /// where answers are compared bit by bit.
+    /// Rays that a triangle test of another's answered otherwise than expected where rounding
+    /// decides; none where answers are compared bit by bit.
     pub fn edge_mismatches(&self) -> Option<u64> {
         let of_plugin = self.plugin.as_ref().filter(|p| p.own_test).map(|p| p.edge_mismatches);
         of_plugin.or(self.foreign.as_ref().map(|foreign| foreign.edge_mismatches))
@@ -300,14 +301,15 @@ pub struct PluginRecord {
     pub sha256: String,
     /// Its version, as it says.
     pub version: String,
-    /// It answered in a process of its own; else in that of the run.
+    /// It answered in a separate process; else in that of the run.
     pub own_process: bool,
-    /// Its own triangle test decided; else that of this program, and answers are compared bit by bit.
+    /// Its own triangle test decided; else that of this program, and answers are compared bit by
+    /// bit.
     pub own_test: bool,
     /// Seconds of a call that asks for nothing, to its process and back. Part of no time.
     pub empty_call_s: f64,
-    /// With one thread, the part of its time that threads other than the one that asked had, while its answers
-    /// were checked. It counts.
+    /// With one thread, the part of its time that threads other than the one that asked had, while
+    /// its answers were checked. It counts.
     #[serde(default)]
     pub other_threads: f64,
     /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::rays::order::{distinct, kind_of};
 use crate::record::conclusion::{Conclusion, LeastTime};
-use crate::record::row::{Answered, RowRecord, Verdict, label, with_query};
+use crate::record::row::{AnsweredRays, RowRecord, Verdict, label, with_query};
 use statistics::estimate::Estimate;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -46,7 +46,8 @@ pub struct SceneRecord {
     /// Which rows are the fastest and the smallest. Empty in records from before.
     #[serde(default)]
     pub conclusions: Vec<Conclusion>,
-    /// Which row takes the least time, build included, for how many rays; empty where none may lead.
+    /// Which row takes the least time, build included, for how many rays; empty where none may
+    /// lead.
     #[serde(default)]
     pub least_time: Vec<LeastTime>,
 }
@@ -75,12 +76,12 @@ impl SceneRecord {
         distinct(&self.rays).map(|(_, n)| n).sum()
     }
 
-    /// Whether a row may be called the best of anything: all its answers were compared, each is right, and its
-    /// settings keep no defect.
+    /// Whether a row may be called the best of anything: all its answers were compared, each is
+    /// right, and its settings keep no defect.
     pub fn may_lead(&self, row: &RowRecord) -> bool {
         let is_answered = |kind: &str| match row.answers {
-            Answered::AllRays => true,
-            Answered::ShadowRays => kind_of(kind) == "shadow",
+            AnsweredRays::AllRays => true,
+            AnsweredRays::ShadowRays => kind_of(kind) == "shadow",
         };
         let answered = distinct(&self.rays).filter(|(kind, _)| is_answered(kind));
         row.verdict == Verdict::Ok
@@ -108,7 +109,7 @@ pub struct SummaryRow {
     pub mismatches: u64,
     /// Which rays it answers.
     #[serde(default)]
-    pub answers: Answered,
+    pub answers: AnsweredRays,
     /// Geometric mean over those scenes of the trace ratio.
     pub ratio: Option<Estimate>,
     /// The same for each kind of ray. Empty in records from before.

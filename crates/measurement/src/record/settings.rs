@@ -33,7 +33,8 @@ pub struct Settings {
     /// Which lights were asked: `each` that a hit faces, or from primary hits the `first`.
     #[serde(default = "each_light")]
     pub lights: String,
-    /// What the command line said of the view and the lights of all scenes; absent where it said nothing.
+    /// What the command line said of the view and the lights of all scenes; absent where it said
+    /// nothing.
     #[serde(default, skip_serializing_if = "ViewOptions::is_empty")]
     pub view: ViewOptions,
     /// Tables of each kind of ray, and of the time to a picture, were asked for.
@@ -42,8 +43,8 @@ pub struct Settings {
     /// Processes in which rows were built and timed, each scene in each of them.
     #[serde(default = "one")]
     pub processes: u32,
-    /// What times are: `processor time` of the thread that builds and traces, where that is one; else
-    /// `time of day`.
+    /// What times are: `processor time` of the thread that builds and traces, where that is one;
+    /// else `time of day`.
     #[serde(default = "time_of_day")]
     pub timed_by: String,
 }

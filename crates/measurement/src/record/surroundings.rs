@@ -30,8 +30,9 @@ pub struct Machine {
     /// Whether its clock may be raised above its nominal rate, where that is told.
     #[serde(default)]
     pub boost: Option<bool>,
-    /// Whether AVX-512 was used, which is chosen where rows run, by those that answer batches and by `wide-bvh` and
-    /// `irregular-grid`; records of before do not tell, and those of before 25 November 2026 mean batches alone.
+    /// Whether AVX-512 was used, which is chosen where rows run, by those that answer batches and
+    /// by `wide-bvh` and `irregular-grid`; records of before do not tell, and those of before 25
+    /// November 2026 mean batches alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batches_by_avx512: Option<bool>,
 }

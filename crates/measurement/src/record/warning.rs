@@ -7,8 +7,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 /// Largest interquartile range of the reference's times, as a part of their median, that is not
-/// noise; of several scenes the one in the middle. Recorded runs of the standard scenes on a virtual
-/// machine have 0.05 when it is quiet, 0.16 beside other work.
+/// noise; of several scenes the one in the middle. Recorded runs of the standard scenes on a
+/// virtual machine have 0.05 when it is quiet, 0.16 beside other work.
 pub const QUIET_SPREAD: f64 = 0.15;
 /// Largest change of the reference's times from the first to the second half of the rounds that is
 /// not called drift, and the probability of chance below which it is.
@@ -28,7 +28,8 @@ pub enum Warning {
         /// Their interquartile range, as a part of the median.
         spread: f64,
     },
-    /// The intervals rest on fewer than five rounds; not said of a quick run, which is a first look.
+    /// The intervals rest on fewer than five rounds; not said of a quick run, which is a first
+    /// look.
     TooFewRounds {
         /// How many there were.
         rounds: u64,
@@ -72,7 +73,7 @@ impl fmt::Display for Warning {
         match self {
             Self::NoisyMachine { spread } => write!(
                 f,
-                "noisy machine: the reference's times are spread by {:.0}% of their median; trust \
+                "noisy machine: the reference's times vary by {:.0}% of their median; trust \
                  ratios and their intervals, not seconds, or end other programs and add --rounds",
                 100.0 * spread
             ),
@@ -97,8 +98,8 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "drift: the reference became {:.0}% {how} from the first to the second half of \
-                     the rounds, as when a clock is scaled{}; fix the clock's rate, let the machine \
-                     cool, or trust ratios alone",
+                     the rounds, as when the clock frequency changes{}; fix the frequency, let \
+                     the machine cool, or trust ratios alone",
                     100.0 * by,
                     governed.unwrap_or_default()
                 )
@@ -108,7 +109,7 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "other load: other programs or guests kept {processors:.1} of {of} processors \
-                     busy{}; end them, or measure again when they are over",
+                     busy{}; end them, or measure again later",
                     average.unwrap_or_default()
                 )
             }
@@ -125,8 +126,8 @@ impl fmt::Display for Warning {
                 write!(
                     f,
                     "other reference: {reference} was not built or is wrong, so ratios are to {}; \
-                     no mean joins ratios to different rows: name a reference that serves in every \
-                     scene (--reference)",
+                     means leave these scenes out; choose a reference that works in every scene \
+                     (--reference)",
                     each.join(", ")
                 )
             }

@@ -121,7 +121,7 @@ mod tests {
     const QUIET: [f64; 6] = [1.0, 1.01, 0.99, 1.02, 0.98, 1.0];
 
     #[test]
-    fn a_quiet_run_shows_none() {
+    fn quiet_runs_have_no_warnings() {
         assert_eq!(of(&run(&[&QUIET, &QUIET])), []);
         assert_eq!(of(&run(&[])), []);
         // one noisy scene of three is no noisy machine
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_planted_stand_in_is_named() {
+    fn planted_substitute_references_are_warned_of() {
         let mut run = run(&[&QUIET, &QUIET]);
         run.settings.reference = "irregular-grid".into();
         run.scenes.truncate(1);

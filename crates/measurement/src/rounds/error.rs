@@ -31,8 +31,8 @@ pub enum MeasureError {
     Threads { threads: usize, source: rayon::ThreadPoolBuildError },
     /// The program ended too often while it was prepared.
     #[error(
-        "scene {scene}: skipped: {times} times the program ended without a word while its rays and their \
-         answers were prepared: killed, or out of memory; the next --resume tries it again"
+        "scene {scene}: skipped: {times} times the program died while its rays and their \
+         answers were prepared (killed, or out of memory?); the next --resume retries it"
     )]
     Deadly { scene: String, times: usize },
     /// Something panicked while it was measured: a defect of ours.

@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn work_is_run_once_more_than_it_is_timed() {
+    fn timed_work_is_run_once_more_to_warm_up() {
         let clock = SteppingClock::new(Duration::from_millis(5));
         let runs = RefCell::new([0, 0]);
         let mut works: Vec<Box<dyn FnMut() + '_>> =
@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_rows_each_is_before_the_other_equally_often() {
+    fn each_of_two_rows_precedes_the_other_equally_often() {
         let place = |order: &[usize], row| order.iter().position(|r| *r == row);
         for (a, b) in [(0, 1), (3, 20), (7, 6)] {
             let before = (0..10).filter(|&round| {

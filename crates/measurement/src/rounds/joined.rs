@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_in_one_process_is_wrong() {
+    fn rows_wrong_in_one_process_are_wrong() {
         let mut first = scene(&[1.0], 0);
         let mut other = scene(&[1.0], 1);
         other.rows[1].verdict = Verdict::Wrong;

@@ -27,7 +27,6 @@ const MOST_ROUNDS: usize = 10_000;
 /// Measurements of a row in all rounds.
 #[derive(Debug, Clone, Default)]
 pub struct RowTimes {
-    /// One per round.
     pub samples: Vec<Sample>,
     /// Stride of the rays that were timed.
     pub stride: usize,
@@ -205,8 +204,8 @@ impl Schedule {
 }
 
 impl RoundTimes {
-    /// Drops the samples of an interrupted round. Adds to the others the seconds of the reference on
-    /// the same rays in the same round.
+    /// Drops the samples of an interrupted round. Adds to the others the seconds of the reference
+    /// on the same rays in the same round.
     fn keep_whole_rounds(&mut self, schedule: &Schedule) {
         let whole = self.interrupted.unwrap_or(usize::MAX);
         for (timed, stride) in self.timed.iter_mut().zip(&schedule.strides) {

@@ -7,7 +7,7 @@ use crate::plan::measured_row::MeasuredRow;
 use crate::plan::{Plan, default_rank};
 use crate::rays::batches::BatchSet;
 use crate::record::ratios::{builds_by_round, seconds_of};
-use crate::record::{Answered, RowRecord, SceneRecord, Verdict};
+use crate::record::{AnsweredRays, RowRecord, SceneRecord, Verdict};
 use crate::rounds::error::MeasureError;
 use crate::rounds::measure::{RowTimes, measure, measure_laps};
 use crate::rounds::scope::{Laps, RowLog, Scope};
@@ -33,7 +33,7 @@ pub struct SceneInput<'a> {
     pub clock: &'a dyn Clock,
     pub world: &'a dyn World,
     pub progress: &'a Progress,
-    /// How the trial build of each row ended; empty where there were none.
+    /// Outcome of the trial build of each row; empty without trial builds.
     pub trials: &'a [TrialOutcome],
     /// Told before each row is built for the first time.
     pub log: &'a dyn RowLog,
@@ -264,7 +264,7 @@ impl RowParts<'_, '_> {
 /// The record of a row of which there is nothing but a verdict.
 pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>) -> RowRecord {
     RowRecord {
-        answers: if row.is_occluder() { Answered::ShadowRays } else { Answered::AllRays },
+        answers: if row.is_occluder() { AnsweredRays::ShadowRays } else { AnsweredRays::AllRays },
         known_defect: row.known_defect().map(Into::into),
         error,
         ..RowRecord::unmeasured(row.structure().into(), row.settings(), verdict)

@@ -1,4 +1,4 @@
-//! Trial builds: each row once in a process of its own, before the scene is measured.
+//! Trial builds: each row once in a separate process, before the scene is measured.
 //!
 //! Only a process can be ended when it takes too much, and only one that has done nothing else has
 //! a peak of memory that says something: an allocator keeps what earlier builds gave back, and
@@ -19,7 +19,7 @@ use crate::settings::Precision;
 use crate::system::machine;
 use presentation::numbers;
 
-/// How often the memory of a trial is looked at.
+/// Interval at which the memory of a trial is checked.
 const POLL: Duration = Duration::from_millis(10);
 
 /// Limits of a build.
@@ -59,7 +59,7 @@ pub enum TrialOutcome {
 }
 
 impl TrialBuild {
-    /// Builds in a process of its own.
+    /// Builds in a separate process.
     pub fn run(&self) -> TrialOutcome {
         self.started().map_or_else(
             |e| TrialOutcome::Died(format!("cannot start a process: {e}")),

@@ -33,7 +33,7 @@ pub mod as_typed {
     /// Those of the format; values that there are not.
     pub fn deserialize<'de, C: Choice, D: Deserializer<'de>>(from: D) -> Result<C, D::Error> {
         let text = String::deserialize(from)?;
-        C::typed(&text).ok_or_else(|| D::Error::custom(format!("'{text}' is no value of it")))
+        C::typed(&text).ok_or_else(|| D::Error::custom(format!("'{text}' is not a valid value")))
     }
 }
 

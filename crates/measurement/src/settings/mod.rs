@@ -56,7 +56,7 @@ impl Precision {
     }
 }
 
-/// How to measure, whatever is measured.
+/// Settings of a measurement, independent of what is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuringSettings {
     /// Kinds of rays; none means all.
@@ -163,17 +163,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn settings_survive_a_round_trip() {
         let text = serde_json::to_string(&run()).unwrap();
         assert_eq!(serde_json::from_str::<RunSettings>(&text).unwrap(), run(), "{text}");
     }
 
     #[test]
-    fn what_cannot_be_typed_cannot_be_read() {
+    fn invalid_settings_cannot_be_deserialized() {
         let text = serde_json::to_string(&run()).unwrap();
         for (from, to, said) in [
             ("2/8", "0/0", "expected I/N"),
-            ("\"both\"", "\"none\"", "'none' is no value"),
+            ("\"both\"", "\"none\"", "'none' is not a valid value"),
             ("\"seed\":1", "\"seed\":-1", "expected u64"),
         ] {
             let error = serde_json::from_str::<RunSettings>(&text.replace(from, to)).unwrap_err();
@@ -182,7 +182,7 @@ mod tests {
     }
 
     #[test]
-    fn values_are_found_by_what_is_typed() {
+    fn values_are_parsed_from_their_names() {
         assert_eq!(Lights::typed("first"), Some(Lights::First));
         assert_eq!(Precision::typed("f16"), None);
         assert_eq!((Lights::Each.name(), Precision::F64.name()), ("each", "f64"));

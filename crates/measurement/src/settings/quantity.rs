@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn a_range_is_named() {
+    fn errors_name_the_valid_range() {
         let parse = count(1..=10_000);
         assert_eq!(parse("10k"), Ok(10_000));
         assert!(parse("11k").unwrap_err().contains("from 1 to 10000"));

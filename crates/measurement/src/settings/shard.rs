@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn more_shards_than_cells_leave_some_without_work() {
+    fn surplus_shards_are_empty() {
         let matrix = Matrix { scenes: 1, rows: 3, reference: 0 };
         let works = |index| !matrix.rows_of(Shard { index, count: 3 }, 0).is_empty();
         assert_eq!([works(1), works(2), works(3)].iter().filter(|w| **w).count(), 2);

@@ -18,8 +18,7 @@ pub enum ChildError {
     Start { program: PathBuf, source: io::Error },
     /// It knows no such command.
     #[error(
-        "{}: this binary is from before `rtbench check`, and cannot be started by it; build it \
-         from a newer commit", program.display()
+        "{}: this binary is older than `rtbench check`; build it from a newer commit", program.display()
     )]
     Lacks { program: PathBuf },
     #[error("{}: ended with {how}: {said}", program.display())]
@@ -31,7 +30,7 @@ pub enum ChildError {
         said: String,
     },
     /// Its answer is none.
-    #[error("{}: its answer cannot be read ({message}); is it another version?", program.display())]
+    #[error("{}: cannot read its reply ({message}); is it another version?", program.display())]
     Answer {
         program: PathBuf,
         /// Description of the fault.

@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_thread_waits_for_is_not_its_time() {
+    fn waiting_is_not_counted_as_processor_time() {
         let clock = SystemClock::default();
         let sleep = || std::thread::sleep(Duration::from_millis(30));
         let spin = || (0..2_000_000u64).fold(1, |a: u64, b| std::hint::black_box(a ^ b));

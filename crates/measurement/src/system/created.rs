@@ -99,7 +99,7 @@ mod tests {
     use std::io::Write;
 
     #[test]
-    fn only_what_is_new_and_empty_is_taken_back() {
+    fn only_new_and_empty_files_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("old"), "text").unwrap();
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn folders_that_were_made_before_one_could_not_be_are_taken_back() {
+    fn folders_created_before_a_failure_are_removed() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("file"), "text").unwrap();
         let mut created = CreatedFiles::default();

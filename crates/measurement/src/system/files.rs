@@ -152,7 +152,7 @@ mod tests {
     const DEAD: u32 = 4_200_000;
 
     #[test]
-    fn what_killed_processes_left_is_removed_and_nothing_else() {
+    fn temporary_files_of_dead_processes_are_removed_and_no_others() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         let kept = [

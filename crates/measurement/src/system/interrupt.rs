@@ -101,10 +101,10 @@ pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 
 /// Output and journal mark of an interrupted run.
 pub struct InterruptedOutput {
-    /// How the journal is marked, and its folder.
+    /// Mark of the journal, and its folder.
     pub journal: Option<(Mark, PathBuf)>,
     pub scenes: usize,
-    /// How many of them are finished.
+    /// Number of finished ones.
     pub finished: Arc<AtomicUsize>,
 }
 
@@ -114,7 +114,7 @@ impl InterruptedOutput {
         let counts =
             format!("{} of {} scenes are finished", self.finished.load(SeqCst), self.scenes);
         let Some((mark, folder)) = self.journal else {
-            return format!("interrupted: {counts}; with -o DIR they would be kept");
+            return format!("interrupted: {counts}; use -o DIR to keep them");
         };
         let folder = match if may_write { mark(signal) } else { Ok(None) } {
             Ok(another) => another.unwrap_or(folder),
@@ -122,7 +122,7 @@ impl InterruptedOutput {
         };
         let folder = folder.display().to_string();
         let folder = line(&folder);
-        format!("interrupted: {counts} and kept; go on with: rtbench run --resume {folder}")
+        format!("interrupted: {counts}, kept; resume with: rtbench run --resume {folder}")
     }
 }
 

@@ -55,7 +55,7 @@ fn line(path: &str) -> Option<String> {
     Some(text.trim().to_owned()).filter(|line| !line.is_empty())
 }
 
-/// How busy the machine has been until now.
+/// Load of the machine until now.
 pub fn load() -> Load {
     let read = |path| fs::read_to_string(path).unwrap_or_default();
     Load {

@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_asked_for_counts() {
+    fn requested_limits_override_the_default() {
         assert_eq!(of(Some(5)), MemoryLimit::new(5));
         assert_ne!(of(None), MemoryLimit::new(5));
     }

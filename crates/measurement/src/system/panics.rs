@@ -17,7 +17,7 @@ pub struct CaughtPanic(pub String);
 /// From here on panics print nothing: whoever catches one says what it said.
 pub fn keep_quiet() {
     panic::set_hook(Box::new(|info| {
-        let message = said(info.payload());
+        let message = panic_message(info.payload());
         let place = info.location().map(|l| format!(" ({}:{})", l.file(), l.line()));
         let text = message + &place.unwrap_or_default();
         *LATEST.lock().unwrap_or_else(PoisonError::into_inner) = Some(text);
@@ -29,11 +29,11 @@ pub fn keep_quiet() {
 pub fn caught<T>(work: impl FnOnce() -> T) -> Result<T, CaughtPanic> {
     panic::catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
         let latest = LATEST.lock().unwrap_or_else(PoisonError::into_inner).take();
-        CaughtPanic(latest.unwrap_or_else(|| said(&*payload)))
+        CaughtPanic(latest.unwrap_or_else(|| panic_message(&*payload)))
     })
 }
 
-fn said(payload: &(dyn std::any::Any + Send)) -> String {
+fn panic_message(payload: &(dyn std::any::Any + Send)) -> String {
     let text = payload.downcast_ref::<String>().map(String::as_str);
     text.or(payload.downcast_ref::<&str>().copied()).unwrap_or("no message").to_owned()
 }

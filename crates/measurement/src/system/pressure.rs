@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_share_is_what_was_added_since() {
+    fn pressure_is_the_share_since_the_start() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cpu");
         let write = |total: u64| {

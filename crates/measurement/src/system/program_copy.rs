@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_copy_is_the_same_and_goes_away() {
+    fn a_program_copy_is_identical_and_removed_afterwards() {
         let folder = tempfile::tempdir().unwrap();
         let program = folder.path().join("program");
         std::fs::write(&program, "code").unwrap();

@@ -63,7 +63,7 @@ impl Progress {
         Self { bar, budget }
     }
 
-    /// How far a scene is loaded, for commands that load and do little else.
+    /// Progress of loading a scene, for commands that do little else.
     pub fn of_loading(visible: bool, scene: &str) -> Self {
         let progress = Self::new(visible, 1, None);
         if let Ok(style) = ProgressStyle::with_template("{elapsed}  {loaded}{wide_msg}") {
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn a_time_budget_is_a_matter_of_time() {
+    fn progress_of_a_time_budget_follows_time() {
         let time = Progress::new(false, 20, Some(Duration::from_secs(2)));
         time.step(Duration::from_millis(700));
         time.reach(10);

@@ -19,7 +19,7 @@ pub trait World: Sync {
     fn compiler(&self) -> Compiler;
     /// The machine it runs on.
     fn machine(&self) -> Machine;
-    /// What the processor has of x86-64-v3, by rustc's names.
+    /// Features of x86-64-v3 that the processor has, by rustc's names.
     fn processor_features(&self) -> Vec<&'static str>;
     /// SHA-256 of the program's file, where it can be read.
     fn program_sha256(&self) -> Option<String>;
@@ -27,9 +27,9 @@ pub trait World: Sync {
     fn peak_rss(&self) -> Option<u64>;
     /// Begins a new peak where the system lets us.
     fn reset_peak_rss(&self);
-    /// Builds a row in a process of its own.
+    /// Builds a row in a separate process.
     fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome;
-    /// How busy the machine has been until now.
+    /// Load of the machine until now.
     fn load(&self) -> Load;
     /// The folder that has the system's `proc` and `sys`.
     fn system_root(&self) -> PathBuf;
@@ -94,13 +94,13 @@ impl World for SystemWorld {
 pub struct FixedWorld {
     /// Description of the machine.
     pub machine: Machine,
-    /// What its processor has of x86-64-v3.
+    /// Features of x86-64-v3 that its processor has.
     pub processor_features: Vec<&'static str>,
     /// Compiler and flags of the program.
     pub compiler: Compiler,
     /// What the loads are, one reading after another; the last one stays.
     pub loads: Mutex<VecDeque<Load>>,
-    /// How trial builds end.
+    /// Outcome of trial builds.
     pub trials: fn(&TrialBuild) -> TrialOutcome,
 }
 
@@ -181,7 +181,7 @@ macro_rules! detected {
     ($($name:tt),*) => { [$(($name, std::is_x86_feature_detected!($name))),*] };
 }
 
-/// What this processor has of x86-64-v3; nothing on other machines.
+/// Features of x86-64-v3 that this processor has; empty on other machines.
 fn of_processor() -> Vec<&'static str> {
     #[cfg(target_arch = "x86_64")]
     let all = detected!("avx", "avx2", "bmi1", "bmi2", "f16c", "fma", "lzcnt", "movbe");
@@ -204,7 +204,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_compiled_in_is_there_and_used() {
+    fn processor_features_are_available_and_used() {
         let compiled = ["sse2", "avx2", "fma"].map(str::to_owned);
         assert_eq!(unused(&["avx2", "fma"], &compiled), [""; 0]);
         assert_eq!(unused(&["avx2", "bmi2", "fma"], &compiled), ["bmi2"]);

@@ -27,7 +27,7 @@ impl Canvas {
     }
 
     /// The pixels that an interval meets.
-    fn met(low: f64, high: f64, n: usize) -> std::ops::Range<usize> {
+    fn pixel_range(low: f64, high: f64, n: usize) -> std::ops::Range<usize> {
         let end = high.ceil().clamp(0.0, n as f64) as usize;
         (low.floor().clamp(0.0, n as f64) as usize).min(end)..end
     }
@@ -37,8 +37,8 @@ impl Canvas {
         let part = |low: f64, high: f64, i: usize| {
             (high.min(i as f64 + 1.0) - low.max(i as f64)).clamp(0.0, 1.0)
         };
-        for y in Self::met(y0, y1, self.height) {
-            for x in Self::met(x0, x1, self.width) {
+        for y in Self::pixel_range(y0, y1, self.height) {
+            for x in Self::pixel_range(x0, x1, self.width) {
                 self.blend(x, y, color, opacity * part(x0, x1, x) * part(y0, y1, y));
             }
         }
@@ -49,7 +49,7 @@ impl Canvas {
         let along = [b[0] - a[0], b[1] - a[1]];
         let square = along[0] * along[0] + along[1] * along[1];
         let reach = radius + 1.0;
-        for y in Self::met(a[1].min(b[1]) - reach, a[1].max(b[1]) + reach, self.height) {
+        for y in Self::pixel_range(a[1].min(b[1]) - reach, a[1].max(b[1]) + reach, self.height) {
             // the part of the line that is near this row
             let (mut low, mut high) = (a[0].min(b[0]), a[0].max(b[0]));
             if along[1].abs() > 1e-9 {
@@ -58,7 +58,7 @@ impl Canvas {
                 low = ends[0].min(ends[1]);
                 high = ends[0].max(ends[1]);
             }
-            for x in Self::met(low - reach, high + reach, self.width) {
+            for x in Self::pixel_range(low - reach, high + reach, self.width) {
                 let p = [x as f64 + 0.5 - a[0], y as f64 + 0.5 - a[1]];
                 let t = if square > 0.0 {
                     ((p[0] * along[0] + p[1] * along[1]) / square).clamp(0.0, 1.0)
@@ -80,9 +80,10 @@ impl Canvas {
             points.iter().fold(start, |all, p| pick(all, if k == 0 { p[0] } else { p[1] }))
         };
         let (low, high) = (of(f64::min, f64::MAX, 1), of(f64::max, f64::MIN, 1));
-        let across = Self::met(of(f64::min, f64::MAX, 0), of(f64::max, f64::MIN, 0), self.width);
+        let across =
+            Self::pixel_range(of(f64::min, f64::MAX, 0), of(f64::max, f64::MIN, 0), self.width);
         let first = across.start;
-        for y in Self::met(low, high, self.height) {
+        for y in Self::pixel_range(low, high, self.height) {
             let mut covered = vec![0.0; across.len()];
             for row in 0..ROWS {
                 let at = y as f64 + (row as f64 + 0.5) / ROWS as f64;
@@ -94,7 +95,7 @@ impl Canvas {
                 cuts.sort_by(f64::total_cmp);
                 for pair in cuts.chunks_exact(2) {
                     let [from, to] = [0, 1].map(|i| pair.get(i).copied().unwrap_or(0.0));
-                    for x in Self::met(from, to, self.width) {
+                    for x in Self::pixel_range(from, to, self.width) {
                         let part = to.min(x as f64 + 1.0) - from.max(x as f64);
                         if let Some(covered) = covered.get_mut(x.wrapping_sub(first)) {
                             *covered += part.clamp(0.0, 1.0) / ROWS as f64;

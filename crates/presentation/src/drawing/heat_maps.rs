@@ -155,7 +155,6 @@ impl Classes {
         Self::class(n).min(self.count - 1)
     }
 
-    /// Number of elements.
     pub fn count(self) -> u32 {
         self.count
     }

@@ -12,7 +12,7 @@ pub fn color(text: &str) -> Color {
     [r, g, b]
 }
 
-/// How something is drawn.
+/// Drawing style of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Paint {
     /// Colour of its inside, and how much of what lies below it hides: from 0 to 1.
@@ -32,13 +32,11 @@ pub enum Item {
         lines: Vec<Vec<[f64; 2]>>,
         /// True if they go back to where they begin.
         are_closed: bool,
-        /// How they are drawn.
         paint: Paint,
     },
     Disc {
         at: [f64; 2],
         radius: f64,
-        /// How it is drawn.
         paint: Paint,
     },
     /// Text, its baseline at a place.

@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_letter_has_lines_of_its_own() {
+    fn every_letter_has_its_own_strokes() {
         let printed: Vec<char> = ('!'..='~').collect();
         let drawn: Vec<_> = printed.iter().map(|&c| lines(&c.to_string(), 12.0)).collect();
         for (i, (lines, width)) in drawn.iter().enumerate() {

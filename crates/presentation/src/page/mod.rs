@@ -12,7 +12,7 @@ use crate::html::Html;
 use crate::svg_plot::palette::dark_rules;
 use crate::svg_plot::{Drawing, Format};
 
-/// How pages look, but for the colours of plots in the dark.
+/// Style sheet of pages, except the colours of plots in dark mode.
 static STYLE: &str = include_str!("page.css");
 /// Sorts and filters tables.
 static SCRIPT: &str = include_str!("page.js");
@@ -21,7 +21,7 @@ static SCRIPT: &str = include_str!("page.js");
 pub const BEGINNING: &str = "<!DOCTYPE html>\n";
 
 /// A page of that title, opened as far as its body: what comes next is its header.
-pub fn begun(title: &str) -> Html {
+pub fn start_page(title: &str) -> Html {
     let mut html = Html::default();
     html.open("html", &[("lang", "en")]);
     html.open("head", &[]);
@@ -73,7 +73,7 @@ mod tests {
 
     #[test]
     fn the_only_script_is_the_one_whose_hash_the_policy_has() {
-        let mut html = begun("a < b");
+        let mut html = start_page("a < b");
         html.open("main", &[("id", "main")]);
         html.open("p", &[]);
         let page = finished(html);

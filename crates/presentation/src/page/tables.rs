@@ -6,7 +6,7 @@ use crate::table::{Cell, Style, Table};
 /// Tables of more rows are folded: a click opens them, and printing does.
 const LONGEST: usize = 12;
 
-/// How a table is written.
+/// Format of a table.
 #[derive(Debug, Clone, Copy)]
 pub struct TableStyle<'a> {
     /// The numbers of its rows, in a column before them; empty where they have none.

@@ -65,10 +65,12 @@ impl FittedAxis {
 
     /// The same; what lies beyond an end is moved there.
     pub fn nearest_place(&self, x: f64) -> f64 {
-        let x = match self.is_log {
-            true if x <= 0.0 => f64::NEG_INFINITY,
-            true => x.log10(),
-            false => x,
+        let x = if !self.is_log {
+            x
+        } else if x <= 0.0 {
+            f64::NEG_INFINITY
+        } else {
+            x.log10()
         };
         let place = (x - self.low) / (self.high - self.low);
         if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) }

@@ -6,7 +6,7 @@ use crate::svg_plot::palette::GREY;
 use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen};
 use crate::svg_plot::plot::WIDTH;
 
-/// How wide a drawing is.
+/// Width of a drawing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
     /// For windows of 900 pixels and more, and for files.

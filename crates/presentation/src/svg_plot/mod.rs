@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_place_is_left_out() {
+    fn points_without_a_logarithm_are_left_out() {
         let svg = figure(&[plot(Scale::Log, Scale::Log)]);
         let tree = roxmltree::Document::parse(&svg).unwrap();
         let circles = tree.descendants().filter(|n| n.has_tag_name("circle")).count();
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn many_series_are_told_apart_and_named_within_the_figure() {
+    fn many_series_have_distinct_styles_and_a_legend() {
         let mut many = plot(Scale::Linear, Scale::Linear);
         many.marks.clear();
         let one = many.series[0].clone();

@@ -11,7 +11,7 @@ pub const LETTER: f64 = 6.4;
 /// The same of a bold one.
 pub const BOLD_LETTER: f64 = 7.4;
 
-/// How text stands at its place.
+/// Alignment of text at its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Font {
     pub size: f64,

@@ -23,7 +23,7 @@ pub struct Plot {
 pub struct Axis {
     /// Quantity with its unit.
     pub label: String,
-    /// How it shows it.
+    /// Form in which it is shown.
     pub scale: Scale,
 }
 

@@ -28,7 +28,6 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// Number of elements.
     pub const COUNT: usize = 10;
 }
 

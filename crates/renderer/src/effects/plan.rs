@@ -17,7 +17,6 @@ use super::stages::{EyeStage, LightStage, ScatterStage, Stages};
 use super::textures::ImageColors;
 use crate::camera::EyeRays;
 
-/// Limit of [`EffectPlan::samples_per_pixel`].
 pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 
 /// An effect that is called for.

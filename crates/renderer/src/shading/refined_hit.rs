@@ -61,8 +61,8 @@ pub(crate) fn refined_hit(
 }
 
 /// A ray that grazes a cone may hit it 8 epsilons of its size outside of its surface
-/// (`accel_core::primitives::cone`), and a few more are the rounding of its axis and slope: more than
-/// the usual offset of 4.
+/// (`accel_core::primitives::cone`), and a few more are the rounding of its axis and slope: more
+/// than the usual offset of 4.
 const CONE: f64 = 4.0;
 
 fn largest(p: DVec3) -> f64 {

@@ -19,7 +19,7 @@ pub struct TracerInfo {
 
 /// A scene that a tracer cannot trace rightly, and so does not.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("{tracer} tracing cannot do scene {scene}: it has {what}")]
+#[error("{tracer} tracing does not support scene {scene}: it has {what}")]
 pub struct Refusal {
     /// Name of the tracer.
     pub tracer: &'static str,

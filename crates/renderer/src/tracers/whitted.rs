@@ -35,8 +35,8 @@ pub static INFO: TracerInfo = TracerInfo {
     name: "whitted",
     summary: "single rays: from the eye, to lights, mirrored and refracted; effects by samples",
     paper: "Whitted 1980; Cook, Porter, Carpenter 1984 (samples)",
-    assumptions: "a pixel is as its samples are",
-    deviations: "as in NFF, whatever transmits also mirrors; no falloff of light",
+    assumptions: "the colour of a pixel is the mean of its samples",
+    deviations: "as in NFF, transmissive surfaces also mirror; no falloff of light",
     refuses: "nothing",
 };
 

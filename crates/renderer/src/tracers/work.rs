@@ -21,7 +21,6 @@ pub struct CountingTracer<'a, S: Buildable> {
 }
 
 impl<'a, S: Buildable> CountingTracer<'a, S> {
-    /// Counts from 0.
     pub fn new(tracer: &'a dyn Tracer<S>) -> Self {
         Self { tracer, total: Mutex::default() }
     }

@@ -423,16 +423,19 @@ fn tiles_change_areas_by_rounding_alone_and_nothing_is_left_undecided() {
 }
 
 #[test]
-fn what_beams_cannot_do_is_refused() {
+fn scenes_that_beams_do_not_support_are_refused() {
     let scene = scene_loading::procedural::generate("balls:1").unwrap();
     let refused = over(&scene, "brute-force", |over| {
         draw(&scene, frame(4, 5), &Settings::default(), over).unwrap_err()
     });
-    assert_eq!(refused.to_string(), "beam tracing cannot do scene balls:1: it has 10 spheres");
+    assert_eq!(
+        refused.to_string(),
+        "beam tracing does not support scene balls:1: it has 10 spheres"
+    );
 }
 
 #[test]
-fn polygons_anywhere_around_the_eye_are_cut_as_samples_see_them() {
+fn polygons_around_the_eye_are_clipped_like_samples_see_them() {
     // of 1024 samples the mean scatters by 1.4e-4 from seed to seed: too much for the bounds
     const SAMPLES: u32 = 2048;
     for seed in 0..4 {

@@ -284,7 +284,7 @@ fn the_image_does_not_depend_on_threads() {
 }
 
 #[test]
-fn what_cannot_be_done_is_refused() {
+fn scenes_that_cones_do_not_support_are_refused() {
     let refused = |name: &str| refusal(&effect_scene(name)).map_err(|e| e.to_string());
     for (name, what) in [
         ("effect-motion", "move while the shutter is open"),
@@ -292,7 +292,10 @@ fn what_cannot_be_done_is_refused() {
         ("effect-gloss", "with a rough mirror"),
     ] {
         let said = refused(name).unwrap_err();
-        assert!(said.starts_with("cone tracing cannot do scene") && said.contains(what), "{said}");
+        assert!(
+            said.starts_with("cone tracing does not support scene") && said.contains(what),
+            "{said}"
+        );
     }
     for name in ["effect-plain", "effect-mirror", "effect-refraction", "effect-textures"] {
         assert_eq!(refused(name), Ok(()));

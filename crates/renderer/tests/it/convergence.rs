@@ -96,7 +96,7 @@ fn check_slope(errors: &[(u32, f64)]) -> Result<f64, String> {
 }
 
 #[test]
-fn slopes_that_are_not_as_expected_are_found_out() {
+fn unexpected_slopes_are_caught() {
     let of = |power: f64| [4, 16, 64].map(|n| (n, f64::from(n).powf(power)));
     assert!((check_slope(&of(-0.75)).unwrap() + 0.75).abs() < 1e-12);
     for planted in [0.0, -0.25, -0.5, -3.0] {

@@ -173,7 +173,7 @@ fn depth_1_sends_nothing_on() {
 }
 
 #[test]
-fn what_moves_is_seen_where_it_goes() {
+fn motion_blur_covers_the_path() {
     // without the effect it stands where it is when the shutter opens
     let scene = effect_scene("effect-motion");
     let plan = EffectPlan::of(&scene, &settings(SIZE, samples(16)));
@@ -191,7 +191,7 @@ fn what_moves_is_seen_where_it_goes() {
 }
 
 #[test]
-fn images_that_nothing_wears_change_no_bit_and_take_no_ray() {
+fn unused_images_change_no_pixel_and_trace_no_ray() {
     let settings = settings(SIZE, samples(1));
     for scene in effect_scenes().iter().filter(|scene| scene.textures.is_empty()) {
         let mut unworn = scene.clone();

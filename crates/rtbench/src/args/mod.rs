@@ -61,25 +61,23 @@ const GLOBAL: &str = "Every command";
 #[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 3 regression, 4 wrong hits, \
                         5 inconclusive (check --strict), 130 interrupted.")]
 pub struct Cli {
-    /// What to do.
     #[command(subcommand)]
     pub command: Command,
     /// When to use colours; NO_COLOR is respected by `auto`.
     #[arg(long, global = true, help_heading = GLOBAL, value_enum, default_value_t = Color::Auto, value_name = "WHEN")]
     pub color: Color,
-    /// No progress and no warnings on stderr.
+    /// Print no progress and no warnings to stderr.
     #[arg(short, long, global = true, help_heading = GLOBAL, conflicts_with = "verbose")]
     pub quiet: bool,
-    /// Say on stderr what is done.
+    /// Print verbose progress to stderr.
     #[arg(short, long, global = true, help_heading = GLOBAL)]
     pub verbose: bool,
-    /// Read scene files whose sources lie outside their folders: for files that are your own
+    /// Allow scene files to read files outside their folders (only for scenes that you trust)
     #[arg(long, global = true, help_heading = GLOBAL)]
     pub allow_outside: bool,
-    /// What scenes are given.
     #[command(flatten)]
     pub view: ViewArgs,
-    /// Replace files and results that are there
+    /// Overwrite existing output
     #[arg(long, global = true, help_heading = GLOBAL)]
     pub overwrite: bool,
 }
@@ -95,7 +93,6 @@ pub enum Color {
     Never,
 }
 
-/// The subcommands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Measure structures on scenes and print the tables
@@ -108,12 +105,12 @@ pub enum Command {
         after_help = "Examples:\n  rtbench sweep teapot -s uniform-grid -p density --from 0.1 --to 100\n  rtbench sweep tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
     )]
     Sweep(SweepArgs),
-    /// Measure a scene that moves, frame by frame: updates, rays, and which row has the most frames per second
+    /// Measure a moving scene frame by frame: updates, rays, frames per second
     #[command(
         after_help = "Examples:\n  rtbench animate marbles                                every structure, every way to update it\n  rtbench animate city -s wide-bvh:update=refit,uniform-grid:update=incremental -o out\n  rtbench animate 'frame%04d.obj' --frames 0..9 -j 2     a sequence of files, with one thread and with two"
     )]
     Animate(AnimateArgs),
-    /// What the difference in time between two rows is made of: structure, kernel, query
+    /// Explain why two rows differ in time: structure, kernel, query
     #[command(after_help = "Examples:\n  rtbench explain teapot-tess -s kd-tree")]
     Explain(ExplainArgs),
     /// Compare the results of two or more runs
@@ -121,27 +118,27 @@ pub enum Command {
         after_help = "Examples:\n  rtbench compare before after -t 5%\n  rtbench compare before after --match hug=hug:density=4"
     )]
     Compare(CompareArgs),
-    /// List what there is
+    /// List structures, scenes, sets, rays and axes
     #[command(after_help = "Examples:\n  rtbench list structures kd-tree")]
     List(ListArgs),
-    /// Render a scene, with the effects it calls for, to a PNG or EXR image
+    /// Render a scene, with its effects, to a PNG or EXR image
     #[command(after_help = "Examples:\n  rtbench render teapot -o teapot.png --size 256")]
     Render(RenderArgs),
-    /// Draw structures: their cells in a slice or as boxes, levels, one ray's way
+    /// Draw structures: cells in a slice or as boxes, levels, the path of one ray
     #[command(
         after_help = "Examples:\n  rtbench show teapot -s uniform-grid,octree,kd-tree,wide-bvh -o slice.svg"
     )]
     Show(ShowArgs),
-    /// What an image costs by Zachmann's product, factor by factor, predicted and measured
+    /// Predict and measure the cost of an image by Zachmann's product, factor by factor
     #[command(after_help = "Examples:\n  rtbench cost teapot --heat-maps maps")]
     Cost(CostArgs),
-    /// One scene by samples, by cones and by beams: time against error
+    /// Compare sampling, cone and beam tracing of a scene: time against error
     CompareTracers(CompareTracersArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
     /// Write the rays of a scene for another program
     Rays(RaysArgs),
-    /// Check what another program answered
+    /// Check the answers of another program
     Hits(HitsArgs),
     /// Trace rays from a file, and print or write the hits
     #[command(
@@ -151,34 +148,34 @@ pub enum Command {
     /// Check structures on the hard cases: awkward rays, primitives, cells
     #[command(after_help = "Examples:\n  rtbench verify -s kd-tree --rays 1000")]
     Verify(VerifyArgs),
-    /// What accuracy costs in time: variants of tests, traversals, offsets, samples
+    /// Measure what accuracy costs in time: variants of tests, traversals, offsets, samples
     Accuracy(AccuracyArgs),
     /// Make an HTML report of the results in a folder: tables, plots, break-even counts
     #[command(
         after_help = "Examples:\n  rtbench report out\n  rtbench report before after -o both.html    two runs side by side"
     )]
     Report(ReportArgs),
-    /// Make a static site of many runs: ratios over commits, and at which commits they changed
+    /// Make a static site of many runs: ratios over commits, and the commits that changed them
     #[command(after_help = "Examples:\n  rtbench history nights -o site")]
     History(HistoryArgs),
-    /// Compare our figures with published ones
+    /// Compare our figures with published figures
     Reproduce(ReproduceArgs),
     /// Compare with a baseline, an older rtbench or an older plugin: the gate of a CI job
     #[command(
         after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check teapot --against ./old\n  rtbench check teapot -s mine --plugin new/mine.so --against-plugin old/mine.so"
     )]
     Check(CheckArgs),
-    /// Keep results to check against
+    /// Manage baselines for `check`
     Baseline(BaselineArgs),
-    /// What `check` and `sweep` start as processes of their own
+    /// Child processes of `check` and `sweep`
     #[command(hide = true)]
     Child(ChildArgs),
-    /// Join the parts of a run that `--shard` made
+    /// Merge the shards of a run made with `--shard`
     #[command(after_help = "Examples:\n  rtbench merge part-1 part-2 -o whole")]
     Merge(MergeArgs),
-    /// Report what may disturb measurements on this machine, and what to do about it
+    /// Report what may disturb measurements on this machine, and how to fix it
     Doctor(DoctorArgs),
-    /// Print the JSON schema of what is written
+    /// Print the JSON schemas of output files
     Schema(SchemaArgs),
     /// Print completions for a shell
     #[command(after_help = "Examples:\n  rtbench completions bash")]
@@ -235,7 +232,7 @@ pub fn names_structures(command_line: &[String]) -> bool {
     }
 }
 
-/// What `--set` says in the command line of a run, program first; nothing where it is none of a run.
+/// Values of `--set` in the command line of a run, program first; empty for other commands.
 pub fn overrides_in(command_line: &[String]) -> Vec<String> {
     match Cli::try_parse_from(command_line).map(|cli| cli.command) {
         Ok(Command::Run(args)) => args.overrides,
@@ -252,15 +249,15 @@ pub fn overrides_in(command_line: &[String]) -> Vec<String> {
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "View and lights")]
 pub struct ViewArgs {
-    /// Camera instead of the scenes' own, in world units and degrees: 1,2,3:0,0,0:45 [default: the
-    /// scene's, or one that frames it]
+    /// Camera, in world units and degrees: 1,2,3:0,0,0:45 [default: the scene's, or one that frames
+    /// it]
     #[arg(long, global = true, value_name = "FROM:AT[:FOV]", allow_hyphen_values = true)]
     pub camera: Option<CameraOption>,
     /// Up direction of the camera [default: the scene's, or 0,1,0]
     #[arg(long, global = true, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub up: Option<UpOption>,
-    /// Point light instead of the scenes' own, repeatable: 0,10,0 or 0,10,0:1,0.9,0.8 [default: the
-    /// scene's, or one at the eye]
+    /// Point light, repeatable: 0,10,0 or 0,10,0:1,0.9,0.8 [default: the scene's, or one at the
+    /// eye]
     #[arg(long, global = true, value_name = "POS[:COLOR]", allow_hyphen_values = true)]
     pub light: Vec<LightOption>,
 }

@@ -6,24 +6,24 @@ use std::time::Duration;
 
 use clap::Args;
 
-/// Which plugins, and how they run.
+/// Plugins, and how they run.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Plugins")]
 pub struct PluginArgs {
-    /// A shared library with a structure of yours (rtbench.h): its row stands beside ours
+    /// Measure a structure from this shared library (see rtbench.h) as an extra row
     #[arg(long, value_name = "FILE")]
     pub plugin: Vec<PathBuf>,
-    /// Run plugins in this process, not in one of their own: what ends a plugin ends the run
+    /// Load plugins in-process (a plugin crash aborts the run)
     #[arg(long, requires = "plugin")]
     pub in_process: bool,
-    /// Longest time of a plugin's build, and of one of its calls that answer rays
+    /// Time limit of a plugin's build, and of each of its calls that answer rays
     #[arg(long, value_name = "TIME", default_value = "60s", requires = "plugin",
           value_parser = measurement::settings::duration::parse)]
     pub plugin_limit: Duration,
 }
 
 impl PluginArgs {
-    /// What names the same to another process of this program; nothing where there are none.
+    /// Arguments that pass the plugins to another process of this program; empty without plugins.
     pub fn arguments(&self) -> Vec<OsString> {
         self.arguments_for(&self.plugin)
     }
@@ -44,10 +44,10 @@ impl PluginArgs {
 /// `rtbench child plugin`: what a run starts for each row of a plugin.
 #[derive(Debug, Clone, Args)]
 pub struct ServeArgs {
-    /// The shared library
+    /// Shared library of the plugin
     #[arg(long)]
     pub file: PathBuf,
-    /// Where the run listens
+    /// Address at which the run listens
     #[arg(long)]
     pub socket: PathBuf,
 }

@@ -11,50 +11,47 @@ pub const STRUCTURE_SHADOWS: &str = "structure";
 
 #[derive(Debug, Clone, Args)]
 pub struct RenderArgs {
-    /// A scene's name or file
+    /// Scene name or file
     #[arg(value_parser = scene_name())]
     pub scene: String,
-    /// The image to write: .png, or .exr for linear floats
+    /// Image to write: .png, or .exr for linear floats
     #[arg(short, long, value_name = "FILE", required_unless_present = "plan")]
     pub output: Option<PathBuf>,
-    /// Print what the scene calls for, and the rays per pixel that each effect adds
+    /// Print the effects of the scene, and the rays per pixel that each adds, instead of rendering
     #[arg(long)]
     pub plan: bool,
-    /// The structure to trace with [default: wide-bvh, or the first]
-    #[arg(short, long, value_name = "STRUCTURE")]
+    /// Structure to trace with [default: wide-bvh, or the first]
+    #[arg(short, long, alias = "structures", value_name = "STRUCTURE")]
     pub structure: Option<String>,
-    /// What answers shadow rays: the structure, or an occluder like light-buffer:resolution=256
+    /// Answer shadow rays by the structure, or by an occluder like light-buffer:resolution=256
     #[arg(long, value_name = "OCCLUDER", default_value = STRUCTURE_SHADOWS)]
     pub shadows: String,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 512,
           value_parser = measurement::settings::quantity::count(1..=16384))]
     pub size: u32,
-    /// How finely to sample.
-    #[command(flatten)]
-    pub sampling: SamplingArgs,
-    /// Threads [default: all]
+    /// Number of threads [default: all]
     #[arg(short = 'j', long, value_name = "N",
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// How finely to sample.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct CostArgs {
-    /// A scene's name or file
+    /// Scene name or file
     #[arg(value_parser = scene_name())]
     pub scene: String,
-    /// The structures to trace with, a table each [default: wide-bvh, or the first]
-    #[arg(short, long = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
+    /// Structures to trace with, a table each [default: wide-bvh, or the first]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Width and height of the image
     #[arg(long, value_name = "PIXELS", default_value_t = 256,
           value_parser = measurement::settings::quantity::count(1..=16384))]
     pub size: u32,
-    /// How finely to sample.
-    #[command(flatten)]
-    pub sampling: SamplingArgs,
-    /// Threads that trace
+    /// Number of threads that trace
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
@@ -62,6 +59,9 @@ pub struct CostArgs {
     /// steps.png, time.png
     #[arg(long, value_name = "DIR")]
     pub heat_maps: Option<PathBuf>,
+    /// How finely to sample.
+    #[command(flatten)]
+    pub sampling: SamplingArgs,
 }
 
 /// The factors of an image's cost beside its pixels. Those of effects that the scene does not call
@@ -73,19 +73,19 @@ pub struct SamplingArgs {
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub depth: u32,
-    /// Eye rays per pixel for its area [default: what the scene says, or 1]
+    /// Eye rays per pixel for antialiasing [default: the scene's, or 1]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub supersamples: Option<u32>,
-    /// Shadow rays per hit, for each light with a radius [default: what the scene says, or 16]
+    /// Shadow rays per hit, for each light with a radius [default: the scene's, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub shadow_samples: Option<u32>,
-    /// Rays of the first rough mirror of a path [default: what the scene says, or 16]
+    /// Rays of the first rough mirror of a path [default: the scene's, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub glossy_samples: Option<u32>,
-    /// Eye rays per pixel for the exposure [default: what the scene says, or 16]
+    /// Eye rays per pixel for motion blur [default: the scene's, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub temporal_samples: Option<u32>,
-    /// Eye rays per pixel for the area of the lens [default: what the scene says, or 16]
+    /// Eye rays per pixel for depth of field [default: the scene's, or 16]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
     pub focal_samples: Option<u32>,
     /// Seed of the sample patterns

@@ -6,39 +6,39 @@ use crate::args::parsers::percent;
 use crate::args::tables::{ExportArgs, TableArgs};
 use clap::{Args, ValueEnum};
 
-/// `rtbench compare`.
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
-    /// Results: the JSON file of a run, or the folder of `run -o`; the first is what all others are
-    /// compared with
+    /// Results: the JSON file of a run, or the folder of `run -o`; all others are compared with the
+    /// first
     #[arg(value_name = "RESULTS", required = true, num_args = 2..)]
     pub results: Vec<PathBuf>,
-    /// Only what this regular expression finds in `SCENE/STRUCTURE SETTINGS/METRIC`
+    /// Compare only what this regular expression finds in `SCENE/STRUCTURE SETTINGS/METRIC`
     #[arg(short, long, value_name = "REGEX")]
     pub filter: Option<String>,
-    /// Only what changed, in either direction, by more than that: 5%
+    /// Print only changes larger than this, in either direction: 5%
     #[arg(short, long, value_name = "PERCENT", value_parser = percent)]
     pub threshold: Option<f64>,
-    /// Equivalence margin: a ratio whose interval lies within it is no difference
+    /// Equivalence margin: a ratio whose interval lies within it counts as equal
     #[arg(long, value_name = "PERCENT", value_parser = percent, default_value = "5%")]
     pub margin: f64,
-    /// Compare a row that has another name now: OLD in the first results with NEW in the others; of a
-    /// structure, all its rows
+    /// Compare row OLD of the first results with row NEW of the others; the name of a structure
+    /// stands for all its rows
     #[arg(long = "match", value_name = "OLD=NEW")]
     pub matches: Vec<String>,
-    /// Metrics, equal or not [default: build, trace, ratio, and every exact one that differs]
+    /// Print these metrics, equal or not [default: build, trace, ratio, and exact metrics that
+    /// differ]
     #[arg(short, long, value_name = "METRIC", value_delimiter = ',')]
     pub metrics: Vec<String>,
-    /// All metrics, equal or not
+    /// Print all metrics, equal or not
     #[arg(long, conflicts_with = "metrics")]
     pub all_metrics: bool,
-    /// Compare what cannot be compared all the same; why it cannot stands with the results
+    /// Compare results that are not comparable; the reasons are printed with them
     #[arg(long)]
     pub force: bool,
-    /// The order of a scene's rows
+    /// Order of the rows of a scene
     #[arg(long, value_enum, default_value_t = CompareSort::Record)]
     pub sort: CompareSort,
-    /// How to print it
+    /// Format of the output
     #[arg(long, value_enum, default_value_t = CompareFormat::Text)]
     pub format: CompareFormat,
 }
@@ -52,29 +52,28 @@ pub enum CompareSort {
     Change,
 }
 
-/// How to print a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum CompareFormat {
-    /// For reading
+    /// Plain text
     Text,
-    /// For pages and pull requests
+    /// Markdown, for pages and pull requests
     Markdown,
-    /// For spreadsheets
+    /// CSV, for spreadsheets
     Csv,
-    /// For programs
+    /// JSON, for programs
     Json,
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct MergeArgs {
-    /// The parts: results.json files, or the folders of `run --shard I/N -o DIR`, in any order; with
-    /// --machines, whole runs
+    /// Shards to merge: results.json files, or folders of `run --shard I/N -o DIR`, in any order;
+    /// with --machines, whole runs
     #[arg(value_name = "DIR|FILE", required = true)]
     pub parts: Vec<PathBuf>,
-    /// Join parts of different machines: their ratios and counters can be compared, not their times
+    /// Merge shards of different machines; ratios and counters stay comparable, times do not
     #[arg(long)]
     pub mixed_machines: bool,
-    /// The same run on several machines: each ratio on each of them, and its range. -o writes
+    /// Tabulate the same run on several machines: each ratio per machine, and its range; -o writes
     /// machines.json, machines.csv and machines.md
     #[arg(long, conflicts_with_all = ["mixed_machines", "export_github_smaller",
           "export_github_bigger", "export_bencher"])]
@@ -87,17 +86,18 @@ pub struct MergeArgs {
 
 #[derive(Debug, Clone, Args)]
 pub struct ReportArgs {
-    /// The folder that `rtbench run -o DIR` wrote; what other commands left there is shown too. Several: runs, or
-    /// machines, side by side
+    /// Folder of `rtbench run -o DIR`; results of other commands in it are shown too. Several
+    /// folders: runs, or machines, side by side
     #[arg(value_name = "DIR", required = true)]
     pub folders: Vec<PathBuf>,
-    /// Where the page goes, `-` for stdout [default: DIR/report.html; of several folders report.html]
+    /// File to write the page to, `-` for stdout [default: DIR/report.html; report.html for several
+    /// folders]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Write each plot of the page as an SVG file, too
+    /// Also write each plot of the page as an SVG file
     #[arg(long, value_name = "DIR")]
     pub plots: Option<PathBuf>,
-    /// No pictures of scenes: they are rendered where DIR/pictures has none of them
+    /// Leave out pictures of scenes (otherwise those missing in DIR/pictures are rendered)
     #[arg(long)]
     pub no_pictures: bool,
 }
@@ -107,10 +107,11 @@ pub struct HistoryArgs {
     /// Folders of `rtbench run -o`, or folders of such folders
     #[arg(value_name = "DIR", required = true)]
     pub folders: Vec<PathBuf>,
-    /// The folder that the site goes into
+    /// Folder to write the site to
     #[arg(short, long, value_name = "SITE")]
     pub output: PathBuf,
-    /// The repository of the commits: runs are put in the order of their commits, and subjects are shown
+    /// Git repository of the commits, to put runs in the order of commits and to show their
+    /// subjects
     #[arg(long, value_name = "DIR")]
     pub repository: Option<PathBuf>,
 }

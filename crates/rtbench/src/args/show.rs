@@ -7,49 +7,48 @@ use clap::Args;
 
 use crate::args::parsers::scene_name;
 
-/// `rtbench show`.
 #[derive(Debug, Clone, Args)]
 pub struct ShowArgs {
-    /// A scene's name or file
+    /// Scene name or file
     #[arg(value_parser = scene_name())]
     pub scene: String,
     /// Structures, side by side on one scale: uniform-grid,kd-tree or uniform-grid:density=8
     #[arg(
         short,
-        long = "structure",
+        long,
+        alias = "structure",
         value_name = "STRUCTURE",
         value_delimiter = ',',
         required = true
     )]
     pub structures: Vec<String>,
-    /// The picture to write: .svg or .png
+    /// Image to write: .svg or .png
     #[arg(short, long, value_name = "FILE", required_unless_present = "ray")]
     pub output: Option<PathBuf>,
-    /// The plane that cells are cut by [default: across the view, through the middle of the scene]
+    /// Plane that cuts the cells [default: across the view, through the middle of the scene]
     #[arg(long, value_name = "x|y|z[=POSITION]", conflicts_with_all = ["project", "ray"])]
     pub slice: Option<Slice>,
-    /// All cells that hold primitives, as boxes seen in the camera's direction
+    /// Draw all non-empty cells as boxes, seen along the camera's direction
     #[arg(long, conflicts_with = "ray")]
     pub project: bool,
-    /// Cells at this depth of a hierarchy, and leaves above [default: all leaves]
+    /// Draw cells at this depth of a hierarchy, and leaves above it [default: all leaves]
     #[arg(long, value_name = "N")]
     pub depth: Option<u32>,
-    /// One ray's way, in the plane that holds it: a pixel of the image that `render` makes by default, or
-    /// a point and another one that the ray runs towards
+    /// Draw the path of one ray, in a plane that contains it: a pixel of the image that `render`
+    /// makes by default, or an origin and a target point
     #[arg(long, value_name = "X,Y|X,Y,Z:X,Y,Z", allow_hyphen_values = true)]
     pub ray: Option<RayAt>,
-    /// Longer side of a panel
+    /// Longer side of a panel in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 360,
           value_parser = clap::value_parser!(u32).range(64..=4096))]
     pub size: u32,
 }
 
-/// `--slice`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slice {
     /// The axis that the plane is across.
     pub axis: usize,
-    /// Where, in the coordinates of the scene's file; in the middle of the scene if it is not said.
+    /// Position, in the coordinates of the scene's file; the middle of the scene by default.
     pub position: Option<f64>,
 }
 
@@ -67,7 +66,6 @@ impl FromStr for Slice {
     }
 }
 
-/// `--ray`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RayAt {
     /// Through the middle of a pixel.

@@ -12,61 +12,63 @@ use studies::explain::ExplainSettings;
 
 #[derive(Debug, Clone, Args, Serialize, Deserialize)]
 pub struct AccuracyArgs {
-    /// Axes [default: all]
+    /// Axes of accuracy to measure [default: all]
     #[arg(value_name = "AXIS")]
     pub axes: Vec<String>,
-    /// Scenes, sets or files [default: two of SPD and a modelled one, each axis its own]
+    /// Scenes, sets or files [default: two SPD scenes and a modelled one; some axes have their own]
     #[arg(long = "scene", value_name = "SCENE|SET", value_delimiter = ',')]
     pub scenes: Vec<String>,
-    /// Few rounds, rays and samples: a first look
+    /// Use few rounds, rays and samples, for a first look
     #[arg(long)]
     pub quick: bool,
-    /// Rounds: each times every variant of an axis once [default: 15, quick 5]
+    /// Rounds; each times every variant of an axis once [default: 15, quick 5]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(3..=1000))]
     pub rounds: Option<u32>,
-    /// Time the variants of each axis in so many fresh processes, one after the other
+    /// Time the variants of each axis in this many fresh processes, one after the other
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = measurement::settings::quantity::count(1..=100))]
     pub processes: u32,
-    /// Pixels across the image whose rays are traced, with as many more rays timed as it has pixels
+    /// Width and height of the image whose rays are traced; as many extra rays as pixels are timed
     /// [default: 96, quick 32]
     #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(8..=2048))]
     pub size: Option<u32>,
-    /// Trials of an exact oracle for each variant [default: 100000, quick 10000]
+    /// Trials against an exact oracle per variant [default: 100000, quick 10000]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(100..=100_000_000))]
     pub trials: Option<u32>,
-    /// Seed of rays, aims, schedules and intervals
+    /// Seed of rays, targets, schedules and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, one plot per axis and images there
+    /// Write accuracy.csv, accuracy.json, accuracy.md, summary.md, one plot per axis and images to
+    /// DIR
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
 
 #[derive(Debug, Clone, Args)]
 pub struct AnimateArgs {
-    /// A scene that moves, generated (marbles, city:2; see `rtbench list animations`) or of files:
+    /// A moving scene: generated (marbles, city:2; see `rtbench list animations`) or files:
     /// walk.glb, 'frame%04d.obj'
     #[arg(value_name = "ANIMATION", value_parser = scene_name())]
     pub scene: String,
     /// First and last frame, numbered from 0 [default: all]
     #[arg(long, value_name = "A..B", value_parser = frames)]
     pub frames: Option<[u32; 2]>,
-    /// Structures, each with its settings if any: wide-bvh:update=refit [default: each at its defaults, and
-    /// with each other way to update it]
-    #[arg(short, long, value_name = "STRUCTURE", value_delimiter = ',')]
+    /// Structures, with settings if any: wide-bvh:update=refit [default: all, each with its
+    /// defaults and with every other update method]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Overrides a default of a structure: uniform-grid.density=4
+    /// Override a default of a structure: uniform-grid.density=4
     #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
     pub overrides: Vec<String>,
-    #[command(flatten)]
-    pub measuring: MeasuringArgs,
-    /// Write animation.json, frames.csv, animate.md, animate.svg and strip.png there, after each frame anew
+    /// Write animation.json, frames.csv, animate.md, animate.svg and strip.png there, after each
+    /// frame anew
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
 }
 
 impl AnimateArgs {
-    /// What was typed, but for the scene and the files to write.
+    /// The options, except for the scene and output files.
     pub fn settings(&self) -> AnimateSettings {
         AnimateSettings {
             frames: self.frames,
@@ -89,13 +91,13 @@ fn frames(text: &str) -> Result<[u32; 2], String> {
 
 #[derive(Debug, Clone, Args)]
 pub struct CompareTracersArgs {
-    /// A scene's name or file
+    /// Scene name or file
     #[arg(value_parser = scene_name())]
     pub scene: String,
     /// Tracers: whitted,cone,beam [default: all]
     #[arg(long, value_name = "TRACER", value_delimiter = ',')]
     pub tracers: Vec<String>,
-    /// Leave out primitives of these kinds, which a tracer may refuse: spheres,cones,polygons,
+    /// Leave out primitives of these kinds, which a tracer may not support: spheres,cones,polygons,
     /// triangles,patches
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub without: Vec<String>,
@@ -106,10 +108,10 @@ pub struct CompareTracersArgs {
     /// Samples per pixel of each of the reference's two images [default: 4096; with --quick 1024]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
     pub reference_samples: Option<u32>,
-    /// The structure that rays are traced through [default: wide-bvh, or the first]
-    #[arg(short, long, value_name = "STRUCTURE")]
+    /// Structure that rays are traced through [default: wide-bvh, or the first]
+    #[arg(short, long, alias = "structures", value_name = "STRUCTURE")]
     pub structure: Option<String>,
-    /// The structure that cones and beams ask for candidates: brute-force, uniform-grid,
+    /// Structure that gives cones and beams their candidates: brute-force, uniform-grid,
     /// hashed-grid, bricked-grid or kd-tree, with settings if any
     #[arg(long, value_name = "STRUCTURE", default_value = "uniform-grid")]
     pub through: String,
@@ -120,20 +122,20 @@ pub struct CompareTracersArgs {
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub depth: u32,
-    /// Rounds: each makes every image once [default: 5; with --quick 3]
+    /// Rounds; each renders every image once [default: 5; with --quick 3]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=10_000))]
     pub rounds: Option<u32>,
-    /// Small images and fewer samples: a first look
+    /// Use small images and fewer samples, for a first look
     #[arg(long)]
     pub quick: bool,
-    /// Threads that trace
+    /// Number of threads that trace
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: u16,
     /// Seed of samples, schedules and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Write tracers.csv, tracers.json, tracers.md, tracers.svg and the images there
+    /// Write tracers.csv, tracers.json, tracers.md, tracers.svg and the images to DIR
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
 }
@@ -143,19 +145,15 @@ pub struct ExplainArgs {
     /// Scenes, scene sets or scene files
     #[arg(value_name = "SCENE|SET", required = true, value_parser = scene_name())]
     pub scenes: Vec<String>,
-    /// The row whose time is explained, with its settings if any: kd-tree:kernel=block
-    #[arg(short, long, value_name = "ROW", default_value = "uniform-grid")]
+    /// Row to explain, with its settings if any: kd-tree:kernel=block
+    #[arg(short, long, alias = "structures", value_name = "ROW", default_value = "uniform-grid")]
     pub structure: String,
-    #[command(flatten)]
-    pub measuring: MeasuringArgs,
-    #[command(flatten)]
-    pub issue: IssueArgs,
     /// Build and time each scene in that many processes, and take intervals over both levels
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=RunSettings::MOST_PROCESSES.into()))]
     pub processes: u32,
-    /// Write one CSV row per scene, kind of ray and row or factor; - is standard output, instead of the
-    /// tables
+    /// Write one CSV row per scene, kind of ray and row or factor; - is standard output, instead of
+    /// the tables
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
     /// Write the tables in Markdown; or -
@@ -164,13 +162,17 @@ pub struct ExplainArgs {
     /// Write everything, raw samples too, as JSON; or -
     #[arg(long, value_name = "FILE")]
     pub export_json: Option<PathBuf>,
-    /// Write explain.csv, explain.md and results.json there
+    /// Write explain.csv, explain.md and results.json to DIR
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    #[command(flatten)]
+    pub issue: IssueArgs,
 }
 
 impl ExplainArgs {
-    /// What was typed, but for the files to write.
+    /// The options, except for output files.
     pub fn settings(&self) -> ExplainSettings {
         ExplainSettings {
             scenes: self.scenes.clone(),
@@ -187,13 +189,13 @@ pub struct ReproduceArgs {
     pub publication: Publication,
 }
 
-/// What can be reproduced.
+/// Publications that can be reproduced.
 #[derive(Debug, Clone, Subcommand)]
 pub enum Publication {
     /// Havran and Sixta, Comparison of Hierarchical Grids, 1999, and Havran's octrees: all counters
     /// (about 20 minutes on two cores; `--structures uniform,recursive` takes three)
     Havran1999(HavranArgs),
-    /// Zachmann's lecture, 2007: build and run times as ratios, who won then and who wins now
+    /// Zachmann's lecture, 2007: build and run times as ratios, the winners then and now
     Zachmann2007(ZachmannArgs),
 }
 
@@ -203,12 +205,12 @@ pub struct HavranArgs {
     #[arg(long, value_name = "SCENE", value_delimiter = ',')]
     pub scenes: Vec<String>,
     /// Structures as the publication names them, `invariants` among them [default: all]
-    #[arg(long, value_name = "STRUCTURE", value_delimiter = ',')]
+    #[arg(long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Write one CSV row per figure
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
-    /// Exit with 1 when a figure differs and nobody knows why
+    /// Exit with code 1 if a figure differs for no known reason
     #[arg(long)]
     pub strict: bool,
 }
@@ -218,12 +220,12 @@ pub struct ZachmannArgs {
     /// Scenes [default: all seven of the lecture]
     #[arg(long, value_name = "SCENE", value_delimiter = ',')]
     pub scenes: Vec<String>,
-    /// How to measure; the reference is always uniform D=1.
-    #[command(flatten)]
-    pub measuring: MeasuringArgs,
     /// Write one CSV row per scene and structure
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,
+    /// How to measure; the reference is always uniform D=1.
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
 }
 
 #[cfg(test)]

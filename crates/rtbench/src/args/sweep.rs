@@ -18,29 +18,29 @@ pub struct SweepArgs {
     /// Scenes, scene sets or scene files; with --sizes one generated scene: balls, tree-tess, hare
     #[arg(value_name = "SCENE|SET", required = true, value_parser = scene_name())]
     pub scenes: Vec<String>,
-    /// The structure, with its other settings if any: uniform-grid:resolution=woo; with --sizes
-    /// several, or occluders [default: each at its defaults]
+    /// Structure to vary, with its other settings if any: uniform-grid:resolution=woo; with
+    /// --sizes, structures and occluders to measure [default: all, with their defaults]
     #[arg(
         short,
-        long = "structure",
-        visible_alias = "structures",
+        long,
+        alias = "structure",
         value_name = "STRUCTURE",
         value_delimiter = ',',
         required_unless_present = "sizes"
     )]
     pub structures: Vec<String>,
-    /// The parameter
+    /// Parameter to vary
     #[arg(short, long, value_name = "PARAM", required_unless_present = "sizes")]
     pub parameter: Option<String>,
-    /// Its values: none,array,hash
+    /// Values of the parameter: none,array,hash
     #[arg(long, value_name = "VALUE", value_delimiter = ',',
           conflicts_with_all = ["from", "to", "steps", "linear"])]
     pub values: Vec<String>,
-    /// Its first value, a number
+    /// First value, a number
     #[arg(long, value_name = "NUMBER", required_unless_present_any = ["values", "sizes"],
           allow_negative_numbers = true)]
     pub from: Option<f64>,
-    /// Its last value
+    /// Last value, a number
     #[arg(long, value_name = "NUMBER", required_unless_present_any = ["values", "sizes"],
           allow_negative_numbers = true)]
     pub to: Option<f64>,
@@ -48,31 +48,29 @@ pub struct SweepArgs {
     #[arg(long, value_name = "N", default_value_t = 9,
           value_parser = clap::value_parser!(u16).range(2..=1000))]
     pub steps: u16,
-    /// Equal steps between values [default: equal ratios]
+    /// Use equal steps between values [default: equal ratios]
     #[arg(long)]
     pub linear: bool,
-    /// Sets another parameter of the structure: resolution=woo; with --sizes of any:
+    /// Set another parameter of the structure: resolution=woo; with --sizes, of any structure:
     /// uniform-grid.density=4
     #[arg(long = "set", value_name = "PARAM=VALUE")]
     pub settings: Vec<String>,
-    /// Instead of a parameter, numbers of primitives: 1e3..1e7, or 1k,20k,1M; the nearest size of
-    /// the scene stands for each
+    /// Vary the number of primitives instead of a parameter: 1e3..1e7, or 1k,20k,1M; for each, the
+    /// nearest size that the scene has
     #[arg(long, value_name = "FROM..TO|N,N,...", value_parser = Sizes::parse,
           conflicts_with_all = ["parameter", "values", "from", "to", "steps", "linear"])]
     pub sizes: Option<Sizes>,
-    /// How many sizes a factor of ten, where --sizes is a range
+    /// Sizes per factor of ten, if --sizes is a range
     #[arg(long, value_name = "N", default_value_t = 1, requires = "sizes",
           value_parser = clap::value_parser!(u32).range(1..=20))]
     pub per_decade: u32,
-    /// Longest build of a size; a row that takes longer is not measured, nor tried at larger sizes
+    /// Time limit of a build; slower rows are not measured, nor tried at larger sizes
     #[arg(long, value_name = "TIME", default_value = "60s", requires = "sizes",
           value_parser = measurement::settings::duration::parse)]
     pub time_limit: Duration,
-    #[command(flatten)]
-    pub measuring: MeasuringArgs,
-    /// Most memory of a structure; a row that would take more is shown as `out of memory` [default:
-    /// half of the machine's memory, or of the control group's limit if that is less]; with --sizes
-    /// of a process that loads the scene and builds one row, `over limit` [default: 8GiB]
+    /// Memory limit of a structure; rows above it are shown as `out of memory` [default: half of
+    /// the machine's memory, or of the control group's limit if that is less]; with --sizes, limit
+    /// of a process that loads the scene and builds one row, shown as `over limit` [default: 8GiB]
     #[arg(long, value_name = "BYTES", value_parser = measurement::settings::quantity::bytes)]
     pub max_memory: Option<u64>,
     /// Write one CSV row per scene and value; - is standard output, instead of the tables
@@ -90,6 +88,8 @@ pub struct SweepArgs {
     /// Write everything, raw samples too, as JSON; or -
     #[arg(long, value_name = "FILE")]
     pub export_json: Option<PathBuf>,
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
 }
 
 impl SweepArgs {

@@ -21,8 +21,6 @@ use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
-use presentation::outside::line;
-use presentation::text::{write_notes, write_table};
 use studies::accuracy::axes::select;
 use studies::accuracy::axis::Axis;
 use studies::accuracy::processes::join;
@@ -39,10 +37,13 @@ const TIMED_RAYS: (usize, usize) = (20_000, 3_000);
 const TRIALS: (usize, usize) = (100_000, 10_000);
 const ROUNDS: (usize, usize) = (15, 5);
 
-/// Of a full run, or of a quick one.
+/// Defaults of a full or a quick run.
 fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
     if quick { first_look } else { full }
 }
+
+/// Columns that stay where not all fit.
+const FIRST: [&str; 3] = ["ratio [95%]", "error", "stands"];
 
 /// Measures and returns the exit code.
 ///
@@ -75,7 +76,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         took_s: 0.0,
         axes: Vec::new(),
     };
-    let colors = context.terminal.colors(color);
+    let screen = context.terminal.screen(color);
     let start = context.clock.now();
     // of several processes this one says how wrong the variants are, and tries each
     let is_alone = args.processes == 1;
@@ -84,7 +85,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         let show = |context: &mut Context<'_>, of_axis: &AxisRecord, scene: &SceneOutcome| {
             let steps = parts::steps(of_axis, scene, args.seed);
             for table in [tables::table(of_axis, scene)].into_iter().chain(steps) {
-                write_table(context.out, &table, colors)?;
+                screen.write_fitted(context.out, &table, &FIRST)?;
             }
             Ok(context.out.flush()?)
         };
@@ -99,7 +100,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             of_axis.scenes.iter().try_for_each(|scene| show(context, &of_axis, scene))?;
         }
         for table in parts::over_scenes(&of_axis, args.seed) {
-            write_table(context.out, &table, colors)?;
+            screen.write_fitted(context.out, &table, &FIRST)?;
         }
         record.axes.push(of_axis);
         record.took_s = context.clock.seconds_since(start);
@@ -111,16 +112,17 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         pictures::write_all(folder, context.registry)?;
     }
     if let Some(table) = effect_prices::table(&record) {
-        write_table(context.out, &table, colors)?;
+        screen.write_fitted(context.out, &table, &FIRST)?;
     }
-    write_notes(context.out, tables::GLOSSARY, colors)?;
+    screen.write_notes(context.out, tables::GLOSSARY)?;
     let words = record
         .axes
         .iter()
         .flat_map(AxisRecord::by_subject)
         .filter_map(|axis| Some(summary::line(&axis, &summary::cost(&axis, record.seed)?)));
     for words in words {
-        writeln!(context.out, "\n{}", line(&words))?;
+        writeln!(context.out)?;
+        screen.write_line(context.out, &words)?;
     }
     writeln!(context.out, "\nThe whole took {}.", tables::took(record.took_s))?;
     context.out.flush()?;
@@ -278,7 +280,6 @@ impl Study {
     }
 }
 
-/// How much is done.
 struct Limits {
     rounds: usize,
     timed_rays: usize,

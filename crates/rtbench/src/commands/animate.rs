@@ -1,4 +1,5 @@
-//! `rtbench animate`: measure structures over the frames of a scene that moves, print, export, plot.
+//! `rtbench animate`: measure structures over the frames of a scene that moves, print, export,
+//! plot.
 
 use std::path::Path;
 
@@ -58,7 +59,7 @@ pub fn run(
     }
     let [first, last] = animate.frames;
     let start = context.clock.now();
-    let mut record = begun(context, &animate);
+    let mut record = new_record(context, &animate);
     let mut strip = match &args.output {
         Some(_) => Some(Strip::new(&animate, structure(context.registry, None)?)?),
         None => None,
@@ -126,7 +127,7 @@ pub fn run(
 }
 
 /// The record before the first frame.
-fn begun(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
+fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
     AnimationRecord {
         tool: context.world.tool(),
         command_line: context.command_line.clone(),

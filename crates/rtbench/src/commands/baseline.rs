@@ -15,7 +15,7 @@ use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::record::{RunRecord, label};
 use measurement::system::pressure::PressureWatch;
 use presentation::table::Table;
-use presentation::text::write_table;
+use presentation::text::Screen;
 use studies::run::conclusions::conclude;
 use studies::run::text;
 use studies::run::view::View;
@@ -26,22 +26,17 @@ use studies::run::view::View;
 /// [`Error`] for names that are not there or not valid, files, and what measuring may end with.
 pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Result<u8, Error> {
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
-    let colors = context.terminal.colors(color);
+    let screen = context.terminal.screen(color);
     match &args.action {
         BaselineAction::Save(args) => return save(context, args, &store),
-        BaselineAction::List => list(context, &store, colors)?,
+        BaselineAction::List => list(context, &store, screen)?,
         BaselineAction::Show { name, tables } => {
-            show(
-                context,
-                &store,
-                name,
-                &tables.view(context.terminal.width(), context.terminal.colors(color)),
-            )?;
+            show(context, &store, name, &tables.view(context.terminal.screen(color)))?;
         }
         BaselineAction::Promote { name, to } => {
             let baseline = read(&store.existing(name).map_err(gate)?).map_err(gate)?;
             let path = store.save(to, &baseline, true).map_err(gate)?;
-            context.say(format_args!("{name} is {to} now, too: {}", path.display()));
+            context.say(format_args!("saved a copy of {name} as {to}: {}", path.display()));
         }
         BaselineAction::Remove { name } => store.remove(name).map_err(gate)?,
     }
@@ -67,7 +62,7 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
         None => measured(context, args)?,
     };
     if code != SUCCESS {
-        context.warn(format_args!("not kept as {}: the run failed", args.name));
+        context.warn(format_args!("baseline {} not saved: the run failed", args.name));
         return Ok(code);
     }
     if args.instructions {
@@ -135,7 +130,7 @@ pub(super) fn counted(
     callgrind::count(program, record, context.scenes.allows_outside())
 }
 
-fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Error> {
+fn list(context: &mut Context<'_>, store: &Store, screen: Screen) -> Result<(), Error> {
     let header = vec!["baseline", "scenes", "rows", "rounds", "instructions", "commit"];
     let mut table = Table { title: "Baselines".into(), header, ..Table::default() };
     for name in store.names().map_err(gate)? {
@@ -153,7 +148,7 @@ fn list(context: &mut Context<'_>, store: &Store, colors: bool) -> Result<(), Er
         ];
         table.rows.push(cells.into_iter().map(Into::into).collect());
     }
-    write_table(context.out, &table, colors)?;
+    screen.write_table(context.out, &table)?;
     Ok(())
 }
 
@@ -186,7 +181,7 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Re
             cells.into_iter().map(Into::into).collect()
         });
         let table = Table { title, header, rows: rows.collect(), notes: Vec::new() };
-        write_table(context.out, &table, view.colors)?;
+        view.screen.write_table(context.out, &table)?;
     }
     Ok(())
 }

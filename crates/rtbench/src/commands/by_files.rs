@@ -1,4 +1,5 @@
-//! `rtbench rays export` and `rtbench hits check`: the rays of a scene for any program, and its answers.
+//! `rtbench rays export` and `rtbench hits check`: the rays of a scene for any program, and its
+//! answers.
 
 use accel_core::primitives::PrimSet;
 use accel_core::{Hit, MISS};
@@ -15,7 +16,6 @@ use measurement::system::pools::Pools;
 use plugins::abi;
 use plugins::files::{Content, FileError, FileSubject, hits, ray_record, triangle_record};
 use presentation::table::{Cell, Style, Table};
-use presentation::text::write_table;
 use renderer::{Geometry, RayKind};
 use scene_loading::source_hash::sha256_of_bytes;
 
@@ -61,7 +61,7 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
                 let [x, y, z] = about.origin;
                 if about.origin != [0.0; 3] {
                     context.warn(format_args!(
-                        "{}: rays start from the origin {x},{y},{z}, for which this format has no place",
+                        "{}: rays are relative to the origin {x},{y},{z}, which this format does not store",
                         loaded.scene.name
                     ));
                 }
@@ -100,14 +100,14 @@ pub fn check_hits(
     let asked = || RayKind::ALL.into_iter().zip(about.rays).filter(|(_, n)| *n > 0);
     let kinds: Vec<String> = asked().map(|(kind, _)| kind.name().to_owned()).collect();
     if kinds.is_empty() {
-        return Err(wrong(16, "there are no rays of any kind".into()).into());
+        return Err(wrong(16, "the scene has no rays of any kind".into()).into());
     }
     let lights = if about.first_light { Lights::First } else { Lights::Each };
     let settings = settings_of(&args.scene, kinds, about.size, about.seed, lights);
     let (plan, loaded, geometry) = prepared(context, &settings)?;
     if about.scene != digest(&loaded.sha256) {
         return Err(
-            wrong(80, format!("its rays are those of another scene than {}", args.scene)).into()
+            wrong(80, format!("its rays belong to another scene than {}", args.scene)).into()
         );
     }
     let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
@@ -135,7 +135,9 @@ pub fn check_hits(
         let is = judged.iter().find(|(own, _)| *own == kind).map_or(0, |(_, j)| j.compared as u64);
         if is != n {
             let kind = kind.name();
-            return Err(wrong(16 + 8 * place, format!("{n} {kind} rays, there are {is}")).into());
+            return Err(
+                wrong(16 + 8 * place, format!("{n} {kind} rays, the scene has {is}")).into()
+            );
         }
     }
     let mut notes = Vec::new();
@@ -157,8 +159,8 @@ pub fn check_hits(
     let rows = rows.collect();
     let header = vec!["rays", "answers", "wrong", "at edges", "verdict"];
     let title = format!("{}: {}", args.scene, file_name(args));
-    let colors = context.terminal.colors(color);
-    write_table(context.out, &Table { title, header, rows, notes }, colors)?;
+    let screen = context.terminal.screen(color);
+    screen.write_table(context.out, &Table { title, header, rows, notes })?;
     context.out.flush()?;
     if let (Some(folder), Some(name), Some(ms)) = (&args.into, &args.name, args.time_ms) {
         let of_kind = |(kind, judged): &(RayKind, BatchVerdict)| JudgedKind {

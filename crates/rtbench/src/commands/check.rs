@@ -153,7 +153,7 @@ impl Check<'_> {
         let args = self.args;
         let whole =
             replan::restrict(&baseline.record, &self.restriction()).map_err(GateError::from)?;
-        let base = replan::known(&whole, context);
+        let base = replan::restrict_to_known_rows(&whole, context);
         if base.scenes.is_empty() {
             let none = RunRecord { scenes: Vec::new(), ..base };
             return Err(GateError::NothingCompared(Pairing::of(&whole, &none).missing()).into());
@@ -252,8 +252,8 @@ impl Check<'_> {
         }
         let needed = samples_needed(tests, significance);
         context.warn(format_args!(
-            "{asked} rounds against {of_base} of the baseline can never be significant among {tests} times; \
-             {needed} against {needed} can, or fewer rows (-s)"
+            "{asked} rounds against {of_base} of the baseline can never be significant among \
+             {tests} times; measure {needed} against {needed}, or fewer rows (-s)"
         ));
     }
 

@@ -74,7 +74,7 @@ impl Check<'_> {
             None => Instructions::NotAsked,
         };
         contest.thin();
-        let (thresholds, looks) = (&self.thresholds, pace.looks());
+        let (thresholds, looks) = (&self.thresholds, pace.max_looks());
         let of = |pairs| Evidence {
             thresholds,
             base: &base,
@@ -117,7 +117,7 @@ impl Check<'_> {
         let mut plan = match baseline {
             Some(baseline) => {
                 let like = replan::restrict(&baseline.record, &self.restriction());
-                let like = replan::known(&like.map_err(GateError::from)?, context);
+                let like = replan::restrict_to_known_rows(&like.map_err(GateError::from)?, context);
                 replan::plan(&like, &Restriction::default(), context)?
             }
             None => {

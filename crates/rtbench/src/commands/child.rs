@@ -37,7 +37,7 @@ use serde::de::DeserializeOwned;
 const LIGHTLY: usize = 16;
 
 /// Reads the request from standard input.
-fn asked<T: DeserializeOwned>() -> Result<T, Error> {
+fn read_request<T: DeserializeOwned>() -> Result<T, Error> {
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text)?;
     Ok(serde_json::from_slice(&text).map_err(json)?)
@@ -52,7 +52,7 @@ fn json(e: serde_json::Error) -> FormatError {
 /// # Errors
 /// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
-    let record = asked::<RunRecord>;
+    let record = read_request::<RunRecord>;
     let times = matches!(
         args.action,
         ChildAction::Measure { .. } | ChildAction::Laps | ChildAction::Accuracy
@@ -67,7 +67,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             return Ok(SUCCESS);
         }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
-            let record = replan::known(&record()?, context);
+            let record = replan::restrict_to_known_rows(&record()?, context);
             let wanted = Restriction { rounds: Some(*rounds), ..Restriction::default() };
             let mut plan = replan::plan(&record, &wanted, context)?;
             // whole images are not compared
@@ -82,7 +82,9 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&measured.record), measured.failures)
         }
         ChildAction::Laps => return laps(context).map(|()| SUCCESS),
-        ChildAction::Accuracy => (serde_json::to_string(&accuracy::times(context, &asked()?)?), 0),
+        ChildAction::Accuracy => {
+            (serde_json::to_string(&accuracy::times(context, &read_request()?)?), 0)
+        }
         ChildAction::CountInstructions => {
             let plan = replan::plan(&record()?, &Restriction::default(), context)?;
             (serde_json::to_string(&count_all(&plan)?), 0)

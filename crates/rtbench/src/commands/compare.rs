@@ -95,8 +95,8 @@ fn warn_of(context: &mut Context<'_>, comparison: &Comparison) {
     }
     for row in &comparison.answers_changed {
         context.warn(format_args!(
-            "ANSWERS CHANGED: {row}: {} and {} give other hits for the same rays; `rtbench verify` \
-             says which are right",
+            "ANSWERS CHANGED: {row}: {} and {} hit differently for the same rays; `rtbench \
+             verify` tells which is right",
             comparison.old.letter, comparison.new.letter
         ));
     }
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn letters_go_on_after_z() {
+    fn letters_continue_after_z() {
         assert_eq!([0, 25, 26, 27, 52].map(letter), ["A", "Z", "AA", "AB", "BA"]);
     }
 }

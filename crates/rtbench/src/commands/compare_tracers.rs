@@ -29,7 +29,6 @@ use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::machine;
 use measurement::system::pools::pool;
-use presentation::text::write_table;
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
 use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
@@ -50,7 +49,7 @@ pub fn run(
     let row = structure(context.registry, args.structure.as_deref())?;
     let frusta = Row::parse(frustum_queries::REGISTRY, &args.through)?;
     let tracers = tracers(&args.tracers)?;
-    let kinds = known(&args.without, KINDS)?;
+    let kinds = check_kinds(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
     let mut created = CreatedFiles::default();
     if let Some(folder) = &args.output {
@@ -132,10 +131,10 @@ pub fn run(
     if let Some(folder) = &args.output {
         write_files(folder, &report)?;
     }
-    let colors = context.terminal.colors(color);
-    write_table(context.out, &report.images(), colors)?;
+    let screen = context.terminal.screen(color);
+    screen.write_table(context.out, &report.images())?;
     if let Some(table) = report.query_table() {
-        write_table(context.out, &table, colors)?;
+        screen.write_table(context.out, &table)?;
     }
     context.out.flush()?;
     Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
@@ -154,7 +153,7 @@ fn tracers(names: &[String]) -> Result<Vec<&'static str>, PlanError> {
 }
 
 /// The words, if all are among those that are valid.
-fn known<const N: usize>(
+fn check_kinds<const N: usize>(
     words: &[String],
     valid: [&'static str; N],
 ) -> Result<Vec<String>, PlanError> {

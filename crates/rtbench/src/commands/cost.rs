@@ -19,7 +19,6 @@ use measurement::system::pools::pool;
 use presentation::drawing::{HeatMap, heat_maps};
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
-use presentation::text::write_table;
 use studies::cost::model::{CountedWork, Model};
 use studies::cost::test_time::seconds_per_test;
 use studies::cost::{
@@ -85,7 +84,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
             Ok::<_, Error>(rows)
         })?;
         let table = table(scene.name(), &row.label(), &rows, &model, &calibration);
-        write_table(context.out, &table, context.terminal.colors(color))?;
+        context.terminal.screen(color).write_table(context.out, &table)?;
     }
     if let Some(folder) = &args.heat_maps {
         let units = ["tests", "steps", "microseconds"].map(|what| format!("{what} per pixel"));
@@ -164,7 +163,7 @@ fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration:
             format!("predicted over measured: {ratio:.2}, within 0.5 to 2")
         } else {
             format!(
-                "predicted over measured: {ratio:.2}, not within 0.5 to 2: most wrong about {}",
+                "predicted over measured: {ratio:.2}, not within 0.5 to 2; largest error: {}",
                 worst.name
             )
         });
@@ -172,7 +171,7 @@ fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration:
     table
 }
 
-/// Where the product is off, in words.
+/// Describes where the product is off.
 fn judged(i: usize, row: &CostRow) -> String {
     if i == 0 {
         let per_ray = |x: f64| short(x / row.work.rays.max(1.0));

@@ -15,11 +15,11 @@ use crate::context::Context;
 use crate::error::Error;
 use measurement::system::machine::{kibibytes, value};
 use measurement::system::world::{self, World};
+use presentation::fitted::wrapped;
 use presentation::json;
 use presentation::table::Style;
-use presentation::text::painted;
+use presentation::text::{Screen, painted};
 
-/// Looks and prints.
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
     let mut findings = System::of(context.world).findings();
     let noise = Noise::measured(context.clock);
@@ -27,28 +27,32 @@ pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result
     let diagnosis = Diagnosis { noise, findings };
     match args.format {
         Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
-        Format::Text => write(context.out, &diagnosis.findings, context.terminal.colors(color))?,
+        Format::Text => write(context.out, &diagnosis.findings, context.terminal.screen(color))?,
     }
     Ok(context.out.flush()?)
 }
 
-fn write(out: &mut dyn Write, findings: &[Finding], colors: bool) -> std::io::Result<()> {
+fn write(out: &mut dyn Write, findings: &[Finding], screen: Screen) -> std::io::Result<()> {
     let width = findings.iter().map(|f| f.name.chars().count()).max().unwrap_or(0);
+    let indent = 9 + width + 2;
     for finding in findings {
         let (level, style) = match finding.level {
             Level::Good => ("good", Style::Plain),
             Level::Warning => ("warning", Style::Bad),
             Level::Unknown => ("unknown", Style::Dim),
         };
-        let level = painted(&format!("{level:<7}"), style, colors);
-        writeln!(out, "{level}  {:<width$}  {}", finding.name, finding.value)?;
+        let level = painted(&format!("{level:<7}"), style, screen.colors);
+        let text = format!("{:9}{:<width$}  {}", "", finding.name, finding.value);
+        let text = wrapped(&text, screen.width, indent).join("\n");
+        writeln!(out, "{level}{}", text.get(7..).unwrap_or_default())?;
         if let Some(advice) = finding.advice {
-            writeln!(out, "{:9}{:width$}  {}", "", "", finding.meaning)?;
-            writeln!(out, "{:9}{:width$}  to do: {advice}", "", "")?;
+            let blank = " ".repeat(indent);
+            screen.write_item(out, &format!("{blank}{}", finding.meaning), indent)?;
+            screen.write_item(out, &format!("{blank}to do: {advice}"), indent)?;
         }
     }
     let warnings = findings.iter().filter(|f| f.level == Level::Warning).count();
-    writeln!(out, "{warnings} of {} may disturb measurements", findings.len())
+    writeln!(out, "{warnings} of {} findings may disturb measurements", findings.len())
 }
 
 /// Whether a property disturbs measurements.

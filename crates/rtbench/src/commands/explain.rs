@@ -29,19 +29,19 @@ pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Resul
         };
         wanted.check(folder)?;
     }
-    let colors = context.terminal.colors(color);
+    let screen = context.terminal.screen(color);
     let mut outputs = outputs(args, &explain)?;
     let has_tables = !outputs.are_printed();
     let measured = measure_scenes(context, &explain.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
         if has_tables {
-            table::write(context.out, &explain, run, scene, colors)?;
+            table::write(context.out, &explain, run, scene, screen)?;
             context.out.flush()?;
         }
         Ok(())
     })?;
     if has_tables && !measured.record.scenes.is_empty() {
-        table::write_glossary(context.out, colors)?;
+        table::write_glossary(context.out, screen)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))

@@ -10,15 +10,15 @@ use renderer::tracers::{TRACERS, TracerInfo};
 use scene_loading::animation::ANIMATED;
 use serde_json::{Value, json};
 
-use crate::args::{Format, ListArgs, ListSubject};
+use crate::args::{Color, Format, ListArgs, ListSubject};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::error::PlanError;
 use measurement::settings::choice;
 use presentation::json;
+use presentation::text::Screen;
 use studies::accuracy::axes::AXES;
 
-/// Lists.
 pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let value = match args.what {
         ListSubject::Structures => {
@@ -71,6 +71,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     };
     let value = named(value, args)?;
     let is_asked = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
+    let screen = context.terminal.screen(Color::Never);
     let out = &mut *context.out;
     match args.format {
         Format::Json => {
@@ -78,28 +79,28 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         }
         Format::Text if args.what == ListSubject::Structures => {
             for e in context.registry.iter().filter(|e| is_asked(e.info.name)) {
-                write_structure(out, e.info)?;
+                write_structure(out, screen, e.info)?;
             }
             writeln!(out, "every structure:")?;
-            COMMON.iter().try_for_each(|p| write_param(out, p))?;
+            COMMON.iter().try_for_each(|p| write_param(out, screen, p))?;
         }
         Format::Text if args.what == ListSubject::Occluders => {
             for e in context.occluders.iter().filter(|e| is_asked(e.info.name)) {
-                write_structure(out, e.info)?;
+                write_structure(out, screen, e.info)?;
             }
         }
         Format::Text if args.what == ListSubject::Tracers => {
             for info in TRACERS.iter().filter(|info| is_asked(info.name)) {
-                write_tracer(out, info)?;
+                write_tracer(out, screen, info)?;
             }
         }
-        Format::Text => write_names(out, &value)?,
+        Format::Text => write_names(out, screen, &value)?,
     }
     out.flush()?;
     Ok(())
 }
 
-/// Those that were asked for by name; all where none were.
+/// Items requested by name; all without names.
 fn named(mut items: Vec<Value>, args: &ListArgs) -> Result<Vec<Value>, PlanError> {
     let all: Vec<String> = items.iter().map(|item| text(item, "name")).collect();
     let names = || all.iter().map(String::as_str);
@@ -138,12 +139,12 @@ fn tracer(info: &TracerInfo) -> Value {
     })
 }
 
-fn write_tracer(out: &mut dyn Write, info: &TracerInfo) -> io::Result<()> {
-    writeln!(out, "{}: {}", info.name, info.summary)?;
-    writeln!(out, "  paper:       {}", info.paper)?;
-    writeln!(out, "  assumptions: {}", info.assumptions)?;
-    writeln!(out, "  deviations:  {}", info.deviations)?;
-    writeln!(out, "  refuses:     {}", info.refuses)?;
+fn write_tracer(out: &mut dyn Write, screen: Screen, info: &TracerInfo) -> io::Result<()> {
+    screen.write_line(out, &format!("{}: {}", info.name, info.summary))?;
+    screen.write_item(out, &format!("  paper:       {}", info.paper), 15)?;
+    screen.write_item(out, &format!("  assumptions: {}", info.assumptions), 15)?;
+    screen.write_item(out, &format!("  deviations:  {}", info.deviations), 15)?;
+    screen.write_item(out, &format!("  refuses:     {}", info.refuses), 15)?;
     writeln!(out)
 }
 
@@ -167,13 +168,13 @@ fn structure(info: &StructureInfo, common: &[ParamSpec]) -> Value {
     })
 }
 
-fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> {
-    writeln!(out, "{}: {}", info.name, info.summary)?;
-    writeln!(out, "  paper:      {}", info.paper)?;
-    writeln!(out, "  deviations: {}", info.deviations)?;
-    info.params.iter().try_for_each(|p| write_param(out, p))?;
+fn write_structure(out: &mut dyn Write, screen: Screen, info: &StructureInfo) -> io::Result<()> {
+    screen.write_line(out, &format!("{}: {}", info.name, info.summary))?;
+    screen.write_item(out, &format!("  paper:      {}", info.paper), 15)?;
+    screen.write_item(out, &format!("  deviations: {}", info.deviations), 15)?;
+    info.params.iter().try_for_each(|p| write_param(out, screen, p))?;
     for variant in info.variants.iter().filter(|v| !v.is_empty()) {
-        writeln!(out, "  variant: {variant}")?;
+        screen.write_item(out, &format!("  variant: {variant}"), 4)?;
     }
     if info.sampled {
         writeln!(out, "  timed on a sample of the rays")?;
@@ -181,19 +182,21 @@ fn write_structure(out: &mut dyn Write, info: &StructureInfo) -> io::Result<()> 
     writeln!(out)
 }
 
-fn write_param(out: &mut dyn Write, p: &ParamSpec) -> io::Result<()> {
-    writeln!(out, "  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind)
+fn write_param(out: &mut dyn Write, screen: Screen, p: &ParamSpec) -> io::Result<()> {
+    let text = format!("  {} = {}: {}; {}", p.name, p.default, p.summary, p.kind);
+    screen.write_item(out, &text, 4)
 }
 
 /// A name a line, with its summary or its members.
-fn write_names(out: &mut dyn Write, items: &[Value]) -> io::Result<()> {
+fn write_names(out: &mut dyn Write, screen: Screen, items: &[Value]) -> io::Result<()> {
     let width = items.iter().map(|i| text(i, "name").chars().count()).max().unwrap_or(0);
     for item in items {
         let members = item["scenes"]
             .as_array()
             .map(|all| all.iter().filter_map(Value::as_str).collect::<Vec<_>>().join(", "));
         let about = members.unwrap_or_else(|| text(item, "summary"));
-        writeln!(out, "{:<width$}  {about}", text(item, "name"))?;
+        let line = format!("{:<width$}  {about}", text(item, "name"));
+        screen.write_item(out, &line, width + 2)?;
     }
     Ok(())
 }

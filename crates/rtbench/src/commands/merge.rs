@@ -13,7 +13,6 @@ use measurement::record::machines::over_machines;
 use measurement::record::merge::{PartialRun, merge};
 use measurement::system::created::{CreatedFiles, create};
 use presentation::json;
-use presentation::text::write_table;
 use studies::run::conclusions::conclude;
 use studies::run::{machines, text};
 
@@ -44,7 +43,7 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     let mut outputs = run_outputs::of_run(&args.exports)?;
     outputs.write(&record, true)?;
     outputs.print(&record, context.out)?;
-    let view = args.tables.view(context.terminal.width(), context.terminal.colors(color));
+    let view = args.tables.view(context.terminal.screen(color));
     for scene in &record.scenes {
         warn_of(context, scene);
         if !outputs.are_printed() {
@@ -92,8 +91,7 @@ fn machines_of(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Res
             })?;
         }
     }
-    let colors = context.terminal.colors(color);
-    write_table(context.out, &machines::table(&record), colors)?;
+    context.terminal.screen(color).write_table(context.out, &machines::table(&record))?;
     context.out.flush()?;
     Ok(SUCCESS)
 }

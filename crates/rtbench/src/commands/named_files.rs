@@ -51,8 +51,8 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
     named.into_iter().flatten().collect()
 }
 
-/// Files that a command writes and that [`named_files`] leaves out: those in the folder of `-o`, the
-/// exports of a run that is resumed, and the page of a report.
+/// Files that a command writes and that [`named_files`] leaves out: those in the folder of `-o`,
+/// the exports of a run that is resumed, and the page of a report.
 pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
     let folder = match command {
         Command::Run(args) => args.resume.as_ref().or(args.exports.output.as_ref()),

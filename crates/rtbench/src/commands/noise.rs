@@ -11,7 +11,7 @@ use serde::Serialize;
 use measurement::system::clock::Clock;
 use statistics::estimate::median;
 
-/// How often the loop is timed.
+/// Number of times that the loop is timed.
 const LOOPS: usize = 100;
 /// Seconds that a loop should take: long against a reading of the clock, short against a slice of
 /// the scheduler.

@@ -38,7 +38,7 @@ pub struct Processes {
     allow_outside: bool,
     /// Arguments that pass the plugins of this process to others.
     plugins: Vec<OsString>,
-    /// How far the copy was from the program, by row, where its samples are not kept.
+    /// Difference of the copy from the program, by row, if its samples are not kept.
     unkept: Vec<(String, f64)>,
 }
 
@@ -92,7 +92,7 @@ impl Processes {
         for process in 0..processes {
             let (number, name) = (process + 1, &scene.name);
             progress.message(format!("{name}: process {number} of {processes}"));
-            match self.one(run, scene, process, rounds) {
+            match self.measure_in_process(run, scene, process, rounds) {
                 Ok(other) => join(&mut fresh, other, plan.seed),
                 Err(error) => {
                     ended = Err(error);
@@ -114,7 +114,7 @@ impl Processes {
     }
 
     /// The record of one process.
-    fn one(
+    fn measure_in_process(
         &self,
         run: &RunRecord,
         scene: &SceneRecord,
@@ -138,11 +138,11 @@ impl Processes {
         let same = answered.scenes.into_iter().find(|s| s.name == scene.name);
         same.filter(|same| same.rays == scene.rays).ok_or_else(|| ChildError::Answer {
             program: program.into(),
-            message: format!("it has other rays of {}, or none", scene.name),
+            message: format!("its rays differ for {}, or are missing", scene.name),
         })
     }
 
-    /// How far the copy was from the program in all scenes so far.
+    /// Difference of the copy from the program in all scenes so far.
     pub fn floor(&self, scenes: &[SceneRecord]) -> Option<FloorRecord> {
         let kept = scenes.iter().flat_map(|scene| factors(scene, is_copy));
         FloorRecord::of(kept.chain(self.unkept.iter().cloned()))

@@ -23,7 +23,6 @@ use measurement::system::pools::pool;
 use measurement::system::progress::Progress;
 use presentation::numbers::short;
 use presentation::table::{Cell, Style, Table};
-use presentation::text::write_table;
 use renderer::effects::EFFECTS;
 use renderer::{
     Effect, EffectPlan, Geometry, ImageFormat, RayCounts, RenderSettings, render_plan,
@@ -88,7 +87,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let (table, image) = ended?;
     let took = context.clock.now().saturating_sub(started).as_secs_f64();
     if let Some(table) = table {
-        write_table(context.out, &table, context.terminal.colors(color))?;
+        context.terminal.screen(color).write_table(context.out, &table)?;
         context.out.flush()?;
     }
     if let (Some((path, format)), Some(image)) = (output, image) {
@@ -133,7 +132,7 @@ fn format_of(path: &Path) -> Result<ImageFormat, PlanError> {
     })
 }
 
-/// What was typed, as the renderer takes it.
+/// Converts the options to settings of the renderer.
 pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
     RenderSettings {
         resolution: [size; 2],
@@ -181,7 +180,7 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
     let counted = |plan: &EffectPlan| render_plan(scene, tracer, plan).counts;
     let all = counted(&plan);
     let mut table = Table {
-        title: format!("{}: what it calls for", scene.name),
+        title: format!("{}: effects", scene.name),
         header: vec!["effect", "samples", "rays/pixel", "called for by"],
         ..Table::default()
     };
@@ -202,8 +201,8 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
             "all rays: {} per pixel, counted on {PROBE} x {PROBE} pixels",
             per_pixel(all.total())
         ),
-        "rays/pixel: of shadows, mirrors and refraction their own; of what is sampled, all rays \
-         that there would not be without it"
+        "rays/pixel: for shadows, mirrors and refraction, their own rays; for sampled effects, \
+         all rays that the image without the effect does not need"
             .to_owned(),
     ];
     table

@@ -1,8 +1,6 @@
 //! `rtbench reproduce`: published figures beside ours.
 
-use std::io::Write;
-
-use crate::args::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
+use crate::args::{Color, HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
@@ -17,7 +15,6 @@ use presentation::column::{self, Column, Unit, Value};
 use presentation::csv;
 use presentation::json::FormatError;
 use presentation::table::{Cell, Style, Table};
-use presentation::text::write_table;
 use renderer::RayKind;
 use studies::reproduce::lecture::{
     self, Comparison, Line, MODERN, PublishedTimes, Ratios, STRUCTURES, published,
@@ -53,7 +50,7 @@ fn chosen<'v>(
         .collect())
 }
 
-/// Reproduces scene after scene, prints one line per figure as soon as a scene is done, and the
+/// Reproduces scene after scene, prints the table of a scene as soon as it is done, and the
 /// sums; with `--strict` an unexplained difference is a failure.
 ///
 /// # Errors
@@ -64,15 +61,16 @@ fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     let _created = create([&args.export_csv])?;
     let figures = figures().map_err(ReproduceError::from)?;
     let mut rows = Vec::new();
-    write_header(context.out)?;
+    let screen = context.terminal.screen(Color::Never);
     for scene in scenes {
         context.say(format_args!("{scene}: counting"));
         let of_scene = reproduce_scene(scene, &structures, &figures)?;
-        write_rows(context.out, &of_scene)?;
+        screen.write_fitted(context.out, &figures_table(scene, &of_scene), &[])?;
         context.out.flush()?;
         rows.extend(of_scene);
     }
-    write_sums(context.out, &rows)?;
+    screen.write_line(context.out, &sums(&rows))?;
+    context.out.flush()?;
     write_file(args.export_csv.as_deref(), || {
         csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
     })?;
@@ -80,38 +78,31 @@ fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })
 }
 
-fn write_header(out: &mut dyn Write) -> std::io::Result<()> {
-    writeln!(
-        out,
-        "{:<8} {:<15} {:<17} {:<15} {:>11} {:>13} {:>8}  verdict",
-        "scene", "structure", "params", "counter", "published", "ours", "ratio"
-    )
-}
-
-fn write_rows(out: &mut dyn Write, rows: &[ReproducedRow]) -> std::io::Result<()> {
-    for row in rows {
+/// The figures of a scene.
+fn figures_table(scene: &str, rows: &[ReproducedRow]) -> Table {
+    let cells = rows.iter().map(|row| {
         let decimals = if row.ours.fract() == 0.0 { 0 } else { 3 };
-        writeln!(
-            out,
-            "{:<8} {:<15} {:<17} {:<15} {:>11} {:>13.decimals$} {:>8.4}  {}",
-            row.scene,
-            row.structure,
-            row.params,
-            row.counter,
-            row.published,
-            row.ours,
-            row.ratio,
-            row.verdict
-        )?;
+        let cells = [
+            format!("{} {}: {}", row.structure, row.params, row.counter),
+            row.published.clone(),
+            format!("{:.decimals$}", row.ours),
+            format!("{:.4}", row.ratio),
+            row.verdict.to_string(),
+        ];
+        cells.into_iter().map(Cell::from).collect()
+    });
+    Table {
+        title: scene.to_owned(),
+        header: vec!["figure", "published", "ours", "ratio", "verdict"],
+        rows: cells.collect(),
+        notes: Vec::new(),
     }
-    Ok(())
 }
 
-fn write_sums(out: &mut dyn Write, rows: &[ReproducedRow]) -> std::io::Result<()> {
+fn sums(rows: &[ReproducedRow]) -> String {
     let count = |of: fn(&Verdict) -> bool| rows.iter().filter(|r| of(&r.verdict)).count();
-    writeln!(
-        out,
-        "\n{} figures: {} exact, {} within tolerance, {} differ for a known reason, {} unexplained",
+    format!(
+        "{} figures: {} exact, {} within tolerance, {} differ for a known reason, {} unexplained",
         rows.len(),
         count(|v| *v == Verdict::Exact),
         count(|v| *v == Verdict::Within),
@@ -131,17 +122,22 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
     let mut outputs = Outputs::default();
     outputs.add(args.export_csv.as_ref(), |run| csv_text(&comparisons(run, &published)))?;
     let has_tables = !outputs.are_printed();
+    let screen = context.terminal.screen(Color::Never);
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
         if has_tables {
-            write_table(context.out, &table(&Comparison::new(scene, &published)), false)?;
+            screen.write_fitted(
+                context.out,
+                &table(&Comparison::new(scene, &published)),
+                &["ours"],
+            )?;
             context.out.flush()?;
         }
         Ok(())
     })?;
     let sentences = comparisons(&measured.record, &published);
     for comparison in sentences.iter().filter(|_| has_tables) {
-        writeln!(context.out, "{}", comparison.sentence())?;
+        screen.write_line(context.out, &comparison.sentence())?;
     }
     Ok(exit_code(&measured))
 }

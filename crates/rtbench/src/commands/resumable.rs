@@ -38,7 +38,7 @@ pub fn go_on(
     let mut differences = was.differences(&manifest(context, plan, &record));
     let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
     for (&i, FinishedScene { line, record: scene }) in &finished {
-        progress.message(format!("{}: is it the same?", scene.name));
+        progress.message(format!("{}: cannot verify that it is unchanged", scene.name));
         let (expected, has) = (plan.rows_in(i), scene.rows.len());
         if expected != has {
             let message = format!("scene {}: {has} of {expected} rows", scene.name);
@@ -62,7 +62,7 @@ pub fn go_on(
     if let Some(known) = died_in.and_then(|i| plan.scenes.get(i)) {
         let name = known.name();
         context.warn(format_args!(
-            "the run ended in scene {name} without a word: killed, or out of memory; trying again"
+            "the previous run died while measuring '{name}' (killed, or out of memory?); retrying"
         ));
     }
     (record.command_line, record.started_unix_s) = (was.command_line, was.started_unix_s);

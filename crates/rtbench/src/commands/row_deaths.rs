@@ -74,8 +74,8 @@ pub fn skip_deadly(
         trials.resize(plan.rows.len(), TrialOutcome::Ended { peak_bytes: None });
         if let Some(trial) = trials.get_mut(i) {
             *trial = TrialOutcome::Died(format!(
-                "skipped: {count} times the program ended without a word while this row was built, checked or \
-                 first timed: killed, or out of memory"
+                "skipped: {count} times the program died while this row was built, checked or first timed \
+                 (killed, or out of memory?)"
             ));
         }
     }

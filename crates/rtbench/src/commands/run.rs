@@ -44,7 +44,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(context, &kept, args.exports.output.as_deref(), plan.scenes.len())?;
-    let view = args.tables.view(context.terminal.width(), context.terminal.colors(color));
+    let view = args.tables.view(context.terminal.screen(color));
     measure(context, &view, &plan, outputs, kept, record)
 }
 
@@ -65,8 +65,7 @@ fn resume(
     };
     let (had, has) = (found.manifest.plugins.join(", "), context.plugins.names().join(", "));
     if had != has {
-        let message =
-            format!("plugins: was [{had}], is [{has}]: name the same again with --plugin");
+        let message = format!("plugins: was [{had}], is [{has}]; give the same with --plugin");
         return Err(differs(message).into());
     }
     let begun = ResumedRun { folder, journal, found };
@@ -76,28 +75,21 @@ fn resume(
     let named = begun.found.manifest.exports.clone();
     let (kept, record) = go_on(context, begun, &plan, record)?;
     if let Some(name) = kept.finished.values().find_map(|s| context.plugins.changed_since(s)) {
-        return Err(differs(format!("plugin {name}: its file is another")).into());
+        return Err(differs(format!("plugin {name}: its file has changed")).into());
     }
     let written = run_outputs::named(exports);
     // what they hold is older than what the run goes on to find
     for path in named.iter().filter(|path| !written.contains(path)) {
         context.warn(format_args!(
-            "{path} was begun with this run and is not written any more: name it again with its --export option"
+            "{path} belongs to this run but is no longer written; repeat its --export option"
         ));
     }
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
-    measure(
-        context,
-        &tables.view(context.terminal.width(), context.terminal.colors(color)),
-        &plan,
-        outputs,
-        kept,
-        record,
-    )
+    measure(context, &tables.view(context.terminal.screen(color)), &plan, outputs, kept, record)
 }
 
-/// What is measured, the rows of plugins among it. No plugin judges answers.
+/// Plan of the run, including plugin rows. No plugin judges answers.
 pub(super) fn plan_of<'c>(
     context: &Context<'c>,
     settings: &RunSettings,

@@ -64,7 +64,7 @@ pub fn refuse_occupied(
     PlannedOutput { names: &names, command_line, manifest, overwrite }.check(folder)
 }
 
-/// What is written to a folder of `-o`, the journal of a run among it.
+/// Files that are written to a folder of `-o`, including the journal of a run.
 pub fn files_in(folder: &Path) -> Vec<PathBuf> {
     let names = EXPORTERS.iter().filter_map(|exporter| exporter.in_folder);
     names.chain([journal::NAME]).map(|name| folder.join(name)).collect()

@@ -84,8 +84,8 @@ pub fn saved(
         Ok(was_gone) => {
             if was_gone {
                 context.warn(
-                    "files of results were removed while the run went on: they are made again, with \
-                     all that was measured",
+                    "result files were removed during the run; they are written again with all \
+                     results",
                 );
             }
             return Ok(was_gone);
@@ -96,13 +96,13 @@ pub fn saved(
         let scenes = record.scenes.len();
         match elsewhere::keep(context.environment.temporary.as_deref(), record) {
             Ok(path) => context.error(format_args!(
-                "what is measured so far, {scenes} scene(s), is kept in {}",
+                "results so far ({scenes} scene(s)) are saved in {}",
                 path.display()
             )),
             Err(why) => {
                 outputs.print(record, context.out)?;
                 context.error(format_args!(
-                    "what is measured so far, {scenes} scene(s), is printed and nowhere else: {why}"
+                    "results so far ({scenes} scene(s)) are only printed: {why}"
                 ));
             }
         }

@@ -4,7 +4,7 @@ use accel_core::primitives::Instances;
 use scene_loading::Warning;
 use scene_loading::info::SceneInfo;
 
-use crate::args::{SceneNames, ScenesAction};
+use crate::args::{Color, SceneNames, ScenesAction};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
@@ -30,29 +30,31 @@ fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownS
 }
 
 fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
-    each(context, names, |context, scene| {
+    for_each_scene(context, names, |context, scene| {
         let loaded = context.load(scene)?;
+        let screen = context.terminal.screen(Color::Never);
         let out = &mut *context.out;
         writeln!(out, "{}", line(scene.name()))?;
         for text in SceneInfo::of(&loaded.scene).to_string().lines() {
-            writeln!(out, "  {}", line(text))?;
+            screen.write_item(out, &format!("  {text}"), 14)?;
         }
         let camera = &loaded.scene.camera;
         let [from, at] = [camera.from, camera.at].map(|p| loaded.scene.to_file_coordinates(p));
-        writeln!(out, "  camera      from {from} at {at}, {} degrees", camera.angle)?;
-        writeln!(out, "  source      {}", line(&loaded.source))?;
+        let text = format!("  camera      from {from} at {at}, {} degrees", camera.angle);
+        screen.write_item(out, &text, 14)?;
+        screen.write_item(out, &format!("  source      {}", loaded.source), 14)?;
         let licence = loaded.licence.as_deref().unwrap_or("unknown");
-        writeln!(out, "  licence     {}", line(licence))?;
+        screen.write_item(out, &format!("  licence     {licence}"), 14)?;
         writeln!(out, "  sha256      {}", loaded.sha256)?;
         for warning in loaded.scene.warnings_in_f32() {
-            writeln!(out, "  warning     {}", line(&warning.to_string()))?;
+            screen.write_item(out, &format!("  warning     {warning}"), 14)?;
         }
         Ok(())
     })
 }
 
 fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
-    each(context, names, |context, scene| {
+    for_each_scene(context, names, |context, scene| {
         let LoadedScene { scene: mut loaded, .. } = context.load(scene)?;
         renderer::Geometry::<f64>::of(&loaded)?;
         let geometry = renderer::Geometry::<f32>::of(&loaded)?;
@@ -62,26 +64,26 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
         warnings.extend(loaded.fine_detail.take());
         warnings.extend(scene_loading::info::validate(&loaded));
         if copies < instances {
-            let text =
-                format!("{} of {instances} instances are no copies of another", instances - copies);
+            let text = format!("{} of {instances} instances are not copies", instances - copies);
             warnings.push(Warning(text));
         }
+        let screen = context.terminal.screen(Color::Never);
         match warnings.len() {
             0 => writeln!(context.out, "{}: ok", line(scene.name()))?,
             n => writeln!(context.out, "{}: can be used, {n} warning(s)", line(scene.name()))?,
         }
         for warning in &warnings {
-            writeln!(context.out, "  {}", line(&warning.to_string()))?;
+            screen.write_item(context.out, &format!("  {warning}"), 4)?;
         }
         for text in scene.second_opinion()? {
-            writeln!(context.out, "  {}", line(&text))?;
+            screen.write_item(context.out, &format!("  {text}"), 4)?;
         }
         Ok(())
     })
 }
 
 fn fetch(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
-    each(context, names, |context, scene| {
+    for_each_scene(context, names, |context, scene| {
         let fetched = scene.fetch()?.map(|path| path.display().to_string());
         let said = fetched.as_deref().unwrap_or("nothing to fetch");
         writeln!(context.out, "{}: {}", line(scene.name()), line(said))?;
@@ -91,7 +93,7 @@ fn fetch(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
 
 /// Does the same with each scene; one that fails does not keep the others from their turn. A
 /// scene that was not named and is not on this machine is no failure.
-fn each(
+fn for_each_scene(
     context: &mut Context<'_>,
     names: &SceneNames,
     mut act: impl FnMut(&mut Context<'_>, &dyn KnownScene) -> Result<(), Error>,

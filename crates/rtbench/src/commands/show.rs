@@ -24,7 +24,6 @@ use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::drawing::Drawing;
 use presentation::table::{Cell, Style, Table};
-use presentation::text::write_table;
 use studies::showing::outline::outline;
 use studies::showing::picture::{Frame, View};
 use studies::showing::{
@@ -32,12 +31,9 @@ use studies::showing::{
     scene_box, sections,
 };
 
-/// What can be written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Format {
-    /// Text.
     Svg,
-    /// Pixels.
     Png,
 }
 
@@ -83,9 +79,10 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
             let path = ray.as_ref().map(|ray| path_through(&*tracer, ray, &plane, &loaded));
             let path = path.transpose().map_err(no_cells)?;
-            let seen = match args.project {
-                true => bodies(&*tracer, args.depth).map(SectionKind::Bodies),
-                false => sections(&*tracer, &plane, args.depth).map(SectionKind::Sections),
+            let seen = if args.project {
+                bodies(&*tracer, args.depth).map(SectionKind::Bodies)
+            } else {
+                sections(&*tracer, &plane, args.depth).map(SectionKind::Sections)
             };
             let seen = seen.map_err(no_cells)?;
             Ok::<_, Error>(DrawnStructure { label: row.label(), stats: tracer.stats(), seen, path })
@@ -94,9 +91,10 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     }
     if let Some((path, format)) = output {
         let surfaces = if args.project { Vec::new() } else { outline(&loaded, &plane) };
-        let view = match args.project {
-            true => View::Boxes(Projection::of(camera)),
-            false => View::Cut(plane, &surfaces),
+        let view = if args.project {
+            View::Boxes(Projection::of(camera))
+        } else {
+            View::Cut(plane, &surfaces)
         };
         let title = title(args, &loaded, &plane);
         let way = shown.first().and_then(|shown| shown.path.as_ref());
@@ -106,7 +104,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         context.say(format_args!("{}: {}", loaded.name, path.display()));
     }
     for shown in shown.iter().filter(|_| args.ray.is_some()) {
-        write_table(context.out, &steps(&loaded.name, shown), context.terminal.colors(color))?;
+        context.terminal.screen(color).write_table(context.out, &steps(&loaded.name, shown))?;
     }
     context.out.flush()?;
     Ok(())
@@ -118,7 +116,7 @@ fn row<'r>(context: &Context<'r>, text: &str) -> Result<Row<'r>, PlanError> {
     if context.occluders.iter().any(|occluder| occluder.info.name == name) {
         return Err(PlanError::Malformed {
             text: text.to_owned(),
-            expected: "a structure: cells of an occluder are of directions from a light, not of space",
+            expected: "a structure: the cells of an occluder divide directions from a light, not space",
         });
     }
     Row::parse(context.registry, text)
@@ -159,13 +157,12 @@ fn title(args: &ShowArgs, scene: &Scene, plane: &Plane) -> String {
         Some(depth) => format!("cells of depth {depth}, and leaves above,"),
     };
     match (args.ray, args.project) {
-        (Some(_), _) => format!("{scene}: one ray's way; {cells} cut by {plane}"),
+        (Some(_), _) => format!("{scene}: path of one ray; {cells} cut by {plane}"),
         (None, true) => format!("{scene}: {cells} that hold primitives"),
         (None, false) => format!("{scene}: {cells} cut by {plane}"),
     }
 }
 
-/// Writes a drawing.
 pub fn save(drawing: &Drawing, path: &Path, format: Format) -> Result<(), Error> {
     let bytes = match format {
         Format::Svg => drawing.svg().map(String::into_bytes),
@@ -189,9 +186,7 @@ fn steps(scene: &str, shown: &DrawnStructure) -> Table {
     table.rows = path.listed().into_iter().map(|row| row.map(cell).to_vec()).collect();
     table.notes.push(path.summary());
     if path.hit.is_hit() {
-        table
-            .notes
-            .push(format!("the ray's parameter there is {}; * nearest hit so far", path.hit.t));
+        table.notes.push(format!("parameter of the ray: {}; * nearest hit so far", path.hit.t));
     }
     table
 }

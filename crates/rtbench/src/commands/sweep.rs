@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_comes_in_no_such_sizes_says_why() {
+    fn scenes_without_the_sizes_are_refused_with_reasons() {
         for (arguments, said) in [
             ("kitchen --sizes 1e3", "does not come in sizes; those that do: balls"),
             ("kitchn --sizes 1e3", "unknown scene"),

@@ -40,7 +40,7 @@ pub fn run(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Error> {
     let rows = rows::select(context.registry, &structures, &[])?;
     if args.output.is_some() && rows.len() > 1 {
         let labels: Vec<String> = rows.iter().map(Row::label).collect();
-        let expected = "one structure, as a file of hits has one answer for each ray";
+        let expected = "one structure: a file of hits has one answer per ray";
         return Err(PlanError::Malformed { text: labels.join(","), expected }.into());
     }
     let scene = one_scene(context.scenes, &args.scene)?;
@@ -117,7 +117,9 @@ fn read(
     }
     let about = FileSubject::read(&args.rays, &bytes, Content::Rays)?;
     if about.scene != scene {
-        return Err(wrong(80, format!("rays of another scene than {}", args.scene)).into());
+        return Err(
+            wrong(80, format!("the rays belong to another scene than {}", args.scene)).into()
+        );
     }
     let mut all = files::rays(&about, &bytes).map(|ray| Ray::<f32>::from(&ray).widened());
     let kinds = RayKind::ALL.into_iter().zip(about.rays);

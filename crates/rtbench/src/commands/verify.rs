@@ -19,7 +19,6 @@ use measurement::system::machine;
 use measurement::system::pools::deep_pool;
 use measurement::system::progress::Progress;
 use presentation::outside::line;
-use presentation::text::write_table;
 use studies::verify::catalogue::{find, select};
 use studies::verify::check::{CheckPlan, PRECISIONS, ReplayOutcome, replay};
 use studies::verify::registry::Case;
@@ -51,9 +50,10 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     let signal = interrupt::flag().map_err(Error::Signals)?;
     let _created = create([&args.export_csv, &args.export_json])?;
     let report = checked(context, args, &plan, signal)?;
-    let colors = context.terminal.colors(color);
-    write_table(context.out, &report.table(), colors)?;
+    let screen = context.terminal.screen(color);
+    screen.write_table(context.out, &report.table())?;
     for example in report.examples() {
+        // a command to copy stays in one line
         writeln!(context.out, "{}", line(&example.to_string()))?;
     }
     if let Some(folder) = &args.shrink {
@@ -133,11 +133,11 @@ fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> 
     let subject = Subject::parse(context.registry, &replay.subject)?;
     let pool = deep_pool(1)?;
     let Some(shrunk) = pool.install(|| shrink(case, replay, &subject)) else {
-        writeln!(
-            context.out,
-            "{replay}: not reduced: it has other primitives than triangles, or \
-                               only the oracle of its case sees it"
-        )?;
+        let text = format!(
+            "{replay}: not reduced: it has primitives other than triangles, or only the oracle of \
+             its case sees it"
+        );
+        context.terminal.screen(Color::Never).write_line(context.out, &text)?;
         return Ok(());
     };
     writeln!(context.out, "{}", shrunk.text())?;
@@ -165,13 +165,15 @@ fn repeat(context: &mut Context<'_>, args: &VerifyArgs, line: &Replay) -> Result
         .map_err(|source| MeasureError::Build { scene: scene(), source })?
         .ok_or_else(|| PlanError::Malformed {
             text: line.to_string(),
-            expected: "a round that has so many rays",
+            expected: "a round with that many rays",
         })?;
     let out = &mut *context.out;
-    writeln!(out, "{}: {} (oracle: {})", case.id, case.summary, case.oracle)?;
-    writeln!(out, "{question}")?;
+    let screen = context.terminal.screen(Color::Never);
+    screen.write_line(out, &format!("{}: {} (oracle: {})", case.id, case.summary, case.oracle))?;
+    screen.write_line(out, &question)?;
     let verdict = refused.map(|why| format!("refused: {why}")).or_else(|| wrong.clone());
-    writeln!(out, "{}: {}", subject.label(), verdict.as_deref().unwrap_or("right"))?;
+    let verdict = verdict.as_deref().unwrap_or("right");
+    screen.write_line(out, &format!("{}: {verdict}", subject.label()))?;
     out.flush()?;
     if let (Some(folder), Some(_)) = (&args.shrink, &wrong) {
         shrink_failure(context, folder, line)?;

@@ -156,7 +156,7 @@ mod tests {
     use measurement::record::made_up::run;
 
     #[test]
-    fn every_planted_difference_is_found_and_concerns_what_it_should() {
+    fn every_planted_difference_is_found_with_its_scope() {
         let old = run(&[("tetra", &[("obvhs-cwbvh", &[1.0])])]);
         assert_eq!(differences(&old, &old.clone()), []);
         type Plant = (fn(&mut RunRecord), &'static str, DifferenceScope);

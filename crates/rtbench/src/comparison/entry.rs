@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_threshold_holds_in_both_directions() {
+    fn thresholds_hold_in_both_directions() {
         let by = |ratio: f64, outcome| exceeds(exact_ratio(1.0, ratio), outcome, 0.05);
         assert!(by(1.06, ComparisonOutcome::Slower) && !by(1.04, ComparisonOutcome::Slower));
         assert!(by(0.94, ComparisonOutcome::Faster) && !by(0.96, ComparisonOutcome::Faster));

@@ -29,7 +29,7 @@ use statistics::verdict::{Rule, correct};
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// They answer other questions.
-    #[error("cannot be compared ({names}): {}; --force compares them all the same", reasons.join("; "))]
+    #[error("cannot be compared ({names}): {}; compare anyway with --force", reasons.join("; "))]
     Incomparable {
         names: String,
         /// Every reason, with what was and what is.
@@ -37,7 +37,7 @@ pub enum CompareError {
     },
     /// They have no row in common.
     #[error(
-        "{names}: no row in common: {old}, then {new}; --match OLD=NEW compares a row that has another name now"
+        "{names}: no row in common: {old}, then {new}; use --match OLD=NEW if a row was renamed"
     )]
     NoCommonRow {
         names: String,
@@ -73,7 +73,9 @@ pub enum CompareError {
         message: String,
     },
     /// The filter finds nothing.
-    #[error("--filter '{filter}' finds nothing among {among}, as SCENE/STRUCTURE SETTINGS/METRIC")]
+    #[error(
+        "--filter '{filter}' matches nothing among {among}, as SCENE/STRUCTURE SETTINGS/METRIC"
+    )]
     NothingMatches { filter: String, among: String },
 }
 

@@ -19,10 +19,10 @@ pub fn notes(
             (DifferenceScope::Nothing, _) => "",
             (_, true) => "; compared by --force",
             (DifferenceScope::Seconds, _) => {
-                "; times in seconds are not compared (--force does), ratios and counters are"
+                "; times in seconds are not compared (except with --force), ratios and counters are"
             }
             (DifferenceScope::Ratios, _) => {
-                "; ratios to the reference are not compared (--force does)"
+                "; ratios to the reference are not compared (except with --force)"
             }
             (DifferenceScope::Everything, false) => "",
         };

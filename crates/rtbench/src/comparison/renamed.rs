@@ -72,8 +72,8 @@ pub fn matched(
     let message = match (found.len(), cuts.count()) {
         (1, _) => return found.pop().ok_or_else(|| error(text, "nothing")),
         (0, 0) => "it has no '='",
-        (0, _) => "no row of the first results and one of the others are named so",
-        _ => "it may be read in two ways",
+        (0, _) => "no row of the first results or none of the others has this name",
+        _ => "it is ambiguous",
     };
     Err(error(text, message))
 }
@@ -109,7 +109,7 @@ pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Renami
     match (found.len(), found.pop()) {
         (1, Some(renamed)) => Ok(renamed),
         (0, _) => Err(error(text, "this program has no row of the new name")),
-        _ => Err(error(text, "it may be read in two ways")),
+        _ => Err(error(text, "it is ambiguous")),
     }
 }
 
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_names_no_rows_is_refused() {
+    fn renamings_that_match_no_row_are_refused() {
         let run = of(&["a", "a b=a", "b=a"]);
         let others = std::slice::from_ref(&run);
         for (text, said) in [

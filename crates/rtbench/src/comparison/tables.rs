@@ -21,12 +21,12 @@ const FIRST: [&str; 5] = ["metric", "ratio [95%]", "outcome", "new", "old"];
 pub const GLOSSARY: &[&str] = &[
     "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
      95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
-     rounds this unlike by chance (Mann and Whitney), corrected for all that were tested (Holm 1979).",
+     rounds this unlike by chance (Mann and Whitney), corrected for the number of tests (Holm 1979).",
     "no difference: the whole interval lies within the equivalence margin (--margin, 5%). faster, slower: \
      it does not contain 1 (nor reach below the A/A floor, where there is one), and p is below 0.05. \
      inconclusive: all else; more rounds, or fewer rows (-f).",
-    "Two runs at different times drift apart, by what p knows nothing of: what matters is measured again, or by \
-     `rtbench check --against`.",
+    "p does not account for drift between two runs: measure again before relying on a \
+     difference, or use `rtbench check --against`.",
     "All scenes: geometric means of the ratios, over the scenes that both runs have the row in. \
      The reference's own ratio is 1 by definition and not shown.",
 ];
@@ -76,8 +76,7 @@ fn facts(comparison: &Comparison) -> Vec<String> {
     lines.extend(comparison.notes.iter().cloned());
     let (equal, below) = (comparison.equal, comparison.below_threshold);
     if equal > 0 {
-        lines
-            .push(format!("exact figures that are equal: {equal}, not shown (--all-metrics does)"));
+        lines.push(format!("equal exact figures: {equal}, not shown (use --all-metrics)"));
     }
     if below > 0 {
         lines.push(format!("figures that did not change beyond the threshold: {below}, not shown"));
@@ -86,7 +85,7 @@ fn facts(comparison: &Comparison) -> Vec<String> {
         lines.push("nothing to show".into());
     }
     lines.extend(comparison.answers_changed.iter().map(|row| {
-        format!("ANSWERS CHANGED: {row}: other hits for the same rays, though each run calls its own right")
+        format!("ANSWERS CHANGED: {row}: hits differ for the same rays, though each run found its own correct")
     }));
     lines
 }

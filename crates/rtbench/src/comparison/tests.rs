@@ -55,7 +55,7 @@ fn outcome(comparison: &Comparison, of: &str) -> ComparisonOutcome {
 }
 
 #[test]
-fn a_planted_slow_down_is_found_and_what_did_not_change_is_called_that() {
+fn a_planted_slowdown_is_found_and_unchanged_rows_are_reported_unchanged() {
     let comparison = compared(&record(2.0, 3.0), &record(2.6, 3.0), &choice()).unwrap();
     for scene in ["balls", "tetra"] {
         for metric in ["build", "trace", "ratio"] {
@@ -130,7 +130,7 @@ fn filter_and_threshold_choose_what_is_shown() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_refused_with_all_reasons_unless_forced() {
+fn incomparable_results_are_refused_with_all_reasons_unless_forced() {
     let (old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
     new.settings.threads = 2;
     new.settings.seed = 9;
@@ -139,7 +139,7 @@ fn what_cannot_be_compared_is_refused_with_all_reasons_unless_forced() {
     assert_eq!(
         error,
         "cannot be compared (A: old.json, B: new.json): threads: 1, then 2; seed: 1, then 9; \
-         scene tetra: sha256: cd, then ef; --force compares them all the same"
+         scene tetra: sha256: cd, then ef; compare anyway with --force"
     );
     let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..choice() }).unwrap();
     assert_eq!(forced.notes[0], "threads: 1, then 2; compared by --force");
@@ -147,7 +147,7 @@ fn what_cannot_be_compared_is_refused_with_all_reasons_unless_forced() {
 }
 
 #[test]
-fn another_machine_leaves_ratios_and_counters() {
+fn across_machines_only_ratios_and_counters_are_compared() {
     let (old, mut new) = (record(2.0, 3.0), record(2.6, 3.0));
     new.machine.cpu = Some("Other CPU".into());
     let comparison = compared(&old, &new, &choice()).unwrap();
@@ -171,7 +171,7 @@ fn another_machine_leaves_ratios_and_counters() {
 }
 
 #[test]
-fn nothing_is_lost_without_a_word() {
+fn everything_left_out_is_named() {
     let (mut old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
     old.scenes[0].rows.remove(1);
     new.scenes[0].rows.remove(2);
@@ -206,7 +206,7 @@ fn nothing_is_lost_without_a_word() {
 }
 
 #[test]
-fn changed_answers_are_said_and_samples_of_other_rays_are_none() {
+fn changed_answers_are_reported_and_samples_of_other_rays_ignored() {
     let (old, mut new) = (record(2.0, 3.0), record(2.0, 3.0));
     new.scenes[1].rows[1].answers_sha256 = Some("ba".into());
     let comparison = compared(&old, &new, &choice()).unwrap();
@@ -219,7 +219,7 @@ fn changed_answers_are_said_and_samples_of_other_rays_are_none() {
 }
 
 #[test]
-fn an_interval_that_the_test_does_not_bear_out_is_inconclusive() {
+fn an_interval_not_confirmed_by_the_rank_test_is_inconclusive() {
     // the later rounds lie in two heaps
     let heaps = [1.0, 1.0, 1.01, 1.01, 2.0, 2.01, 2.0, 2.01, 2.0];
     let level = [1.0, 1.01, 1.02, 1.0, 1.01, 1.02, 1.0, 1.01, 1.02];

@@ -31,7 +31,7 @@ mod tests {
     use measurement::record::made_up;
 
     #[test]
-    fn each_record_has_a_folder_of_its_own() {
+    fn rescued_records_get_separate_folders() {
         let within = tempfile::tempdir().unwrap();
         let record = made_up::run(&[]);
         let paths = [0, 1].map(|_| keep(Some(within.path()), &record).unwrap());

@@ -31,8 +31,8 @@ pub enum OccupiedError {
     },
     /// This very run was begun there.
     #[error(
-        "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; go on with \
-         `rtbench run --resume {}`, or begin anew with --overwrite",
+        "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; resume with \
+         `rtbench run --resume {}`, or start again with --overwrite",
         folder.display(), folder.display()
     )]
     SamePlan {
@@ -45,8 +45,8 @@ pub enum OccupiedError {
     },
     /// Results are there that cannot be resumed.
     #[error(
-        "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or say \
-         --overwrite",
+        "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or \
+         use --overwrite",
         path.display()
     )]
     Results {
@@ -58,13 +58,13 @@ pub enum OccupiedError {
     },
     /// Something is there, and it does not say what it is.
     #[error(
-        "{}: is there, and does not say of which run it is; name another folder, or replace it with \
+        "{}: exists, and does not name its run; name another folder, or replace it with \
          --overwrite",
         path.display()
     )]
     Unknown { path: PathBuf },
     /// A file is there.
-    #[error("{}: is there already; name another file, or replace it with --overwrite", path.display())]
+    #[error("{}: exists; name another file, or replace it with --overwrite", path.display())]
     File { path: PathBuf },
     /// A journal is there that cannot be read.
     #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
@@ -103,7 +103,7 @@ pub struct PlannedOutput<'a> {
     /// The names of the files, the record first.
     pub names: &'a [&'a str],
     pub command_line: &'a [String],
-    /// What the run is, where it keeps a journal.
+    /// Description of the run, if it keeps a journal.
     pub manifest: Option<&'a Manifest>,
     /// Existing output may be replaced.
     pub overwrite: bool,

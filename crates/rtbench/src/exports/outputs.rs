@@ -24,13 +24,13 @@ pub enum OutputError {
     #[error(transparent)]
     Format(#[from] FormatError),
     /// Two outputs would be mixed up.
-    #[error("more than one output is to go to standard output (-); name files for the others")]
+    #[error("only one output can go to standard output (-); name files for the others")]
     OneStdout,
     /// One would overwrite the other.
-    #[error("{}: two outputs go to this file; name another one for one of them", .0.display())]
+    #[error("{}: two outputs would be written to this file; choose another file for one of them", .0.display())]
     SameFile(PathBuf),
     /// An output would overwrite an input.
-    #[error("{}: this file is read by the same command; write to another one", .0.display())]
+    #[error("{}: the command also reads this file; write to another one", .0.display())]
     IsRead(PathBuf),
     /// The pattern of `--export-select`, and the name of a series that there is.
     #[error(

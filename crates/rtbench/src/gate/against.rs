@@ -27,7 +27,7 @@ pub enum AgainstError {
     #[error(transparent)]
     New(ChildError),
     /// This program's own file is not known.
-    #[error("cannot tell where the file of this program is, to start it in turns with the other")]
+    #[error("cannot find the file of this program to run it in turns with the other")]
     NoProgram,
 }
 

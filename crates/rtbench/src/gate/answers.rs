@@ -21,8 +21,8 @@ fn of_row(row: &RowPair<'_>) -> Finding {
 
 fn outcome(row: &RowPair<'_>) -> (GateOutcome, String) {
     let [base, now] = row.rows;
-    let ways = |was: &str, is: &str| format!("was {was}, is {is}");
-    let verdicts = || ways(base.verdict.name(), now.verdict.name());
+    let was_and_is = |was: &str, is: &str| format!("was {was}, is {is}");
+    let verdicts = || was_and_is(base.verdict.name(), now.verdict.name());
     match now.verdict {
         Verdict::Wrong => {
             let (wrong, rays) = (now.mismatches, now.checked_rays);
@@ -41,21 +41,25 @@ fn outcome(row: &RowPair<'_>) -> (GateOutcome, String) {
     }
     if now.mismatches > base.mismatches && now.checked_rays == base.checked_rays {
         let (was, is) = (base.mismatches.to_string(), now.mismatches.to_string());
-        return (GateOutcome::Regression, format!("wrong hits by design: {}", ways(&was, &is)));
+        return (
+            GateOutcome::Regression,
+            format!("wrong hits by design: {}", was_and_is(&was, &is)),
+        );
     }
     if now.verdict != base.verdict {
         return (GateOutcome::Improved, verdicts());
     }
     if base.checked_rays != now.checked_rays {
         let (was, is) = (base.checked_rays.to_string(), now.checked_rays.to_string());
-        let note = format!("other rays were checked: {}", ways(&was, &is));
+        let note = format!("other rays were checked: {}", was_and_is(&was, &is));
         return (GateOutcome::NotJudged, note);
     }
     match (&base.answers_sha256, &now.answers_sha256) {
         (Some(was), Some(is)) if was == is => (GateOutcome::Unchanged, String::new()),
-        (Some(_), Some(_)) => {
-            (GateOutcome::Regression, "not the baseline's answers, though none is wrong".to_owned())
-        }
+        (Some(_), Some(_)) => (
+            GateOutcome::Regression,
+            "answers differ from the baseline's, though none is wrong".to_owned(),
+        ),
         _ => (GateOutcome::NotJudged, "the baseline has no hash of answers".to_owned()),
     }
 }

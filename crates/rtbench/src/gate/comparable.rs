@@ -16,14 +16,14 @@ pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
     let mut remarks = Vec::new();
     if let Some(processors) = other_processor(&base.machine, &now.machine) {
         remarks.push(format!(
-            "Another processor than the baseline's ({processors}): counters and instruction counts are judged \
-             as on the same; times are not, unless --across-processors says so."
+            "Another processor than the baseline's ({processors}): counters and instruction \
+             counts are judged as on the same; times only with --across-processors."
         ));
     }
     let (was, is) = (&base.settings.timed_by, &now.settings.timed_by);
     if was != is {
         remarks.push(format!(
-            "Times of the baseline are {was}, now {is}: what other programs take is in one of them only."
+            "Times of the baseline are {was}, now {is}: only one of them includes time taken by other programs."
         ));
     }
     if base.compiler.rustc != now.compiler.rustc {

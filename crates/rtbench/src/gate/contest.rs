@@ -206,7 +206,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_two_programs_each_is_first_equally_often() {
+    fn each_of_two_programs_runs_first_equally_often() {
         let orders: Vec<Vec<usize>> = (0..8).map(|lap| order(3, "bvh", lap)).collect();
         for (a, b) in [(0, 1), (0, 2), (1, 2)] {
             let first = orders.iter().filter(|order| {

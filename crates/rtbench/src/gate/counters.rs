@@ -10,8 +10,11 @@ use crate::comparison::pairing::RowPair;
 use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage};
 use measurement::record::metrics::{METRICS, Metric};
 
-pub const STAGE: Stage =
-    Stage { name: "counters", summary: "what was built and the work of the rays, exactly", judge };
+pub const STAGE: Stage = Stage {
+    name: "counters",
+    summary: "exact counters of the structure and of the work of the rays",
+    judge,
+};
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let exact: Vec<&Metric> = METRICS.iter().filter(|m| m.is_exact()).collect();
@@ -41,13 +44,13 @@ fn of(metric: &Metric, row: &RowPair<'_>) -> Option<Finding> {
     if !metric.is_cost && before != now {
         return Some(finding(
             GateOutcome::NotJudged,
-            "changed; no cost by itself, but a share of one",
+            "changed; not a cost by itself, but part of one",
         ));
     }
     if before > 0.0 && now == 0.0 {
         return Some(finding(
             GateOutcome::NotJudged,
-            "nothing was counted: less work, or counted no more",
+            "nothing was counted: less work, or no longer counted",
         ));
     }
     let outcome = match before.total_cmp(&now) {

@@ -119,7 +119,7 @@ pub enum Times<'a> {
     Paired {
         /// The times of all turns.
         pairs: &'a [PairedTimes],
-        /// How often they are looked at before the last process has ended, or then.
+        /// Number of looks at the results, the last one included.
         looks: u32,
     },
 }
@@ -127,7 +127,6 @@ pub enum Times<'a> {
 /// Everything that stages look at.
 #[derive(Debug, Clone, Copy)]
 pub struct Evidence<'a> {
-    /// Thresholds of regressions.
     pub thresholds: &'a Thresholds,
     /// The baseline, no more than what was measured anew.
     pub base: &'a RunRecord,

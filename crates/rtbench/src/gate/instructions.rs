@@ -1,9 +1,10 @@
 //! Stage: instruction counts of the build and of the traversal, by callgrind.
 //!
-//! They repeat to within a few of a million, whatever else the machine does, so a threshold of half a percent
-//! needs no test. What they do not see are cache misses and mispredicted branches. Builds allocate, and what that
-//! costs depends on what the process has freed before: builds of 30 primitives had 54,489 instructions in eleven
-//! of twelve processes and 54,842 in one. So a build also has to differ by [`OF_ALLOCATOR`].
+//! They repeat to within a few of a million, whatever else the machine does, so a threshold of half
+//! a percent needs no test. What they do not see are cache misses and mispredicted branches. Builds
+//! allocate, and what that costs depends on what the process has freed before: builds of 30
+//! primitives had 54,489 instructions in eleven of twelve processes and 54,842 in one. So a build
+//! also has to differ by [`OF_ALLOCATOR`].
 
 use crate::comparison::entry::exact_ratio;
 use crate::comparison::pairing::RowPair;
@@ -55,8 +56,8 @@ fn of_row(
                 })
                 .collect();
         }
-        (None, _) => "the baseline has no count of it",
-        (_, None) => "it was not counted now",
+        (None, _) => "the baseline does not have this count",
+        (_, None) => "not counted now",
     };
     vec![Finding::of(STAGE.name, row, "trace", GateOutcome::NotJudged, note)]
 }

@@ -36,7 +36,7 @@ impl TurnPlan {
     }
 
     /// How often laps are looked at, the end included.
-    pub fn looks(&self) -> u32 {
+    pub fn max_looks(&self) -> u32 {
         let is_before = |look: &&u32| self.time_budget.is_some() || **look < self.expected();
         1 + LOOKS.iter().filter(is_before).count() as u32
     }
@@ -52,10 +52,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_look_is_counted() {
+    fn looks_at_the_results_are_counted() {
         let looks = |rounds, seconds| {
             let time_budget = Option::<u64>::map(seconds, Duration::from_secs);
-            TurnPlan { rounds, time_budget, seed: 1 }.looks()
+            TurnPlan { rounds, time_budget, seed: 1 }.max_looks()
         };
         assert_eq!([looks(Some(2), None), looks(Some(9), None), looks(None, None)], [1, 2, 3]);
         assert_eq!(looks(None, Some(60)), 7);

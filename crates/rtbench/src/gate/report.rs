@@ -38,7 +38,7 @@ pub struct Report {
     pub times: String,
     /// Scenes that could not be measured.
     pub failures: usize,
-    /// How far a copy of the program was from it.
+    /// Difference of a copy of the program from it.
     pub floor: Option<FloorRecord>,
     /// Times of the turns, with `--against`.
     pub pairs: Vec<PairedTimes>,
@@ -53,10 +53,10 @@ pub const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
 /// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
-     probability of such times without a difference, corrected for all that were tested (Holm \
+     probability of such times without a difference, corrected for the number of tests (Holm \
      1979).",
-    "regression: certainly worse by more than the threshold. unchanged: certainly within it. inconclusive: \
-     neither, nor certainly better.",
+    "regression: significantly worse by more than the threshold. unchanged: significantly within \
+     it. inconclusive: none of these, and not significantly better.",
 ];
 
 impl Report {

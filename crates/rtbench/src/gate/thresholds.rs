@@ -190,7 +190,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_last_entry_that_fits_decides() {
+    fn the_last_matching_threshold_applies() {
         let of = |row: Option<&str>, of, time| RowThreshold {
             row: row.map(str::to_owned),
             of,

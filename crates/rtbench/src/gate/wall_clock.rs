@@ -83,7 +83,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     findings.collect()
 }
 
-/// Thresholds of changes.
+/// Rule by which times of `what` are judged: kind of ray, or build.
 fn rule(evidence: &Evidence<'_>, row: &RowPair<'_>, what: &str) -> Rule {
     let thresholds = evidence.thresholds;
     let time = thresholds.time_of(&row.rows[1].label(), what);
@@ -207,10 +207,11 @@ pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
         let seen = again.and_then(|s| s.change);
         let seen = seen.map_or_else(|| "no time".to_owned(), |e| presentation::numbers::ratio(&e));
         if again.is_some_and(is_suspect) {
-            finding.note = format!("again in a second measurement: {}", seen.trim_end());
+            finding.note = format!("found again in a second measurement: {}", seen.trim_end());
         } else {
             finding.outcome = GateOutcome::Inconclusive;
-            finding.note = format!("not again in a second measurement: {}", seen.trim_end());
+            finding.note =
+                format!("not found found again in a second measurement: {}", seen.trim_end());
         }
     }
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use crate::history::lines::{Change, History, Key, Line};
 use crate::history::names::Names;
-use crate::history::shell::{begun, bench_name, day, section, verdict};
+use crate::history::shell::{bench_name, day, section, start_page, verdict};
 use crate::report::utc;
 use measurement::record::label;
 use presentation::html::Html;
@@ -27,7 +27,7 @@ pub fn page(history: &History, names: &Names) -> String {
         commits.len(),
         history.benches.len()
     );
-    let mut html = begun("history", &intro, &[]);
+    let mut html = start_page("history", &intro, &[]);
     changes(&mut html, history, names);
     scenes(&mut html, history, names);
     runs(&mut html, history);
@@ -101,7 +101,7 @@ fn table_of(
     let links = found.iter().map(|(key, ..)| vec![names.row(key)]);
     let header = vec!["structure", "change [95%]", "scene", "of", "so", "after", "machine"];
     let table = Table {
-        title: "what changed, the most first".to_owned(),
+        title: "changes, the largest first".to_owned(),
         header,
         rows: found.iter().map(row).collect(),
         notes: Vec::new(),
@@ -142,7 +142,7 @@ fn runs(html: &mut Html, history: &History) {
         ]);
     }
     let header = vec!["commit", "when", "machine", "scenes", "run", "folder", "subject"];
-    let table = words("every run, the newest first".to_owned(), header, rows);
+    let table = words("all runs, the newest first".to_owned(), header, rows);
     tables::write(html, &table, TableStyle { ids: &ids, ..TableStyle::default() });
     html.close();
 }
@@ -150,10 +150,11 @@ fn runs(html: &mut Html, history: &History) {
 fn method(html: &mut Html) {
     section(html, "method", "How changes are found");
     html.paragraph(
-        "By E-divisive on the logarithms of the ratios: a series is divided where both sides differ most, by the \
-         distances of their values, as long as a permutation test calls that significant. Of a thousand series without \
-         a change about one is said to have one. A change needs three runs on each side; of the newest commit nothing \
-         is said yet: that is what rtbench check is for.",
+        "By E-divisive on the logarithms of the ratios: a series is divided where both sides \
+         differ most, by the distances of their values, as long as a permutation test finds the \
+         difference significant. About one in a thousand series without a change is reported to \
+         have one. A change needs three runs on each side; nothing is reported about the newest \
+         commit yet: that is what rtbench check is for.",
     );
     html.list(
         [

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 
 use crate::history::lines::{Change, History, Key, Line};
 use crate::history::names::{INDEX, Names, PageKey, anchor, page_of};
-use crate::history::shell::{begun, bench_name, class_of, from_below, in_words, section, verdict};
+use crate::history::shell::{
+    bench_name, class_of, from_below, in_words, section, start_page, verdict,
+};
 use crate::report::utc;
 use measurement::record::label;
 use presentation::html::Html;
@@ -23,7 +25,7 @@ pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
     let title = format!("{scene}: {structure}, {}", quantity.in_words());
     let intro = "Ratios to the reference of the same run, with their 95% intervals: below 1 is faster than the \
                  reference. A line is of one machine with its settings.";
-    let mut html = begun(&title, intro, &up);
+    let mut html = start_page(&title, intro, &up);
     siblings(&mut html, names, own);
     for (key, lines) in rows {
         section(&mut html, &anchor(&key.settings), &label(structure, &key.settings));

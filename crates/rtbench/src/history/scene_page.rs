@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::history::lines::{History, Key, Line, Quantity};
 use crate::history::names::{INDEX, Names};
-use crate::history::shell::{begun, from_below};
+use crate::history::shell::{from_below, start_page};
 use crate::report::file_name;
 use measurement::record::label;
 use presentation::numbers::{ratio, short};
@@ -15,7 +15,7 @@ use presentation::table::{Cell, Style, Table, dash};
 pub fn page(history: &History, names: &Names, scene: &str) -> String {
     let intro = "The latest ratio of each row to the reference of its run; figures link to their histories. A change is \
                  the last one that was found, newer figures over older ones.";
-    let mut html = begun(scene, intro, &[("All scenes", from_below(INDEX))]);
+    let mut html = start_page(scene, intro, &[("All scenes", from_below(INDEX))]);
     let keys = || history.lines.keys().filter(|key| key.scene == scene);
     let quantities: BTreeSet<Quantity> = keys().map(|key| key.quantity).collect();
     let rows: BTreeSet<(&str, &str)> =

@@ -7,8 +7,8 @@ use presentation::numbers::ratio;
 use statistics::estimate::Estimate;
 
 /// A page of that title, opened as far as its main part; links lead up.
-pub fn begun(title: &str, intro: &str, up: &[(&str, String)]) -> Html {
-    let mut html = presentation::page::begun(&format!("rtbench: {title}"));
+pub fn start_page(title: &str, intro: &str, up: &[(&str, String)]) -> Html {
+    let mut html = presentation::page::start_page(&format!("rtbench: {title}"));
     html.open("header", &[]);
     if !up.is_empty() {
         html.open("nav", &[("aria-label", "the way up")]);

@@ -18,7 +18,7 @@ pub use page::{Page, SectionOutcome, file_name};
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
 use presentation::html::Html;
-use presentation::page::{BEGINNING, begun, finished};
+use presentation::page::{BEGINNING, finished, start_page};
 use studies::run::few::Few;
 
 /// A part of the page.
@@ -42,14 +42,14 @@ pub static SECTIONS: &[Section] = &[
     section("scenes", "Each scene", BY_RUN, sections::run::scenes),
     section(
         "heat-maps",
-        "Where in the image the work is",
+        "Where the work is in the image",
         "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE",
         sections::studies::heat_maps,
     ),
     section("by-kind", "Each kind of ray", BY_RUN, sections::run::by_kind),
     section(
         "break-even",
-        "Which structure wins for how many rays",
+        "Fastest structure by number of rays",
         BY_RUN,
         sections::break_even::write,
     ),
@@ -124,7 +124,7 @@ struct ReportSection {
 pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> FinishedPage {
     let mut page = Page { is_beside_record, progress, ..Page::default() };
     let title = format!("rtbench: {}", title(runs));
-    let mut html = begun(&title);
+    let mut html = start_page(&title);
     html.open("header", &[]);
     html.element("h1", &[], &title);
     match runs {
@@ -230,7 +230,11 @@ fn missing(html: &mut Html, parts: &[ReportSection], page: &Page) {
         return;
     }
     html.open("details", &[("class", "more")]);
-    html.element("summary", &[], "What else this page can show, and the commands that make it");
+    html.element(
+        "summary",
+        &[],
+        "Other results that this page can show, and the commands for them",
+    );
     html.open("ul", &[]);
     for section in missing {
         html.open("li", &[]);

@@ -1,7 +1,7 @@
 //! The plots of a run: bars with intervals, and builds against rays.
 
 use measurement::record::{
-    Answered, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, reference,
+    AnsweredRays, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, reference,
 };
 use presentation::numbers::short;
 use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column};
@@ -16,7 +16,7 @@ struct Ratios {
     verdict: Verdict,
     /// Effect of its known defect: `1 wrong ray of 203,423`.
     defect: Option<String>,
-    answers: Answered,
+    answers: AnsweredRays,
     /// It may be called the fastest.
     may_lead: bool,
     trace: Option<Estimate>,
@@ -79,8 +79,8 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
             .iter()
             .map(|row| BarRow {
                 name: match row.answers {
-                    Answered::AllRays => row.name.clone(),
-                    Answered::ShadowRays => format!("{} (shadow rays)", row.name),
+                    AnsweredRays::AllRays => row.name.clone(),
+                    AnsweredRays::ShadowRays => format!("{} (shadow rays)", row.name),
                 },
                 color: 0,
                 bars: vec![bar(row, row.trace, best), bar(row, row.build, None)],
@@ -90,7 +90,7 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
 }
 
 fn is_comparable(row: &Ratios) -> bool {
-    row.verdict == Verdict::Ok && row.answers == Answered::AllRays && row.trace.is_some()
+    row.verdict == Verdict::Ok && row.answers == AnsweredRays::AllRays && row.trace.is_some()
 }
 
 fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {

@@ -44,8 +44,8 @@ pub fn answers(runs: &[Material], page: &mut Page) {
 pub fn write(runs: &[Material], page: &mut Page) {
     page.html.paragraph(
         "Trace time over that of the reference in the same run, with its 95% interval: below 1 is faster than the \
-         reference there. Runs of other machines or commits can be held against each other by it; `rtbench compare` \
-         says of two runs what differs significantly.",
+         reference there. Runs of other machines or commits can be compared by it; `rtbench \
+         compare` shows which differences of two runs are significant.",
     );
     let mut seen = BTreeSet::new();
     for scene in runs.iter().flat_map(|run| &run.run.scenes) {

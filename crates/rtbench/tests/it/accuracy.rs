@@ -84,7 +84,7 @@ fn errors_are_real_and_references_have_none() {
 }
 
 #[test]
-fn offsets_are_held_against_the_smallest_and_their_harm_is_told() {
+fn offsets_are_compared_with_the_smallest_and_their_errors_reported() {
     let folder = tempfile::tempdir().unwrap();
     let arguments = format!(
         "accuracy ray-offset --scene teapot:3 --quick --rounds 3 --trials 4000 -o {}",
@@ -164,7 +164,7 @@ fn sampled_effects_state_the_error_of_their_reference() {
     assert_eq!(soft[0]["variant"], "left out");
     let ratio = |row: &Row| number(row, "ratio_to_cheapest");
     assert!(soft[1..].iter().any(|row| ratio(row) == 1.0), "ratios are to samples");
-    assert!(ended.out.contains("effects: the price of each where it is called for"));
+    assert!(ended.out.contains("effects: the price of each in scenes that use it"));
     let prices = ended.out.lines().filter(|line| line.starts_with("soft-shadows  "));
     assert_eq!(prices.count(), soft.len() - 1);
     assert!(number(soft[0], "error") > 2.0 * number(soft[soft.len() - 1], "error"));
@@ -234,12 +234,12 @@ static PLANTED: &[Entry] = &[
 ];
 
 #[test]
-fn a_variant_that_answers_otherwise_while_it_is_timed_is_found_out() {
+fn a_variant_whose_answers_change_while_timed_is_caught() {
     let arguments = "accuracy mailbox --scene balls:1 --quick --rounds 3";
     let ended = run_with(PLANTED, &InstalledScenes, &SystemClock::default(), arguments);
     assert_eq!(ended.code, 1, "{}", ended.out);
     assert!(
-        ended.out.contains("FAULT") && ended.out.contains("while it is timed"),
+        ended.out.contains("FAULT") && ended.out.contains("differ between timing and judging"),
         "{}",
         ended.out
     );

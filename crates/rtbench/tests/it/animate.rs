@@ -60,7 +60,7 @@ fn rows_are_updated_from_frame_to_frame_and_right_in_each() {
 }
 
 #[test]
-fn nothing_named_means_every_way_to_update() {
+fn every_update_method_is_the_default() {
     let folder = Folder::new();
     let ended =
         run(&format!("animate marbles:1 --frames 0..1 --quick --size 8 -o {}", folder.path()));
@@ -103,13 +103,13 @@ fn a_wrong_row_is_wrong_and_never_fast() {
 }
 
 #[test]
-fn what_cannot_be_animated_says_why() {
+fn invalid_animation_requests_are_errors_with_reasons() {
     for (arguments, code, said) in [
         ("marble", 2, "did you mean `marbles`?"),
         ("marbles:0", 2, "marbles"),
         ("marbles:1 --frames 3..99999", 2, "numbered from 0"),
         ("marbles:1 --frames 4..3", 2, "expected the first and the last frame"),
-        ("marbles:1 --time-budget 3s", 2, "--time-budget is not for animations"),
+        ("marbles:1 --time-budget 3s", 2, "--time-budget is not available for animations"),
         ("marbles:1 -s unifrom-grid", 2, "did you mean 'uniform-grid'?"),
         ("marbles:1 -s kd-tree:update=refit", 2, "kd-tree has no parameter 'update'"),
         ("nowhere/frame%03d.obj", 1, "nowhere"),

@@ -73,7 +73,7 @@ fn an_unwritable_path_is_found_before_measuring() {
 /// Each is refused, before or after its outputs are opened: what was not there still is not, and
 /// what was is as it was.
 #[test]
-fn what_is_refused_leaves_no_file_and_harms_none() {
+fn refused_commands_leave_files_untouched() {
     let folder = Folder::new();
     let at = |name: &str| format!("{}/{name}", folder.path());
     std::fs::write(at("broken.nff"), "v\nfrom 1 2 three\n").unwrap();
@@ -175,8 +175,8 @@ fn hints_name_the_list_that_has_it() {
         ("list structures kd-tre", None),
     ] {
         let ended = run(arguments);
-        let hint = list.map(|list| format!("try 'rtbench list {list}'"));
-        let said = ended.err.lines().find(|l| l.starts_with("For what there is"));
+        let hint = list.map(|list| format!("rtbench list {list}"));
+        let said = ended.err.lines().find(|l| l.starts_with("To list valid names"));
         assert_eq!(said.is_some(), hint.is_some(), "{arguments}: {}", ended.err);
         assert!(
             hint.is_none_or(|hint| said.unwrap().contains(&hint)),
@@ -261,7 +261,7 @@ fn a_run_ends_with_its_answers_and_files_have_them() {
     let answers = ended.out.split("Answers over 2 scenes").nth(1).expect("answers");
     let heads = ["first image", "primary rays", "shadow rays", "diffuse rays", "least memory"];
     assert!(heads.iter().all(|head| answers.contains(head)), "{answers}");
-    assert_eq!(ended.out.matches("build pays").count(), 2, "one for each scene: {}", ended.out);
+    assert_eq!(ended.out.matches("break-even").count(), 2, "one for each scene: {}", ended.out);
     let record = folder.record();
     assert_eq!(record.conclusions.len(), heads.len());
     // what is wrong, or known to be, does not lead

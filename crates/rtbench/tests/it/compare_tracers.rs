@@ -3,12 +3,13 @@
 use crate::common::{Folder, run, run_stepping};
 
 #[test]
-fn what_there_is_is_listed_with_what_it_refuses() {
+fn tracers_are_listed_with_unsupported_scenes() {
     let ended = run("list tracers");
     assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+    let listed_words = ended.out.split_whitespace().collect::<Vec<_>>().join(" ");
     for tracer in renderer::tracers::TRACERS {
         for text in [tracer.name, tracer.paper, tracer.assumptions, tracer.refuses] {
-            assert!(!text.is_empty() && ended.out.contains(text), "{text}");
+            assert!(!text.is_empty() && listed_words.contains(text), "{text}");
         }
     }
     let listed: serde_json::Value =
@@ -17,7 +18,7 @@ fn what_there_is_is_listed_with_what_it_refuses() {
 }
 
 #[test]
-fn more_samples_are_nearer_and_everything_is_written() {
+fn more_samples_reduce_the_error_and_all_files_are_written() {
     let folder = Folder::new();
     let ended = run_stepping(&format!(
         "compare-tracers effect-plain --tracers whitted --samples 64,1,16,1 --size 12 \
@@ -50,7 +51,7 @@ fn more_samples_are_nearer_and_everything_is_written() {
 }
 
 #[test]
-fn what_makes_no_sense_is_a_usage_error() {
+fn invalid_options_of_compare_tracers_are_usage_errors() {
     for (arguments, said) in [
         ("compare-tracers effect-plain --tracers whited", "did you mean 'whitted'?"),
         ("compare-tracers effect-plain --without sphere", "did you mean 'spheres'?"),

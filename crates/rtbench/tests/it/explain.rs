@@ -132,7 +132,7 @@ fn all_rows_are_asked_the_rays_of_the_slowest() {
 }
 
 #[test]
-fn queries_and_what_a_scene_does_not_serve_are_said() {
+fn queries_and_unsupported_scenes_are_reported() {
     let ended = run_stepping("explain tetra:2 --size 16 -s irregular-grid:query=batch");
     assert_eq!(ended.code, 2, "not in that registry: {}", ended.err);
     let run = |arguments: &str| {
@@ -153,9 +153,12 @@ fn queries_and_what_a_scene_does_not_serve_are_said() {
     assert!(out.contains("brute-force has no kernel=block, no query=batch."), "{out}");
     assert!(!out.contains("kernel: "), "both are tested one by one: {out}");
     let out = run("tetra:2 -s brute-force --reference wide-bvh");
-    assert!(out.contains("No row tells these apart: kernel: block to scalar; structure:"), "{out}");
+    assert!(
+        out.contains("No row separates these factors: kernel: block to scalar; structure:"),
+        "{out}"
+    );
     let out = run("balls:2 -s kd-tree");
-    for said in ["Not all primitives are triangles", "(as-shipped)", "as-shipped to robust"] {
+    for said in ["primitives other than static triangles", "(as-shipped)", "as-shipped to robust"] {
         assert!(out.contains(said), "{said}: {out}");
     }
     assert!(!out.contains("kernel: "), "{out}");
@@ -228,10 +231,10 @@ fn a_planted_wrong_kernel_has_no_time_and_is_in_no_factor() {
 }
 
 #[test]
-fn what_cannot_be_explained_is_a_usage_error() {
+fn rows_that_cannot_be_explained_are_usage_errors() {
     for (arguments, said) in [
-        ("tetra:2 -s obvhs-cwbvh", "is the reference, too"),
-        ("tetra:2 -s uniform-grid --reference uniform-grid", "is the reference, too"),
+        ("tetra:2 -s obvhs-cwbvh", "is also the reference"),
+        ("tetra:2 -s uniform-grid --reference uniform-grid", "is also the reference"),
         ("tetra:2 -s unifrom-grid", "did you mean 'uniform-grid'?"),
         ("tetra:2 -s uniform-grid:triangle-test=pluecker", "default tests"),
         ("tetra:2 --reference obvhs-cwbhv", "did you mean 'obvhs-cwbvh'?"),

@@ -88,7 +88,7 @@ fn pictures_and_rays_are_in_the_coordinates_of_the_file() {
     // from above onto the box whose lower corner is at (4, 6): its top is half a metre high
     let ended =
         run(&format!("show {path} -s kd-tree --ray 448004.25,5411006.2,9.5:448004.25,5411006.2,0"));
-    assert!(ended.out.contains("the ray's parameter there is 9;"), "{}", ended.out);
+    assert!(ended.out.contains("parameter of the ray: 9;"), "{}", ended.out);
     let ended = run(&format!("scenes info {path}"));
     assert!(
         ended.out.contains("[448000, 5411000, 0] to [448018.5, 5411018.5, 0.5]"),
@@ -99,7 +99,7 @@ fn pictures_and_rays_are_in_the_coordinates_of_the_file() {
 }
 
 #[test]
-fn where_no_shift_helps_f64_gives_the_answers() {
+fn f64_answers_scenes_that_no_shift_of_the_origin_helps() {
     let folder = Folder::new();
     let path = format!("{}/a.obj", folder.path());
     let outlier = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n";
@@ -111,7 +111,8 @@ fn where_no_shift_helps_f64_gives_the_answers() {
             "run {path} -s uniform-grid,kd-tree,wide-bvh --precision {precision} --size 24 --rounds 1 {view}"
         ))
     });
-    let says = "primitives are smaller than what f32 pads boxes by: coordinates are up to 54110";
+    let says =
+        "primitives are smaller than the padding of boxes in f32: coordinates are up to 54110";
     assert_eq!(single.err.matches(says).count(), 1, "{}", single.err);
     assert!(single.err.contains("--precision f64"), "{}", single.err);
     assert_eq!(double.code, 0, "{}{}", double.out, double.err);

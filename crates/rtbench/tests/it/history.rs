@@ -125,7 +125,7 @@ fn a_planted_step_is_found_at_its_commit_and_every_link_leads_somewhere() {
     assert_eq!(run_stepping(&again).code, 0);
     std::fs::write(format!("{}/site/index.html", site.path()), "mine").unwrap();
     let ended = run_stepping(&again);
-    assert!(ended.code == 1 && ended.err.contains("is there already"), "{}", ended.err);
+    assert!(ended.code == 1 && ended.err.contains("exists"), "{}", ended.err);
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn noise_alone_has_no_change() {
 }
 
 #[test]
-fn machines_are_never_in_one_line_and_one_that_is_slower_is_no_change() {
+fn a_slower_machine_is_a_separate_line_and_not_a_change() {
     let folder = Folder::new();
     for i in 0..20 {
         // the second half on another machine, where everything is slower
@@ -207,7 +207,7 @@ fn a_repository_says_the_order_and_the_subjects() {
 }
 
 #[test]
-fn what_cannot_be_read_is_an_error_that_names_it() {
+fn unreadable_inputs_are_errors_that_name_them() {
     let empty = Folder::new();
     let (_, ended) = site_of(&empty, "");
     assert_eq!(ended.code, 1);

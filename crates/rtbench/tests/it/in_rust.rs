@@ -12,7 +12,7 @@ use rtbench::error::Error;
 use crate::common::{PLANTED, WRONG_ONLY};
 
 #[test]
-fn a_run_is_a_function() {
+fn a_run_can_be_called_as_a_function() {
     let grid = find("uniform-grid").unwrap().defaults();
     let dense = grid.clone().set("density", 8).unwrap();
     let settings = RunSettings::default()
@@ -52,7 +52,7 @@ fn a_structure_alone_is_judged_and_found_wrong() {
 }
 
 #[test]
-fn settings_that_cannot_be_are_refused() {
+fn impossible_settings_are_refused() {
     let base = RunSettings::default().scene("tetra");
     for (settings, expected) in [
         (base.clone().rounds(0), "rounds: 0, expected a number from 1 to 10000"),

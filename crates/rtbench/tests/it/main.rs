@@ -14,6 +14,7 @@ mod far_scenes;
 #[cfg(unix)]
 mod git_bisect;
 mod hard_cases;
+mod headings;
 mod history;
 mod house;
 mod in_rust;

@@ -8,7 +8,7 @@ use accel_core::query::counters::WorkCounters;
 use accel_core::structure::{BuildError, StructureInfo, StructureStats};
 use accel_core::{Ray, Scalar};
 use glam::DVec3;
-use measurement::record::{Answered, Verdict};
+use measurement::record::{AnsweredRays, Verdict};
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
@@ -74,7 +74,7 @@ fn the_light_buffer_is_right_in_every_scene_and_is_timed_on_shadow_rays_alone() 
         for scene in folder.record().scenes {
             let own = scene.rows.iter().find(|r| r.structure == "light-buffer").unwrap();
             assert_eq!((own.verdict, own.mismatches), (Verdict::Ok, 0), "{}", scene.name);
-            assert_eq!(own.answers, Answered::ShadowRays);
+            assert_eq!(own.answers, AnsweredRays::ShadowRays);
             assert_eq!(own.checked_rays, scene.rays["shadow"], "{}", scene.name);
             assert!(own.checked_rays > 100, "{}", scene.name);
             assert_eq!(own.rays_by_kind.keys().collect::<Vec<_>>(), ["shadow"]);
@@ -83,7 +83,7 @@ fn the_light_buffer_is_right_in_every_scene_and_is_timed_on_shadow_rays_alone() 
             // the ratio is over the same rays
             let (sample, of_other) = (&own.samples[0], &other.samples[0]);
             assert_eq!(sample.reference_trace_s, of_other.trace_s.get("shadow").copied());
-            assert_eq!(other.answers, Answered::AllRays);
+            assert_eq!(other.answers, AnsweredRays::AllRays);
             let stats = own.stats.as_ref().unwrap();
             assert!(own.build_s.is_some() && stats.memory_bytes > 0 && own.render_s.is_none());
         }
@@ -91,7 +91,7 @@ fn the_light_buffer_is_right_in_every_scene_and_is_timed_on_shadow_rays_alone() 
 }
 
 #[test]
-fn other_kinds_of_rays_have_no_figures() {
+fn occluders_have_figures_for_shadow_rays_only() {
     let folder = Folder::new();
     let ended =
         run(&format!("run tetra:3 --quick -s light-buffer,obvhs-bvh2 -o {}", folder.path()));
@@ -112,7 +112,7 @@ fn other_kinds_of_rays_have_no_figures() {
         assert!(text.contains("light-buffer: answers shadow rays only"), "{text}");
     }
     let summary = record.summary.iter().find(|s| s.structure == "light-buffer").unwrap();
-    assert!(summary.ratio.is_some() && summary.answers == Answered::ShadowRays);
+    assert!(summary.ratio.is_some() && summary.answers == AnsweredRays::ShadowRays);
 }
 
 #[test]

@@ -19,7 +19,7 @@ fn a_scene_without_camera_and_lights_is_lit_and_says_so() {
     let out = Folder::new();
     let ended = run_stepping(&format!("run {plate} {OPTIONS} -o {}/run", out.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
-    assert!(ended.err.contains("no lights: one is put at the eye"), "{}", ended.err);
+    assert!(ended.err.contains("no lights: added one at the eye"), "{}", ended.err);
     let record = out.text("run/results.json");
     let record: measurement::record::RunRecord = serde_json::from_str(&record).unwrap();
     assert!(record.settings.view.is_empty());
@@ -36,7 +36,7 @@ fn a_scene_without_camera_and_lights_is_lit_and_says_so() {
 }
 
 #[test]
-fn what_is_said_is_recorded_repeated_and_compared() {
+fn given_views_are_recorded_repeated_and_compared() {
     let (_folder, plate) = plate();
     let out = Folder::new();
     let path = |name: &str| format!("{}/{name}", out.path());
@@ -61,7 +61,7 @@ fn what_is_said_is_recorded_repeated_and_compared() {
 }
 
 #[test]
-fn what_is_no_view_is_a_usage_error() {
+fn invalid_views_are_usage_errors() {
     for (arguments, said) in [
         ("--camera 1,2,3", "FROM:AT"),
         ("--camera 1,2,3:1,2,3", "same point"),

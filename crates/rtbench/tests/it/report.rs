@@ -60,7 +60,7 @@ fn section<'a, 'i>(page: &'a Document<'i>, id: &str) -> Node<'a, 'i> {
 }
 
 #[test]
-fn the_page_is_whole_accessible_and_asks_nobody_for_anything() {
+fn the_page_is_complete_accessible_and_loads_nothing() {
     let folder = folder();
     let page = page(&folder);
     let tree = parsed(&page);
@@ -208,7 +208,7 @@ fn a_wrong_row_shows_no_time_even_if_the_record_has_some() {
 }
 
 #[test]
-fn what_is_missing_is_named_with_the_command_that_makes_it() {
+fn missing_sections_name_the_command_that_makes_them() {
     let folder = folder();
     change(&folder, |record| {
         record["complete"] = json!(false);
@@ -229,7 +229,7 @@ fn what_is_missing_is_named_with_the_command_that_makes_it() {
 }
 
 #[test]
-fn what_other_commands_left_is_shown() {
+fn results_of_other_commands_are_shown() {
     let folder = folder();
     let dir = folder.path();
     for arguments in [
@@ -288,7 +288,7 @@ fn what_other_commands_left_is_shown() {
 }
 
 #[test]
-fn what_cannot_be_read_is_an_error_that_names_the_file() {
+fn unreadable_files_are_errors_that_name_them() {
     let empty = Folder::new();
     let ended = report(&empty);
     assert_eq!(ended.code, 1);

@@ -118,7 +118,7 @@ fn json_holds_the_environment_and_every_sample() {
 }
 
 #[test]
-fn times_are_what_the_clock_says() {
+fn times_are_those_of_the_clock() {
     let folder = Folder::new();
     let arguments = "run tetra:2 --size 24 -s uniform-grid,obvhs-cwbvh --rays primary,shadow";
     run_stepping(&format!("{arguments} -o {}", folder.path()));
@@ -151,7 +151,7 @@ fn a_seed_fixes_schedule_and_work() {
 }
 
 #[test]
-fn a_time_budget_buys_rounds() {
+fn a_larger_time_budget_makes_more_rounds() {
     let folder = Folder::new();
     let arguments = "run tetra:2 --size 16 -s obvhs-cwbvh --rays primary --time-budget 1s";
     let ended = run_stepping(&format!("{arguments} -o {}", folder.path()));
@@ -243,7 +243,7 @@ fn finished_scenes_are_written_before_the_next_begins() {
 }
 
 #[test]
-fn a_scene_that_fails_costs_its_own_rows_only() {
+fn a_failing_scene_loses_only_its_own_rows() {
     #[derive(Debug)]
     struct Failing;
     impl KnownScene for Failing {
@@ -300,7 +300,7 @@ fn outliers_are_counted_and_shown_and_a_noisy_machine_is_warned_of() {
         ),
     );
     assert_eq!(ended.code, 0, "{}", ended.err);
-    assert!(ended.out.contains("Far from the other rounds (Tukey), and counted like them: "));
+    assert!(ended.out.contains("Outliers (Tukey), included in all figures: "));
     let record = folder.record();
     let row = row(&record, "uniform-grid");
     assert_eq!(row.samples.len(), 30);
@@ -332,7 +332,7 @@ fn warnings_are_printed_and_kept() {
 /// Of one round and of three there is no interval of 95%, and nothing is significant: not on the screen,
 /// not in the tables, not in the report.
 #[test]
-fn few_rounds_claim_no_interval_and_nothing_significant() {
+fn few_rounds_have_no_interval_and_no_significance() {
     for (rounds, heading) in [
         ("--rounds 1", "One round: figures without intervals."),
         (

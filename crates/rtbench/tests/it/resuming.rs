@@ -188,14 +188,14 @@ pub fn refusals() {
     ] {
         assert!(whole.contains(from), "{from}: {whole}");
         std::fs::write(folder.path().join(NAME), resealed(&whole.replacen(from, to, 1))).unwrap();
-        refused(&["this would not be the same run", said]);
+        refused(&["the settings differ from those of the interrupted run", said]);
     }
     // as an earlier version wrote it, and what no command line can say
     for (from, to, said) in [
-        ("\"asked\":", "\"arguments\":", "an earlier version of rtbench began this run"),
+        ("\"asked\":", "\"arguments\":", "an earlier version of rtbench started this run"),
         ("\"rounds\":null", "\"rounds\":0", "rounds: 0, expected a number from 1"),
         ("\"pass_limit\":null", "\"pass_limit\":{\"secs\":0,\"nanos\":0}", "pass-limit: 0"),
-        ("\"each\",\"pass_limit\"", "\"up\",\"pass_limit\"", "line 1: 'up' is no value"),
+        ("\"each\",\"pass_limit\"", "\"up\",\"pass_limit\"", "line 1: 'up' is not a valid value"),
         ("\"asked\":{\"scenes\"", "\"asked\":{\"scene\"", "line 1: missing field `scenes`"),
     ] {
         assert!(whole.contains(from), "{from}: {whole}");
@@ -214,17 +214,17 @@ pub fn refusals() {
     let (code, _, err) = run(&format!("{arguments} -o {here}"));
     assert!(
         code == 1
-            && err.contains("1 of 2 scenes finished; go on with")
+            && err.contains("1 of 2 scenes finished; resume with")
             && err.contains("--overwrite"),
         "{err}"
     );
     let (held, _) = Journal::resume(folder.path()).unwrap();
-    refused(&["another run writes here"]);
+    refused(&["another run is writing to it"]);
     drop(held);
     let (code, _, err) = run(&format!("run --resume {here} tetra:2"));
     assert!(code == 2 && err.contains("--resume"), "{err}");
     let (code, _, err) = run(&format!("run --resume {}", show(obj.path())));
-    assert!(code == 1 && err.contains("no run was begun here"), "{err}");
+    assert!(code == 1 && err.contains("no run with -o was started here"), "{err}");
     // and after all that it can be finished, and begun anew
     let (code, _, err) = run(&format!("run --resume {here}"));
     assert_eq!(code, 0, "{err}");

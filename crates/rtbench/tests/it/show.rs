@@ -81,7 +81,7 @@ fn a_ray_is_listed_step_by_step_as_it_is_counted() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_said() {
+fn requests_that_cannot_be_drawn_are_errors() {
     let folder = Folder::new();
     let path = folder.path();
     for (command, said) in [
@@ -89,7 +89,7 @@ fn what_cannot_be_drawn_is_said() {
         (format!("show teapot:2 -o {path}/a.svg"), "--structure"),
         (format!("show teapot:2 -s uniform-grid -o {path}/a.jpg"), ".svg or .png"),
         (format!("show teapot:2 -s unifrom-grid -o {path}/a.svg"), "did you mean 'uniform-grid'?"),
-        (format!("show teapot:2 -s light-buffer -o {path}/a.svg"), "not of space"),
+        (format!("show teapot:2 -s light-buffer -o {path}/a.svg"), "not space"),
         (format!("show teapot:2 -s uniform-grid --slice w -o {path}/a.svg"), "expected x, y or z"),
         (
             format!("show teapot:2 -s uniform-grid --slice x --project -o {path}/a.svg"),
@@ -107,7 +107,7 @@ fn what_cannot_be_drawn_is_said() {
     let error = rtbench::error::Error::NoCells { row: "mine x=1".into(), source: NoCells::UNTOLD };
     assert_eq!(
         error.to_string(),
-        "structure mine x=1: its cells cannot be looked at: it does not say what they are"
+        "structure mine x=1: its cells cannot be shown: it does not say what they are"
     );
 }
 
@@ -120,7 +120,7 @@ fn pngs_are_drawn_and_files_kept() {
     let png = std::fs::read(&path).unwrap();
     assert!(png.starts_with(b"\x89PNG") && png.len() > 5000, "{}", png.len());
     let again = run(&command);
-    assert!(again.code == 1 && again.err.contains("is there already"), "{}", again.err);
+    assert!(again.code == 1 && again.err.contains("exists"), "{}", again.err);
 }
 
 #[test]

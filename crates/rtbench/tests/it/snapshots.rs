@@ -128,7 +128,7 @@ const SNAPSHOTS: &[Snapshot] = &[
 ];
 
 #[test]
-fn every_command_says_what_it_said() {
+fn outputs_of_all_commands_match_their_snapshots() {
     let mut differing = String::new();
     for snapshot in SNAPSHOTS {
         differing += &compared(snapshot);

@@ -87,7 +87,7 @@ fn shuffled_rays_have_the_same_work() {
 }
 
 #[test]
-fn batches_are_told_from_single_rays_by_what_was_built() {
+fn batches_and_single_rays_are_distinguished_by_the_built_structure() {
     // the same settings: triangles have batches, spheres have not
     let (record, ended, folder) = record_of(&format!(
         "run pavilion balls:1 --size 8 --rounds 1 {KINDS} --by-kind \
@@ -99,7 +99,7 @@ fn batches_are_told_from_single_rays_by_what_was_built() {
     assert_eq!(queries, [vec![one, one, batch], vec![one, one, one]]);
     assert_eq!(record.summary[2].batch_scenes, 1);
     assert!(ended.out.contains("batch in 1 of 2"), "{}", ended.out);
-    assert!(ended.out.contains("query: batch rows answer many rays in one call"));
+    assert!(ended.out.contains("query: batch rows answer many rays together in one call"));
     let csv = folder.csv();
     let query = |scene: &str| {
         let mut rows = csv.iter().filter(|r| r["scene"] == scene);
@@ -150,7 +150,7 @@ fn without(object: &mut serde_json::Map<String, serde_json::Value>, names: &[&st
 }
 
 #[test]
-fn a_set_says_how_it_is_run_and_what_is_typed_goes_before() {
+fn options_override_those_of_a_set() {
     let (record, ..) = record_of("run pavilion --as speed --quick --size 8 --rounds 1 -s wide-bvh");
     let settings = &record.settings;
     assert_eq!(settings.rays, ["primary", "shadow", "diffuse"]);

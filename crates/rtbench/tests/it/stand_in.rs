@@ -170,7 +170,7 @@ fn a_time_series_of_ratios_has_one_reference() {
 }
 
 #[test]
-fn a_wrong_reference_is_none() {
+fn a_wrong_reference_is_replaced() {
     let folder = results(WRONG, 4);
     let record = folder.record();
     for scene in &record.scenes {
@@ -186,7 +186,7 @@ fn a_wrong_reference_is_none() {
 }
 
 #[test]
-fn a_reference_whose_defect_is_known_stays() {
+fn a_reference_with_a_known_defect_stays() {
     let folder = results(DEFECTIVE, 0);
     let record = folder.record();
     for scene in &record.scenes {
@@ -281,7 +281,7 @@ fn a_check_judges_no_ratios_to_another_row() {
 }
 
 #[test]
-fn nothing_stands_in_within_parts_of_a_run() {
+fn shards_have_no_substitute_reference() {
     // each part has other rows: they would have other references
     let (folder, joined) = (Folder::new(), Folder::new());
     let parts: Vec<String> = (1..=2)

@@ -100,7 +100,7 @@ fn whole_numbers_are_distinct_and_linear_when_asked_for() {
 }
 
 #[test]
-fn what_cannot_be_swept_is_a_usage_error_that_says_what_can() {
+fn invalid_sweeps_are_usage_errors_that_name_valid_values() {
     let range = "--from 1 --to 4";
     for (arguments, said) in [
         (format!("tetra:2 -s unifrom-grid -p density {range}"), "did you mean 'uniform-grid'?"),

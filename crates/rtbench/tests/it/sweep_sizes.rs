@@ -173,7 +173,7 @@ fn run_tried(trials: fn(&TrialBuild) -> TrialOutcome, arguments: &str) -> Ended 
 }
 
 #[test]
-fn what_is_over_a_limit_is_said_and_not_tried_again() {
+fn rows_over_a_limit_are_named_and_not_retried() {
     let trials = |trial: &TrialBuild| match (trial.row.as_str(), trial.scene.as_str()) {
         ("uniform-grid", "tetra:3") => {
             TrialOutcome::OverLimit("building took more than 60 s".into())
@@ -194,7 +194,7 @@ fn what_is_over_a_limit_is_said_and_not_tried_again() {
     assert_eq!(reasons[2], "building took more than 60 s");
     assert_eq!(
         reasons[4],
-        "not tried, over a limit at tetra:3 already: building took more than 60 s"
+        "not tried: over a limit at tetra:3 already: building took more than 60 s"
     );
     assert!(ended.out.contains(&reasons[2]) && ended.out.contains(&reasons[4]), "{}", ended.out);
     assert_eq!(slope(&record, "uniform-grid", "build"), None, "one size");
@@ -221,7 +221,7 @@ fn a_size_without_a_row_is_not_loaded() {
 }
 
 #[test]
-fn a_trial_that_dies_costs_its_row_and_is_a_failure() {
+fn a_trial_that_dies_loses_its_row_and_fails() {
     let trials = |trial: &TrialBuild| match trial.row.as_str() {
         "uniform-grid" => TrialOutcome::Died("the process ended with signal 6".into()),
         _ => TrialOutcome::Ended { peak_bytes: None },
@@ -268,7 +268,7 @@ fn processes_measure_the_peak_and_keep_the_limits() {
 }
 
 #[test]
-fn a_process_that_is_no_rtbench_is_found_out() {
+fn a_child_that_is_not_rtbench_is_an_error() {
     // the program that trials start is the running one: here, this test
     let trial = TrialBuild {
         scene: "tetra:1".into(),
@@ -283,7 +283,7 @@ fn a_process_that_is_no_rtbench_is_found_out() {
 }
 
 #[test]
-fn what_comes_in_no_such_sizes_is_a_usage_error() {
+fn scenes_without_the_sizes_are_usage_errors() {
     for (arguments, said) in [
         ("kitchen --sizes 1e3", "those that do: balls, gears"),
         ("hare --sizes 1e3..1e9", "its sizes go from 8"),

@@ -213,7 +213,7 @@ static SHADOWS_FIRST: &[Entry] = &[
 ];
 
 #[test]
-fn batches_that_write_nothing_are_wrong_for_every_ray() {
+fn unwritten_batch_answers_are_wrong_for_every_ray() {
     for (kind, name) in [("shadow", "silent-shadows"), ("shadow", "silent"), ("primary", "silent")]
     {
         let folder = Folder::new();
@@ -230,7 +230,7 @@ fn batches_that_write_nothing_are_wrong_for_every_ray() {
 }
 
 #[test]
-fn who_writes_no_answers_is_not_asked_first() {
+fn structures_without_answers_are_not_asked_first() {
     let arguments = "run tetra:2 --quick -s brute-force --rays primary,shadow";
     for (registry, said) in [
         (SILENT_FIRST, "not asked first: silent: primary ray "),

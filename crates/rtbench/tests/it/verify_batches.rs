@@ -60,7 +60,7 @@ static FAULTS: &[Entry] = &[
 ];
 
 #[test]
-fn what_is_wrong_among_rays_that_run_alike_is_found() {
+fn finds_errors_only_coherent_batches_show() {
     let folder = Folder::new();
     let check = "verify --cases G1,R8 -s one-for-eight --rays 1000 --export-csv";
     let ended = run_with(
@@ -79,7 +79,7 @@ fn what_is_wrong_among_rays_that_run_alike_is_found() {
 }
 
 #[test]
-fn the_fault_is_among_neighbours_alone() {
+fn the_fault_is_found_among_neighbours_only() {
     let ray = |x: f32| Ray::<f32>::new(glam::Vec3::ZERO, glam::Vec3::new(x, 1.0, 0.0));
     let apart: Vec<_> = (0..8).map(|i| ray(i as f32)).collect();
     let together: Vec<_> = (0..8).map(|i| ray(i as f32 * 1e-3)).collect();

@@ -161,7 +161,7 @@ fn shapes_met_elsewhere_are_refuted() {
 }
 
 #[test]
-fn laws_that_need_no_other_structure_are_held() {
+fn metamorphic_laws_hold_without_another_structure() {
     for id in
         ["Gr12", "R8", "G14", "G15", "G16", "S7", "K1dense", "Q9", "Q10", "Q12fan", "Q12denormal"]
     {
@@ -212,7 +212,7 @@ fn lost_and_farther_hits_of_polygons_and_slender_cones_are_refuted() {
 }
 
 #[test]
-fn shadow_rays_that_glass_stops_are_refuted() {
+fn shadow_rays_blocked_by_glass_are_refuted() {
     let stopped = |round: &Round<f32>| {
         let asked = round.rays.iter().zip(&round.blocked);
         asked.filter(|(ray, blocked)| first(&round.model, ray).is_hit() != **blocked).count()

@@ -242,7 +242,7 @@ fn each_case_catches_its_fault_in_both_precisions() {
 }
 
 #[test]
-fn what_is_not_written_is_wrong_for_every_ray() {
+fn unwritten_answers_are_wrong_for_every_ray() {
     // in these rays hit and miss
     for structure in ["silent", "silent-shadows"] {
         let rows = rows(4, &format!("--cases R1,R8 -s {structure} --rays 200"));
@@ -260,7 +260,7 @@ fn the_sparse_scales_pass_what_the_dense_ones_catch() {
 }
 
 #[test]
-fn the_same_answers_have_the_same_digest_and_others_another() {
+fn equal_answers_have_equal_digests() {
     let case = "--cases R8,G15 -s brute-force,uniform-grid,odd-crossings --rays 200";
     let all = rows(4, case);
     let answers = |case: &str, structure: &str| {
@@ -307,7 +307,7 @@ fn out_of_time_prints_and_keeps_what_is_done() {
 }
 
 #[test]
-fn further_settings_are_asked_where_that_is_asked() {
+fn further_settings_are_checked_on_request() {
     let labels = |arguments: &str| -> Vec<String> {
         rows(0, arguments).into_iter().map(|mut row| row.remove("structure").unwrap()).collect()
     };

@@ -99,7 +99,7 @@ pub(super) fn warnings(json: &Root) -> Vec<String> {
             format!("extension {} is not read: the copy that is not packed is", quote(name))
         }
         _ if touches_geometry(name) => {
-            format!("extension {} is not known: what it says of the scene is left out", quote(name))
+            format!("extension {} is unknown and ignored", quote(name))
         }
         _ => format!("extension {} is not applied: it touches no geometry", quote(name)),
     };
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extensions_of_looks_touch_no_geometry() {
+    fn material_extensions_do_not_change_geometry() {
         for name in [
             "KHR_materials_unlit",
             "KHR_texture_transform",

@@ -249,7 +249,7 @@ impl NodeWalker<'_> {
             return Ok(None);
         };
         let Some(accessor) = primitive.get(&Semantic::TexCoords(set)) else {
-            self.warn(format!("{object}: no TEXCOORD_{set}, so its texture is not shown"));
+            self.warn(format!("{object}: no TEXCOORD_{set}, so its texture is ignored"));
             return Ok(None);
         };
         let mut texcoords = self.buffers.texcoords(accessor)?;

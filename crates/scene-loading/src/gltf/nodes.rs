@@ -36,7 +36,6 @@ pub(crate) struct NodeWalker<'a> {
     pub(super) pose: Option<&'a Pose>,
     has_camera: bool,
     pub(super) counts: Counts,
-    /// Instances of `EXT_mesh_gpu_instancing`.
     pub(super) instances: usize,
     unsaid: usize,
 }

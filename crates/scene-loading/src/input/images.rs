@@ -30,7 +30,7 @@ pub(crate) enum TextureError {
     #[error("leads out of the folder; not read")]
     OutsideFolder,
     /// It is not of a format that is read.
-    #[error("is no PNG image")]
+    #[error("is not a PNG image")]
     Format,
     /// The decoder refused it.
     #[error("is damaged: {0}")]
@@ -42,7 +42,7 @@ pub(crate) enum TextureError {
     )]
     OverBudget { width: u32, height: u32, bytes: u64, left: u64 },
     /// There are as many as there may be.
-    #[error("is one of more than {MAX_TEXTURES}")]
+    #[error("exceeds the limit of {MAX_TEXTURES} images")]
     TooMany,
     /// The source says that the image is not as it stands.
     #[error("has options that are not read: {0}")]
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn one_budget_for_all_images() {
+    fn all_images_share_one_budget() {
         let mut reader = TextureReader { left: 3 * (64 + 63), ..TextureReader::default() };
         let mut scene = Scene::new("a");
         let mut add = |name: &str, wrap| {
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_image_is_refused() {
+    fn files_that_are_not_images_are_refused() {
         let mut reader = TextureReader::default();
         for bytes in [&b""[..], b"P6 1 1 255 abc", b"\xff\xd8\xff\xe0JFIF"] {
             assert!(matches!(reader.decode(bytes), Err(TextureError::Format)));
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn what_fails_is_asked_for_once() {
+    fn failed_images_are_read_once() {
         let (mut reader, mut scene, mut asked) = (TextureReader::default(), Scene::new("a"), 0);
         for _ in 0..100 {
             let bytes = |_| {

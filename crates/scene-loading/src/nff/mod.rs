@@ -80,8 +80,10 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     if let Some((line, count)) = reader.first_fanned {
         let place = FilePlace::line(path, line);
         let text = match reader.fanned {
-            1 => format!("{place}: a patch of {count} vertices was fanned into triangles"),
-            n => format!("{place}: {n} patches of more than 3 vertices were fanned into triangles"),
+            1 => format!("{place}: a patch of {count} vertices was split into a fan of triangles"),
+            n => format!(
+                "{place}: {n} patches of more than 3 vertices were split into fans of triangles"
+            ),
         };
         scene.warnings.push(Warning(text));
     }

@@ -64,10 +64,10 @@ impl Oddities {
     pub fn warn(&self, scene: &mut Scene) {
         for (tally, what) in [
             (&self.positions, "vertices with a coordinate or weight that is not usable"),
-            (&self.normals, "normals that are none: faces that have them are flat"),
-            (&self.texcoords, "texture coordinates that are none: faces that have them are plain"),
-            (&self.lost_normals, "indices of normals that mean none: their faces are flat"),
-            (&self.lost_texcoords, "indices of texture coordinates that mean none"),
+            (&self.normals, "invalid normals: their faces are flat"),
+            (&self.texcoords, "invalid texture coordinates: their faces have the plain colour"),
+            (&self.lost_normals, "invalid indices of normals: their faces are flat"),
+            (&self.lost_texcoords, "invalid indices of texture coordinates"),
             (&self.early_faces, "faces before their vertices: indices count from the file's start"),
             (&self.thin_faces, "faces with fewer than 3 corners left out"),
             (&self.nameless, "usemtl or mtllib without a name"),

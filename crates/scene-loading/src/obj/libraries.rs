@@ -94,7 +94,7 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
         if more > 0 {
             list.push_str(&format!(" and {more} more"));
         }
-        let text = format!("{file}: {count} materials are not defined and look default: {list}");
+        let text = format!("{file}: {count} undefined materials get the default: {list}");
         scene.warnings.push(Warning(text));
     }
     Ok(Materials { ids: found, placements })

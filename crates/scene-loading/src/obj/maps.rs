@@ -76,7 +76,7 @@ impl ColorMaps {
         }
         if failed > MAX_WARNINGS {
             let more = failed - MAX_WARNINGS;
-            let text = format!("{more} more materials have their plain colour for such reasons");
+            let text = format!("{more} more materials have their plain colour for similar reasons");
             scene.warnings.push(Warning(text));
         }
         placements

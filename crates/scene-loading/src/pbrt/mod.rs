@@ -213,8 +213,7 @@ impl Loader<'_> {
             "Include" | "Import" => self.include(token, tokens, depth),
             "Attribute" => self.attribute(token, tokens),
             "WorldEnd" | "SurfaceIntegrator" | "VolumeIntegrator" | "Renderer" | "Volume" => {
-                let what =
-                    "statements of PBRT before version 4: the file is read as far as they agree";
+                let what = "statements from before PBRT version 4; read as far as both agree";
                 self.leave_out(what.into(), place);
                 tokens.pass_over()
             }

@@ -45,7 +45,7 @@ pub fn parse_ply(path: &Path, bytes: &[u8], triangulate: bool) -> Result<Scene, 
     let material = scene.push_material(Material::default());
     add_ply(path, bytes, triangulate, material, &mut scene)?;
     if scene.primitives.is_empty() {
-        let expected = "face with an area (is it a cloud of points?)";
+        let expected = "face with an area (is the file a point cloud?)";
         return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
     }
     scene.frame_camera();

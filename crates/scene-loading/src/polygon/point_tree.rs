@@ -57,7 +57,7 @@ impl PointTree {
         let mut tree = Self { ids, slots: Vec::new(), nodes: Vec::new() };
         if !tree.ids.is_empty() {
             tree.slots = vec![NOWHERE; points.len()];
-            tree.build(points, tree.whole());
+            tree.build(points, tree.root());
         }
         for (slot, &id) in tree.ids.iter().enumerate() {
             tree.slots[id as usize] = slot as u32;
@@ -65,7 +65,7 @@ impl PointTree {
         tree
     }
 
-    fn whole(&self) -> PendingNode {
+    fn root(&self) -> PendingNode {
         PendingNode { node: 0, from: 0, to: self.ids.len() }
     }
 
@@ -97,7 +97,7 @@ impl PointTree {
     pub fn remove(&mut self, id: usize) {
         let Some(slot) = self.slots.get_mut(id).filter(|slot| **slot != NOWHERE) else { return };
         let slot = std::mem::replace(slot, NOWHERE) as usize;
-        let mut part = self.whole();
+        let mut part = self.root();
         loop {
             self.nodes[part.node].live -= 1;
             let Some([low, high]) = part.halves() else { return };
@@ -113,7 +113,7 @@ impl PointTree {
         holds: &impl Fn(usize) -> bool,
         steps: &mut u64,
     ) -> bool {
-        !self.nodes.is_empty() && self.search(self.whole(), corners, holds, steps)
+        !self.nodes.is_empty() && self.search(self.root(), corners, holds, steps)
     }
 
     fn search(
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_finds_what_a_look_at_all_points_finds() {
+    fn the_tree_finds_the_same_points_as_a_linear_search() {
         let mut state = 7_u64;
         let mut random = || {
             state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);

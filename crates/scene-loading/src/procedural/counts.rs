@@ -114,7 +114,7 @@ mod tests {
     use crate::tessellate::{TessellationOptions, tessellate};
 
     #[test]
-    fn what_is_generated_is_what_was_counted() {
+    fn generated_scenes_have_the_predicted_counts() {
         for family in generators() {
             for size in 1..=4 {
                 let counts = (family.count)(size);

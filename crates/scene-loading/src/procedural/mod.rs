@@ -76,7 +76,7 @@ pub fn generators() -> impl Iterator<Item = &'static SpdEntry> {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SpecError {
     /// There is no generator of that name.
-    #[error("no procedural scene is called `{name}`; there are {known}")]
+    #[error("unknown procedural scene `{name}`; valid: {known}")]
     UnknownName { name: String, known: String },
     /// The size is not a number or not in the generator's range.
     #[error(

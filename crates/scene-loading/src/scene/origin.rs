@@ -155,7 +155,7 @@ impl Sizes {
         let what = if self.distorted > 0 {
             format!("{} of {all} primitives are distorted by f32", self.distorted)
         } else if small as f64 > MAY_DROWN * all as f64 {
-            format!("{small} of {all} primitives are smaller than what f32 pads boxes by")
+            format!("{small} of {all} primitives are smaller than the padding of boxes in f32")
         } else {
             return None;
         };
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn the_origin_is_the_number_that_people_cut_off() {
+    fn the_origin_is_a_round_number() {
         let city = bounds(
             DVec3::new(448_000.05, 5_411_000.2, 212.4),
             DVec3::new(448_796.52, 5_411_797.14, 240.16),

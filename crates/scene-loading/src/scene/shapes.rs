@@ -40,7 +40,6 @@ pub enum Shape {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sphere {
     pub center: DVec3,
-    /// Radius, >= 0.
     pub radius: f64,
 }
 

@@ -298,7 +298,8 @@ impl SceneFile {
 }
 
 impl SceneFile {
-    /// Gives the primitives of each material of [`SceneFile::motion`] its velocity; the last counts.
+    /// Gives the primitives of each material of [`SceneFile::motion`] its velocity; the last
+    /// counts.
     fn move_primitives(&self, scene: &mut Scene) {
         if self.motion.is_empty() {
             return;

@@ -3,7 +3,7 @@
 //! ```json
 //! "source": {"shapes": [
 //!   {"sphere": {"center": [0, 1, 0], "radius": 1, "material": "red", "velocity": [1, 0, 0]}},
-//!   {"polygon": {"vertices": [[-5, 0, -5], [-5, 0, 5], [5, 0, 5], [5, 0, -5]], "material": "floor"}}
+//! {"polygon": {"vertices": [[-5, 0, -5], [-5, 0, 5], [5, 0, 5], [5, 0, -5]], "material": "floor"}}
 //! ]}
 //! ```
 //!

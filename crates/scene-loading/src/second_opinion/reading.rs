@@ -113,7 +113,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_kind_of_difference_is_said() {
+    fn every_kind_of_difference_is_reported() {
         let mut ours = Reading::new();
         ours.add("a", 3);
         ours.add("b", 2);

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hash_sees_what_is_visible() {
+    fn the_hash_covers_everything_visible() {
         let mut scene = Scene::new("a");
         scene.push_material(Material::default());
         scene.push_sphere(0, DVec3::ZERO, 1.0);

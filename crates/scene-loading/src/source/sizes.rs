@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_sizes_says_what_has() {
+    fn scenes_without_sizes_are_errors_that_name_those_with() {
         for name in ["kitchen", "spd", "balls:5", "pavilion"] {
             let error = sizes(name).unwrap_err();
             assert!(

@@ -213,7 +213,7 @@ impl Reader<'_> {
         let mut count = usize::try_from(stated).unwrap_or(usize::MAX);
         if NOT_KNOWN.contains(&stated) && count != fits {
             self.warn(format!(
-                "the number of triangles says {stated}; the file's length says {fits} (byte {})",
+                "the header states {stated} triangles, the file's length fits {fits} (byte {})",
                 HEADER - 4
             ));
             count = fits;

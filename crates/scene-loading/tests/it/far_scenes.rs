@@ -281,7 +281,7 @@ fn one_far_outlier_leaves_the_scene_where_it_is_and_warns_once() {
     // tents near the origin are there in f32, too, but boxes around them are not
     let (scene, said) = with_outlier(DVec3::ZERO, FAR, 9.0);
     assert_eq!((scene.origin, said.len()), (DVec3::ZERO, 1), "{said:?}");
-    assert!(said[0].contains("121 of 121 primitives are smaller than what f32 pads"), "{said:?}");
+    assert!(said[0].contains("121 of 121 primitives are smaller than the padding"), "{said:?}");
     // at hand all is well
     let (scene, said) = with_outlier(FAR, FAR, 9.0);
     assert_eq!((scene.origin, said), (FAR, Vec::new()));
@@ -291,7 +291,7 @@ fn one_far_outlier_leaves_the_scene_where_it_is_and_warns_once() {
 }
 
 #[test]
-fn what_a_file_has_in_f32_is_not_too_fine_for_it() {
+fn coordinates_stored_in_f32_are_not_too_fine() {
     let mut soup = 2u32.to_le_bytes().to_vec();
     for corner in [[4e6, 0.0, 0.0], [4e6 + 0.5, 0.0, 0.0], [4e6, 0.5, 0.0]].into_iter().chain([
         [0.0, 0.0, 0.0],
@@ -333,7 +333,7 @@ fn frames_of_an_animation_are_moved_by_one_shift() {
 }
 
 #[test]
-fn no_scene_of_ours_is_moved_or_too_fine() {
+fn built_in_scenes_are_neither_moved_nor_too_fine() {
     let catalogue = SceneCatalogue::open(Some(Path::new("../../scenes"))).unwrap();
     let described = catalogue.scenes().map(|scene| scene.name.clone());
     let names: Vec<String> = generators().map(|s| s.name.to_owned()).chain(described).collect();

@@ -98,7 +98,7 @@ fn broken_and_huge_lists_of_instances_are_refused() {
     };
     assert!(change("SCALE", json!(77)).contains("accessor 77, expected one of 4"));
     assert!(change("SCALE", json!(2)).contains("accessor 2 (scales of instances)"));
-    assert!(change("SCALE", json!("x")).contains("gltf says"));
+    assert!(change("SCALE", json!("x")).contains("gltf reports"));
     let mut file = instanced();
     file.json["accessors"][3]["count"] = json!(2);
     assert!(file.refusal().contains("attributes of 3 and of 2 instances"));
@@ -131,7 +131,7 @@ fn extensions_that_are_not_read_are_named() {
             assert_eq!(file.found().0, 1);
         }
     }
-    assert!(using("ACME_shape").warnings().contains("extension `ACME_shape` is not known"));
+    assert!(using("ACME_shape").warnings().contains("extension `ACME_shape` is unknown"));
     let refusal = requiring("ACME_shape").refusal();
     assert!(refusal.contains("extensionsRequired: found `ACME_shape`"), "{refusal}");
     for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression"] {

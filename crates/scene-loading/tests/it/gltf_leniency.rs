@@ -108,7 +108,7 @@ fn a_vertex_that_is_not_finite_counts_where_it_is_used() {
 }
 
 #[test]
-fn attributes_of_ones_own_and_missing_bounds_matter_to_nobody() {
+fn custom_attributes_and_missing_bounds_are_ignored() {
     let mut file = file();
     attributes(&mut file)["_BATCHID"] = json!(0);
     attributes(&mut file)["_FEATURE_ID_0"] = json!(0);

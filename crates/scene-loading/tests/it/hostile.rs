@@ -83,7 +83,7 @@ fn h1_materials_libraries_names_and_lines_have_limits() {
     assert!(too_much(&format!("usemtl {name}x\n"), 1).contains("the length of a name"));
     assert!(too_much(&format!("\nmtllib {name}x\n"), 2).contains("the length of a name"));
     let libraries = (0..257).fold(String::new(), |text, i| text + &format!("mtllib {i}.mtl\n"));
-    assert!(too_much(&libraries, 257).contains("the number of material files says 257"));
+    assert!(too_much(&libraries, 257).contains("the number of material files is 257"));
     let said = |text: String| {
         let error = parse_materials(Path::new("a.mtl"), text.into()).unwrap_err();
         assert!(matches!(error, LoadError::CountTooLarge { .. }), "{error}");
@@ -93,7 +93,7 @@ fn h1_materials_libraries_names_and_lines_have_limits() {
         said(format!("newmtl a\nnewmtl {name}x\n")).starts_with("a.mtl:2: the length of a name")
     );
     let long = format!("newmtl a\nKd{}\n", " 1".repeat(40_000));
-    assert!(said(long).starts_with("a.mtl:2: the length of a line says 80002"));
+    assert!(said(long).starts_with("a.mtl:2: the length of a line is 80002"));
     // An unknown word of any length, a name that is no number: messages stay short.
     let scene = obj(&format!("{TRIANGLE}f 1 2 3\n{}\n", "w".repeat(1 << 20))).unwrap();
     assert!(scene.warnings[0].0.len() < 200, "{}", scene.warnings[0].0.len());
@@ -110,7 +110,7 @@ fn h1_as_many_materials_as_fit_into_a_small_file_are_refused_at_their_line() {
     for i in 0..count {
         writeln!(text, "usemtl {i:x}").unwrap();
     }
-    assert!(too_much(&text, count).contains("the number of materials says 1048577"));
+    assert!(too_much(&text, count).contains("the number of materials is 1048577"));
 }
 
 #[test]
@@ -136,10 +136,10 @@ fn h2_a_polygon_beyond_the_limits_is_refused_with_file_and_line() {
     // 4 Mi corners are taken; the indices of this face are all the same few.
     let corners = (4 << 20) + 1;
     let face = format!("{TRIANGLE}f{}\n", " 1".repeat(corners));
-    assert!(too_much(&face, 5).contains("the number of corners of a face says 4194305"));
+    assert!(too_much(&face, 5).contains("the number of corners of a face is 4194305"));
     let nff = format!("{NFF}p {corners}\n{}", "0 0 0\n".repeat(10));
     let error = parse_nff(Path::new("a.nff"), &nff).unwrap_err().to_string();
-    assert!(error.starts_with("a.nff:9: the vertex count of a polygon says 4194305"), "{error}");
+    assert!(error.starts_with("a.nff:9: the vertex count of a polygon is 4194305"), "{error}");
     let mut scene = Scene::new("a");
     let material = scene.push_material(Material::default());
     scene.push_polygon(material, &vec![DVec3::ZERO; corners]);
@@ -164,7 +164,7 @@ fn h6_an_image_that_fails_is_read_once_a_file() {
     let scene = load_obj(&path.join("a.obj"), ObjOptions::default()).unwrap();
     let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
     assert_eq!(warnings.len(), 101, "the others are counted");
-    assert!(warnings[..100].iter().all(|w| w.ends_with("is no PNG image")), "{}", warnings[99]);
+    assert!(warnings[..100].iter().all(|w| w.ends_with("is not a PNG image")), "{}", warnings[99]);
     assert!(warnings[100].starts_with("1900 more materials"), "{}", warnings[100]);
     // The planted fault: as many files of that size are over the budget.
     let mut mtl = String::new();
@@ -175,7 +175,7 @@ fn h6_an_image_that_fails_is_read_once_a_file() {
     std::fs::write(path.join("a.mtl"), mtl).unwrap();
     let scene = load_obj(&path.join("a.obj"), ObjOptions::default()).unwrap();
     let said = |i: usize| scene.warnings[i].0.as_str();
-    assert!(said(15).ends_with("is no PNG image"), "{}", said(15));
+    assert!(said(15).ends_with("is not a PNG image"), "{}", said(15));
     assert!(said(16).contains("larger than the limit of 0 bytes"), "{}", said(16));
 }
 
@@ -308,7 +308,7 @@ fn asked(path: &Path) -> (u64, Vec<String>) {
 }
 
 #[test]
-fn a_second_reader_agrees_or_says_where_it_does_not() {
+fn a_second_reader_agrees_or_lists_differences() {
     let quads = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\n";
     let text = format!(
         "mtllib a.mtl\n{quads}usemtl red\nf 1 2 3 4\nf 1 1 2\nusemtl lost\nf 1 2 5\nf 1 2 3 5\n"

@@ -285,7 +285,7 @@ fn warnings_about_a_package_do_not_say_where_it_lies() {
         [
             "some 1.2.3: media/a.obj:1: material file some 1.2.3: media/lost.mtl is missing",
             "some 1.2.3: media/a.obj: 1 faces without area left out (first: line 6)",
-            "no lights: one is put at the eye; --light X,Y,Z or a scene file gives others"
+            "no lights: added one at the eye; set others with --light X,Y,Z or a scene file"
         ]
     );
 }

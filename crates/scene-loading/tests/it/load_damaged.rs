@@ -42,31 +42,27 @@ fn obj_geometry_wins_over_decoration() {
         (
             "vn 0 0 1\nvn nan 0 0\nvn 0 1\nvn 1e200 0 0\nf 1//1 2//1 3//1\nf 1//1 2//2 3//1\n",
             2,
-            "a.obj: 3 normals that are none: faces that have them are flat (first: line 6)",
+            "a.obj: 3 invalid normals: their faces are flat (first: line 6)",
         ),
         (
             "vn 0 0 1\nvn 1.#QNAN 0 0\nf 1//1 2//1 3//1\n",
             1,
-            "a.obj: 1 normals that are none: \
-            faces that have them are flat (first: line 6)",
+            "a.obj: 1 invalid normals: their faces are flat (first: line 6)",
         ),
         (
             "vt 0 nan\nvt\nvt x\nf 1/1 2/2 3/3\n",
             1,
-            "a.obj: 3 texture coordinates that are none: \
-            faces that have them are plain (first: line 5)",
+            "a.obj: 3 invalid texture coordinates: their faces have the plain colour (first: line 5)",
         ),
         (
             "vn 0 0 1\nf 1//0 2//1 3//1\nf 1//1 2//2 3//-2\n",
             2,
-            "a.obj: 3 indices of normals that \
-            mean none: their faces are flat (first: line 6)",
+            "a.obj: 3 invalid indices of normals: their faces are flat (first: line 6)",
         ),
         (
             "f 1//9 2//9 3//9\n",
             1,
-            "a.obj: 3 indices of normals that mean none: their faces are \
-            flat (first: line 5)",
+            "a.obj: 3 invalid indices of normals: their faces are flat (first: line 5)",
         ),
         (
             "usemtl\nf 1 2 3\nmtllib\nusemtl  \n",
@@ -116,7 +112,7 @@ fn obj_geometry_wins_over_decoration() {
     }
     // normals ahead, of which one never comes
     let text = format!("{QUAD}f 1//1 2//2 3//1\nf 1//1 2//1 3//1\nvn 0 0 1\n");
-    let said = "a.obj: 1 indices of normals that mean none: their faces are flat (first: line 5)";
+    let said = "a.obj: 1 invalid indices of normals: their faces are flat (first: line 5)";
     let scene = check("a.obj", text.as_bytes(), 2, &[said]);
     assert!(matches!(scene.primitives[0].shape, Shape::Triangle { .. }));
     assert!(matches!(scene.primitives[1].shape, Shape::Patch { .. }));
@@ -220,7 +216,7 @@ fn nff_polygons_that_are_bent_are_split_and_patches_may_lack_normals() {
     let scene = check("a.nff", bent.as_bytes(), 2, &[said]);
     assert!(scene.is_triangles_only());
     let text = format!("{view}pp 3\n0 0 0 0 0 1\n1 0 0 nan 0 0\n0 1 0 0 1e200 -nan(ind)\n");
-    let said = "a.nff: 3 normals that are none: faces that have them are flat (first: line 4)";
+    let said = "a.nff: 3 invalid normals: their faces are flat (first: line 4)";
     let scene = check("a.nff", text.as_bytes(), 1, &[said]);
     assert!(matches!(scene.primitives[0].shape, Shape::Triangle { .. }));
 }
@@ -299,7 +295,7 @@ fn ply_files_as_they_are_found() {
         check("a.ply", &bytes, 1, &said);
     }
     let data = "0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n1 1 0 nan 0 0\nf 3 0 1 2\nf 3 1 2 3\n";
-    let said = "a.ply: 1 normals that are none: faces that have them are flat (first: line 16)";
+    let said = "a.ply: 1 invalid normals: their faces are flat (first: line 16)";
     let scene = check("a.ply", &ply(&normals, list, data), 2, &[said]);
     assert!(matches!(scene.primitives[0].shape, Shape::Patch { .. }));
     assert!(matches!(scene.primitives[1].shape, Shape::Triangle { .. }));
@@ -337,7 +333,7 @@ fn binary_stl(count: u32, triangles: u32, attributes: u16, payload: bool) -> Vec
 fn binary_stl_files_whose_length_says_more_than_their_number() {
     let number = |stated: u32, there: u32| {
         format!(
-            "a.stl: the number of triangles says {stated}; the file's length says {there} (byte 80)"
+            "a.stl: the header states {stated} triangles, the file's length fits {there} (byte 80)"
         )
     };
     let payload =
@@ -366,8 +362,8 @@ fn binary_stl_files_whose_length_says_more_than_their_number() {
         assert!(scene.vertices.iter().all(|v| v.x <= 1.0 && v.y <= 20.0), "{:?}", scene.vertices);
     }
     for (bytes, part) in [
-        (binary_stl(5, 4, 0, false), "byte 80: the number of triangles says 5, but at most 4"),
-        (binary_stl(u32::MAX - 1, 4, 0, false), "says 4294967294, but at most 4"),
+        (binary_stl(5, 4, 0, false), "byte 80: the number of triangles is 5, but at most 4"),
+        (binary_stl(u32::MAX - 1, 4, 0, false), "is 4294967294, but at most 4"),
         // attributes that lead to an end before that of the data: neither reading is sure
         ([binary_stl(4, 4, 2, true), vec![7; 9]].concat(), "byte 80: found `217 bytes for 4 tri"),
     ] {

@@ -166,7 +166,7 @@ fn normals_strips_and_faces_without_area() {
 }
 
 #[test]
-fn whatever_is_wrong_with_a_ply_file_is_said_with_its_line() {
+fn faults_of_ply_files_are_errors_with_their_line() {
     let text = format!("{HEADER}{FACES}{CORNERS}3 0 1 2\n");
     assert!(ply(text.as_bytes()).is_ok());
     for (from, to, place, part) in [
@@ -253,7 +253,7 @@ fn text_stl(triangles: &[[usize; 3]]) -> String {
 }
 
 #[test]
-fn stl_is_told_apart_and_both_kinds_are_the_same_scene() {
+fn text_and_binary_stl_are_recognised_and_give_the_same_scene() {
     let triangles = [[0, 1, 2], [0, 2, 3]];
     let expected = stl(text_stl(&triangles).as_bytes()).unwrap();
     assert_eq!((expected.primitives.len(), expected.vertices.len()), (2, 4));
@@ -279,7 +279,7 @@ fn stl_is_told_apart_and_both_kinds_are_the_same_scene() {
 }
 
 #[test]
-fn whatever_is_wrong_with_an_stl_file_is_said_with_its_place() {
+fn faults_of_stl_files_are_errors_with_their_place() {
     let text = text_stl(&[[0, 1, 2]]);
     for (from, to, place, part) in [
         ("facet", "facett", ":2:", "facet, solid or endsolid"),
@@ -299,7 +299,7 @@ fn whatever_is_wrong_with_an_stl_file_is_said_with_its_place() {
     let whole = binary_stl(b"x", &[[0, 1, 2]]);
     for (bytes, part) in [
         (&whole[..83], "dir/a.stl: byte 83: the file ends"),
-        (&whole[..133], "dir/a.stl: byte 80: the number of triangles says 1, but at most 0"),
+        (&whole[..133], "dir/a.stl: byte 80: the number of triangles is 1, but at most 0"),
         (b"", "dir/a.stl: byte 0: the file ends"),
     ] {
         let error = stl(bytes).unwrap_err().to_string();

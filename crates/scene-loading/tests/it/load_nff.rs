@@ -87,7 +87,7 @@ fn wide_patches_are_fanned_with_a_warning() {
     assert_eq!(scene.primitives[1].shape, Shape::Patch { v: [3, 4, 5], n: [3, 4, 5] });
     assert_eq!(
         scene.warnings[0].0,
-        "dir/test.nff:9: a patch of 4 vertices was fanned into triangles"
+        "dir/test.nff:9: a patch of 4 vertices was split into a fan of triangles"
     );
 }
 

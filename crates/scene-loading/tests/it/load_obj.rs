@@ -206,7 +206,7 @@ fn a_missing_material_file_is_a_warning_that_names_it() {
         [
             "dir/test.obj:1: material file dir/lost.mtl is missing",
             "dir/test.obj:2: mtllib `../x.mtl` leads out of the folder; not read",
-            "dir/test.obj: 2 materials are not defined and look default: \
+            "dir/test.obj: 2 undefined materials get the default: \
              `red` (line 6), `blue` (line 8)",
         ]
     );
@@ -302,7 +302,7 @@ fn material_files_are_found_as_they_are_named() {
             format!("mtllib {line}\n{TRIANGLE}usemtl red # one\nf 1 2 3\nusemtl blue\nf 1 2 3\n");
         write("a.obj", &text);
         let scene = load_obj(&folder.path().join("a.obj"), ObjOptions::default()).unwrap();
-        let undefined = scene.warnings.iter().filter(|w| w.0.contains("not defined"));
+        let undefined = scene.warnings.iter().filter(|w| w.0.contains("undefined materials"));
         let undefined: usize = undefined.map(|w| w.0.matches("(line").count()).sum();
         let files = scene.warnings.iter().filter(|w| w.0.contains("a.obj:1: ")).count();
         assert_eq!(undefined + files, missing, "{line}: {:?}", scene.warnings);

@@ -35,7 +35,7 @@ fn near(a: DVec3, b: [f64; 3]) -> bool {
 }
 
 #[test]
-fn a_whole_scene() {
+fn all_statements_of_a_scene_are_read() {
     let text = format!(
         "Film \"rgb\" \"integer xresolution\" [400] \"string filename\" \"a.exr\"\n\
          LookAt 1 2 3  1 2 0  0 1 0 # a comment \" with [ signs\n\
@@ -164,7 +164,7 @@ fn files_are_included_and_named_ones_lie_in_the_folder() {
 }
 
 #[test]
-fn whatever_is_wrong_with_a_pbrt_file_is_said_with_its_line() {
+fn faults_of_pbrt_files_are_errors_with_their_line() {
     let text = format!("WorldBegin\nAttributeBegin\n{TRIANGLE}AttributeEnd\n");
     assert!(pbrt(&text).is_ok());
     for (from, to, place, part) in [
@@ -213,7 +213,7 @@ fn whatever_is_wrong_with_a_pbrt_file_is_said_with_its_line() {
         assert!(is_at && error.contains(part), "{from} -> {to}: {error}");
     }
     let deep = "AttributeBegin\n".repeat(5000);
-    assert!(pbrt(&deep).unwrap_err().to_string().contains("the depth of attributes says 4097"));
+    assert!(pbrt(&deep).unwrap_err().to_string().contains("the depth of attributes is 4097"));
     // instances of instances there are none, and their copies count
     let big =
         format!("ObjectBegin \"o\" {TRIANGLE} ObjectEnd\n{}", "ObjectInstance \"o\"\n".repeat(9));
@@ -221,7 +221,7 @@ fn whatever_is_wrong_with_a_pbrt_file_is_said_with_its_line() {
 }
 
 #[test]
-fn attributes_give_what_statements_that_follow_do_not_say() {
+fn attributes_are_defaults_of_later_statements() {
     let text = "Attribute \"shape\" \"float radius\" 2\nShape \"sphere\"\nAttributeBegin\n\
                 Attribute \"shape\" \"float radius\" 3\nShape \"sphere\"\nAttributeEnd\n\
                 Shape \"sphere\"\nShape \"sphere\" \"float radius\" 4\n\
@@ -253,7 +253,7 @@ fn files_of_earlier_versions_are_read_with_a_warning() {
     assert!(material(1).specular > 0.0);
     assert_eq!(
         warnings(&scene),
-        ["a.pbrt: 2 statements of PBRT before version 4: the file is read as far as they agree \
+        ["a.pbrt: 2 statements from before PBRT version 4; read as far as both agree \
           (first: line 1)"]
     );
 }
@@ -276,7 +276,7 @@ fn normals_and_vertices_that_are_none_are_counted() {
         [
             "a.pbrt: 1 faces with a corner that is not usable left out (first: line 1)",
             "a.pbrt: 1 vertices with a coordinate that is not usable (first: line 1)",
-            "a.pbrt: 2 normals that are none: faces that have them are flat (first: line 1)",
+            "a.pbrt: 2 invalid normals: their faces are flat (first: line 1)",
         ]
     );
 }
@@ -307,13 +307,13 @@ fn a_scene_of_tray_racing_has_its_camera_and_its_sun() {
     let sun = scene.lights[0].position();
     assert!(sun.y > 70.0 && near(sun * DVec3::new(1., 0., 1.), [0.5, 0., 0.]), "{sun}");
     for (from, to, part) in [
-        ("model_path: \"a.obj\"", "model_path: 7", "a.ron:2: ron says"),
+        ("model_path: \"a.obj\"", "model_path: 7", "a.ron:2: ron reports"),
         ("    camera", "    camara", "camera"),
         ("70.0", "0.0", "180 degrees"),
-        ("70.0", "\"wide\"", "a.ron:6: ron says"),
+        ("70.0", "\"wide\"", "a.ron:6: ron reports"),
         ("1.4)", "1e200)", "1e100"),
         ("1.4)", "inf)", "finite"),
-        ("(3.0, 1.5, 1.4)", "(3.0, 1.5)", "a.ron:4: ron says"),
+        ("(3.0, 1.5, 1.4)", "(3.0, 1.5)", "a.ron:4: ron reports"),
         ("a.obj", "b.ron", "leads out"),
         ("a.obj", "../a.obj", "leads out"),
         ("-2.0, 0.0),", "-2.0, 0.0", "a.ron:"),

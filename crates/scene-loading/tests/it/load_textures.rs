@@ -86,14 +86,14 @@ fn without_a_texture_nothing_of_textures_is_kept() {
 }
 
 #[test]
-fn an_image_that_cannot_be_had_is_a_warning_that_names_it() {
+fn an_unavailable_image_is_a_warning_that_names_it() {
     let text = format!("{QUAD}f 1/1 2/2 3/3 4/4\n");
     let cases = [
         ("lost.png", "lost.png: "),
         ("../lost.png", "leads out of the folder"),
         ("..\\lost.png", "leads out of the folder"),
         ("/etc/passwd", "leads out of the folder"),
-        ("a.obj", "is no PNG image"),
+        ("a.obj", "is not a PNG image"),
         ("cut.png", "is damaged"),
         ("huge.png", "has 50000 x 50000 texels: 7500000000 bytes decoded, but 536870912 of"),
         ("-cc on wall.png", "has options that are not read: -cc"),
@@ -213,8 +213,8 @@ fn gltf_images_that_cannot_be_had_are_warnings() {
         (json!({"uri": "file:///etc/passwd"}), "leads out of the file's own folder"),
         (json!({"uri": "%FF"}), "UTF-8"),
         (json!({"uri": "data:image/png;base64,!"}), "base64"),
-        (json!({"bufferView": 0, "mimeType": "image/png"}), "is no PNG image"),
-        (json!({"bufferView": 0}), "is no PNG image"),
+        (json!({"bufferView": 0, "mimeType": "image/png"}), "is not a PNG image"),
+        (json!({"bufferView": 0}), "is not a PNG image"),
         (json!({"uri": format!("data:image/png;base64,{huge}")}), "50000 x 50000 texels"),
     ] {
         let scene = parse("/images/0", image.clone()).unwrap_or_else(|e| panic!("{image}: {e}"));

@@ -49,7 +49,7 @@ fn the_hare_is_a_closed_mesh_that_faces_outward() {
 }
 
 #[test]
-fn the_hare_is_as_tall_as_it_says_and_its_triangles_are_of_like_size() {
+fn the_hare_has_the_stated_height_and_triangles_of_similar_size() {
     let scene = generate("hare").unwrap();
     let size = scene.bounds().size();
     assert!((0.25..0.35).contains(&size.y), "{size}");

@@ -35,7 +35,7 @@ fn a_scene_without_lights_gets_one_at_the_eye_and_a_warning() {
 }
 
 #[test]
-fn a_scene_file_that_says_so_is_dark() {
+fn a_scene_file_can_ask_for_no_lights() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("a.obj"), OBJ).unwrap();
     let text = |name: &str, more: &str| {

@@ -35,8 +35,7 @@ pub fn faults(outcome: &SceneOutcome) -> Vec<String> {
 
 /// A variant whose answers changed between judging and timing.
 pub fn inconsistency(variant: &str, judged: u64, timed: u64) -> Option<String> {
-    (judged != timed)
-        .then(|| format!("{variant} answers otherwise while it is timed than when judged"))
+    (judged != timed).then(|| format!("answers of {variant} differ between timing and judging"))
 }
 
 /// A sampled reference that is worse than stated: `error` is that of the finest variant to it,
@@ -45,8 +44,8 @@ pub fn bad_reference(error: f64, scatter: f64, own: f64) -> Option<String> {
     let explained = scatter.hypot(own);
     (error > TOLERATED * explained).then(|| {
         format!(
-            "the reference is worse than it says: the finest variant is {error:.2e} away, its \
-             scatter and the reference's error explain {explained:.2e}"
+            "the reference is less accurate than stated: the finest variant differs by \
+             {error:.2e}; scatter and the stated error explain {explained:.2e}"
         )
     })
 }
@@ -56,13 +55,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_variant_that_lies_is_found_out() {
+    fn a_variant_with_false_answers_is_caught() {
         assert_eq!(inconsistency("fast", 7, 7), None);
-        assert!(inconsistency("fast", 7, 8).unwrap().contains("fast answers otherwise"));
+        assert!(inconsistency("fast", 7, 8).unwrap().contains("answers of fast differ"));
     }
 
     #[test]
-    fn a_reference_worse_than_stated_is_found_out() {
+    fn a_reference_less_accurate_than_stated_is_caught() {
         assert_eq!(bad_reference(0.011, 0.01, 0.001), None);
         assert!(bad_reference(0.04, 0.01, 0.001).is_some());
         // planted: an honest reference that states a tenth of its error

@@ -63,15 +63,15 @@ pub fn table(run: &AccuracyRecord) -> Option<Table> {
     }
     let notes = vec![
         "error: root mean square difference of colours (0 to 1) to the finely sampled image; added: \
-         time beyond that of the image without the effect, in the same rounds; price: the same for \
-         each 0.01 of error that is removed, - where none is."
+         time beyond that of the image without the effect, in the same rounds; price: added time \
+         per 0.01 of error removed; - if no error is removed."
             .to_owned(),
-        "effect-gating: what nothing in the scene calls for, left out and simulated all the same: it \
-         removes nothing, so that any time is lost."
+        "effect-gating: effects that the scene does not use, left out or simulated: they remove \
+         no error, so any added time is wasted."
             .to_owned(),
     ];
     (!rows.is_empty()).then(|| Table {
-        title: "effects: the price of each where it is called for".into(),
+        title: "effects: the price of each in scenes that use it".into(),
         header: vec![
             "effect",
             "scene",
@@ -136,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn what_removes_nothing_has_no_price() {
+    fn effects_that_remove_no_error_have_no_price() {
         let per_unit = |rmse| price_of(100, rmse).unwrap().per_unit_s();
         assert!(per_unit(0.05).is_none() && per_unit(0.06).is_none());
         assert!(price_of(0, 0.01).is_none());

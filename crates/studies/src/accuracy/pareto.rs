@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn the_front_is_what_nothing_beats() {
+    fn the_front_has_all_undominated_members() {
         use VariantStanding::{Dominated, NotToldApart, OnFront};
         let places = [
             place(1.0, 0.02, 9.0),
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn a_front_that_keeps_a_dominated_member_is_found_out() {
+    fn a_front_that_keeps_a_dominated_member_is_caught() {
         let places = [place(1.0, 0.0, 2.0), place(1.2, 0.0, 2.0), place(1.4, 0.0, 1.0)];
         let mut planted = standings(&places);
         planted[1] = VariantStanding::OnFront;

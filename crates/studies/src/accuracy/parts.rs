@@ -99,8 +99,8 @@ pub fn steps(axis: &AxisRecord, scene: &SceneOutcome, seed: u64) -> Option<Table
         header: vec!["step", "time added [95%]", "in all [95%]", "wrong in 10^6", "removed"],
         rows: rows.collect(),
         notes: vec![
-            "Each row is the one before it with one thing more; in all: over the first row. A step \
-             that removes nothing here may remove what others have removed before."
+            "Each row adds one measure to the row before; in all: over the first row. A step \
+             that removes no errors here may remove some that earlier steps removed already."
                 .into(),
         ],
     })

@@ -140,10 +140,10 @@ fn leaks(tracer: &dyn Tracer<f32>, mesh: &[[DVec3; 3]]) -> Image {
                 let size = if passed { 2 } else { 0 };
                 for (dx, dy) in (0..=size).flat_map(|dy| (0..=size).map(move |dx| (dx, dy))) {
                     if let Some(pixel) = pixels.get_mut((y + dy) * SIZE as usize + x + dx) {
-                        match passed {
-                            true => *pixel = [0.6, 0.0, 0.0],
-                            false if pixel[1] > 0.0 => *pixel = [0.5; 3],
-                            false => {}
+                        if passed {
+                            *pixel = [0.6, 0.0, 0.0];
+                        } else if pixel[1] > 0.0 {
+                            *pixel = [0.5; 3];
                         }
                     }
                 }
@@ -231,10 +231,10 @@ fn missed_cells(_: &[Entry]) -> Result<Image, StudyError> {
                 let column = i * SIZE as usize / shown;
                 let is_missed = visited.binary_search(cell).is_err();
                 for pixel in row.iter_mut().skip(column).take(2) {
-                    match is_missed {
-                        true => *pixel = [0.8, 0.0, 0.0],
-                        false if pixel[1] > 0.5 => *pixel = [0.75, 0.8, 0.85],
-                        false => {}
+                    if is_missed {
+                        *pixel = [0.8, 0.0, 0.0];
+                    } else if pixel[1] > 0.5 {
+                        *pixel = [0.75, 0.8, 0.85];
                     }
                 }
             }

@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_something_else_is_refused() {
+    fn processes_with_other_results_are_refused() {
         let mut judged = measured([1.0, 1.0]);
         let mut other = measured([1.0, 1.0]);
         other.scenes[0].rows.pop();
@@ -107,7 +107,10 @@ mod tests {
         );
         other.scenes.clear();
         let error = join(&mut judged, &other, 0, 1).unwrap_err().to_string();
-        assert_eq!(error, "triangle-test on kitchen: process 1 has nothing, not what was judged");
+        assert_eq!(
+            error,
+            "triangle-test on kitchen: process 1 measured nothing, which differs from what was judged"
+        );
         join(&mut judged, &measured([1.0, 1.0]), 0, 1).unwrap();
         let mut fewer = measured([1.0, 1.0]);
         fewer.scenes[0].timed = "100 rays".into();

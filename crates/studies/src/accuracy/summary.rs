@@ -78,9 +78,9 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
         }
     }
     let heads = [
-        "Free: less than 5% more time, by the whole interval",
-        "Costs more than 5%, by the whole interval",
-        "Inconclusive: the interval has 5% in it",
+        "Free: cost below 5%, upper end of the interval included",
+        "Cost above 5%, lower end of the interval included",
+        "Inconclusive: the interval contains 5%",
         "No accuracy is at stake: all variants give the same answers",
     ];
     for (head, lines) in heads.iter().zip(&mut lists) {
@@ -112,7 +112,7 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
         .flat_map(|(a, s)| s.faults.iter().map(move |f| format!("{} on {}: {f}", a.axis, s.scene)))
         .collect();
     if !faults.is_empty() {
-        let _ = writeln!(text, "## Faults: these figures are worth nothing\n");
+        let _ = writeln!(text, "## Faults: these figures are invalid\n");
         faults.iter().for_each(|f| {
             let _ = writeln!(text, "* {}", escaped(f));
         });
@@ -143,7 +143,7 @@ fn words(axis: &AxisRecord, cost: &Cost) -> String {
             }
         }
         Cost::NotTold(e) => format!(
-            "what the most accurate variant costs over all scenes is inconclusive: {} more time",
+            "the cost of the most accurate variant over all scenes is inconclusive: {} more time",
             more(e)
         ),
         Cost::NoneAtStake => "answers are the same".into(),
@@ -175,7 +175,7 @@ fn scene(scene: &SceneOutcome, cost: &Cost) -> String {
         );
     }
     let cost = if accurate.ratio.holds(1.0) {
-        format!("takes no more time, as far as was measured ({}), than", more(&accurate.ratio))
+        format!("takes no significantly longer ({}) than", more(&accurate.ratio))
     } else if accurate.ratio.median < 2.0 {
         format!("costs {} more time than", more(&accurate.ratio))
     } else {
@@ -230,7 +230,7 @@ mod tests {
     use crate::accuracy::test_records::{axis, row};
 
     #[test]
-    fn costs_are_told_and_said() {
+    fn costs_are_measured_and_reported() {
         let of = |rows| cost(&axis(rows), 1).unwrap();
         assert!(matches!(of(vec![row("a", 2.0, 5), row("b", 2.0, 0)]), Cost::Free(_)));
         // measured, and too small to matter
@@ -261,7 +261,7 @@ mod tests {
         let axes = vec![of("dear", 6.0), of("cheap", 2.2), of("free", 2.01)];
         let page = to_markdown(&crate::accuracy::test_records::record(axes));
         let at = |what: &str| page.find(what).unwrap_or_else(|| panic!("no {what}: {page}"));
-        assert!(at("**free**") < at("## Costs more") && at("## Costs more") < at("**cheap**"));
+        assert!(at("**free**") < at("## Cost above") && at("## Cost above") < at("**cheap**"));
         assert!(at("**cheap**") < at("**dear**") && at("**dear**") < at("## Inconclusive"));
     }
 }

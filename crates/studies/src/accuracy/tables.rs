@@ -15,11 +15,11 @@ const HEADS: [&str; 6] = ["variant", "time ms", "ratio [95%]", "error", "also", 
 pub const GLOSSARY: &[&str] = &[
     "time: of the work named below the table, median over interleaved rounds; ratio: to the cheapest \
      variant in the same rounds, with its 95% interval (bootstrap; of several processes Student's), = where \
-     it contains 1; (in parentheses): left out, which is no variant and may take less time than the cheapest; error: by the axis' metric, where it is a rate in 10^6 with its count, and with the bound 3/trials where \
+     it contains 1; (in parentheses): left out; not a variant, may take less time than the cheapest; error: by the axis' metric, where it is a rate in 10^6 with its count, and with the bound 3/trials where \
      nothing was wrong.",
-    "front: no other variant is as accurate and as fast, and better in one of both; ~front: only \
-     variants whose time no difference was measured to are; ref: the variant (or one of its answers) \
-     that the others are held against.",
+    "front: no other variant is as accurate and as fast, and better in one of both; ~front: \
+     beaten only by variants whose time is not significantly different; ref: the variant (or one of its answers) \
+     that the others are compared with.",
 ];
 
 /// The table of an axis on a scene.

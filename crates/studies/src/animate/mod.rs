@@ -32,7 +32,6 @@ const RAYS: [&str; 2] = ["primary", "shadow"];
 /// Tests of the oracle in a frame, at most: there are many frames.
 const ORACLE_TESTS: u64 = 40_000_000;
 
-/// Errors of animations.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AnimateError {
@@ -44,11 +43,11 @@ pub enum AnimateError {
         first: u32,
         /// Last frame asked for.
         last: u32,
-        /// Number of elements.
+        /// Frames that the animation has.
         frames: u32,
     },
     /// Options of runs that mean nothing here.
-    #[error("{0} is not for animations")]
+    #[error("{0} is not available for animations")]
     NotHere(&'static str),
     /// The plan itself is invalid.
     #[error(transparent)]

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn the_factor_that_is_wrong_is_named() {
+    fn the_factor_that_is_off_is_named() {
         let right = row("pixels", 1.0, 1.1, [1.0, 1.1]);
         let planted = row("ray tree", 6.0, 2.0, [6.0, 1.8]);
         let follows = row("shadow rays", 12.0, 4.0, [2.0, 2.0]);

@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn no_time_is_below_0_and_bad_measurements_are_refused() {
+    fn fitted_times_are_not_negative_and_bad_measurements_are_refused() {
         // steps that seem to save time: the best model without that
         let model = Model::fitted(&measured(5e-7, -5e-9)).unwrap();
         assert!(model.terms().iter().all(|x| *x >= 0.0), "{model:?}");

@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_structure_has_the_crafts_of_its_settings() {
+    fn code_differences_follow_the_settings() {
         assert_eq!(crafts("uniform-grid"), ["block", "scalar", "block, batch"]);
         assert_eq!(crafts("kd-tree:max-leaf=4"), ["scalar", "block"]);
         assert_eq!(crafts("wide-bvh"), ["block", "block, batch", "block, packets"]);
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn what_always_has_blocks_is_there_and_cannot_be_asked_for_others() {
+    fn structures_that_always_use_blocks_have_no_kernel_parameter() {
         for name in ALWAYS_BLOCKS {
             let entry = REGISTRY.iter().find(|entry| entry.info.name == name).unwrap();
             assert!(entry.info.params.iter().all(|spec| spec.name != "kernel"), "{name}");
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn settings_that_are_not_code_are_the_structure() {
+    fn settings_without_code_differences_count_as_structure() {
         let of = |text| Variant::of(&Row::parse(REGISTRY, text).unwrap()).structure;
         assert_eq!(of("uniform-grid:kernel=scalar:density=4"), "uniform-grid density=4");
         assert_eq!(of("obvhs-cwbvh:adapter=robust:preset=fast"), "obvhs-cwbvh preset=fast");

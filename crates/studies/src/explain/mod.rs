@@ -30,7 +30,7 @@ use statistics::series::Series;
 #[non_exhaustive]
 pub enum ExplainError {
     /// A row has no difference to itself.
-    #[error("{row} is the reference, too: name another with --structure or --reference")]
+    #[error("{row} is also the reference; name another with --structure or --reference")]
     SameRow { row: String },
     /// A chosen test goes through code of its own.
     #[error("{row}: only rows with the default tests of primitives can be explained")]
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn all_crafts_of_both_are_rows_of_one_plan() {
+    fn all_code_variants_of_both_rows_are_in_one_plan() {
         let explain = explain("uniform-grid", None).unwrap();
         let labels: Vec<String> = explain.plan.rows.iter().map(|row| row.label()).collect();
         assert_eq!(labels, ROWS.iter().map(|(label, _)| *label).collect::<Vec<_>>());
@@ -322,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_planted_slower_kernel_is_told_from_the_structure() {
+    fn a_planted_slower_kernel_is_separated_from_the_structure() {
         let explain = explain("uniform-grid", None).unwrap();
         let before = record();
         let mut after = before.clone();
@@ -343,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_or_was_left_out_is_in_no_factor() {
+    fn wrong_and_missing_rows_are_in_no_factor() {
         let explain = explain("uniform-grid", None).unwrap();
         let names = |record: &RunRecord| {
             let explanation = Explanation::of(&explain, record, &record.scenes[0]);
@@ -386,7 +386,7 @@ mod tests {
     #[test]
     fn errors_say_what_can_be_explained() {
         let said = |row, reference| explain(row, reference).unwrap_err();
-        assert!(said("obvhs-cwbvh", None).contains("is the reference, too"));
+        assert!(said("obvhs-cwbvh", None).contains("is also the reference"));
         assert!(said("uniform-grid:triangle-test=pluecker", None).contains("default tests"));
         assert!(said("kd-tre", None).contains("did you mean 'kd-tree'?"));
         assert!(said("kd-tree", Some("octre")).contains("did you mean 'octree'?"));

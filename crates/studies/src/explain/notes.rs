@@ -15,8 +15,8 @@ pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     let has_direct = has(|craft| craft.adapter == Adapter::Direct);
     if scene.only_triangles == Some(false) {
         notes.push(
-            "Not all primitives are triangles at rest: blocks serve triangles alone, so there is no \
-             kernel but scalar here."
+            "The scene has primitives other than static triangles, which blocks do not support: \
+             the only kernel here is scalar."
                 .to_owned(),
         );
     }
@@ -36,7 +36,7 @@ pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     }
     notes.retain(|note| !note.is_empty());
     for factor in explanation.factors.iter().filter(|factor| factor.step.axes.len() > 1) {
-        notes.push(format!("No row tells these apart: {}.", factor.name));
+        notes.push(format!("No row separates these factors: {}.", factor.name));
     }
     let ends = [explain.row, explain.plan.baseline];
     for row in ends.into_iter().filter_map(|end| scene.rows.get(end)) {
@@ -51,14 +51,13 @@ pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     for (row, nominal) in scene.rows.iter().zip(&explain.variants) {
         let is_alone = nominal.craft.query != QueryMode::OneRay && row.query == Query::OneRay;
         if row.verdict.is_timed() && is_alone {
-            notes.push(format!("{}: its rays are asked one by one here.", row.label()));
+            notes.push(format!("{}: its rays are traced one by one here.", row.label()));
         }
     }
     for row in &scene.rows {
         if row.verdict == Verdict::WrongAsShipped {
             let (wrong, asked, label) = (row.mismatches, row.checked_rays, row.label());
-            notes
-                .push(format!("{label}: {wrong} of {asked} answers are wrong, as is known of it."));
+            notes.push(format!("{label}: {wrong} of {asked} answers are wrong (known defect)."));
         }
     }
     if let Some(stride) = scene.rows.iter().map(|row| row.stride).max().filter(|stride| *stride > 1)

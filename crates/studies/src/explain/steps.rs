@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     /// The steps between the first two of these rows, in words.
-    fn told(rows: &[&str]) -> Vec<String> {
+    fn factors_of(rows: &[&str]) -> Vec<String> {
         let of = |text: &&str| Some(Variant::of(&Row::parse(REGISTRY, text).unwrap()));
         let rows: Vec<_> = rows.iter().map(of).collect();
         let steps = steps(&rows, 0, 1);
@@ -161,9 +161,9 @@ mod tests {
     const SCALAR: &str = "obvhs-cwbvh:adapter=robust:kernel=scalar";
 
     #[test]
-    fn there_is_one_way_where_each_row_is_one_step_further() {
+    fn rows_one_step_apart_have_one_path() {
         assert_eq!(
-            told(&[DIRECT, "wide-bvh:query=batch", SCALAR, ROBUST, "wide-bvh"]),
+            factors_of(&[DIRECT, "wide-bvh:query=batch", SCALAR, ROBUST, "wide-bvh"]),
             [
                 "adapter [(2, 1.0), (0, -1.0)]",
                 "kernel [(3, 1.0), (2, -1.0)]",
@@ -174,9 +174,9 @@ mod tests {
     }
 
     #[test]
-    fn of_two_ways_factors_are_the_mean() {
+    fn factors_of_two_paths_are_averaged() {
         assert_eq!(
-            told(&[SCALAR, "uniform-grid", ROBUST, "uniform-grid:kernel=scalar",]),
+            factors_of(&[SCALAR, "uniform-grid", ROBUST, "uniform-grid:kernel=scalar",]),
             [
                 "kernel [(2, 0.5), (0, -0.5), (1, 0.5), (3, -0.5)]",
                 "structure [(1, 0.5), (2, -0.5), (3, 0.5), (0, -0.5)]",
@@ -184,22 +184,22 @@ mod tests {
         );
         // a way over a row that has no time is none
         assert_eq!(
-            told(&[SCALAR, "uniform-grid", ROBUST]),
+            factors_of(&[SCALAR, "uniform-grid", ROBUST]),
             ["kernel [(2, 1.0), (0, -1.0)]", "structure [(1, 1.0), (2, -1.0)]"]
         );
     }
 
     #[test]
-    fn what_no_row_tells_apart_stays_together() {
+    fn inseparable_factors_are_reported_together() {
         assert_eq!(
-            told(&["recursive-grid", "wide-bvh"]),
+            factors_of(&["recursive-grid", "wide-bvh"]),
             ["kernel+structure [(1, 1.0), (0, -1.0)]"]
         );
         assert_eq!(
-            told(&[DIRECT, "recursive-grid", ROBUST]),
+            factors_of(&[DIRECT, "recursive-grid", ROBUST]),
             ["adapter+structure [(1, 1.0), (0, -1.0)]"]
         );
-        assert_eq!(told(&["octree", "kd-tree"]), ["structure [(1, 1.0), (0, -1.0)]"]);
+        assert_eq!(factors_of(&["octree", "kd-tree"]), ["structure [(1, 1.0), (0, -1.0)]"]);
     }
 
     #[test]

@@ -9,10 +9,12 @@ use crate::run::tables::scene_title;
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use presentation::csv::{estimate, written};
 use presentation::json::FormatError;
+use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
-use presentation::{numbers, text};
+use presentation::text::Screen;
 
-/// The crafts across, as [`Craft::name`](crate::explain::craft::CodeDifferences::name) has them.
+/// Columns of code differences, with the names of
+/// [`CodeDifferences::name`](crate::explain::craft::CodeDifferences::name).
 const COLUMNS: [&str; 6] =
     ["direct", "as shipped", "scalar", "block", "scalar, batch", "block, batch"];
 
@@ -28,15 +30,15 @@ pub fn write(
     explain: &Explain<'_>,
     run: &RunRecord,
     scene: &SceneRecord,
-    colors: bool,
+    screen: Screen,
 ) -> io::Result<()> {
     let tables = tables(explain, run, scene);
-    tables.iter().try_for_each(|table| text::write_table(out, table, colors))
+    tables.iter().try_for_each(|table| screen.write_fitted(out, table, &["all"]))
 }
 
 /// Prints what the words mean.
-pub fn write_glossary(out: &mut dyn Write, colors: bool) -> io::Result<()> {
-    text::write_notes(out, GLOSSARY, colors)
+pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
+    screen.write_notes(out, GLOSSARY)
 }
 
 /// The whole explanation in Markdown.
@@ -131,9 +133,9 @@ const GLOSSARY: &[&str] = &[
      where the interval contains 1. direct: a library as its authors use it; all others: our setup of rays \
      and the watertight test, one triangle at a time (scalar) or eight (block), rays one by one or those \
      of a batch together (batch).",
-    "structure: another structure, all else the same. kernel, query: the same structure, asked \
-     otherwise. adapter: what right answers cost: padded boxes, robust setup of rays, our test. A factor \
-     that can be had before and after another one is the geometric mean of both.",
+    "structure: another structure, all else equal. kernel, query: the same structure, queried \
+     differently. adapter: the cost of right answers: padded boxes, robust setup of rays, our \
+     test. A factor measured both before and after another one is the geometric mean of both.",
 ];
 
 const CSV_COLUMNS: [&str; 10] = [

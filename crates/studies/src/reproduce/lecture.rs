@@ -35,7 +35,7 @@ struct Record {
     value: f64,
 }
 
-/// The lecture's seconds.
+/// Seconds of a structure on a scene in the lecture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PublishedTimes {
     structure: String,
@@ -147,7 +147,7 @@ impl Comparison {
             .filter_map(|l| Some((l.lecture?, l.run.now?)))
             .min_by(|a, b| a.1.median.total_cmp(&b.1.median));
         let (Some((then, by)), Some((now, ratio))) = (then, now) else {
-            return format!("{}: no verdict, for lack of right and timed rows.", self.scene);
+            return format!("{}: no verdict: no correct, timed rows.", self.scene);
         };
         let ties: Vec<&str> = of_lecture()
             .filter(|l| l.lecture != Some(now))

@@ -34,16 +34,16 @@ impl UnknownName {
 #[non_exhaustive]
 pub enum ReproduceError {
     /// No such scene in the paper.
-    #[error("the paper has no scene '{}' that we have{}; it has {}", .0.name, .0.hint, .0.valid)]
+    #[error("scene '{}' is not both in the paper and here{}; valid: {}", .0.name, .0.hint, .0.valid)]
     UnknownScene(UnknownName),
     /// No such scene in the lecture.
-    #[error("the lecture has no scene '{}'{}; it has {}", .0.name, .0.hint, .0.valid)]
+    #[error("scene '{}' is not in the lecture{}; valid: {}", .0.name, .0.hint, .0.valid)]
     NotInLecture(UnknownName),
     /// The lecture's ratios have one reference.
-    #[error("--reference: ratios of the lecture are taken to {0}")]
+    #[error("--reference: the ratios of the lecture refer to {0}")]
     FixedReference(&'static str),
     /// No such structure among those reproduced.
-    #[error("no published figures for structure '{}'{}; there are {}", .0.name, .0.hint, .0.valid)]
+    #[error("no published figures for structure '{}'{}; valid: {}", .0.name, .0.hint, .0.valid)]
     UnknownStructure(UnknownName),
     /// A published setting that has no counterpart here.
     #[error("no counterpart for the published setting '{0}'")]

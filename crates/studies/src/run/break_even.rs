@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interval_that_forgets_the_processes_is_caught() {
+    fn an_interval_that_ignores_processes_is_caught() {
         let planted = |a: &Profile, b: &Profile, seed| {
             let as_one = |of: &Profile| {
                 let rounds = of.rounds.iter().map(|((_, round), cost)| ((0, *round), *cost));
@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn a_process_that_has_it_always_or_never_is_in_the_interval() {
+    fn processes_that_always_or_never_show_an_effect_are_in_the_interval() {
         let of = |costs: &[Cost]| {
             let rounds = costs.iter().zip(0..).map(|(cost, i)| ((i, i), *cost)).collect();
             Profile::new(1, String::new(), rounds).unwrap()

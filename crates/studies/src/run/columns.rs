@@ -1,7 +1,7 @@
 //! The columns of a run's results: one line each, from which tables and CSV come.
 
 use measurement::record::{
-    Answered, Outliers, RowRecord, SceneRecord, StatsRecord, Verdict, WorkRecord, reference,
+    AnsweredRays, Outliers, RowRecord, SceneRecord, StatsRecord, Verdict, WorkRecord, reference,
 };
 use presentation::column::{self, Column, Unit, Value};
 use presentation::numbers;
@@ -134,7 +134,7 @@ fn verdict_cell(row: &RowRecord, all_rays: u64) -> Cell {
     let style = if row.verdict == Verdict::Ok { Style::Plain } else { Style::Bad };
     let text = match row.verdict {
         v if !v.is_judged() => v.name().to_owned(),
-        Verdict::Ok if row.answers == Answered::ShadowRays => {
+        Verdict::Ok if row.answers == AnsweredRays::ShadowRays => {
             format!("ok on {} shadow rays", row.checked_rays)
         }
         Verdict::Ok if row.checked_rays < all_rays => format!("ok on {} rays", row.checked_rays),

@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 use measurement::record::query::Query;
 use measurement::record::with_query;
 use measurement::record::{
-    Answered, Conclusion, Defective, LeastTime, NextRow, Question, RowRecord, RunRecord,
+    AnsweredRays, Conclusion, Defective, LeastTime, NextRow, Question, RowRecord, RunRecord,
     SceneRecord, Verdict,
 };
 
@@ -98,8 +98,9 @@ struct Suspect<'r> {
 }
 
 fn suspects<'r>(question: &Question, scene: &'r SceneRecord) -> Vec<Suspect<'r>> {
-    let is_suspect = |row: &&RowRecord| {
-        row.known_defect.is_some() && matches!(row.verdict, Verdict::Ok | Verdict::WrongAsShipped)
+    let is_suspect = |row: &&RowRecord| match row.verdict {
+        Verdict::WrongAsShipped => true,
+        verdict => verdict == Verdict::Ok && row.known_defect.is_some(),
     };
     let rows = scene.rows.iter().filter(is_suspect);
     let images = TimesToImage::of(scene);
@@ -162,15 +163,15 @@ fn of_kind(scene: &SceneRecord, row: &RowRecord, kind: &str) -> Option<TimedRow>
         Some(((sample.process, sample.round), seconds / rays))
     };
     let label = match row.answers {
-        Answered::AllRays => row.label(),
-        Answered::ShadowRays => format!("{} (shadow rays only)", row.label()),
+        AnsweredRays::AllRays => row.label(),
+        AnsweredRays::ShadowRays => format!("{} (shadow rays only)", row.label()),
     };
     TimedRow::new(label, row.query, row.samples.iter().filter_map(of).collect())
 }
 
 /// Bytes of what was built.
 fn bytes(row: &RowRecord) -> Option<TimedRow> {
-    let counts = row.answers == Answered::AllRays && row.plugin.is_none();
+    let counts = row.answers == AnsweredRays::AllRays && row.plugin.is_none();
     let bytes = row.stats.as_ref().filter(|_| counts)?.memory_bytes;
     TimedRow::new(row.label(), row.query, [((0, 0), bytes as f64)].into())
 }
@@ -235,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_or_unchecked_never_leads() {
+    fn wrong_or_unchecked_rows_never_lead() {
         let mut run = made();
         let scene = &mut run.scenes[0];
         conclude_scene(scene, 1);
@@ -244,8 +245,10 @@ mod tests {
         assert_eq!((one_ray.row.as_str(), one_ray.query), ("grid", Query::OneRay));
         assert_eq!(one_ray.not_different, ["other"]);
         // and is named: a fortieth of the time
-        let [wrong] = &one_ray.defective[..] else { panic!("{one_ray:?}") };
+        let [wrong, known] = &one_ray.defective[..] else { panic!("{one_ray:?}") };
         assert!(wrong.row == "wrong" && wrong.times.holds(0.025) && wrong.rays > 0, "{wrong:?}");
+        // as is one whose known defect did not show
+        assert_eq!((known.row.as_str(), known.wrong), ("known", 0));
         let next = one_ray.next.as_ref().unwrap();
         assert_eq!(next.row, "slow");
         assert!(next.times.holds(1.5) && next.times.low > 1.0, "{next:?}");
@@ -262,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn a_planted_claim_of_no_memory_is_not_believed() {
+    fn a_planted_claim_of_no_memory_is_rejected() {
         let mut run = made();
         let plugin = serde_json::json!({
             "file": "a.so", "sha256": "", "version": "1", "own_process": true, "own_test": false,
@@ -277,7 +280,7 @@ mod tests {
     }
 
     #[test]
-    fn the_dear_build_pays_from_a_number_of_rays_on() {
+    fn a_slow_build_breaks_even_at_a_number_of_rays() {
         let mut run = made();
         let scene = &mut run.scenes[0];
         for (i, row) in scene.rows.iter_mut().enumerate() {
@@ -295,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn of_several_scenes_it_is_the_geometric_mean_of_the_rows_that_may_lead_everywhere() {
+    fn several_scenes_use_the_geometric_mean_of_rows_valid_in_all() {
         let mut both = made();
         let mut second = both.scenes[0].clone();
         second.name = "balls".into();
@@ -312,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn where_no_row_may_lead_nothing_is_concluded() {
+    fn no_conclusions_without_a_valid_row() {
         let mut run = made();
         for row in &mut run.scenes[0].rows {
             row.checked_rays = 255;

@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 
 use measurement::record::query::Query;
-use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
+use measurement::record::{AnsweredRays, RowRecord, Sample, SceneRecord, Verdict};
 use statistics::estimate::{Estimate, median};
 use statistics::series::Series;
 
@@ -88,7 +88,7 @@ pub fn reference(scene: &SceneRecord) -> Option<&RowRecord> {
 pub fn profiles(scene: &SceneRecord) -> Vec<Profile> {
     let reference = reference(scene);
     let of = |(i, row): (usize, &RowRecord)| {
-        if row.verdict != Verdict::Ok || row.answers != Answered::AllRays || row.rays == 0 {
+        if row.verdict != Verdict::Ok || row.answers != AnsweredRays::AllRays || row.rays == 0 {
             return None;
         }
         let rounds =

@@ -27,9 +27,9 @@ const WORDS: [(&str, &str); 7] = [
     ("95% bootstrap interval", "range of the rounds"),
     ("95% intervals", "ranges of the rounds"),
     ("95% interval", "range of the rounds"),
-    ("not significantly different", "not told apart"),
-    ("takes significantly more", "takes more in every round"),
-    ("no significant difference", "not told apart"),
+    ("not significantly different", "not distinguished"),
+    ("is significantly slower (or larger)", "is slower (or larger) in every round"),
+    ("no significant difference", "not distinguished"),
 ];
 
 /// How a run of a few rounds is shown.
@@ -139,18 +139,18 @@ mod tests {
         let shown = few.table(table);
         assert_eq!(shown.header, ["structure", "ratio [range]"]);
         assert_eq!(shown.rows[0][1].text, "0.51 [0.50, 0.52]");
-        assert_eq!(shown.notes, ["; not told apart: b"]);
+        assert_eq!(shown.notes, ["; not distinguished: b"]);
     }
 
     #[test]
-    fn a_page_says_it_below_its_title() {
+    fn a_page_shows_incompleteness_below_its_title() {
         let page = few(3).unwrap().page("<h1>run</h1><th>ratio [95%]</th><h1>more</h1>");
         assert!(page.starts_with("<h1>run</h1><p class=\"notes\">3 rounds: brackets"), "{page}");
         assert!(page.ends_with("<th>ratio [range]</th><h1>more</h1>"), "{page}");
     }
 
     #[test]
-    fn one_round_has_no_brackets() {
+    fn intervals_of_one_round_are_not_printed() {
         let few = few(1).unwrap();
         assert_eq!(
             few.text("bvh 0.51 [0.51, 0.51]; next: a 2 x [2, 2]."),

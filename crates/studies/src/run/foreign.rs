@@ -9,8 +9,9 @@ use crate::run::columns::{RowOf, columns};
 use presentation::column::headed;
 
 /// Note below the table.
-const NOTE: &str = "foreign: a program outside. Its times are what it says of itself, on whatever it ran; its answers \
-                    were checked from a file (`rtbench hits check`). No ratio, mean or comparison has it.";
+const NOTE: &str = "foreign: another program. It reported its times itself, on its own hardware; \
+                    its answers were checked from a file (`rtbench hits check`). It is in no \
+                    ratio, mean or comparison.";
 
 /// The foreign rows of a scene; none where there are none.
 pub fn table(scene: &SceneRecord) -> Option<Table> {

@@ -150,8 +150,8 @@ pub fn picture_table(run: &RunRecord) -> Table {
         header,
         rows,
         notes: vec![
-            "fastest: the row that is done first of those that are not of obvhs, once for each way \
-             of asking; ratios of times, below 1 is faster."
+            "fastest: the fastest row that is not of obvhs, one per kind of query; ratios of \
+             times, below 1 is faster."
                 .into(),
         ],
     }
@@ -178,8 +178,8 @@ fn notes(reference: &str, has_batches: bool) -> Vec<String> {
             "Of each kind of ray: rays per second over those of {reference}, for the same rays in \
              the same round; above 1 is faster. NAME-shuffled: the same rays in a random order.",
         ),
-        "time to image: build, one million primary rays and their shadow rays; to obvhs: that time over \
-         that of the row of obvhs which is done first; below 1 is faster."
+        "time to image: build, one million primary rays and their shadow rays; to obvhs: time to \
+         image over that of the fastest row of obvhs; below 1 is faster."
             .into(),
     ];
     if has_batches {
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn speeds_are_the_inverse_of_ratios_and_batches_are_told() {
+    fn speeds_are_inverse_ratios_and_batches_are_marked() {
         let record = made();
         let table = scene_table(&record, &record.scenes[0], false);
         assert_eq!(table.header[..3], ["structure", "query", "primary"]);
@@ -283,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_that_is_wrong_has_no_speed() {
+    fn wrong_rows_have_no_speed() {
         let mut record = made();
         record.scenes[0].rows[1].ratio_by_kind.clear();
         let table = scene_table(&record, &record.scenes[0], false);

@@ -32,10 +32,10 @@ pub struct Lines {
 
 /// Explanation of the terms.
 pub const NOTE: &str = "first image: build, one million primary rays and their shadow rays. next: \
-                        the nearest row that takes significantly more, and how many times as much. \
-                        A row with a known defect, or whose answers were not all compared and \
-                        right, never leads: one that is as fast or faster is named with its wrong \
-                        rays.";
+                        the closest row that is significantly slower (or larger), and by what \
+                        factor. A row with a known defect, or whose answers were not all \
+                        compared and right, never leads; one that is as fast or faster is named \
+                        with its wrong rays.";
 
 /// Lines over all scenes, or of the only scene; `None` for a run without finished scenes.
 pub fn of_run(run: &RunRecord) -> Option<Lines> {
@@ -137,7 +137,7 @@ fn build_pays(least_time: &[LeastTime]) -> Option<Line> {
         let (from, low) = (count(*from_rays), count(*low));
         let _ = write!(text, "; from {from} rays [{low}, {high}] {row}");
     }
-    Some(Line { head: "build pays".into(), text })
+    Some(Line { head: "break-even".into(), text })
 }
 
 /// A few names, and how many more there are.
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn builds_pay_from_a_number_of_rays_on_or_never() {
+    fn break_even_counts_are_numbers_or_never() {
         let at =
             |row: &str, from_rays, low, high| LeastTime { row: row.into(), from_rays, low, high };
         let alone = [at("grid", 0.0, 0.0, None)];

@@ -55,8 +55,8 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
     let of_scenes = || record.ratios.iter().filter(|ratio| ratio.scene.is_some());
     let apart = of_scenes().filter(|ratio| ratio.is_apart).count();
     notes.push(format!(
-        "Of {} ratios of scenes, {apart} differ between two machines by more than chance explains (tested, and \
-         corrected for all): there a figure is worth no more than its range.",
+        "Of {} ratios of scenes, {apart} differ significantly between two machines (corrected \
+         for the number of tests): trust only their range.",
         of_scenes().count()
     ));
     if let Some(needed) = record.rounds_needed {
@@ -67,7 +67,7 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
     }
     for [one, other] in record.perhaps_one() {
         notes.push(format!(
-            "{one} and {other} may be one machine: the records tell of no difference. Then what differs is the day."
+            "{one} and {other} may be the same machine: their records show no difference."
         ));
     }
     notes

@@ -4,7 +4,8 @@ use crate::run::columns::{self, RATIO, RowOf};
 use measurement::rays::order::Orders;
 use measurement::record::query::{self, Query};
 use measurement::record::{
-    Answered, FloorRecord, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label, reference,
+    AnsweredRays, FloorRecord, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label,
+    reference,
 };
 use presentation::column::headed;
 use presentation::numbers;
@@ -58,7 +59,7 @@ pub fn scene_table_of(
     let mut rows: Vec<Vec<Cell>> = rows.collect();
     let ratios = shown_rows.iter().map(|row| {
         // a ratio over shadow rays alone is none to compare with the others
-        let is_comparable = row.answers == Answered::AllRays && scene.may_lead(row);
+        let is_comparable = row.answers == AnsweredRays::AllRays && scene.may_lead(row);
         row.ratio.filter(|_| is_comparable)
     });
     mark_best(&mut rows, header.iter().position(|h| *h == RATIO), ratios);
@@ -163,8 +164,8 @@ fn outlier_note(scene: &SceneRecord) -> Option<String> {
     let most = rows().max_by_key(|row| count(row).iter().sum::<u64>())?;
     (builds + traces > 0).then(|| {
         format!(
-            "Far from the other rounds (Tukey), and counted like them: {builds} builds, {traces} \
-             traces of {samples}; most of {}.",
+            "Outliers (Tukey), included in all figures: {builds} builds, {traces} traces of \
+             {samples}; most of {}.",
             most.label()
         )
     })
@@ -179,8 +180,8 @@ fn levels_note(row: &RowRecord) -> Option<String> {
         [levels.low, levels.high].map(numbers::short)
     };
     Some(format!(
-        "Two levels: {} takes {low} in some processes and {high} in others, and its rounds do not \
-         say so.",
+        "Two levels: {} takes {low} in some processes and {high} in others; its interval does \
+         not show this.",
         row.label()
     ))
 }
@@ -214,10 +215,10 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
     let digest = plugin.sha256.get(..12).unwrap_or_default();
     let mut note =
         format!("{}: plugin {} {} ({digest}), ", row.label(), plugin.file, plugin.version);
-    note += if plugin.own_process { "in a process of its own" } else { "in this process" };
+    note += if plugin.own_process { "in a separate process" } else { "in this process" };
     if plugin.own_process {
         let calls = plugin.empty_call_s * 1e6;
-        note += &format!("; an empty call takes {calls:.0} us there and back, in no time here");
+        note += &format!("; an empty call takes {calls:.0} us, not included in times");
         let seconds = row.trace_s.map(|s| s.median * BATCH / row.rays.max(1) as f64);
         if let Some(seconds) = seconds.filter(|s| *s > 0.0) {
             let part = 100.0 * plugin.empty_call_s / seconds;
@@ -227,7 +228,7 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
     if plugin.other_threads > SPINNING {
         let part = 100.0 * plugin.other_threads;
         note += &format!(
-            "; {part:.0}% of its time went to threads that nobody asked for (they count: do they spin?)"
+            "; {part:.0}% of its time was used by threads beyond -j (included: do they spin?)"
         );
     }
     note += if plugin.own_test {
@@ -244,7 +245,7 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
 
 /// Rays that the figures of an occluder cover.
 fn shadow_note(row: &RowRecord) -> Option<String> {
-    (row.answers == Answered::ShadowRays).then(|| {
+    (row.answers == AnsweredRays::ShadowRays).then(|| {
         format!(
             "{}: answers shadow rays only; its trace time and ratio are over these",
             row.label()
@@ -259,7 +260,7 @@ fn on_demand_note(row: &RowRecord) -> Option<String> {
         Some(s) => format!("; first image {} ms after the start", numbers::milliseconds(s)),
         None => String::new(),
     };
-    Some(format!("{}: {pending} cells were never asked to divide{first}", row.label()))
+    Some(format!("{}: {pending} cells were never divided{first}", row.label()))
 }
 
 /// The summary over all scenes.
@@ -297,7 +298,7 @@ pub fn summary_table_of(run: &RunRecord, shown_rows: &[&SummaryRow], indent: boo
         rows.push(cells);
     }
     let ratios = shown_rows.iter().map(|r| {
-        let is_comparable = r.answers == Answered::AllRays && r.may_lead(&run.scenes);
+        let is_comparable = r.answers == AnsweredRays::AllRays && r.may_lead(&run.scenes);
         r.ratio.filter(|_| is_comparable)
     });
     mark_best(&mut rows, header.iter().position(|h| *h == "trace ratio [95%]"), ratios);
@@ -325,7 +326,7 @@ pub fn left_out(run: &RunRecord) -> Option<String> {
 
 fn summary_verdict(row: &SummaryRow) -> Cell {
     let text = match row.verdict {
-        Verdict::Ok if row.answers == Answered::ShadowRays => {
+        Verdict::Ok if row.answers == AnsweredRays::ShadowRays => {
             return "ok (shadow rays)".to_owned().into();
         }
         Verdict::Ok => return "ok".to_owned().into(),

@@ -10,7 +10,7 @@ use measurement::record::query::{self, Query};
 use measurement::record::{RunRecord, SceneRecord};
 use presentation::fitted::wrapped;
 use presentation::table::{Style, Table};
-use presentation::text::{painted, write_notes_within, write_table_within};
+use presentation::text::painted;
 
 /// Prints the block of a scene, and where there are several what it says of this one.
 pub fn write_scene(
@@ -20,7 +20,7 @@ pub fn write_scene(
     view: &View,
 ) -> io::Result<()> {
     if let Some(few) = Few::of(run).filter(|_| is_first(run, scene)) {
-        write_notes_within(out, &[&few.heading()], view.colors, view.width())?;
+        view.screen.write_notes(out, &[&few.heading()])?;
         writeln!(out)?;
     }
     write(out, run, scene_table(run, scene, view), view)?;
@@ -36,7 +36,8 @@ pub fn write_scene(
     foreign::table(scene).map_or(Ok(()), |table| write(out, run, table, view))
 }
 
-/// The table of a scene with what is shown of it; what is the same below all of them stands at the end.
+/// The table of a scene with what is shown of it; what is the same below all of them stands at the
+/// end.
 fn scene_table(run: &RunRecord, scene: &SceneRecord, view: &View) -> Table {
     let table = tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
     let mut table = view.shown(&table).0;
@@ -74,17 +75,17 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
         notes.push(format!("Columns left out: {}; --wide shows all.", left_out.join(", ")));
     }
     let notes: Vec<&str> = notes.iter().map(String::as_str).collect();
-    write_notes_within(out, &notes, view.colors, view.width())?;
+    view.screen.write_notes(out, &notes)?;
     if let Some(lines) = lines::of_run(run) {
         writeln!(out)?;
         write_lines(out, run, lines, view)?;
         let note = few::text(run, lines::NOTE);
-        write_notes_within(out, &[&note], view.colors, view.width())?;
+        view.screen.write_notes(out, &[&note])?;
     }
     Ok(())
 }
 
-/// Whether nothing of the run was printed before the scene.
+/// Returns whether nothing of the run was printed before the scene.
 fn is_first(run: &RunRecord, scene: &SceneRecord) -> bool {
     run.scenes.first().is_some_and(|first| first.name == scene.name)
 }
@@ -94,7 +95,7 @@ fn write(out: &mut dyn Write, run: &RunRecord, table: Table, view: &View) -> io:
         Some(few) => few.table(table),
         None => table,
     };
-    write_table_within(out, &table, view.colors, view.width())
+    view.screen.write_table(out, &table)
 }
 
 /// A question a line, the answers below one another.
@@ -105,12 +106,12 @@ fn write_lines(out: &mut dyn Write, run: &RunRecord, lines: Lines, view: &View) 
     };
     let heads = lines.lines.iter().map(|line| line.head.chars().count());
     let indent = heads.max().unwrap_or(0) + 4;
-    writeln!(out, "{}", painted(&lines.title, Style::Best, view.colors))?;
+    for part in wrapped(&lines.title, view.screen.width, 2) {
+        writeln!(out, "{}", painted(&part, Style::Best, view.screen.colors))?;
+    }
     for Line { head, text } in &lines.lines {
         let text = format!("  {head:<width$}  {text}", width = indent - 4);
-        for part in wrapped(&text, view.width().unwrap_or(usize::MAX), indent) {
-            writeln!(out, "{}", painted(&part, Style::Plain, view.colors))?;
-        }
+        view.screen.write_item(out, &text, indent)?;
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use accel_core::structures::obvhs::{bvh2, cwbvh};
 use crate::run::costs::{self, all_rays_s};
 use crate::run::leads::TimedRow;
 use measurement::record::query::Query;
-use measurement::record::{Answered, RowRecord, Sample, SceneRecord, Verdict};
+use measurement::record::{AnsweredRays, RowRecord, Sample, SceneRecord, Verdict};
 use statistics::estimate::Estimate;
 use statistics::series::{Series, geometric_mean_of};
 
@@ -39,7 +39,7 @@ impl TimeToImage {
     fn of(scene: &SceneRecord, row: &RowRecord, reference: Option<&RowRecord>) -> Option<Self> {
         let is_obvhs = [bvh2::INFO.name, cwbvh::INFO.name].contains(&&*row.structure);
         let serves = row.verdict == Verdict::Ok || is_obvhs && row.verdict.is_timed();
-        if !serves || row.answers != Answered::AllRays {
+        if !serves || row.answers != AnsweredRays::AllRays {
             return None;
         }
         let of = |sample: &Sample| {
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn an_image_is_the_build_a_million_primary_rays_and_their_shadow_rays() {
+    fn time_to_image_is_build_plus_a_million_primary_rays_and_shadow_rays() {
         let record = made(&[("obvhs-cwbvh", &[1.0, 1.0, 1.0])]);
         let times = TimesToImage::of(&record.scenes[0]).times;
         // 0.1 to build; of half a million rays 1 and of their shadow rays 2, both twice

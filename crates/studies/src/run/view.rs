@@ -1,11 +1,12 @@
 //! How the tables of a run are shown on a terminal: in which order, and which columns of them.
 
 use measurement::plan::error::PlanError;
-use measurement::record::{Answered, RowRecord, SummaryRow};
+use measurement::record::{AnsweredRays, RowRecord, SummaryRow};
 use measurement::settings::choice::Choice;
 use measurement::settings::choice::hint;
 use presentation::fitted::{fitted, with_columns};
 use presentation::table::Table;
+use presentation::text::Screen;
 
 use crate::run::columns::RATIO;
 
@@ -32,11 +33,10 @@ impl Choice for Sort {
     ];
 }
 
-/// Which columns are shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Columns {
-    /// Those that fit into lines of so many characters.
-    Within(usize),
+    /// Columns that fit the screen.
+    Fitting,
     /// All, however wide that is.
     All,
     /// These, however wide that is.
@@ -49,7 +49,7 @@ pub struct View {
     /// The order of rows.
     pub sort: Sort,
     pub columns: Columns,
-    pub colors: bool,
+    pub screen: Screen,
 }
 
 /// A column by the name that it is asked for by.
@@ -120,18 +120,10 @@ pub fn by_weight(table: &Table) -> Table {
 impl View {
     /// All columns, the fastest rows first.
     pub fn fastest_first() -> Self {
-        Self { sort: Sort::Trace, columns: Columns::All, colors: false }
+        Self { sort: Sort::Trace, columns: Columns::All, screen: Screen::UNLIMITED }
     }
 
-    /// How many characters a line may have; none: as many as it takes.
-    pub fn width(&self) -> Option<usize> {
-        match self.columns {
-            Columns::Within(width) => Some(width),
-            Columns::All | Columns::Named(_) => None,
-        }
-    }
-
-    /// Whether the settings of a structure stand below it, indented.
+    /// Returns whether the settings of a structure stand below it, indented.
     pub fn indents(&self) -> bool {
         self.sort == Sort::Registry
     }
@@ -140,7 +132,7 @@ impl View {
     pub fn shown(&self, table: &Table) -> (Table, Vec<&'static str>) {
         match &self.columns {
             Columns::All => (table.clone(), Vec::new()),
-            Columns::Within(width) => fitted(table, *width, &self.by_weight()),
+            Columns::Fitting => fitted(table, self.screen.width, &self.by_weight()),
             Columns::Named(named) => {
                 let is_asked = |head: &&str| named.iter().any(|c| c.heads.contains(head));
                 let is_shown = |head: &&str| ALWAYS.contains(head) || is_asked(head);
@@ -176,7 +168,7 @@ impl View {
             Sort::Registry => 0.0,
         };
         let class =
-            |row: &RowRecord| (!row.verdict.is_timed(), row.answers == Answered::ShadowRays);
+            |row: &RowRecord| (!row.verdict.is_timed(), row.answers == AnsweredRays::ShadowRays);
         self.sorted(rows, class, key)
     }
 
@@ -190,7 +182,7 @@ impl View {
             of.map_or(f64::INFINITY, |ratio| ratio.median)
         };
         let class =
-            |row: &SummaryRow| (!row.verdict.is_timed(), row.answers == Answered::ShadowRays);
+            |row: &SummaryRow| (!row.verdict.is_timed(), row.answers == AnsweredRays::ShadowRays);
         self.sorted(rows, class, key)
     }
 
@@ -216,7 +208,8 @@ mod tests {
     use measurement::record::made_up::run;
 
     fn view(sort: Sort, columns: Columns) -> View {
-        View { sort, columns, colors: false }
+        let screen = Screen { width: 40, colors: false, is_wide: false };
+        View { sort, columns, screen }
     }
 
     #[test]
@@ -251,11 +244,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_sorted_by_is_shown_first() {
+    fn the_sort_column_is_shown_first() {
         let run = run(&[("tetra", &[("a", &[3.0])])]);
         let table = scene_table(&run, &run.scenes[0], true);
         let heads = |view: View| view.shown(&table).0.header;
-        let narrow = |sort| heads(view(sort, Columns::Within(40)));
+        let narrow = |sort| heads(view(sort, Columns::Fitting));
         assert!(narrow(Sort::Trace).contains(&RATIO) && narrow(Sort::Memory).contains(&"MiB"));
         let named = Columns::Named(vec![TableColumn::named("n_it").unwrap()]);
         assert_eq!(heads(view(Sort::Trace, named)), ["structure", "N_IT"]);
@@ -263,7 +256,7 @@ mod tests {
         let all = super::by_weight(&table);
         assert_eq!(all.header[..4], ["structure", RATIO, "build ms", "verdict"]);
         assert_eq!((all.header.len(), all.rows[0][3].text.as_str()), (table.header.len(), "ok"));
-        let (_, left_out) = view(Sort::Trace, Columns::Within(40)).shown(&table);
+        let (_, left_out) = view(Sort::Trace, Columns::Fitting).shown(&table);
         assert!(left_out.contains(&"N_EETS"));
     }
 }

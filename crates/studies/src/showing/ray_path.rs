@@ -50,7 +50,7 @@ pub fn path_through(
     scene: &Scene,
 ) -> Result<PathThrough, NoCells> {
     // first: cells that are made on demand are there after it
-    let way = tracer.way(ray)?;
+    let way = tracer.trace(ray)?;
     let crossed = crossed(tracer, ray)?;
     let cells = cells_entered(tracer, ray, &way, &crossed);
     let wide = ray.widened();

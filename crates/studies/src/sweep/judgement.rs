@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn overlapping_intervals_are_not_told_apart() {
+    fn overlapping_intervals_are_not_distinguished() {
         let costs = [
             estimate(4.0, 5.0, 6.0),
             estimate(2.0, 3.0, 3.5),
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn of_equal_costs_the_first_is_the_best() {
+    fn the_first_of_equal_costs_is_the_best() {
         let equal = [estimate(1.0, 1.0, 1.0), estimate(1.0, 1.0, 1.0)];
         assert_eq!(
             standings(&equal),
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_say_all_that_a_row_is() {
+    fn marks_name_every_role_of_a_row() {
         let line = Line { is_default: true, rules: vec!["woo"], ..Line::default() };
         let marks = marks(&line, Some(ValueStanding::Best), true);
         assert_eq!(marks, ["best", "default", "rule: woo", "reference"]);

@@ -28,7 +28,7 @@ use measurement::settings::MeasuringSettings;
 #[non_exhaustive]
 pub enum SweepError {
     /// `--from` and `--to` for words.
-    #[error("{structure}.{parameter} has no range, it takes {valid}: name some with --values")]
+    #[error("{structure}.{parameter} has no range; give some of {valid} with --values")]
     NoRange { structure: &'static str, parameter: &'static str, valid: String },
     /// Nothing lies between the ends.
     #[error("--from {from} must be below --to {to}")]

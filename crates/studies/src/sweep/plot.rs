@@ -90,7 +90,7 @@ fn subtitle(scene: &SceneRecord, rays: u64, sweep: &Sweep<'_>, judgements: &[Jud
     }
     let has_equals = judgements.iter().any(|j| j.standing == Some(ValueStanding::NotToldApart));
     if has_equals {
-        text.push_str("; dashed rings: no difference to the best was measured");
+        text.push_str("; dashed rings: not significantly different from the best");
     }
     text
 }

@@ -140,8 +140,8 @@ const GLOSSARY: &[&str] = &[
     "ratio: trace time divided by the reference's for the same rays in the same round, with its 95% \
      bootstrap interval; below 1 is faster; = where the interval contains 1. to best: that ratio over \
      the best value's.",
-    "best: the value with the lowest ratio; ~best: its interval overlaps that of the best, no \
-     difference was measured. rule: a rule of thumb for the number of voxels of N primitives (the \
+    "best: the value with the lowest ratio; ~best: not significantly different (its interval \
+     overlaps that of the best). rule: a rule of thumb for the number of voxels of N primitives (the \
      rules regular, woo and heterogeneous at one voxel per primitive; regular is the cube root of N \
      on each axis).",
 ];

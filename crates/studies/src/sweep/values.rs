@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn typed_numbers_are_sorted_and_words_are_not() {
+    fn swept_numbers_are_sorted_and_words_are_not() {
         let typed = |v: &[&str]| v.iter().map(|s| (*s).to_owned()).collect::<Vec<_>>();
         let real = ParamKind::Real { min: 0.0, max: 100.0 };
         assert_eq!(in_order(real, &typed(&["10", "2.50", "2.5", "1e1"])), ["2.5", "10"]);

@@ -27,7 +27,7 @@ impl ImageRow<'_> {
     }
 
     /// The same in words.
-    fn said(&self, of: impl FnOnce(&ImageMeasurement) -> String) -> Option<Cell> {
+    fn text_cell(&self, of: impl FnOnce(&ImageMeasurement) -> String) -> Option<Cell> {
         self.row.outcome.as_ref().ok().map(|measured| of(measured).into())
     }
 }
@@ -45,22 +45,22 @@ pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
         c(&["samples"], "", None, |of| Value::of(of.row.samples.map(u64::from), Count)),
         c(&["image_s", "image_s_low", "image_s_high"], "image ms", Seconds, |of| {
             of.value(|m| Value::of(estimate(&m.seconds, of.seed), Value::Measured))
-        }).or(|of| of.said(|m| milliseconds(m.median()))),
+        }).or(|of| of.text_cell(|m| milliseconds(m.median()))),
         c(&["ratio_to_cheapest", "ratio_low", "ratio_high"], "to cheapest [95%]", Ratio, |of| {
             of.value(|m| Value::of(m.ratio, Value::Measured))
         }),
-        c(&["rmse"], "RMSE", None, |of| of.value(|m| Real(m.error))).or(|of| of.said(rmse)),
+        c(&["rmse"], "RMSE", None, |of| of.value(|m| Real(m.error))).or(|of| of.text_cell(rmse)),
         c(&["edge_rmse"], "edge RMSE", None, |of| of.value(|m| Value::of(m.edge_error, Real))),
         c(&["reference_error"], "", None, |of| of.value(|_| Real(of.reference_error))),
         c(&["below_reference"], "", None, |of| of.value(|m| Text(m.is_below_reference.to_string()))),
         c(&["on_front"], "front", None, |of| of.value(|m| Text(is_on_front(m).to_string())))
-            .or(|of| of.said(|m| front(m.standing).to_owned())),
+            .or(|of| of.text_cell(|m| front(m.standing).to_owned())),
         c(&["time_to_samples_of_equal_error"], "time / samples of equal error", None, |of| {
             of.value(|m| match m.by_samples {
                 Some(AtError::Reached { seconds, .. }) => Real(m.median() / seconds),
                 _ => Value::None,
             })
-        }).or(|of| of.said(|m| m.by_samples.map_or(String::new(), |at| against(m.median(), at)))),
+        }).or(|of| of.text_cell(|m| m.by_samples.map_or(String::new(), |at| against(m.median(), at)))),
         c(&[], "counted", None, |of| of.value(|m| Text(counted(m)))).or(refused),
         c(&["refused"], "", None, |of| {
             of.row.outcome.as_ref().err().map_or(Value::None, |refusal| Text(refusal.to_string()))

@@ -66,7 +66,7 @@ static WAYS: &[DrawingMethod] = &[
 ];
 
 /// The ways of the tracers that are asked for.
-pub fn ways(
+pub fn drawing_methods(
     is_asked: impl Fn(&TracerInfo) -> bool,
 ) -> impl Iterator<Item = &'static DrawingMethod> {
     WAYS.iter().filter(move |way| is_asked(way.info))
@@ -158,7 +158,7 @@ pub fn compare(
         }
     }
     let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
-    for way in ways(is_asked) {
+    for way in drawing_methods(is_asked) {
         rows.push((way.info.name, way.settings, None));
         makers.push(Box::new(move || {
             (way.draw)(scene, size, question.structures).map(ImageWithCounts::from)

@@ -49,7 +49,7 @@ pub fn error_over_time(
     Plot {
         title: format!("{scene}: samples, cones and beams"),
         subtitle: format!(
-            "{width} x {height} pixels, {threads} thread(s); ringed: nothing is faster and nearer"
+            "{width} x {height} pixels, {threads} thread(s); ringed: nothing is faster and more accurate"
         ),
         x: axis("time of the image (seconds)"),
         y: axis("root mean square error"),

@@ -22,7 +22,7 @@ pub struct QueryRow {
     pub structure: &'static str,
     /// Queries a round: all pixels, or every so many of them.
     pub queries: usize,
-    /// Microseconds a query.
+    /// Time of a query, microseconds.
     pub microseconds: Estimate,
     /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio: Estimate,

@@ -105,7 +105,6 @@ pub enum Outcome {
 pub struct QueryRecord {
     pub structure: String,
     pub queries: usize,
-    /// Microseconds a query.
     pub microseconds: Estimate,
     /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio_to_brute_force: Estimate,

@@ -103,20 +103,19 @@ impl Report {
                     let (times, than) =
                         if ratio >= 1.0 { (ratio, "longer") } else { (1.0 / ratio, "less") };
                     format!(
-                        "{label}: as near to the reference as {} samples per pixel, and took {} \
-                         times {than} than they do",
+                        "{label}: as accurate as {} samples per pixel, and took {} times {than}",
                         short(samples),
                         short(times)
                     )
                 }
                 AtError::AtOnce { seconds } => format!(
-                    "{label}: no nearer to the reference than the fewest samples, and took {} \
-                     times as long",
+                    "{label}: no more accurate than the fewest samples, and took {} times as \
+                     long",
                     short(m.median() / seconds)
                 ),
                 AtError::Never { samples, seconds } => format!(
-                    "{label}: nearer to the reference than {samples} samples per pixel, in {} of \
-                     their time",
+                    "{label}: more accurate than {samples} samples per pixel, in {} of their \
+                     time",
                     short(m.median() / seconds)
                 ),
             })

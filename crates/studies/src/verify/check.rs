@@ -58,7 +58,7 @@ impl CheckPlan<'_> {
         precision: Precision,
         watch: &CheckWatch<'_>,
     ) -> Result<(Vec<Line>, u64), PlanError> {
-        let subjects = Subject::asked(case, &self.subjects, self.registry)?;
+        let subjects = Subject::select_for_case(case, &self.subjects, self.registry)?;
         let sizes = self.rounds(case);
         if subjects.is_empty() {
             sizes.iter().for_each(|_| watch.round());
@@ -175,12 +175,12 @@ pub fn replay(
     let &Replay { seed, round: number, rays, .. } = line;
     let drawing = Drawing { id: case.id, seed, number, rays };
     match line.precision {
-        Precision::F32 => asked(line, drawing, case.ask.single, subject),
-        Precision::F64 => asked(line, drawing, case.ask.double, subject),
+        Precision::F32 => replay_round(line, drawing, case.ask.single, subject),
+        Precision::F64 => replay_round(line, drawing, case.ask.double, subject),
     }
 }
 
-fn asked<S: Buildable>(
+fn replay_round<S: Buildable>(
     replay: &Replay,
     drawing: Drawing<'_>,
     draw: Draw<S>,
@@ -196,7 +196,7 @@ fn asked<S: Buildable>(
         RoundVerdict::Refused(why) => (None, Some(why)),
         RoundVerdict::NotAsked => (None, Some("has no such primitives".to_owned())),
     };
-    let question = format!("ray {}\nexpected: {expected:?}", told(ray));
+    let question = format!("ray {}\nexpected: {expected:?}", ray_text(ray));
     Ok(Some(ReplayOutcome { question, wrong, refused }))
 }
 
@@ -204,7 +204,7 @@ fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {
     all.into_iter().find(|m| m.ray == ray && m.is_wrong).map(|m| m.what)
 }
 
-fn told<S: Buildable>(ray: &Ray<S>) -> String {
+fn ray_text<S: Buildable>(ray: &Ray<S>) -> String {
     let Ray { origin, direction, t_min, t_max, .. } = ray;
     format!("from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]")
 }

@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wire_is_met_to_the_digits_of_both_precisions() {
+    fn thin_cylinders_are_hit_accurately_in_both_precisions() {
         let wire = ConeShape { base: (DVec3::ZERO, 1e-3), apex: (DVec3::Z * 100.0, 1e-3) };
         for part in [0.0, 0.5, 0.99] {
             let y = 1e-3 * part;
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn of_hits_in_one_place_none_is_the_first() {
+    fn hits_at_the_same_place_have_no_first() {
         let hit = |low, high| OracleAnswer::Hit { id: None, t: [low, high] };
         let first = |all: Vec<OracleAnswer>| first_of((0..).zip(all));
         let named = |id, t| OracleAnswer::Hit { id, t };

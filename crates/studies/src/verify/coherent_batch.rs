@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_ray_is_among_others_of_its_octant() {
+    fn batches_group_rays_by_octant() {
         let mut random = Random::new(3, "company");
         let rays: Vec<Ray<f32>> = (0..400)
             .map(|_| Ray::new(point(&mut random).as_vec3(), point(&mut random).as_vec3()))

@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn one_bit_of_one_answer_is_seen_and_the_order_of_rounds_is_not() {
+    fn digests_depend_on_every_bit_but_not_on_the_order_of_rounds() {
         let hits = [(1.0, 3), (2.0, 4)];
         assert_eq!(of(&hits), of(&hits));
         let next = 2.0_f32.next_up();

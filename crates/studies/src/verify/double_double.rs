@@ -91,12 +91,10 @@ pub fn difference(a: DVec3, b: DVec3) -> [DoubleDouble; 3] {
     [0, 1, 2].map(|k| DoubleDouble::from(a[k]) - DoubleDouble::from(b[k]))
 }
 
-/// The dot product.
 pub fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The cross product.
 pub fn cross(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> [DoubleDouble; 3] {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
 }

@@ -35,7 +35,7 @@ pub fn one_of<T: Copy + Default>(random: &mut Random, choices: &[T]) -> T {
 }
 
 /// A whole number in `-limit..=limit`.
-pub fn whole(random: &mut Random, limit: u32) -> f64 {
+pub fn random_integer(random: &mut Random, limit: u32) -> f64 {
     random.below(2 * limit as usize + 1) as f64 - f64::from(limit)
 }
 

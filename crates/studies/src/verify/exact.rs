@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slanting_ray_blurs() {
+    fn slanting_rays_blur_the_crossing() {
         let ray = Ray::<f64>::new(dvec3(-7.0, 1.0, -1.0), dvec3(8.0, 0.0, 1.0));
         let found = ExactRay::new(&ray).unwrap().meetings(&Soup::new(&[TRIANGLE]), 0.0, 0.0);
         // a unit sideways is 8 along the plane and more: 2 in barycentric coordinates

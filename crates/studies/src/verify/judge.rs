@@ -413,7 +413,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
             }
             if *is_blocked != blocked {
                 return Some(format!(
-                    "blocked: said {is_blocked} in a coherent batch, not {blocked}"
+                    "any-hit differs in a coherent batch: blocked {is_blocked}, expected {blocked}"
                 ));
             }
         }

@@ -61,7 +61,6 @@ impl<S: Scalar> Model<S> {
         Some(set.triangles().iter().map(|triangle| triangle.each_ref().map(exact)).collect())
     }
 
-    /// Number of primitives.
     pub fn len(&self) -> usize {
         match self {
             Self::Triangles(set) => set.len(),

@@ -226,13 +226,13 @@ impl Report {
             std::iter::once("structure").chain(groups.iter().copied()).chain([""]).collect();
         let title = match self.cut {
             None => "mismatches/trials".to_owned(),
-            Some(cut) => format!("INCOMPLETE ({}): mismatches/trials", self.said(cut)),
+            Some(cut) => format!("INCOMPLETE ({}): mismatches/trials", self.stop_text(cut)),
         };
         Table { title, header, rows, notes: self.notes() }
     }
 
     /// How it ended, and how far it came.
-    fn said(&self, cut: StopReason) -> String {
+    fn stop_text(&self, cut: StopReason) -> String {
         let why = match cut {
             StopReason::Interrupted(signal) => format!("interrupted by signal {signal}"),
             StopReason::OutOfTime => "out of time".to_owned(),
@@ -255,7 +255,7 @@ impl Report {
     fn notes(&self) -> Vec<String> {
         let mut notes = vec![
             "<x: no mismatch; its rate is below x with 95% confidence (3/trials)".to_owned(),
-            format!("answers {}: the same on every instruction set", self.answers()),
+            format!("answers {}: the same for every instruction set", self.answers()),
         ];
         if self.is_powerless() {
             notes.push("the negative control missed nothing: this run proves nothing".into());
@@ -286,8 +286,8 @@ impl Report {
         })
     }
 
-    /// One note for all that were refused for the same reason: brute force refuses for all, a plugin
-    /// of f32 all cases in f64.
+    /// One note for all that were refused for the same reason: brute force refuses for all, a
+    /// plugin of f32 all cases in f64.
     fn refusals(&self) -> impl Iterator<Item = String> {
         let mut who: BTreeMap<(&str, &str, u64, &str), Vec<&str>> = BTreeMap::new();
         for line in &self.lines {

@@ -61,7 +61,7 @@ fn reduced<S: Buildable>(
     subject: &Subject<'_>,
 ) -> Option<ReducedFailure> {
     let search = Search {
-        ask: &|triangles, rays| wrong::<S>(triangles, rays, subject),
+        test: &|triangles, rays| wrong::<S>(triangles, rays, subject),
         trials: Cell::new(MOST_TRIALS),
         work: Cell::new(MOST_WORK),
     };
@@ -88,11 +88,11 @@ fn reduced<S: Buildable>(
 }
 
 /// Test of a scene that returns the first wrong answer, if any.
-type Question<'a> = &'a dyn Fn(&[Corners], &[Ray<f64>]) -> Option<Mismatch>;
+type FailureTest<'a> = &'a dyn Fn(&[Corners], &[Ray<f64>]) -> Option<Mismatch>;
 
 /// The trials of a search, which end when the work is done.
 struct Search<'a> {
-    ask: Question<'a>,
+    test: FailureTest<'a>,
     trials: Cell<u32>,
     work: Cell<usize>,
 }
@@ -102,7 +102,7 @@ impl Search<'_> {
     fn failure(&self, triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Mismatch> {
         self.trials.set(self.trials.get().checked_sub(1)?);
         self.work.set(self.work.get().checked_sub(triangles.len() + rays.len())?);
-        let found = (self.ask)(triangles, rays);
+        let found = (self.test)(triangles, rays);
         if found.as_ref().is_some_and(|found| found.difference.is_none()) {
             self.work.set(self.work.get().saturating_sub(MOST_WORK / MOST_DEATHS));
         }
@@ -251,7 +251,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_needed_stays() {
+    fn minimal_keeps_the_elements_needed() {
         let needed = |some: &[u32]| [3, 40, 41].iter().all(|n| some.contains(n));
         assert_eq!(minimal((0..100).collect(), needed), [3, 40, 41]);
         // at least one stays, whatever fails

@@ -72,7 +72,7 @@ impl<'r> Subject<'r> {
     ///
     /// # Errors
     /// [`PlanError`] when the case's own settings are not valid.
-    pub fn asked(
+    pub fn select_for_case(
         case: &Case,
         subjects: &[Subject<'r>],
         registry: &'r [Entry],

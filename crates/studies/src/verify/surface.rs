@@ -121,7 +121,7 @@ impl Surface {
             let all = || group.iter().map(|i| &met[*i]);
             let is_gap = self.is_sealed(&group, &met) && all().all(|m| is_within(m) && !is_hit(m));
             let ids: Vec<u32> = all().map(|m| m.id).collect();
-            is_gap.then(|| format!("between polygons {ids:?} is a gap"))
+            is_gap.then(|| format!("gap between polygons {ids:?}"))
         })
     }
 

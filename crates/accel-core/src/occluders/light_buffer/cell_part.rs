@@ -149,7 +149,7 @@ mod tests {
     /// Random triangles, in part beyond the cell, as half-planes; and whether points of them are
     /// held, and how many of the others are not.
     #[test]
-    fn a_part_holds_every_point_of_its_outline_and_not_much_else() {
+    fn a_cell_region_holds_its_outline_and_few_other_points() {
         let mut random = Random(9);
         let (mut within, mut refused, mut kept) = (0, 0, 0);
         let mut clip = OutlineClipper::default();

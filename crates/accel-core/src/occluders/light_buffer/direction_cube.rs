@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_ways_to_a_face_agree() {
+    fn both_lookups_find_the_same_face() {
         // HARD_CASES Gr11: diagonals of the cube among them
         let values = [-1.0, -0.5, -0.0, 0.0, 0.25, 1.0];
         let mut faces = [0; FACES];

@@ -145,7 +145,7 @@ fn square(by: DVec3) -> Option<f64> {
 }
 
 #[test]
-fn a_seam_that_does_not_close_is_noticed() {
+fn a_seam_that_does_not_close_is_caught() {
     let whole = square(DVec3::ZERO);
     assert!(whole.is_some_and(|far| (2.0..2.001).contains(&far)), "{whole:?}");
     // planted fault: one corner off by the last place of an f32

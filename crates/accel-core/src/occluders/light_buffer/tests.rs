@@ -185,7 +185,7 @@ fn shadow_rays_are_answered_by_the_buffer_itself() {
 }
 
 #[test]
-fn a_lost_reference_is_noticed() {
+fn a_lost_reference_is_caught() {
     // planted fault: without some of its references the buffer must disagree with brute force
     let set = mixed_scene::<f32>(300, 1, [1.0; 3]);
     let lights = lights(&set);
@@ -286,7 +286,7 @@ fn cells_do_not_depend_on_the_number_of_threads() {
 }
 
 #[test]
-fn what_lets_light_pass_blocks_nothing_and_is_not_listed() {
+fn transmissive_primitives_block_nothing_and_are_not_listed() {
     let mut set = MixedSetBuilder::<f32>::default();
     set.sphere(DVec3::ZERO, 1.0).unwrap();
     set.last_is_transmissive();

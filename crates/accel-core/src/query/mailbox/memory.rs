@@ -2,7 +2,6 @@
 
 /// Remembers what one ray has been tested against.
 pub trait Mailbox {
-    /// False for [`NoMailbox`].
     const ENABLED: bool;
     /// False when `id` was tested for this ray already; otherwise it counts as tested from now on.
     /// May forget, never invents.

@@ -249,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn whatever_holds_a_point_of_the_frustum_meets_it() {
+    fn boxes_and_balls_with_a_point_of_the_frustum_overlap_it() {
         let mut random = Random(11);
         let (mut boxes_missed, mut balls_missed) = (0, 0);
         for _ in 0..400 {

@@ -214,8 +214,8 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
     }
 
-    fn way_of(&self, ray: &Ray<S>) -> TraversalTrace<S> {
-        self.counting(|counting| counting.way_of(ray, &self.mailbox))
+    fn trace_of(&self, ray: &Ray<S>) -> TraversalTrace<S> {
+        self.counting(|counting| counting.trace_of(ray, &self.mailbox))
     }
 
     fn cells_of(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -336,8 +336,8 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         self.cells_of(each)
     }
 
-    fn way(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.way_of(ray))
+    fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
+        Ok(self.trace_of(ray))
     }
 
     fn released(self: Box<Self>) -> Option<KeptStructure> {

@@ -44,9 +44,9 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         mailbox.with(|mailbox| self.occlusions(rays, rule, answers, mailbox))
     }
 
-    /// [`CountingTracer::way`] with the mailbox of the settings.
-    pub fn way_of(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
-        mailbox.with(|mailbox| self.way(ray, mailbox))
+    /// [`CountingTracer::trace`] with the mailbox of the settings.
+    pub fn trace_of(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
+        mailbox.with(|mailbox| self.trace(ray, mailbox))
     }
 
     /// The closest hit of every ray.
@@ -68,8 +68,8 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         total
     }
 
-    /// The closest hit of a ray, and the way to it.
-    fn way<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> TraversalTrace<S> {
+    /// The closest hit of a ray, and the trace to it.
+    fn trace<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> TraversalTrace<S> {
         let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
         closest::<S, B>(
             self.reach,

@@ -124,7 +124,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         self.segments.cells(each)
     }
 
-    fn way(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.counting(|counting| counting.way_of(ray, &self.mailbox)))
+    fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
+        Ok(self.counting(|counting| counting.trace_of(ray, &self.mailbox)))
     }
 }

@@ -74,7 +74,7 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     ///
     /// # Errors
     /// [`NoCells`] for tracers that are not traversed with a sink.
-    fn way(&self, _ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
+    fn trace(&self, _ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
         Err(NoCells::UNTOLD)
     }
     /// The structure alone, to be taken to the next frame; none where there is nothing but to build
@@ -136,7 +136,6 @@ pub struct PreviousFrame<'m> {
 pub(crate) struct Parts<S, T> {
     pub(crate) structure: T,
     pub(crate) blocks: Option<ListBlocks<S>>,
-    /// Number of items.
     pub(crate) primitives: usize,
 }
 

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn a_union_holds_both() {
+    fn a_union_contains_both_slabs() {
         let a = Slabs::<f64, 3> { intervals: [[0.0, 1.0], [2.0, 3.0], [-1.0, 0.0]] };
         let b = Slabs::<f64, 3> { intervals: [[-1.0, 0.5], [2.5, 4.0], [5.0, 6.0]] };
         let both = Slabs { intervals: [[-1.0, 1.0], [2.0, 4.0], [-1.0, 6.0]] };

@@ -1,5 +1,6 @@
-//! The ways of many rays over the lattice, side by side: [`Course`](super::course::Course) axis by
-//! axis, with a ray in each lane, to the same bits.
+//! Traverses the lattice with many rays side by side:
+//! [`LatticeRayState`](super::course::LatticeRayState) axis by axis, with a ray in each lane, to
+//! the same bits.
 
 use wide::{i32x8, u32x8};
 

@@ -73,13 +73,14 @@ config! {
         },
         /// cells of the coarse grid wanted per primitive
         top_density: f64 = ParamSpec::real("top-density", "0.12", 1e-6, 1e3),
-        /// cells with no more primitives are not divided; 0: 32 for build=quality, 64 for build=fast
+        /// cells with no more primitives are not divided; 0: 32 for build=quality, 64 for
+        /// build=fast
         longest_list: u64 = ParamSpec::integer("longest-list", "0", 0, 1 << 20),
         /// what a step costs, in tests of a primitive
         step_cost: f64 = ParamSpec::real("step-cost", "3", 0.0, 1e3),
         is_batch: bool = specs::QUERY => |query| query == "batch",
-        /// what the divisions in one line of descent may multiply references by, and so most references to a
-        /// primitive on average
+        /// what the divisions in one line of descent may multiply references by, and so most
+        /// references to a primitive on average
         max_growth: f64 = ParamSpec::real("max-growth", "64", 1.0, 1e9),
         max_references: u64 = specs::MAX_REFERENCES,
     }

@@ -11,7 +11,6 @@ pub(super) type QueuedVolume<S> = (S, u32);
 /// A binary heap on the stack; one that outgrows its room moves to a vector.
 pub(super) struct EntryQueue<S> {
     inline: [QueuedVolume<S>; INLINE],
-    /// Number of items.
     len: usize,
     /// All of them, once there were more than [`INLINE`]; empty before.
     spilled: Vec<QueuedVolume<S>>,

@@ -18,7 +18,8 @@ config! {
         pub(super) empty_bonus: f64 = ParamSpec::real("empty-bonus", "0.2", 0.0, 0.99),
         /// cuts in one line of descent that may fail to lower the expected cost
         pub(super) useless_splits: u64 = ParamSpec::integer("useless-splits", "2", 0, DEEPEST as u64),
-        /// cells with at most this many references try every side of every box; larger ones 32 planes per axis
+        /// cells with at most this many references try every side of every box; larger ones 32
+        /// planes per axis
         pub(super) exact_below: usize = ParamSpec::integer("exact-below", "64", 0, 1 << 32),
         pub(super) max_cells: u64 = specs::max_cells(specs::MAX_CELLS.default, 1 << 29),
         pub(super) max_references: u64 = specs::max_references("268435456", (1 << 31) - 1),

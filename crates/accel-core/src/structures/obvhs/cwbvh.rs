@@ -1,8 +1,8 @@
 //! The compressed 8-wide BVH of the `obvhs` crate.
 //!
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
-//! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. By its plain name it is the library
-//! as its authors use it (`direct.rs`); with `adapter=robust` its answers are right: see
+//! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. By its plain name it is the
+//! library as its authors use it (`direct.rs`); with `adapter=robust` its answers are right: see
 //! `adapter.rs`, and `builder.rs` for scenes that its builder does not serve.
 
 use std::ops::ControlFlow;

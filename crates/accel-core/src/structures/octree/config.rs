@@ -10,8 +10,8 @@ config! {
     pub struct OctreeConfig {
         /// cuts at the cell's centre, or between it and the objects' by least cost
         pub(super) adaptive: bool = ParamSpec::choice("subdivision", "centre", &["centre", "adaptive"]) => |s| s == "adaptive",
-        /// point-location from the root (Glassner 1984), neighbour finding (Samet 1989), top-down (Gargantini,
-        /// Atkinson 1993)
+        /// point-location from the root (Glassner 1984), neighbour finding (Samet 1989), top-down
+        /// (Gargantini, Atkinson 1993)
         pub(super) traversal: Traversal = ParamSpec::choice(
             "traversal", "top-down", &["point-location", "neighbour", "top-down"]
         ) => |traversal| match traversal {
@@ -25,12 +25,12 @@ config! {
         pub(super) max_leaf: usize = ParamSpec::integer("max-leaf", "6", 0, 1 << 20),
         /// cuts in one line of descent that may fail to lower the expected cost
         pub(super) useless_splits: u64 = ParamSpec::integer("useless-splits", "1", 0, DEEPEST as u64),
-        /// what the cuts in one line of descent may multiply references by, and so most references to a primitive
-        /// on average; no limit for historical boxes
+        /// what the cuts in one line of descent may multiply references by, and so most references
+        /// to a primitive on average; no limit for historical boxes
         pub(super) max_growth: f64 = ParamSpec::real("max-growth", "256", 1.0, 1e9),
         pub(super) historical: bool = specs::BOXES => specs::is_historical,
-        /// order of ids in a leaf: as in the file or reversed; alternate turns it round from each level to the next,
-        /// as in 1999
+        /// order of ids in a leaf: as in the file or reversed; alternate turns it round from each
+        /// level to the next, as in 1999
         pub(super) order: Order = ParamSpec {
             kind: ParamKind::Choice(&["file", "reverse", "alternate", "alternate-reverse"]),
             ..specs::ORDER

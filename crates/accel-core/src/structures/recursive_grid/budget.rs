@@ -118,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_given_back_is_free_again_in_order() {
+    fn returned_cells_are_available_in_order() {
         let budget = Budget::new(room(100, 100));
         budget.take([60, 90]).unwrap();
         assert_eq!(budget.take([41, 0]).unwrap_err().needed, [101, 90]);
@@ -130,7 +130,7 @@ mod tests {
     /// A grid of 45 references and one of 60, of which 40 are given back, fit in one order of two.
     /// In any order, neither may be told whether the other came before.
     #[test]
-    fn in_any_order_nothing_depends_on_what_came_before() {
+    fn fitting_does_not_depend_on_the_order_of_grids() {
         let grids = [[10, 45, 0], [10, 60, 40]];
         let fits = |order: [usize; 2]| {
             let budget = Budget::new(room(100, 100));

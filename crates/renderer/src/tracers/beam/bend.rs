@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn parts_are_all_of_it_and_finer_for_a_smaller_error() {
+    fn parts_cover_the_beam_and_get_finer_for_smaller_errors() {
         let mut before = 0;
         for most in [10.0, 0.3, 0.1, 0.03] {
             let parts = parts(-DVec3::Z, most);

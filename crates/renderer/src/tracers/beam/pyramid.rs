@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_ahead_is_cut_off() {
+    fn polygons_behind_the_eye_are_clipped() {
         let pyramid = pyramid();
         let plane = plane(&pyramid, DVec3::Z, DVec3::ZERO);
         let towards = |z: f64| pyramid.through(&plane, plane.normal * -2.0, DVec3::Z * z).unwrap();

@@ -25,7 +25,7 @@ pub fn refusal(scene: &Scene) -> Result<(), Refusal> {
     none(scene.lights.iter().filter(|l| l.radius() > 0.0).count(), "lights with a radius")?;
     none(usize::from(scene.camera.aperture > 0.0), "lens with an aperture")?;
     let opens = scene.camera.angle > 0.0 && scene.camera.angle < 180.0;
-    none(usize::from(!opens), "view that is not between 0 and 180 degrees wide")?;
+    none(usize::from(!opens), "field of view outside 0 to 180 degrees")?;
     let moves = scene.velocities.iter().filter(|v| **v != DVec3::ZERO).count();
     none(if scene.camera.shutter > 0.0 { moves } else { 0 }, "moving primitives")?;
     let is_textured = |(p, id): (&Primitive, u32)| {
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_flat_or_sharp_is_refused_with_its_count() {
+    fn curved_or_soft_scenes_are_refused_with_counts() {
         let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
         assert_eq!(what(|_| ()), None);
         assert_eq!(what(|s| s.push_sphere(0, DVec3::ZERO, 1.0)).as_deref(), Some("1 spheres"));
@@ -78,7 +78,7 @@ mod tests {
         assert_eq!(what(|s| s.camera = lens).as_deref(), Some("1 lens with an aperture"));
         let closed = Camera { angle: 0.0, ..Camera::default() };
         let refused = what(|s| s.camera = closed);
-        assert_eq!(refused.as_deref(), Some("1 view that is not between 0 and 180 degrees wide"));
+        assert_eq!(refused.as_deref(), Some("1 field of view outside 0 to 180 degrees"));
         let moves = |s: &mut Scene| {
             s.camera.shutter = 1.0;
             s.last_moves(DVec3::X);

@@ -6,10 +6,9 @@ pub static INFO: TracerInfo = TracerInfo {
     name: "beam",
     summary: "pyramids cut exactly by the polygons they meet: antialiasing without samples",
     paper: "Heckbert, Hanrahan 1984",
-    assumptions: "flat polygons whose outlines do not cross themselves; shading is even over a \
-                  pixel's part of a face; refraction bends a ray wrong by up to \
-                  a tenth of a pixel's angle",
-    deviations: "beams stay in image coordinates; no beam tree, no order of depth: cycles and \
+    assumptions: "flat polygons with simple outlines; shading is constant over a pixel's part of \
+                  a face; refracted directions are off by up to a tenth of a pixel's angle",
+    deviations: "beams stay in image coordinates; no beam tree and no depth order: cycles and \
                  intersections are cut; candidates come from a structure",
     refuses: "spheres, cones, lights with a radius, lenses, motion, textures, rough mirrors, \
               mirrors and glass with smooth normals, polygons that cross themselves",

@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_that_go_through_each_other_are_cut_where_they_do() {
+    fn intersecting_faces_are_cut_at_the_intersection() {
         // at x = 4 both have depth 1
         let fall = [[0.0, 0.0, 0.5], [16.0, 0.0, 2.0], [16.0, 16.0, 2.0], [0.0, 4.0, 0.5]];
         let wall = square(0.0, 0.0, 8.0, 1.0);
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cut_that_is_dropped_is_noticed() {
+    fn a_dropped_cut_is_caught() {
         let piece = ConvexPolygon::rectangle(DVec2::ZERO, DVec2::splat(8.0));
         let outline = &outlines(&[&square(1.0, 1.0, 4.0, 1.0)])[0];
         let (inside, outside) = cut_along(&piece, &outline.lines);

@@ -66,7 +66,11 @@ impl<'a> Caster<'a> {
     }
 
     /// The surface that a bundle leaves along a direction.
-    pub(super) fn left(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> DepartedSurface {
+    pub(super) fn departed_surface(
+        &self,
+        hit: &SurfaceHit<'_>,
+        direction: DVec3,
+    ) -> DepartedSurface {
         let refined = hit.point.refined;
         let inwards = direction.dot(refined.normal) < 0.0;
         // within a convex body, all of it is on the inner side of the surface
@@ -79,7 +83,7 @@ impl<'a> Caster<'a> {
     }
 
     /// The cone that leaves a flat surface begins where its edge does, before its middle.
-    pub(super) fn begun(&self, mut cone: Cone, left: &DepartedSurface) -> Cone {
+    pub(super) fn start_at_edge(&self, mut cone: Cone, left: &DepartedSurface) -> Cone {
         if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
             let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
             let slope = (1.0 - cosine * cosine).sqrt() / cosine;

@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn abutting_surfaces_add_up_and_what_is_behind_is_not_seen() {
+    fn abutting_surfaces_add_up_and_hide_those_behind() {
         let halves =
             || vec![band(0, 1.0, -9.0, 0.2), band(1, 1.1, 0.2, 9.0), band(2, 2.0, -9.0, 9.0)];
         let (seen, found) = composed(halves());
@@ -224,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn a_partial_one_takes_its_share_of_the_whole_one_behind() {
+    fn partial_fragments_hide_their_share_of_the_one_behind() {
         let (seen, found) = composed(vec![band(7, 5.0, -9.0, 9.0), band(3, 1.0, 0.0, 9.0)]);
         assert_eq!(seen.iter().map(|s| s.0).collect::<Vec<_>>(), [3, 7]);
         assert!(
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slanted_whole_one_is_asked_where_the_other_is() {
+    fn depths_of_slanted_fragments_are_compared_at_the_other_one() {
         // at the middle of the second the first one, a floor, is deeper than at its own middle
         let mut fragments = vec![band(0, 3.0, -9.0, 9.0), band(1, 4.0, 0.0, 9.0)];
         let depth_at =

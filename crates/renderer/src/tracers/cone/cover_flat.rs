@@ -134,7 +134,7 @@ pub fn project(
         deepest = part.iter().map(|c| c.depth).fold(deepest, f64::max);
         total = Some(match total {
             None => overlap,
-            Some(first) => both(first, overlap),
+            Some(first) => add_overlaps(first, overlap),
         });
         outline.extend(places);
     }
@@ -142,7 +142,7 @@ pub fn project(
 }
 
 /// The parts of one outline in front of a focus and behind it: no ray meets both.
-fn both(a: Overlap, b: Overlap) -> Overlap {
+fn add_overlaps(a: Overlap, b: Overlap) -> Overlap {
     let share = a.share + b.share;
     if share >= 1.0 {
         return Overlap::ALL;

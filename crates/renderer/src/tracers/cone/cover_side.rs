@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_that_of_the_rays() {
+    fn cone_coverage_equals_the_share_of_rays() {
         let side = |base: [f64; 3], apex: [f64; 3], r0: f64, r1: f64| {
             Side::new(&scene_loading::Cone {
                 base: DVec3::from(base),

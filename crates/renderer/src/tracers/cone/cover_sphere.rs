@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_that_of_the_rays_for_near_far_large_and_small_spheres() {
+    fn sphere_coverage_equals_the_share_of_rays() {
         let ball = |x: f64, y: f64, z: f64, radius: f64| Ball {
             sphere: Sphere { center: DVec3::new(x, y, z), radius },
         };
@@ -193,7 +193,7 @@ mod tests {
     }
 
     #[test]
-    fn within_behind_and_leaving() {
+    fn spheres_around_and_behind_the_origin() {
         let ball = Ball { sphere: Sphere { center: DVec3::Z, radius: 2.0 } };
         let cone = Cone::new(DVec3::ZERO, DVec3::Z, 0.0, 0.01);
         assert_eq!(ball.cover(&cone, None, None).unwrap().overlap, Overlap::ALL);

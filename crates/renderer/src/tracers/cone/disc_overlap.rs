@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_none_and_touching() {
+    fn overlaps_of_covering_distant_and_touching_polygons() {
         let square = |h: f64| [(-h, -h), (h, -h), (h, h), (-h, h)].map(DVec2::from);
         assert_eq!(of_polygon(&square(1.0)), Overlap::ALL);
         assert_eq!(of_polygon(&square(1e9)), Overlap::ALL);

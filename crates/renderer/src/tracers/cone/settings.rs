@@ -4,10 +4,10 @@ use crate::tracers::info::TracerInfo;
 
 pub static INFO: TracerInfo = TracerInfo {
     name: "cone",
-    summary: "one cone per pixel: covered areas in place of samples, soft shadows and all",
+    summary: "one cone per pixel: covered areas instead of samples, also for soft shadows",
     paper: "Amanatides 1984",
-    assumptions: "a pixel is a disc; a surface looks as in the middle of what is seen of it; cones \
-                  stay round; where outlines still overlap, shares are guessed",
+    assumptions: "a pixel is a disc; a surface is shaded at the middle of its visible part; \
+                  cones stay round; shares of outlines that still overlap are estimated",
     deviations: "exact areas; cut into four where the estimate fails; oblique reflection; sides of \
                  truncated cones",
     refuses: "motion, a lens, rough mirrors",

@@ -81,7 +81,7 @@ impl Caster<'_> {
         let ratio = refined.normal.dot(towards).abs() / incidence.cosine;
         let cone =
             shadow_cone(refined.position, incidence.radius * ratio.sqrt(), light, light_radius);
-        let left = self.left(hit, towards);
-        self.blocked(&self.begun(cone, &left), &left, path.level, scratch)
+        let left = self.departed_surface(hit, towards);
+        self.blocked(&self.start_at_edge(cone, &left), &left, path.level, scratch)
     }
 }

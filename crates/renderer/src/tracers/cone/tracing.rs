@@ -276,8 +276,8 @@ impl<'a> Caster<'a> {
         }
         let axis = direction.normalize_or(hit.incoming);
         let cone = Cone::new(hit.point.refined.position, axis, radius, spread).across(right, up);
-        let left = self.left(hit, axis);
-        Bundle::Cone(self.begun(cone, &left), Some(left))
+        let left = self.departed_surface(hit, axis);
+        Bundle::Cone(self.start_at_edge(cone, &left), Some(left))
     }
 }
 

@@ -23,8 +23,8 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     }
     page.html.paragraph(
         "The time for n rays is the build and n times the time per ray, on the mix of rays of this \
-         run. A structure that builds slowly is worth it from its break-even count on. Counts whose \
-         interval is wide are not known well.",
+         run. A slow build pays off from the break-even count on. Counts with wide intervals are \
+         uncertain.",
     );
     let seed = material.run.settings.seed;
     for (scene, profiles) in material.scenes() {
@@ -60,7 +60,7 @@ fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
         ])
     });
     let header = vec!["least time", "from rays", "95%", "build ms", "ns per ray"];
-    words(format!("{scene}: who takes the least time, by medians"), header, rows.collect())
+    words(format!("{scene}: fastest structure by number of rays (medians)"), header, rows.collect())
 }
 
 /// Winners for 1, 10, 100... rays, and rows not significantly different.

@@ -70,7 +70,7 @@ fn verdicts(rows: &[ReproducedFigure]) -> Table {
     all.extend(counts(&|_| true));
     lines.push(all);
     let header = std::iter::once("structure").chain(KINDS.map(|(_, name)| name)).collect();
-    words("How many published figures are ours, too".to_owned(), header, lines)
+    words("Published figures that we reproduce".to_owned(), header, lines)
 }
 
 /// Then across, now up.

@@ -82,7 +82,7 @@ fn wrong_rows(scene: &SceneRecord) -> Option<String> {
     let wrong = scene.rows.iter().filter(|row| row.verdict == Verdict::Wrong);
     let wrong: Vec<String> = wrong.map(|row| row.label()).collect();
     (!wrong.is_empty()).then(|| {
-        format!("{}: {}. No times are shown of them.", scene.name, names("wrong hits of", &wrong))
+        format!("{}: {}. Their times are not shown.", scene.name, names("wrong hits of", &wrong))
     })
 }
 

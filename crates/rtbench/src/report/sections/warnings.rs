@@ -17,7 +17,7 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
         all.extend(refused.map(|r| format!("{}: not asked first: {r}", scene.name)));
     }
     if all.is_empty() {
-        page.html.paragraph("The run warned of nothing.");
+        page.html.paragraph("The run had no warnings.");
     }
     page.html.list(all);
     let table = outlier_table(scenes);

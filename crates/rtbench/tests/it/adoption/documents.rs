@@ -147,7 +147,7 @@ fn every_command_can_be_typed() {
 }
 
 #[test]
-fn a_command_that_is_not_there_is_found_out() {
+fn a_documented_command_that_does_not_exist_is_caught() {
     for bad in [
         "rtbench rnu spd",
         "./target/release/rtbench run --round 3",
@@ -201,7 +201,7 @@ fn unknown_in(line: &str) -> Vec<String> {
 }
 
 #[test]
-fn the_synopsis_has_no_option_that_is_not_there() {
+fn the_synopsis_lists_existing_options_only() {
     let lines = blocks(&text_of("docs/commands.md"), "text");
     let mut synopses: Vec<String> = Vec::new();
     for line in lines {
@@ -237,7 +237,7 @@ fn named_files(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn what_is_named_lies_there() {
+fn files_named_in_documents_exist() {
     let others = [("README.md", 10), ("CONTRIBUTING.md", 5), ("CHANGELOG.md", 1)];
     let chapters = chapters();
     let chapters = chapters.iter().map(|chapter| (chapter.as_str(), 0));

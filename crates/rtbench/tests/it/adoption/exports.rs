@@ -63,7 +63,7 @@ fn records_are_of_their_schema() {
 }
 
 #[test]
-fn records_that_are_not_are_found_out() {
+fn invalid_records_are_caught() {
     let validator = validator("run-record");
     let whole = json(&run_stepping(&format!("{RUN} --export-json -")));
     assert_eq!(errors(&validator, &whole), Vec::<String>::new());
@@ -94,7 +94,7 @@ fn records_that_are_not_are_found_out() {
 }
 
 #[test]
-fn other_peoples_formats_are_of_their_schemas() {
+fn foreign_formats_follow_their_schemas() {
     let action = validator("github-action-benchmark");
     let smaller = json(&run_stepping(&format!("{RUN} --export-github-smaller -")));
     assert_eq!(errors(&action, &smaller), Vec::<String>::new());
@@ -160,7 +160,7 @@ fn rows_that_are_wrong_are_left_out_of_time_series() {
 }
 
 #[test]
-fn one_output_can_have_standard_output() {
+fn only_one_output_can_use_standard_output() {
     let csv = run_stepping(&format!("{RUN} --export-csv -"));
     assert_eq!(csv.code, 0, "{}", csv.err);
     assert!(
@@ -170,7 +170,7 @@ fn one_output_can_have_standard_output() {
     );
     let both = run_stepping(&format!("{RUN} --export-csv - --export-json -"));
     assert_eq!((both.code, both.out.as_str()), (2, ""));
-    assert!(both.err.contains("more than one output"), "{}", both.err);
+    assert!(both.err.contains("only one output can go to standard output"), "{}", both.err);
     let sweep = "sweep tetra:2 -s uniform-grid -p density --values 1,2 --size 12 --quick";
     let svg = run_stepping(&format!("{sweep} --export-svg -"));
     assert_eq!(svg.code, 0, "{}", svg.err);

@@ -54,7 +54,7 @@ fn joined_parts_are_the_whole_run() {
 }
 
 #[test]
-fn a_part_that_was_broken_off_is_finished_by_resume() {
+fn interrupted_shards_are_finished_by_resume() {
     let folder = Folder::new();
     let parts = parts(RUN, 2, &folder);
     let whole = std::fs::read_to_string(format!("{}/results.csv", parts[0])).unwrap();
@@ -69,7 +69,7 @@ fn a_part_that_was_broken_off_is_finished_by_resume() {
     write(&parts[0], &record);
     let early = run_stepping(&format!("merge {}", parts.join(" ")));
     assert_eq!(early.code, 1);
-    assert!(early.err.contains("part 1/2 has 1 of 2 scenes; finish it with"), "{}", early.err);
+    assert!(early.err.contains("shard 1/2 has 1 of 2 scenes; finish it with"), "{}", early.err);
     let ended = run_stepping(&format!("run --resume {}", parts[0]));
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert_eq!(std::fs::read_to_string(format!("{}/results.csv", parts[0])).unwrap(), whole);
@@ -86,7 +86,7 @@ fn write(part: &str, record: &Value) {
 }
 
 #[test]
-fn parts_that_do_not_fit_are_refused() {
+fn shards_of_different_runs_are_not_merged() {
     let folder = Folder::new();
     let parts = parts(SHARED, 3, &folder);
     let [a, b, c] = [&parts[0], &parts[1], &parts[2]];
@@ -97,13 +97,13 @@ fn parts_that_do_not_fit_are_refused() {
             assert!(ended.err.contains(said), "{said}: {}", ended.err);
         }
     };
-    refused(&format!("{a} {c}"), &["part 2/3 is missing"]);
-    refused(a, &["part 2/3 is missing", "part 3/3 is missing"]);
-    refused(&format!("{a} {b} {b} {c}"), &["part 2/3 is there twice"]);
+    refused(&format!("{a} {c}"), &["shard 2/3 is missing"]);
+    refused(a, &["shard 2/3 is missing", "shard 3/3 is missing"]);
+    refused(&format!("{a} {b} {b} {c}"), &["shard 2/3 is given twice"]);
     let whole = Folder::new();
     run_stepping(&format!("run tetra:1 --quick --size 8 -s obvhs-cwbvh -o {}", whole.path()));
-    refused(&whole.path(), &["not a part of a run"]);
-    refused(&format!("{a} {b} {c} {}", whole.path()), &["not a part of a run"]);
+    refused(&whole.path(), &["not a shard"]);
+    refused(&format!("{a} {b} {c} {}", whole.path()), &["not a shard"]);
     refused("/nowhere", &["cannot read /nowhere"]);
 
     let good = read(b);
@@ -129,7 +129,7 @@ fn parts_that_do_not_fit_are_refused() {
     record["settings"]["seed"] = 8.into();
     record["machine"]["cpu"] = "another".into();
     write(b, &record);
-    refused(&format!("{a} {b}"), &["settings.seed", "machine.cpu", "part 3/3 is missing"]);
+    refused(&format!("{a} {b}"), &["settings.seed", "machine.cpu", "shard 3/3 is missing"]);
     // the reference must have given the same in all parts that share a scene
     let mut record = good.clone();
     for row in record["scenes"][0]["rows"].as_array_mut().unwrap() {
@@ -171,12 +171,12 @@ fn warnings_of_all_parts_are_kept() {
 }
 
 #[test]
-fn a_folder_with_a_part_is_not_written_over() {
+fn a_folder_with_a_shard_is_not_overwritten() {
     let folder = Folder::new();
     let parts = parts(SHARED, 1, &folder);
     let ended = run_stepping(&format!("merge {0} -o {0}", parts[0]));
     assert_eq!(ended.code, 2, "{}", ended.err);
-    assert!(ended.err.contains("results.json: this file is read"), "{}", ended.err);
+    assert!(ended.err.contains("results.json: the command also reads this file"), "{}", ended.err);
     assert_eq!(read(&parts[0])["shard"]["index"], 1);
 }
 
@@ -196,7 +196,7 @@ fn scenes_of_the_same_name_are_not_divided() {
     }
     let ended = run_stepping(&format!("run {} -s obvhs-cwbvh --shard 1/2", paths.join(" ")));
     assert_eq!(ended.code, 2, "{}", ended.err);
-    assert!(ended.err.contains("two scenes have the name same"), "{}", ended.err);
+    assert!(ended.err.contains("two scenes are named same"), "{}", ended.err);
 }
 
 #[test]

@@ -1,10 +1,45 @@
-//! Tables are no wider than the terminal, and what matters most has room.
+//! Text and tables are no wider than the terminal, and what matters most has room.
 
 use crate::common::{Folder, run_within};
 
 /// The lines that are wider than they may be.
 fn too_wide(text: &str, width: usize) -> Vec<&str> {
     text.lines().filter(|line| line.trim_end().chars().count() > width).collect()
+}
+
+/// Commands with prose, tables, lists or warnings.
+const COMMANDS: [&str; 9] = [
+    "run tetra:2 --size 16 --rounds 2 -s uniform-grid:density=1,obvhs-cwbvh --columns ratio,build",
+    "list structures",
+    "list scenes",
+    "list axes",
+    "scenes info tetra:2",
+    "accuracy mailbox --quick --scene tetra:2",
+    "explain tetra:2 --size 16 --rounds 3",
+    "reproduce zachmann2007 --scenes tetra --quick --size 8",
+    "verify -j 1 --cases G1 -s uniform-grid --rays 100",
+];
+
+#[test]
+fn text_fits_80_and_120_columns() {
+    for width in [80, 120] {
+        for command in COMMANDS {
+            let ended = run_within(width, command);
+            assert_eq!(ended.code, 0, "{command}: {}", ended.err);
+            for text in [&ended.out, &ended.err] {
+                assert_eq!(too_wide(text, width), [""; 0], "{command} within {width}");
+            }
+        }
+    }
+}
+
+#[test]
+fn wide_tables_alone_exceed_the_width() {
+    let command = "run tetra:2 --size 16 --rounds 2 -s uniform-grid,obvhs-cwbvh --wide";
+    let text = run_within(80, command).out;
+    // the head of the table and a line for each row
+    assert_eq!(too_wide(&text, 80).len(), 3, "{text}");
+    assert!(text.contains("N_EETS"), "{text}");
 }
 
 #[test]
@@ -52,8 +87,8 @@ fn tables_of_all_commands_that_judge_fit() {
     }
     let narrow = run_within(80, &commands[0].0).out;
     let left_out = narrow.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(left_out.contains("No room for the columns "), "{narrow}");
+    assert!(left_out.contains("Columns that do not fit: "), "{narrow}");
     let wide = run_within(400, &commands[0].0).out;
-    assert!(wide.contains("second.") && !wide.contains("No room"), "{wide}");
+    assert!(wide.contains("second.") && !wide.contains("do not fit"), "{wide}");
     assert_eq!(too_wide("four\nfive5\nsix   ", 4), ["five5"]);
 }

@@ -25,7 +25,7 @@ fn a_baseline_is_kept_listed_shown_promoted_and_removed() {
 }
 
 #[test]
-fn what_makes_no_sense_is_said_before_anything_is_measured() {
+fn invalid_baseline_requests_fail_before_measuring() {
     let folder = Folder::new();
     let path = folder.path();
     saved(&path, "main");
@@ -84,7 +84,7 @@ fn wrong_hits_are_not_kept() {
     let arguments = "baseline save main tetra:2 --quick --size 16 -s dropper,obvhs-cwbvh";
     let ended = run_in(&PLANTED, in_folder(&folder.path()), arguments);
     assert_eq!(ended.code, 4);
-    assert!(ended.err.contains("not kept"), "{}", ended.err);
+    assert!(ended.err.contains("not saved"), "{}", ended.err);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

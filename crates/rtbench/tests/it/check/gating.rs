@@ -67,7 +67,7 @@ fn wrong_hits_end_with_4_whatever_else_is_found() {
 }
 
 #[test]
-fn what_cannot_be_told_ends_with_5_where_that_is_asked_for() {
+fn inconclusive_comparisons_exit_with_5_if_requested() {
     let folder = Folder::new();
     saved(&folder.path(), "main");
     plant(&folder, |r| {
@@ -83,7 +83,7 @@ fn what_cannot_be_told_ends_with_5_where_that_is_asked_for() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_refused_with_all_reasons() {
+fn incomparable_baselines_are_refused_with_all_reasons() {
     let folder = Folder::new();
     saved(&folder.path(), "main");
     plant(&folder, |r| {
@@ -131,7 +131,7 @@ fn rows_of_one_side_are_named_and_nothing_in_common_is_an_error() {
 }
 
 #[test]
-fn rounds_that_can_never_be_significant_are_said_before_measuring() {
+fn too_few_rounds_for_significance_are_reported_before_measuring() {
     let folder = Folder::new();
     saved(&folder.path(), "main");
     let few = check(&folder, "--rounds 2");
@@ -243,13 +243,13 @@ fn two_binaries_are_measured_in_turns() {
 
 #[cfg(unix)]
 #[test]
-fn a_binary_that_cannot_answer_is_an_error_that_says_so() {
+fn a_binary_that_cannot_answer_is_a_clear_error() {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new();
     for (script, said) in [
         (
             "echo \"error: unrecognized subcommand 'child'\" >&2; exit 2",
-            "from before `rtbench check`",
+            "older than `rtbench check`",
         ),
         ("echo nonsense", "another version?"),
         ("echo 'error: the scene is gone' >&2; exit 1", "exit status: 1: error: the scene is gone"),

@@ -42,7 +42,7 @@ fn a_record_held_against_itself_is_unchanged() {
 }
 
 #[test]
-fn other_answers_and_wrong_ones_are_found() {
+fn changed_and_wrong_answers_are_regressions() {
     let answers = |fault: fn(&mut RunRecord)| after(fault, "answers", "answers");
     assert_eq!(answers(|_| ()), GateOutcome::Unchanged);
     let other = answers(|r| row(r, ROW).answers_sha256 = Some("0".repeat(64)));
@@ -137,7 +137,7 @@ fn time(base: &RunRecord, now: &RunRecord) -> GateOutcome {
 }
 
 #[test]
-fn times_regress_where_the_interval_and_the_test_say_so() {
+fn times_regress_if_the_interval_and_the_rank_test_agree() {
     let base = timed(15, 2.0, 0.02, 1);
     assert_eq!(time(&base, &timed(15, 2.6, 0.02, 2)), GateOutcome::Regression);
     assert_eq!(time(&base, &timed(15, 1.0, 0.02, 2)), GateOutcome::Improved);
@@ -162,7 +162,7 @@ fn scaled(mut record: RunRecord, factor: f64) -> RunRecord {
 }
 
 #[test]
-fn what_is_short_before_and_now_alone_is_not_judged() {
+fn times_below_the_minimum_on_both_sides_are_not_judged() {
     let base = timed(15, 2.0, 0.02, 1);
     let short = scaled(timed(15, 2.0, 0.02, 2), 1e-3);
     assert_eq!(time(&scaled(base.clone(), 1e-3), &short), GateOutcome::NotJudged);
@@ -172,7 +172,7 @@ fn what_is_short_before_and_now_alone_is_not_judged() {
 }
 
 #[test]
-fn noise_makes_nothing_unchanged() {
+fn noisy_times_are_never_reported_unchanged() {
     let base = timed(15, 2.0, 0.5, 1);
     let findings = of(&base, &timed(15, 2.0, 0.5, 2), Instructions::NotAsked);
     let times: Vec<&Finding> = findings.iter().filter(|f| f.stage == "times").collect();
@@ -197,7 +197,7 @@ fn noise_makes_nothing_unchanged() {
 }
 
 #[test]
-fn times_of_another_processor_are_judged_where_that_is_said() {
+fn times_of_another_processor_are_judged_on_request() {
     let base = timed(15, 2.0, 0.02, 1);
     let mut now = timed(15, 2.6, 0.02, 2);
     let thresholds = &Thresholds::default();
@@ -291,7 +291,7 @@ fn pairs_cancel_what_disturbs_both() {
 }
 
 #[test]
-fn what_is_decided_is_measured_no_more() {
+fn decided_comparisons_are_not_measured_again() {
     let (record, thresholds) = (&record(), &Thresholds { time: 0.02, ..Thresholds::default() });
     let open = |times: f64, n: u32| {
         let pairs = &pairs(n, times);
@@ -304,7 +304,7 @@ fn what_is_decided_is_measured_no_more() {
 }
 
 #[test]
-fn nothing_is_claimed_below_what_a_copy_of_the_program_differs_by() {
+fn differences_below_the_noise_floor_are_inconclusive() {
     let of = |times, copy| outcome(&paired(&turns(15, times, copy)), "times", "trace");
     assert_eq!(of(1.3, 1.0), GateOutcome::Regression);
     // planted: the program differs from itself by as much

@@ -56,7 +56,7 @@ pub fn answered(rays: &[u8], triangles: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn another_program_answers_and_is_judged() {
+fn answers_of_another_program_are_judged() {
     let folder = Folder::new();
     let file = |name: &str| Path::new(&folder.path()).join(name).to_str().unwrap().to_owned();
     let (rays, triangles, answers) = (file("a.rays"), file("a.tris"), file("a.hits"));
@@ -117,7 +117,7 @@ fn another_program_answers_and_is_judged() {
     let mut bad = hits.clone();
     bad[80] ^= 1;
     let (code, said) = check(&bad);
-    assert!(code == 1 && said.contains("byte 80: its rays are those of another scene"), "{said}");
+    assert!(code == 1 && said.contains("byte 80: its rays belong to another scene"), "{said}");
     let (code, said) = check(b"RTBHITS\n");
     assert!(code == 1 && said.contains("byte 8: the file ends within its header"), "{said}");
 }
@@ -135,11 +135,14 @@ fn rays_may_be_six_numbers() {
     assert!(!rtbench(&[&arguments[..], &["hagrid", "-o", path]].concat()).status.success());
     let ended = rtbench(&["rays", "export", "balls:1", "-o", &format!("{path}.not")]);
     let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(!ended.status.success() && said.contains("not of triangles"), "{said}");
+    assert!(
+        !ended.status.success() && said.contains("other primitives than static triangles"),
+        "{said}"
+    );
 }
 
 #[test]
-fn of_a_far_scene_the_origin_is_said_and_answers_are_judged() {
+fn exports_of_far_scenes_name_the_origin_and_are_judged() {
     let folder = Folder::new();
     let file = |name: &str| Path::new(&folder.path()).join(name).to_str().unwrap().to_owned();
     let [scene, rays, triangles, answers] = ["a.obj", "a.rays", "a.tris", "a.hits"].map(file);

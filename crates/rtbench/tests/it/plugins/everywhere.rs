@@ -32,7 +32,7 @@ fn several_processes_load_the_plugin_each() {
 }
 
 #[test]
-fn time_of_threads_that_nobody_asked_for_is_told() {
+fn time_of_extra_threads_is_reported() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };
     let (code, record, said) = run(&plugin, "minimal-cpp,minimal-cpp:fault=spin", &[]);
@@ -40,7 +40,7 @@ fn time_of_threads_that_nobody_asked_for_is_told() {
     let part = |label| row(&record, label).plugin.as_ref().unwrap().other_threads;
     assert!(part("minimal-cpp") < 0.05 && part("minimal-cpp fault=spin") > 0.5, "{said}");
     let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    assert_eq!(words.matches("threads that nobody asked for").count(), 1, "{said}");
+    assert_eq!(words.matches("threads beyond -j").count(), 1, "{said}");
     // with several threads others than the one that calls are asked for
     let (_, record, _) = run(&plugin, "minimal-cpp:fault=spin", &["-j", "2"]);
     assert_eq!(row(&record, "minimal-cpp fault=spin").plugin.as_ref().unwrap().other_threads, 0.0);
@@ -69,7 +69,7 @@ fn baselines_have_rows_of_plugins() {
     let (code, said) = asked(&check);
     assert_ne!(code, 0);
     assert!(
-        said.contains("minimal-cpp is of the plugin minimal.so: name its file with --plugin"),
+        said.contains("minimal-cpp belongs to the plugin minimal.so; give its file with --plugin"),
         "{said}"
     );
     // what valgrind counts is none of a plugin
@@ -79,7 +79,7 @@ fn baselines_have_rows_of_plugins() {
 
 #[test]
 #[cfg(target_os = "linux")]
-fn a_plugin_takes_no_more_memory_than_it_may() {
+fn a_plugin_stays_within_its_memory_limit() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };
     let rows = "wide-bvh,minimal-cpp,minimal-cpp:fault=memory";
@@ -96,7 +96,7 @@ fn a_plugin_takes_no_more_memory_than_it_may() {
 }
 
 #[test]
-fn indices_are_for_those_who_ask() {
+fn indices_are_passed_on_request_only() {
     let folder = Folder::new();
     let source = "crates/rtbench/tests/it/plugins/indexed.c";
     for more in [&[][..], &["-DNOT_ASKED"]] {
@@ -141,7 +141,7 @@ fn plugins_of_earlier_headers_go_on_working() {
         assert_eq!(row(&record, "brute-c").verdict, Verdict::Ok);
         let place = [place, &["--precision", "f64"]].concat();
         let (_, record, said) = run(&older, "wide-bvh,brute-c", &place);
-        assert!(said.contains("serves f32 only (it lacks RTBENCH_TRIANGLES_F64)"), "{said}");
+        assert!(said.contains("supports f32 only (it lacks RTBENCH_TRIANGLES_F64)"), "{said}");
         assert_eq!(row(&record, "brute-c").verdict, Verdict::NotBuilt);
     }
 }

@@ -59,7 +59,7 @@ impl Outside {
 const KINDS: [&str; 4] = ["--kind", "primary,diffuse,shadow", "--size", "24"];
 
 #[test]
-fn a_program_outside_is_a_marked_row_and_nobody_elses_rival() {
+fn foreign_rows_are_marked_and_never_compared() {
     let outside = Outside::new();
     let before = outside.results.record();
     let good = outside.hits("good", &KINDS, |_| {});
@@ -133,7 +133,7 @@ fn results_of_other_rays_take_no_row() {
     let path = Path::new(&outside.results.path()).join("results.json");
     for (was, is, why) in [
         ("\"complete\": true", "\"complete\": false", "the run is not finished"),
-        ("\"sha256\": \"", "\"sha256\": \"0", "it has no scene tetra:3 of that content"),
+        ("\"sha256\": \"", "\"sha256\": \"0", "no scene tetra:3 with this content"),
     ] {
         assert!(before.contains(was));
         fs::write(&path, before.replace(was, is)).unwrap();

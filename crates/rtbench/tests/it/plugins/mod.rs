@@ -159,7 +159,7 @@ fn a_test_in_f32_is_wrong_in_a_run_in_f64() {
 }
 
 #[test]
-fn with_our_triangle_test_all_bits_are_right() {
+fn plugins_with_our_triangle_test_match_in_all_bits() {
     let folder = Folder::new();
     let Some(plugin) = compiled(&folder, "peers/brute-c/brute.c", &[]) else { return };
     let (code, record, said) = run(&plugin, "wide-bvh,brute-c", &[]);
@@ -205,7 +205,7 @@ fn files_that_are_no_plugins_are_refused() {
     let folder = other.path();
     let more = [version[0], version[1], version[2], "-iquote", &folder];
     let Some(newer) = compiled(&other, "peers/minimal-cpp/minimal.cpp", &more) else { return };
-    refused(&newer, "speaks version 99 of rtbench.h, this program version 1", &[]);
+    refused(&newer, "built for version 99 of rtbench.h, but this program has version 1", &[]);
 }
 
 #[test]
@@ -218,7 +218,7 @@ fn the_journal_of_a_run_names_no_plugin() {
     assert!(rtbench(&begun).status.success());
     let ended = rtbench(&["run", "--resume", &path]);
     let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(!ended.status.success() && said.contains("name the same again"), "{said}");
+    assert!(!ended.status.success() && said.contains("give the same with --plugin"), "{said}");
     let ended = rtbench(&["run", "--resume", &path, "--plugin", plugin]);
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     // another file under the same name
@@ -227,5 +227,5 @@ fn the_journal_of_a_run_names_no_plugin() {
     let Some(changed) = compiled(&other, "peers/minimal-cpp/minimal.cpp", &more) else { return };
     let ended = rtbench(&["run", "--resume", &path, "--plugin", changed.to_str().unwrap()]);
     let said = String::from_utf8_lossy(&ended.stderr);
-    assert!(!ended.status.success() && said.contains("its file is another"), "{said}");
+    assert!(!ended.status.success() && said.contains("its file has changed"), "{said}");
 }

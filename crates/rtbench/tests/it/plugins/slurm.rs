@@ -101,7 +101,7 @@ fn replaced(text: &str, from: &str, to: &str) -> String {
 }
 
 #[test]
-fn a_part_with_a_wrong_row_is_merged_and_an_unfinished_one_is_named() {
+fn shards_with_wrong_rows_are_merged_and_unfinished_ones_are_named() {
     let library = Folder::new();
     let minimal = std::fs::read_to_string(root().join("peers/minimal-cpp/minimal.cpp")).unwrap();
     let source = format!("{}/minimal.cpp", library.path());
@@ -138,7 +138,7 @@ fn a_part_with_a_wrong_row_is_merged_and_an_unfinished_one_is_named() {
     cluster.shell("sbatch merge.sh");
     assert_eq!(cluster.codes(3), ["1"]);
     let said = cluster.0.text("log");
-    for part in ["part 1/3 has 0 of", "cannot read part-2", "part 3/3 has 0 of"] {
+    for part in ["shard 1/3 has 0 of", "cannot read part-2", "shard 3/3 has 0 of"] {
         assert!(said.contains(part), "{part}: {said}");
     }
     std::fs::rename(cluster.path("lost"), cluster.path("part-2")).unwrap();

@@ -39,11 +39,11 @@ fn rays_that_went_out_come_in_and_their_hits_are_right() {
     assert!(code == 2 && err.contains("one structure"), "{err}");
     // rays of another scene, or fewer than are spoken of
     let (code, _, err) = ended(&["trace", "tetra:2", "--rays", &rays, "-s", "kd-tree"]);
-    assert!(code == 1 && err.contains("byte 80: rays of another scene"), "{err}");
+    assert!(code == 1 && err.contains("byte 80: the rays belong to another scene"), "{err}");
     let bytes = fs::read(&rays).unwrap();
     fs::write(&rays, &bytes[..bytes.len() - 1]).unwrap();
     let (code, _, err) = ended(&["trace", "tetra:3", "--rays", &rays, "-s", "kd-tree"]);
-    assert!(code == 1 && err.contains("its header speaks of"), "{err}");
+    assert!(code == 1 && err.contains("its header states"), "{err}");
 }
 
 #[test]
@@ -74,7 +74,7 @@ fn rays_as_text_are_traced_by_several_rows() {
     if let Some(plugin) = compiled(&folder, "peers/brute-c/brute.c", &[]) {
         let plugin = ["--plugin", plugin.to_str().unwrap(), "--precision", "f64"];
         let (code, _, err) = ended(&[&arguments[..4], &plugin, &["-s", "brute-c"]].concat());
-        assert!(code == 1 && err.contains("brute-c: cannot be built: serves f32 only"), "{err}");
+        assert!(code == 1 && err.contains("brute-c: cannot be built: supports f32 only"), "{err}");
     }
     for (text, said) in [("1 2 3\n", ":1: 3 numbers"), ("\n1 2 3 0 0 0 x 1\n", ":2: 'x' is no")] {
         fs::write(&rays, text).unwrap();

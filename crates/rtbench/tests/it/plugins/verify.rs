@@ -36,18 +36,18 @@ fn verify(
 }
 
 #[test]
-fn with_our_triangle_test_all_bits_must_be_right() {
+fn verify_demands_all_bits_of_plugins_with_our_triangle_test() {
     let folder = Folder::new();
     let Some(plugin) = compiled(&folder, "peers/brute-c/brute.c", &[]) else { return };
     // far rays, and what is no ray, are not asked as they are
     let (code, counts, said) = verify(&plugin, "brute-c", "G1,ray", &[]);
     assert!(code == 0 && counts["last_bits"] == 0, "{said}");
-    assert!(said.contains("serves f32 only (it lacks RTBENCH_TRIANGLES_F64)"), "{said}");
+    assert!(said.contains("supports f32 only (it lacks RTBENCH_TRIANGLES_F64)"), "{said}");
     assert!(counts["trials f32"] > 0 && counts["trials f64"] == 0, "{said}");
 }
 
 #[test]
-fn with_our_triangle_test_all_bits_must_be_right_in_f64() {
+fn verify_demands_all_bits_in_f64() {
     let folder = Folder::new();
     let source = "crates/rtbench/tests/it/plugins/indexed.c";
     let Some(plugin) = compiled(&folder, source, &[]) else { return };
@@ -93,7 +93,7 @@ fn last_bits_and_edges_are_counted_and_all_else_is_wrong() {
         assert!(right[&format!("at_edges {precision}")] > 0, "{said}");
         assert!(right[&format!("last_bits {precision}")] > 0, "{said}");
     }
-    assert!(said.contains("at edges (within 64 ulps of the scene's largest coordinate)"), "{said}");
+    assert!(said.contains("at edges (within 64 ulps of the scene's"), "{said}");
     // planted: what is tolerated
     let (coarse, wrong, said) = of("last-bits");
     assert!(wrong == [0; 3] && coarse["last_bits"] > right["last_bits"], "{said}");
@@ -117,7 +117,7 @@ fn a_crash_is_a_failure_of_its_case_alone() {
 }
 
 #[test]
-fn a_lost_hit_is_reduced_to_a_program_that_shows_it() {
+fn a_lost_hit_is_reduced_to_a_reproducing_program() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };
     let out = format!("{}/shrunk", folder.path());

@@ -91,7 +91,7 @@ fn a_folder_that_is_removed_in_mid_run_is_made_again() {
     let folder = tempfile::tempdir().unwrap();
     let ended = sabotaged(folder.path(), "", |parent| std::fs::remove_dir_all(parent).unwrap());
     assert_eq!(ended.code, 1, "{}", ended.err);
-    assert!(ended.err.contains("were removed while the run went on"), "{}", ended.err);
+    assert!(ended.err.contains("were removed during the run"), "{}", ended.err);
     let out = folder.path().join("parent/out");
     assert!(record(&out).complete && record(&out).scenes.len() == 2);
     let found = journal(&out);
@@ -103,7 +103,7 @@ fn a_folder_that_is_removed_in_mid_run_is_made_again() {
 }
 
 #[test]
-fn what_cannot_be_made_again_is_kept_elsewhere_or_printed() {
+fn records_are_kept_elsewhere_or_printed_if_the_folder_is_lost() {
     /// A file in the folder's place.
     fn replaced(parent: &Path) {
         std::fs::remove_dir_all(parent).unwrap();
@@ -112,7 +112,7 @@ fn what_cannot_be_made_again_is_kept_elsewhere_or_printed() {
     let folder = tempfile::tempdir().unwrap();
     let ended = sabotaged(folder.path(), "", replaced);
     assert_eq!(ended.code, 1, "{}", ended.err);
-    let (_, kept) = ended.err.split_once("2 scene(s), is kept in ").expect("it says where");
+    let (_, kept) = ended.err.split_once("2 scene(s)) are saved in ").expect("it says where");
     let kept = file::read(Path::new(kept.lines().next().unwrap())).unwrap();
     assert_eq!(kept.scenes.len(), 2);
     assert!(kept.scenes.iter().all(|scene| scene.rows.iter().all(|row| row.trace_s.is_some())));
@@ -121,13 +121,13 @@ fn what_cannot_be_made_again_is_kept_elsewhere_or_printed() {
     let folder = tempfile::tempdir().unwrap();
     let ended = sabotaged(folder.path(), "none", replaced);
     assert_eq!(ended.code, 1, "{}", ended.err);
-    assert!(ended.err.contains("is printed and nowhere else"), "{}", ended.err);
+    assert!(ended.err.contains("are only printed"), "{}", ended.err);
     assert!(ended.out.contains("tetra:1: ") && ended.out.contains("tetra:2: "), "{}", ended.out);
 }
 
 /// A kill in the middle of a write left `results.json.PID.tmp` for ever.
 #[test]
-fn what_killed_runs_left_is_removed() {
+fn temporary_files_of_killed_runs_are_removed() {
     let folder = Folder::new();
     // no process has that number
     let left = format!("{}/results.json.4200001.tmp", folder.path());

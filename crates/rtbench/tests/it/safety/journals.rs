@@ -55,7 +55,7 @@ fn an_edited_journal_is_an_error_that_names_the_line() {
 
 /// With checksums that fit, too: the plan says what a scene must have.
 #[test]
-fn records_that_do_not_fit_the_plan_name_their_line() {
+fn records_that_contradict_the_plan_are_errors_with_their_line() {
     let (folder, journal) = broken_off("");
     let row = journal.split("\"rows\":[{\"structure\":\"uniform-grid\"").nth(1);
     assert!(row.is_some(), "{journal}");
@@ -93,7 +93,7 @@ fn records_that_do_not_fit_the_plan_name_their_line() {
 
 /// A line of another run has a checksum, but not of this one.
 #[test]
-fn lines_of_another_run_are_not_taken() {
+fn lines_of_another_run_are_rejected() {
     let (folder, journal) = broken_off("");
     let (_other, other) = broken_off("--pass-limit 100ms");
     let lines = |text: &str| text.split_inclusive('\n').map(str::to_owned).collect::<Vec<_>>();
@@ -101,10 +101,7 @@ fn lines_of_another_run_are_not_taken() {
     let last = FINISHED - 1;
     let mixed = ours[..last].concat() + &theirs[last];
     let (code, err) = resumed(folder.path(), &mixed);
-    assert!(
-        code == 1 && err.contains(&format!("line {FINISHED}: its checksum does not fit")),
-        "{err}"
-    );
+    assert!(code == 1 && err.contains(&format!("line {FINISHED}: wrong checksum")), "{err}");
 }
 
 /// An edited journal wrote where it liked: what it names is not written, what the command line
@@ -118,7 +115,7 @@ fn output_files_come_from_the_command_line() {
     let (code, err) = resumed(folder.path(), &journal);
     assert_eq!(code, 0, "{err}");
     assert_eq!(std::fs::read_to_string(&first).unwrap(), "mine");
-    assert!(err.contains("first.csv was begun with this run and is not written any more"), "{err}");
+    assert!(err.contains("first.csv belongs to this run but is no longer written"), "{err}");
     std::fs::write(folder.path().join(NAME), &journal).unwrap();
     let again = format!("run --resume {} --export-csv {}", show(folder.path()), show(&second));
     let (code, _, err) = run(&again);

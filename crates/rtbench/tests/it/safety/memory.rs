@@ -50,7 +50,7 @@ fn a_limit_below_every_structure_leaves_no_row_timed() {
 /// The same where not we but the system sets the limit.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_the_system_refuses_is_a_row_out_of_memory() {
+fn memory_refused_by_the_system_is_a_row_out_of_memory() {
     let folder = Folder::new();
     let program = env!("CARGO_BIN_EXE_rtbench");
     let line = format!(
@@ -127,7 +127,7 @@ fn a_row_that_ended_the_program_twice_is_skipped() {
         assert_eq!(found.deaths, [((1, Some("uniform-grid".to_owned())), times)].into());
         let (code, out, err) = run_here(&format!("run --resume {}", show(folder.path())));
         assert_eq!(code, u8::from(skipped), "{times}: {err}");
-        let said = format!("skipped: {times} times the program ended without a word");
+        let said = format!("skipped: {times} times the program died");
         assert_eq!(out.contains(&said), skipped, "{times}: {out}");
         let record = record(folder.path());
         let verdicts = |scene: usize| {
@@ -150,7 +150,7 @@ fn a_scene_that_ended_the_program_twice_is_skipped_and_tried_again() {
         let resume = || run_here(&format!("run --resume {}", show(folder.path())));
         let (code, _, err) = resume();
         assert_eq!(code, u8::from(skipped), "{err}");
-        assert_eq!(err.contains("tetra:2: skipped: 2 times the program ended"), skipped, "{err}");
+        assert_eq!(err.contains("tetra:2: skipped: 2 times the program died"), skipped, "{err}");
         assert_eq!(record(folder.path()).scenes.len(), if skipped { 1 } else { 2 });
         let (code, _, err) = resume();
         assert_eq!((code, record(folder.path()).scenes.len()), (0, 2), "{err}");
@@ -159,11 +159,11 @@ fn a_scene_that_ended_the_program_twice_is_skipped_and_tried_again() {
 
 /// The end of the program after a row was timed once, as by `kill -9`, is not that row's fault.
 #[test]
-fn an_end_behind_the_first_round_is_remembered_of_no_row() {
+fn deaths_after_the_first_round_count_for_no_row() {
     let folder = tempfile::tempdir().unwrap();
     died(folder.path(), &Death::Later, 3);
     let found = journal(folder.path());
     assert_eq!((found.deaths.len(), found.died_in), (0, Some(1)));
     let (code, _, err) = run_here(&format!("run --resume {}", show(folder.path())));
-    assert!(code == 0 && err.contains("ended in scene tetra:2 without a word"), "{err}");
+    assert!(code == 0 && err.contains("died while measuring 'tetra:2'"), "{err}");
 }

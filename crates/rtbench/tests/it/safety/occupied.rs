@@ -35,14 +35,14 @@ fn results_of_another_plan_are_not_replaced() {
 }
 
 #[test]
-fn what_cannot_be_read_is_not_replaced_either() {
+fn unreadable_results_are_not_replaced() {
     let command = |folder: &Folder, more: &str| {
         run_here(&format!("run tetra:1 {SMALL} -o {} {more}", folder.path()))
     };
     for (name, text, said) in [
-        ("results.json", "{\"mine\": 1}", "does not say of which run"),
-        ("results.csv", "a,b\n", "does not say of which run"),
-        ("run.jsonl", "not a journal\n", "line 1: it has no checksum"),
+        ("results.json", "{\"mine\": 1}", "does not name its run"),
+        ("results.csv", "a,b\n", "does not name its run"),
+        ("run.jsonl", "not a journal\n", "line 1: no checksum"),
     ] {
         let folder = Folder::new();
         let path = format!("{}/{name}", folder.path());
@@ -161,7 +161,7 @@ fn every_command_that_writes_a_file_asks() {
         let path = format!("{}/{name}", folder.path());
         std::fs::write(&path, "mine").unwrap();
         let ended = run(&command);
-        let said = format!("{path}: is there already");
+        let said = format!("{path}: exists");
         assert!(ended.code == 1 && ended.err.contains(&said), "{command}: {}", ended.err);
         assert_eq!(folder.text(name), "mine", "{command}");
         // an empty one has nothing to lose
@@ -185,6 +185,6 @@ fn pages_are_replaced_by_pages() {
     assert_eq!(run(&report).code, 0);
     std::fs::write(format!("{}/report.html", folder.path()), "<!DOCTYPE html>\nmine").unwrap();
     let refused = run(&report);
-    assert!(refused.code == 1 && refused.err.contains("report.html: is there already"));
+    assert!(refused.code == 1 && refused.err.contains("report.html: exists"));
     assert_eq!(run(&format!("run tetra:1 {SMALL} --export-csv /dev/null")).code, 0);
 }

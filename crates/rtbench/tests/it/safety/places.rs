@@ -65,7 +65,7 @@ fn results_that_are_no_files_are_refused_at_once() {
 }
 
 #[test]
-fn other_files_of_a_folder_are_files_as_well() {
+fn other_outputs_must_be_regular_files_too() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["run.jsonl", "results.csv", "results.md"] {
         let here = folder.path().join(name);

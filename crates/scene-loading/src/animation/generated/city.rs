@@ -40,7 +40,7 @@ pub(super) fn frames(size: u32) -> Frames {
     stage.part_of(Mesh::quadrangle(ground(reach + BLOCK, 0.0)), floor);
     for (kind, wall) in WALLS.into_iter().enumerate() {
         let material = stage.material(matte(wall));
-        let of_kind = |i: &u64| stage::whole(4, *i, 0) == kind as u64;
+        let of_kind = |i: &u64| stage::random_below(4, *i, 0) == kind as u64;
         let buildings = (0..u64::from(size).pow(2)).filter(of_kind);
         let mesh = buildings.fold(Mesh::default(), |all, i| with_building(all, i, size, reach));
         if !mesh.triangles.is_empty() {
@@ -62,8 +62,8 @@ pub(super) fn frames(size: u32) -> Frames {
 
 /// Storeys of building `i`: a few are towers.
 fn storeys(i: u64) -> u64 {
-    let tower = if stage::whole(8, i, 1) == 0 { 12 } else { 0 };
-    5 + stage::whole(12, i, 2) + tower
+    let tower = if stage::random_below(8, i, 1) == 0 { 12 } else { 0 };
+    5 + stage::random_below(12, i, 2) + tower
 }
 
 /// Adds a building: a slab and a somewhat narrower block for each storey.
@@ -102,7 +102,7 @@ fn car_at(i: u32, size: u32, reach: f64, time: f64) -> DAffine3 {
     let room = (length - 3.0 * speed).max(0.0);
     let along = -reach + room * stage::unit(number, 5) + speed * time;
     let turn = DMat3::from_rotation_z(if i < size { 0.0 } else { std::f64::consts::FRAC_PI_2 });
-    let back = stage::whole(2, number, 7) == 1;
+    let back = stage::random_below(2, number, 7) == 1;
     let around = DMat3::from_rotation_z(if back { std::f64::consts::PI } else { 0.0 });
     let lane = if back { 0.08 } else { -0.08 };
     let place = DVec3::new(if back { -along } else { along }, lane, 0.0);

@@ -13,7 +13,7 @@ use crate::animation::generated::stage;
 /// Radius of the bowl, the lower half of a sphere around the origin, metres.
 pub(super) const BOWL: f64 = 1.0;
 
-/// Steps per second.
+/// Steps of the simulation per second.
 pub(super) const STEPS: u32 = 500;
 
 const STEP: f64 = 1.0 / STEPS as f64;

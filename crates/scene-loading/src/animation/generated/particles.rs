@@ -75,7 +75,7 @@ fn start(size: u32) -> Vec<DVec3> {
     (0..n * n * n).map(place).collect()
 }
 
-/// Units per second.
+/// Velocity at a point, units per second.
 fn flow(p: DVec3) -> DVec3 {
     let [x, y, z] = (2.5 * p).to_array();
     let [a, b, c] = [0.36, 0.3, 0.16];

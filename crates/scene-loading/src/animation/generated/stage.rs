@@ -114,7 +114,7 @@ pub(super) fn vector(i: u64, what: u64) -> DVec3 {
 }
 
 /// A whole number from 0 to `below` - 1.
-pub(super) fn whole(below: u64, i: u64, what: u64) -> u64 {
+pub(super) fn random_below(below: u64, i: u64, what: u64) -> u64 {
     mixed(i.wrapping_mul(64).wrapping_add(what)) % below
 }
 

@@ -49,7 +49,7 @@ pub(super) fn frames(size: u32) -> Frames {
         .map(|i| Brick::new(u64::from(i), [i % size, i / size].map(f64::from), height))
         .collect();
     for i in 0..bricks.len() as u64 {
-        stage.part(brick, kinds[stage::whole(3, i, 0) as usize]);
+        stage.part(brick, kinds[stage::random_below(3, i, 0) as usize]);
     }
     Box::new(move |frame| {
         let places = bricks.iter().map(|brick| brick.at(seconds(frame)));

@@ -89,7 +89,7 @@ fn a_file_that_is_included_twice_is_one_object() {
 }
 
 #[test]
-fn what_vanishes_keeps_its_ids() {
+fn vanished_primitives_keep_their_ids() {
     let body = format!(
         "x blink {{ {TRIANGLE} s 0 0 0 1 }}\n{TRIANGLE}k blink {{ visibility 2\n1 0\n3 1\n {ALONG_X} }}"
     );
@@ -196,14 +196,14 @@ fn broken_files_are_refused_by_line() {
     says("m vertices 1\n0 0 0\ntriangles 1\n0 0 1", "a.aff:13: vertex index 1 is out of range");
     says("m vertices 1\n0 0 0\nnormals 1\n0 0 1 triangles 1\n0 0 0 0 0 7", "normal index 7");
     says("m corners 3", "found `corners`, expected vertices");
-    says("m vertices 99999999\n0 0 0", "vertices says 99999999, but at most");
-    says("tpa 99999999\n0 0 0", "the number of times says 99999999, but at most");
+    says("m vertices 99999999\n0 0 0", "vertices is 99999999, but at most");
+    says("tpa 99999999\n0 0 0", "the number of times is 99999999, but at most");
     says("tpa 2\n1 0 0 0 0 0 1 1 0 0 0 0 1 0 1 0 0 0 1\n1 0", "expected more than 1");
     says("xs 1 1 2 0 0 1 0 0 0 0 { s 0 0 0 1 }", "a.aff:10: the scale of a sphere or cone");
     says("c 0 0 0 1 0 0 1 -1", "one of two radii of a cone is -1");
     says("k a { transl 3", "the number of keys is 3, expected at least 4");
     says("k a { fly 4", "found `fly`, expected transl, rot, scale, visibility or }");
-    says("k a { visibility 99999999", "the number of keys says 99999999");
+    says("k a { visibility 99999999", "the number of keys is 99999999");
     says(
         &format!(
             "{TRIANGLE}xs 1e308 1 1 0 0 1 0 0 0 0 {{ xs 1e308 1 1 0 0 1 0 0 0 0 {{ {TRIANGLE} }} }}"
@@ -212,7 +212,7 @@ fn broken_files_are_refused_by_line() {
     );
     says("a 1 0 5", "the end is 0, expected at least the start, 1");
     says("i 0 ../b.aff", "leads out");
-    says("i 0 a.aff", "the depth of included files says 17, but at most 16");
+    says("i 0 a.aff", "the depth of included files is 17, but at most 16");
     says("v\nfrom 0 0 0", "a view without `resolution`");
     says("", "no primitives");
     let text = opened(&[("a.aff", TRIANGLE)]).err().unwrap().to_string();
@@ -231,5 +231,5 @@ fn files_that_multiply_are_refused() {
     let files: Vec<(&str, &str)> =
         names.iter().zip(&texts).map(|(name, text)| (name.as_str(), text.as_str())).collect();
     let error = opened(&files).err().unwrap();
-    assert!(error.to_string().contains("the number of included files says 65537"), "{error}");
+    assert!(error.to_string().contains("the number of included files is 65537"), "{error}");
 }

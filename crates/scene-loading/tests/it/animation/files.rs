@@ -55,16 +55,16 @@ fn numbers_without_zeros_and_other_endings() {
 }
 
 #[test]
-fn a_hole_is_named() {
+fn missing_frames_are_named() {
     let folder = folder(&["a1.obj", "a2.obj", "a5.obj"]);
     let error = open(&named(folder.path(), "a%d.obj")).err().unwrap();
     assert!(matches!(error, LoadError::MissingFrame { .. }));
     let text = error.to_string();
-    assert!(text.contains("a3.obj is missing") && text.contains("a5.obj is there"), "{text}");
+    assert!(text.contains("a3.obj is missing") && text.contains("a5.obj exists"), "{text}");
 }
 
 #[test]
-fn what_is_no_sequence() {
+fn invalid_sequences_are_errors() {
     let folder = folder(&["a1.obj", "a2.txt"]);
     let error = |pattern: &str| open(&named(folder.path(), pattern)).err().unwrap();
     assert!(matches!(error("b%d.obj"), LoadError::NoFrames { .. }));

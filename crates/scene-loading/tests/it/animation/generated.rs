@@ -52,7 +52,7 @@ fn frames_are_the_same_in_any_order() {
 }
 
 #[test]
-fn what_is_said_to_be_rigid_is() {
+fn claimed_rigid_motions_are_rigid() {
     for entry in ANIMATED {
         let mut animation = open(&format!("{}:4", entry.name)).unwrap();
         let first = animation.frame(0).unwrap();
@@ -74,7 +74,7 @@ fn what_is_said_to_be_rigid_is() {
 }
 
 #[test]
-fn resting_parts_rest_and_little_of_the_city_moves() {
+fn static_parts_stay_and_little_of_the_city_moves() {
     let mut city = open("city").unwrap();
     let [a, b] = [0, 30].map(|i| city.frame(i).unwrap());
     let corners = |scene: &Scene, id: usize| scene.outline(scene.primitives[id].shape);
@@ -99,7 +99,7 @@ fn the_wall_is_whole_before_it_is_hit_and_spreads() {
 }
 
 #[test]
-fn names_and_sizes_that_there_are_not() {
+fn unknown_names_and_sizes_are_errors() {
     let error = open("marbels").err().unwrap();
     assert!(matches!(error, LoadError::UnknownScene { .. }));
     let text = error.to_string();

@@ -193,7 +193,7 @@ fn morph_targets_are_added_by_their_weights() {
 }
 
 #[test]
-fn what_vanishes_keeps_its_triangles_and_is_not_claimed() {
+fn vanished_nodes_keep_their_triangles_and_claim_no_copies() {
     let mut file = File::new();
     file.channel(1, "scale", "LINEAR", &[0., 2.], &[1., 1., 1., -1., -1., -1.]);
     let [middle, first] = file.frames();
@@ -215,7 +215,7 @@ fn a_camera_that_moves_does() {
 }
 
 #[test]
-fn many_frames_are_few_and_few_are_two() {
+fn numbers_of_frames_are_limited_to_2_to_1500() {
     for (end, frames) in [(0.0, 2), (0.01, 2), (1.0, 26), (1e6, 1500)] {
         let mut file = File::new();
         match end {
@@ -247,7 +247,7 @@ fn broken_samplers_and_channels_are_refused() {
     says(change(&format!("{sampler}/interpolation"), json!("CUBICSPLINE")), "expected 18 (Cubic");
     says(change(&format!("{sampler}/input"), json!(2)), "Vec3 of F32, expected Scalar of F32");
     says(change(&format!("{sampler}/output"), json!(1)), "Scalar of F32, expected Vec3 of F32");
-    says(change(&format!("{sampler}/output"), json!(77)), "gltf says");
+    says(change(&format!("{sampler}/output"), json!(77)), "gltf reports");
     says(change(&format!("{sampler}/interpolation"), json!("LINAER")), "moves.gltf");
     let channel = "/animations/0/channels/0";
     says(change(&format!("{channel}/sampler"), json!(1)), "moves.gltf");

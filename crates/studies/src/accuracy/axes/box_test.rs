@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_oracle_tells_an_ulp_beside_an_edge() {
+    fn the_oracle_distinguishes_an_ulp_beside_an_edge() {
         let b = Aabb::<f32> { min: Vec3::ZERO, max: Vec3::splat(3.0) };
         let at = |y: f32| {
             is_met(&b, &Ray::<f32>::new(glam::vec3(-1.0, y, 1.0), glam::vec3(1.0, 1.0, 0.0)))

@@ -16,7 +16,7 @@ use crate::accuracy::stage::{Stage, TRACER};
 use crate::accuracy::timing::{Variant, timed};
 use crate::error::StudyError;
 use crate::image_error::rmse;
-use crate::tracer_comparison::{DrawingMethod, ways};
+use crate::tracer_comparison::{DrawingMethod, drawing_methods};
 use measurement::plan::rows::Row;
 
 /// Structure that gives cones and beams their candidates.
@@ -26,7 +26,7 @@ const DEPTH: u32 = 3;
 
 pub static AXIS: Axis = Axis {
     name: "cone-and-beam",
-    summary: "an image by cones or beams in place of rays, and rays per pixel",
+    summary: "an image by cones or beams instead of rays, and rays per pixel",
     paper: "Amanatides 1984; Heckbert, Hanrahan 1984; Whitted 1980",
     metric: "root mean square difference of colours to the reference",
     reference: "mean of two images of many samples with other seeds; its error is half their \
@@ -56,7 +56,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     };
     let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;
     let frame = Frame { resolution: [SamplingPlan::new(stage.quick).size; 2], max_depth: DEPTH };
-    for way in ways(|_| true) {
+    for way in drawing_methods(|_| true) {
         let mut drawing = Drawing {
             scene,
             frame,

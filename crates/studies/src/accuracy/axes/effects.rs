@@ -163,7 +163,7 @@ impl EffectSetup {
 
 pub static AXIS: Axis = Axis {
     name: "effect-gating",
-    summary: "effects that nothing calls for: left out, those of the eye in, all in",
+    summary: "effects that the scene does not use: left out, those of the eye simulated, all simulated",
     paper: "none",
     metric: "root mean square difference of colours to the image without them",
     reference: "the image without them",

@@ -31,7 +31,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let batches = stage.batches(stage.timed_rays, RayKind::is_occlusion);
     let (rays, positions) = (count(&batches), light_positions(stage.scene()));
     if rays == 0 {
-        return Err(stage.unfit("it has no shadow rays"));
+        return Err(stage.unfit("the scene has no shadow rays"));
     }
     let structure = stage.built(TRACER)?;
     let reference = Replay::new(&*structure.tracer, &batches);

@@ -3,9 +3,9 @@
 //! From each hit of an eye ray a ray leaves into the outer half-space, made as the renderer makes
 //! it. Two demands are exact: flat primitives and spheres, seen from outside, are never met again
 //! by a ray that leaves them; and a thin sheet that lies close above the surface is not passed, so
-//! that the first point of the ray that counts lies below it. Further columns say how loose the rule
-//! is ([`smallest_offset`]), how far it moves refracted rays ([`refracted_shift`]), and what shadow
-//! rays a smoothly shaded mesh blocks itself ([`shadow_terminator`]).
+//! that the first point of the ray that counts lies below it. Further columns say how loose the
+//! rule is ([`smallest_offset`]), how far it moves refracted rays ([`refracted_shift`]), and what
+//! shadow rays a smoothly shaded mesh blocks itself ([`shadow_terminator`]).
 
 use glam::DVec3;
 use renderer::Geometry;
@@ -25,7 +25,7 @@ use measurement::plan::ray_overrides::RULES;
 
 pub static AXIS: Axis = Axis {
     name: "ray-offset",
-    summary: "how a ray is kept off the surface it leaves: not at all, fixed, ulps, error bound",
+    summary: "offset of a ray from the surface it leaves: none, fixed, ulps, error bound",
     paper: "Waechter, Binder 2019; Pharr, Jakob, Humphreys 2016",
     metric: "rays in 10^6 that hit what they leave, or begin beyond a sheet close above it",
     reference: "a plane or a sphere is not met again from outside; height over the surface",

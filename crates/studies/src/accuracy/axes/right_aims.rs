@@ -61,7 +61,7 @@ fn triangles(prims: PrimsRef<'_, f32>) -> Vec<(u32, [[f32; 3]; 3])> {
 }
 
 /// Rays at corners and edges, and rays along axes and from close by; `most` of each at most.
-pub fn known(stage: &Stage<'_>, most: usize) -> [Vec<KnownHit>; 2] {
+pub fn known_hits(stage: &Stage<'_>, most: usize) -> [Vec<KnownHit>; 2] {
     let triangles = triangles(stage.prepared.geometry.prims());
     let corners = || triangles.iter().flat_map(|(_, t)| t).map(|p| glam::Vec3::from(*p));
     let low = corners().fold(glam::Vec3::INFINITY, glam::Vec3::min);
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn middles_are_met_and_what_passes_is_wrong() {
+    fn rays_at_triangle_centres_must_hit() {
         let t = [DVec3::ZERO, glam::dvec3(1.0, 0.0, 0.0), glam::dvec3(0.0, 1.0, 0.0)];
         let known = middle(t, 2, 1.0, 0.5, 1e-4).unwrap();
         assert!(known.ray.direction.x.is_sign_negative() && known.ray.direction.x == 0.0);

@@ -11,7 +11,7 @@ use accel_core::{Ray, Scalar, Vec3, Vector};
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::{Geometry, RayKind};
 
-use super::right_aims::{KnownHit, known, wrong};
+use super::right_aims::{KnownHit, known_hits, wrong};
 use super::right_work::{StepWork, wrong_departures};
 use super::secondary_rays::SecondaryRays;
 use crate::accuracy::axis::{Axis, Measure};
@@ -27,7 +27,7 @@ pub static AXIS: Axis = Axis {
     name: "right-answers",
     summary: "the price of right answers, step by step, from the fastest known to f64",
     paper: "Moeller, Trumbore 1997; Woop, Benthin, Wald 2013; Ize 2013",
-    metric: "rays in 10^6, aimed at what breaks cheap variants, that are answered wrongly",
+    metric: "wrong answers in 10^6 rays, aimed at weak points of cheap variants",
     reference: "exact predicates; a plane is not met again from outside; height over the surface",
     scenes: &["mount", "gears-tess", "pavilion"],
     setting: "STRUCTURE.padding, STRUCTURE.adapter, STRUCTURE.triangle-test, rays.offset, run --precision",
@@ -100,9 +100,9 @@ const KINDS: usize = 3;
 
 fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
     let most = stage.aims / KINDS;
-    let aims = known(stage, most);
+    let aims = known_hits(stage, most);
     if aims.iter().any(Vec::is_empty) {
-        return Err(stage.unfit("it has no mesh of triangles"));
+        return Err(stage.unfit("the scene has no triangle mesh"));
     }
     let secondary = SecondaryRays::new(stage, stage.scene(), &stage.prepared.geometry)?;
     let double = Geometry::<f64>::of(stage.scene())?;

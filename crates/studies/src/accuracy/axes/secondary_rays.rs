@@ -50,7 +50,7 @@ pub struct SecondaryRays<'a> {
     pub tracer: Box<dyn Tracer<f32> + 'a>,
     /// Largest coordinate of the scene and the eye.
     pub magnitude: f64,
-    /// World units.
+    /// Diagonal of the scene, world units.
     pub diagonal: f64,
 }
 

@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hit_of_what_is_not_there_is_refuted() {
+    fn false_hits_are_refuted() {
         let mut scene = Scene::new("floor");
         let material = scene.push_material(Material::default());
         scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);

@@ -30,10 +30,10 @@ use statistics::random::Random;
 
 pub static AXIS: Axis = Axis {
     name: "time-segments",
-    summary: "what moves, by 1 to 8 segments of time, or held still at 1 to 8 moments",
+    summary: "moving primitives in 1 to 8 time segments, or static at 1 to 8 moments",
     paper: "Glassner 1988; Korein, Badler 1983",
-    metric: "answers in 10^6 with another primitive, or blocked otherwise, than at the ray's own time",
-    reference: "the same structure over what moves, one segment",
+    metric: "answers in 10^6 with another primitive or occlusion than at the ray's own time",
+    reference: "the same structure over the moving primitives, one segment",
     scenes: &["balls:3", "gears:2", "pavilion"],
     setting: "STRUCTURE.time-segments",
     measure: Measure::Whole(measure),
@@ -98,7 +98,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         variants.push(Variant {
             name: name.clone(),
             setting: setting.clone(),
-            known_defect: (i >= PARTS.len()).then_some("what moves stands still within each part"),
+            known_defect: (i >= PARTS.len())
+                .then_some("moving primitives are static within each part"),
             is_without: false,
             is_reference: i == 0,
             error: tally.error(),
@@ -171,7 +172,7 @@ fn named(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
-/// In [0, 1).
+/// Random number in [0, 1).
 fn unit(random: &mut Random) -> f64 {
     random.below(1 << 24) as f64 / f64::from(1 << 24)
 }
@@ -235,7 +236,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_moment_has_what_moves_where_it_is_then() {
+    fn a_moment_has_moving_primitives_at_their_places() {
         let mut scene = scene_loading::procedural::generate("balls:1").unwrap();
         scene.velocities = vec![DVec3::ZERO, DVec3::X];
         let still = held_still(&scene, 0.5);

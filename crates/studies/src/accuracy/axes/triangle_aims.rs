@@ -16,8 +16,8 @@ use robust::{Coord3D, orient3d};
 use crate::verify::draw::{point, unit};
 use statistics::random::Random;
 
-/// A ray, and the primitives of which it is asked: here the triangles around its target, of which it
-/// must hit one.
+/// A ray, and the primitives of which it is asked: here the triangles around its target, of which
+/// it must hit one.
 #[derive(Debug, Clone)]
 pub struct AimedRay {
     pub ray: Ray<f32>,

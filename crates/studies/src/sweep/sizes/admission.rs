@@ -38,7 +38,7 @@ fn earlier(finished: &[SceneRecord], label: &str) -> Option<String> {
     finished.iter().find_map(|scene| {
         let over = |row: &&RowRecord| row.verdict == Verdict::OverLimit && row.label() == label;
         let reason = scene.rows.iter().find(over)?.error.as_deref().unwrap_or_default();
-        Some(format!("not tried, over a limit at {} already: {reason}", scene.name))
+        Some(format!("not tried: over a limit at {} already: {reason}", scene.name))
     })
 }
 

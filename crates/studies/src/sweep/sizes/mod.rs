@@ -3,7 +3,7 @@
 //! Every size is a scene of an ordinary [`Plan`], so that rows are checked, interleaved and timed
 //! as those of a run are. What is asked is the same at each size: the primary rays of one image,
 //! and the shadow rays of what they hit. Before a size is loaded, a [`measurement::rounds::trial`]
-//! builds each row in a process of its own, which finds its peak memory and keeps the time and
+//! builds each row in a separate process, which finds its peak memory and keeps the time and
 //! memory limits.
 
 pub mod admission;

@@ -62,7 +62,7 @@ fn size_table(run: &RunRecord, scene: &SceneRecord) -> Table {
         std::iter::once(row.label().into()).chain(HEADS.into_iter().map(cell)).collect()
     });
     Table {
-        title: format!("{}; asked for {}", scene_title(scene), asked(size, ", ")),
+        title: format!("{}; asked for {}", scene_title(scene), requested_sizes(size, ", ")),
         header: std::iter::once("structure").chain(HEADS).collect(),
         rows: rows.collect(),
         notes: scene_notes(run, scene),
@@ -118,12 +118,12 @@ fn slope_cell(slope: &SlopeRecord) -> Cell {
 const GLOSSARY: &[&str] = &[
     "build: median over the rounds, ns/prim the same for each primitive; ns/ray: trace time of a \
      ray, over the kinds in the title; MiB: bytes of the structure, B/prim the same for each \
-     primitive; peak MiB: what a process that does nothing else takes more at the peak of the build \
-     than before it, the structure included. ratio: trace time to the reference's, with its 95% \
+     primitive; peak MiB: memory at the peak of the build minus memory before it, in a process \
+     that does nothing else; includes the structure. ratio: trace time to the reference's, with its 95% \
      bootstrap interval.",
     "slopes: the power of the number of primitives that a quantity grows with, by least squares \
-     over the logarithms of the sizes measured, with the 95% interval of Student's distribution \
-     from how far the sizes lie off the line; [?] where two sizes leave nothing to tell that from. \
+     over the logarithms of the sizes measured, with the 95% interval (Student) from the \
+     residuals; [?] if there are only two sizes. \
      1 is linear; n log n is about 1.1 between a thousand and ten million.",
     "over limit: the build took more time or memory than the limits allow; the row is not measured \
      there and not tried at larger sizes.",
@@ -138,13 +138,13 @@ pub struct SizeRow<'a> {
 }
 
 impl SizeRow<'_> {
-    fn each(&self, all: Option<f64>) -> Value {
+    fn per_primitive(&self, all: Option<f64>) -> Value {
         Value::of(all.map(|x| x / self.of.scene.primitives.max(1) as f64), Value::Real)
     }
 }
 
 /// The numbers of primitives that a size stands for.
-pub fn asked(size: Option<&SizeRecord>, between: &str) -> String {
+pub fn requested_sizes(size: Option<&SizeRecord>, between: &str) -> String {
     let asked = size.iter().flat_map(|size| &size.asked).map(u64::to_string);
     asked.collect::<Vec<_>>().join(between)
 }
@@ -154,16 +154,16 @@ pub fn columns<'a>() -> [Column<SizeRow<'a>>; 6] {
     let c = Column::new;
     [
         c(&["asked_primitives"], "", Unit::None, |row: &SizeRow<'a>| {
-            Value::Text(asked(row.size, "; "))
+            Value::Text(requested_sizes(row.size, "; "))
         }),
         c(&["build_ns_per_primitive"], "ns/prim", Unit::None, |row| {
-            row.each(row.of.row.build_s.map(|e| e.median * 1e9))
+            row.per_primitive(row.of.row.build_s.map(|e| e.median * 1e9))
         }),
         c(&["trace_ns_per_ray"], "ns/ray", Unit::None, |row| {
             Value::of(trace_s_per_ray(row.of.row).map(|e| e.median * 1e9), Value::Real)
         }),
         c(&["bytes_per_primitive"], "B/prim", Unit::None, |row| {
-            row.each(row.of.row.stats.as_ref().map(|stats| stats.memory_bytes as f64))
+            row.per_primitive(row.of.row.stats.as_ref().map(|stats| stats.memory_bytes as f64))
         }),
         c(&["peak_build_bytes"], "peak MiB", Unit::Bytes, |row| {
             Value::of(row.of.row.peak_build_bytes, Value::Count)

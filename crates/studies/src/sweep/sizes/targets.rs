@@ -18,7 +18,7 @@ impl Sizes {
     pub fn parse(text: &str) -> Result<Self, String> {
         let count = |text: &str| {
             let count = quantity::parse(text.trim()).filter(|n| *n > 0);
-            count.ok_or_else(|| format!("'{text}' is no count above 0; {EXPECTED}"))
+            count.ok_or_else(|| format!("'{text}' is not a count above 0; {EXPECTED}"))
         };
         if let Some((from, to)) = text.split_once("..") {
             let (from, to) = (count(from)?, count(to)?);
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_size_is_an_error_that_says_what_is() {
+    fn invalid_sizes_are_errors_that_show_valid_ones() {
         for bad in ["", "..", "1e3..", "1e6..1e3", "5..5", "0,1", "-1", "1.5", "1k;2k", "x..1e3"] {
             let error = Sizes::parse(bad).unwrap_err();
             assert!(error.contains("1e3..1e7"), "{bad}: {error}");

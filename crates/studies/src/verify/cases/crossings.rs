@@ -23,7 +23,7 @@ use robust::{Coord, orient2d};
 
 use super::{on_edge, point_within};
 use crate::case;
-use crate::verify::draw::{direction, one_of, single, unit, whole};
+use crate::verify::draw::{direction, one_of, random_integer, single, unit};
 use crate::verify::every_hit::{every_hit, push_chain};
 use crate::verify::meshes::{Cubes, cube, icosphere, torus};
 use crate::verify::model::{Corners, Model};
@@ -68,7 +68,11 @@ fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>,
         };
         let ray = if is_lattice && random.below(2) == 0 {
             // through corners and edges of many cubes, exactly
-            let d = dvec3(whole(random, 2), whole(random, 2), whole(random, 2));
+            let d = dvec3(
+                random_integer(random, 2),
+                random_integer(random, 2),
+                random_integer(random, 2),
+            );
             ray(target - d * (side + 1.0), d)
         } else {
             let origin = single(middle + direction(random) * (size + 3.0 * unit(random)));
@@ -141,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn of_all_triangles_around_a_corner_one_holds_the_moved_origin() {
+    fn exactly_one_triangle_around_a_corner_holds_the_moved_origin() {
         for many in [3, 4, 6, 8, 12] {
             let rim: Vec<_> = (0..many)
                 .map(|i| (f64::from(i) / f64::from(many) * std::f64::consts::TAU).sin_cos())
@@ -157,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_triangle_makes_an_even_number_odd() {
+    fn a_lost_triangle_breaks_the_parity_of_crossings() {
         let mesh = torus(20, 8);
         let model = Model::<f32>::triangles(&mesh).unwrap();
         let mut crossings = 0;

@@ -34,7 +34,7 @@ use accel_core::primitives::PrimitiveError;
 use accel_core::registry::Buildable;
 use glam::{DVec3, dvec3};
 
-use super::draw::{one_of, point, unit, whole};
+use super::draw::{one_of, point, random_integer, unit};
 use super::exact::Soup;
 use super::expect::{in_soup, on_lattice};
 use super::model::{Corners, Model};
@@ -127,6 +127,6 @@ pub(super) fn toward(random: &mut Random, target: DVec3, distance: f64) -> (DVec
 
 /// A point of the lattice.
 fn lattice_point(random: &mut Random) -> DVec3 {
-    let mut at = || whole(random, LATTICE / 2) + f64::from(LATTICE / 2);
+    let mut at = || random_integer(random, LATTICE / 2) + f64::from(LATTICE / 2);
     dvec3(at(), at(), at())
 }

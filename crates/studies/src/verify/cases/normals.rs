@@ -102,7 +102,7 @@ mod tests {
     use glam::dvec3;
 
     #[test]
-    fn other_normals_are_refuted() {
+    fn wrong_normals_are_refuted() {
         let center = dvec3(1.0, 2.0, 3.0);
         let cone =
             Cone { base: center, base_radius: 1.0, apex: center + DVec3::Z, apex_radius: 0.0 };

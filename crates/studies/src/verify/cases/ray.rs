@@ -10,7 +10,7 @@ use super::{
     sign_direction, soup_round, toward,
 };
 use crate::case;
-use crate::verify::draw::{direction, one_of, signed, unit, whole};
+use crate::verify::draw::{direction, one_of, random_integer, signed, unit};
 use crate::verify::meshes::{sheet, soup};
 use crate::verify::metamorphic::{Invariant, MetamorphicPair, OriginalScene};
 use crate::verify::model::Model;
@@ -43,7 +43,7 @@ fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     let triangles = lattice_soup(random, 60);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
-        (lattice_point(random) - d * whole(random, 20).abs(), d)
+        (lattice_point(random) - d * random_integer(random, 20).abs(), d)
     })?;
     let other_zeros = |r: &Ray<S>| {
         let d = r.direction.to_dvec3();

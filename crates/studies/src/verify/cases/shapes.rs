@@ -31,7 +31,7 @@ pub const G11_RIM: Case = case!(
     "G11rim",
     "twice the digits",
     rims,
-    "rays at the rim where two parts of a cone or cylinder meet: it is no gap"
+    "rays at the rim where two parts of a cone or cylinder meet: no gap"
 );
 fn small_far_sphere<S: Buildable>(
     random: &mut Random,

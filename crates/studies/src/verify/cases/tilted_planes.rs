@@ -10,7 +10,7 @@ use accel_core::{Ray, Vector};
 use glam::{DVec3, dvec3};
 
 use crate::case;
-use crate::verify::draw::{direction, one_of, unit, whole};
+use crate::verify::draw::{direction, one_of, random_integer, unit};
 use crate::verify::every_hit::{every_hit, first_within};
 use crate::verify::meshes::{sheet, soup};
 use crate::verify::model::{Corners, Model};
@@ -55,7 +55,7 @@ fn tilted_planes<S: Buildable>(
         let (target, other) = (corner(), corner());
         // through many corners, along edges, or from anywhere in the plane to a corner
         let along = match random.below(3) {
-            0 => dvec3(whole(random, 3), whole(random, 3), 0.0),
+            0 => dvec3(random_integer(random, 3), random_integer(random, 3), 0.0),
             1 => other - target,
             _ => dvec3(unit(random) - 0.5, unit(random) - 0.5, 0.0) * far,
         };

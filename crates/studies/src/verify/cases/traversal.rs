@@ -8,7 +8,7 @@ use super::{
     LATTICE, lattice_point, lattice_round, lattice_soup, point_within, soup_round, toward,
 };
 use crate::case;
-use crate::verify::draw::{one_of, unit, whole};
+use crate::verify::draw::{one_of, random_integer, unit};
 use crate::verify::every_hit::{every_hit, first_within};
 use crate::verify::meshes::soup;
 use crate::verify::metamorphic::OriginalScene;
@@ -42,7 +42,7 @@ fn lattice_ties<S: Buildable>(
     let triangles = lattice_soup(random, 80);
     lattice_round(random, rays, &triangles, |random| {
         // the largest component a power of two: all arithmetic stays exact
-        let (a, b) = (whole(random, 4), whole(random, 4));
+        let (a, b) = (random_integer(random, 4), random_integer(random, 4));
         let c = one_of(random, &[4.0, -4.0]);
         let d = one_of(random, &[dvec3(a, b, c), dvec3(b, c, a), dvec3(c, a, b)]);
         (lattice_point(random) - d * random.below(6) as f64, d)
