@@ -8,7 +8,7 @@
 //! | 0 | 8 bytes | `RTBRAYS` , `RTBTRIS` or `RTBHITS`, each with a line feed |
 //! | 8 | u32 | version: 1, or 2 where the scene was moved near the origin |
 //! | 12 | u32 | bytes of a record: 32, 40 or 8 |
-//! | 16 | 5 x u64 | rays of each kind: primary, shadow, reflected, refracted, diffuse; in this order |
+//! | 16 | 5 x u64 | rays: primary, shadow, reflected, refracted, diffuse; in this order |
 //! | 56 | u64 | triangles of the scene |
 //! | 64 | u32 | width and height of the image, pixels |
 //! | 68 | u32 | 1 where shadow rays run to the first light alone, else 0 |
@@ -21,7 +21,7 @@
 //! | --- | --- |
 //! | rays | `rtbench_ray`: origin, t_min, direction, t_max; eight f32 |
 //! | triangles | nine f32, the corners; u32, 1 where shadow rays pass, else 0 |
-//! | hits | `rtbench_hit`: t as f32, id as u32; no hit: id 0xffffffff. A shadow ray that is blocked has any other id |
+//! | hits | `rtbench_hit`: t as f32, id as u32: 0xffffffff for no hit; any other for a blocked ray |
 //!
 //! The header of a file of hits is that of its rays, but for the first 16 bytes; the version stays.
 //!

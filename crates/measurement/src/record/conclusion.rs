@@ -34,8 +34,8 @@ pub struct Conclusion {
     pub not_different: Vec<String>,
     /// The nearest row that is significantly different; none where there is none.
     pub next: Option<NextRow>,
-    /// Rows that are as fast or faster and do not lead, since answers may be wrong by a known
-    /// defect; the fastest first.
+    /// Rows that do not lead, since answers may be wrong by a known defect, and are closer than the
+    /// next row, as fast or faster; the fastest first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub defective: Vec<Defective>,
 }

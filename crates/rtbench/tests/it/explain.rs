@@ -1,5 +1,5 @@
-//! `rtbench explain` end to end: factors that multiply to the whole, the same rays for all, planted wrong
-//! rows, exports, errors.
+//! `rtbench explain` end to end: factors that multiply to the whole, the same rays for all, planted
+//! wrong rows, exports, errors.
 
 use std::collections::HashMap;
 

@@ -329,8 +329,8 @@ fn warnings_are_printed_and_kept() {
     assert_eq!((quiet.code, quiet.err.as_str()), (0, ""));
 }
 
-/// Of one round and of three there is no interval of 95%, and nothing is significant: not on the screen,
-/// not in the tables, not in the report.
+/// Of one round and of three there is no interval of 95%, and nothing is significant: not on the
+/// screen, not in the tables, not in the report.
 #[test]
 fn few_rounds_have_no_interval_and_no_significance() {
     for (rounds, heading) in [

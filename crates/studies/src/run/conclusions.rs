@@ -19,6 +19,8 @@ use crate::run::costs::{Cost, Profile, all_rays_s, profiles, reference};
 use crate::run::kind_tables::kinds_of;
 use crate::run::leads::{Ranking, TimedRow, lead};
 use crate::run::time_to_image::TimesToImage;
+
+use statistics::estimate::Estimate;
 use statistics::series::geometric_mean_of;
 
 /// Concludes from the rows of a scene.
@@ -65,7 +67,7 @@ fn answers(question: Question, scenes: &[&SceneRecord], seed: u64) -> Vec<Conclu
     let conclusion = |query, lead: Ranking, all: &[Vec<TimedRow>]| Conclusion {
         question: question.clone(),
         query,
-        defective: as_fast(&lead.first, query, all, &defective, seed),
+        defective: closer_than_next(&lead, query, all, &defective, seed),
         row: lead.first,
         figure: lead.took,
         not_different: lead.ties,
@@ -113,16 +115,18 @@ fn suspects<'r>(question: &Question, scene: &'r SceneRecord) -> Vec<Suspect<'r>>
 }
 
 /// The rows with a known defect that every scene has and that are not significantly slower than the
-/// first.
-fn as_fast(
-    first: &str,
+/// first, or closer to it than the next row.
+fn closer_than_next(
+    lead: &Ranking,
     query: Query,
     all: &[Vec<TimedRow>],
     suspects: &[Vec<Suspect<'_>>],
     seed: u64,
 ) -> Vec<Defective> {
     let firsts: Option<Vec<&TimedRow>> =
-        all.iter().map(|scene| scene.iter().find(|timed| timed.label == first)).collect();
+        all.iter().map(|scene| scene.iter().find(|timed| timed.label == lead.first)).collect();
+    let is_closer =
+        |times: &Estimate| lead.next.as_ref().is_none_or(|(_, next)| times.median < next.median);
     let (Some(firsts), Some(of_first)) = (firsts, suspects.first()) else { return Vec::new() };
     let is_asked_so = |s: &&Suspect<'_>| query == Query::Batch || s.timed.query == Query::OneRay;
     let found = of_first.iter().filter(is_asked_so).filter_map(|suspect| {
@@ -132,7 +136,7 @@ fn as_fast(
         let quotients: Vec<_> =
             own.iter().zip(&firsts).map(|(own, first)| own.timed.quotients(first)).collect();
         let times = geometric_mean_of(&quotients.iter().collect::<Vec<_>>(), seed)?;
-        (times.low <= 1.0).then(|| Defective {
+        (times.low <= 1.0 || is_closer(&times)).then(|| Defective {
             row: label.clone(),
             times,
             wrong: own.iter().map(|s| s.row.mismatches).sum(),

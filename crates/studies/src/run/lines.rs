@@ -34,8 +34,8 @@ pub struct Lines {
 pub const NOTE: &str = "first image: build, one million primary rays and their shadow rays. next: \
                         the closest row that is significantly slower (or larger), and by what \
                         factor. A row with a known defect, or whose answers were not all \
-                        compared and right, never leads; one that is as fast or faster is named \
-                        with its wrong rays.";
+                        compared and right, never leads; the fastest with a known defect is named \
+                        with its wrong rays where it is closer than the next row.";
 
 /// Lines over all scenes, or of the only scene; `None` for a run without finished scenes.
 pub fn of_run(run: &RunRecord) -> Option<Lines> {
@@ -104,8 +104,13 @@ fn line(conclusion: &Conclusion) -> Line {
         None if not_different.is_empty() => text += "; no other row to compare with",
         None => {}
     }
-    for Defective { row, times, wrong, rays } in defective {
-        let what = if times.high < 1.0 { "faster" } else { "as fast" };
+    // the fastest of them; the record has all
+    if let Some(Defective { row, times, wrong, rays }) = defective.first() {
+        let what = match (times.low, times.high) {
+            (_, high) if high < 1.0 => "faster",
+            (low, _) if low <= 1.0 => "as fast",
+            _ => "closer",
+        };
         let rays = wrong_rays(*wrong, *rays);
         let _ = write!(text, "; {what}, with {rays}: {row} {} x", short(times.median));
     }
@@ -226,6 +231,7 @@ mod tests {
         };
         assert!(of(0.99, 1.01).ends_with("; as fast, with 1 wrong ray of 203,423: honest 1.00 x"));
         assert!(of(0.85, 0.95).ends_with("; faster, with 1 wrong ray of 203,423: honest 0.90 x"));
+        assert!(of(1.05, 1.15).ends_with("; closer, with 1 wrong ray of 203,423: honest 1.10 x"));
         assert_eq!(wrong_rays(1_000_007, 12), "1,000,007 wrong rays of 12");
     }
 

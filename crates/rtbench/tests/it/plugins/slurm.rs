@@ -1,5 +1,6 @@
-//! The Slurm recipe of docs/ci.md as it stands there, with a part that has a wrong row. Scenes and rows are
-//! smaller, and a script stands in for `sbatch`: it runs jobs at once and honours their dependencies.
+//! The Slurm recipe of docs/ci.md as it stands there, with a part that has a wrong row. Scenes and
+//! rows are smaller, and a script stands in for `sbatch`: it runs jobs at once and honours their
+//! dependencies.
 
 use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
