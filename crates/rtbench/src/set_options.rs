@@ -308,9 +308,11 @@ mod tests {
         assert!(error.contains(said), "{error}");
         assert!(of(json!({"size": 0})).contains("own.json: run: size: "));
         assert!(of(json!({"scenes": ["tetra"]})).contains("scenes: not an option of sets"));
-        assert!(of(json!({"size": null})).contains("size: expected a text or a number"));
+        assert!(of(json!({"size": null})).contains("size: expected a string or a number"));
         assert!(of(json!({"by-kind": "yes"})).contains("by-kind: expected true or false"));
-        assert!(of(json!({"structures": [1, {}]})).contains("structures: expected texts"));
+        assert!(
+            of(json!({"structures": [1, {}]})).contains("structures: expected a list of strings")
+        );
         assert!(of(json!({"plugin": ["evil.so"]})).contains("plugin: not an option of sets"));
         assert!(of(json!({"resume": "x"})).contains("resume: not an option of sets"));
         let error = joined(json!({"size": 9}), "rtbench run tetra --as onw").unwrap_err();

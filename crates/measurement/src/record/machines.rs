@@ -90,6 +90,7 @@ pub struct MachineRun {
 pub struct MachineRatio {
     /// The scene; none of means over all.
     pub scene: Option<String>,
+    /// Name of the structure, without its settings.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

@@ -70,6 +70,7 @@ impl Sample {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct RowRecord {
+    /// Name of the structure, without its settings.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

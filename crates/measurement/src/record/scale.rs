@@ -36,6 +36,7 @@ pub struct SizeRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SlopeRecord {
+    /// Name of the structure, without its settings.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

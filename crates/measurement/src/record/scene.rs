@@ -12,6 +12,7 @@ use statistics::estimate::Estimate;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SceneRecord {
+    /// Name of the scene, as it was asked for.
     pub name: String,
     /// Hash of the source.
     pub sha256: String,
@@ -96,6 +97,7 @@ impl SceneRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SummaryRow {
+    /// Name of the structure, without its settings.
     pub structure: String,
     /// What differs from its defaults.
     pub settings: String,

@@ -124,7 +124,7 @@ fn filter_and_threshold_choose_what_is_shown() {
     let error =
         compared(&old, &new, &ComparisonSettings { filter, ..choice() }).unwrap_err().to_string();
     assert!(
-        error.starts_with("--filter 'hug' finds nothing among A: old.json, B: new.json"),
+        error.starts_with("--filter 'hug' matches nothing among A: old.json, B: new.json"),
         "{error}"
     );
 }
@@ -160,7 +160,10 @@ fn across_machines_only_ratios_and_counters_are_compared() {
         ..choice()
     };
     let error = compared(&old, &new, &seconds).unwrap_err().to_string();
-    assert!(error.contains("processor: Test CPU, then Other CPU; --force"), "{error}");
+    assert!(
+        error.contains("processor: Test CPU, then Other CPU; compare anyway with --force"),
+        "{error}"
+    );
     let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..seconds }).unwrap();
     assert_eq!(outcome(&forced, "tetra/uniform-grid/trace"), ComparisonOutcome::Slower);
     new.machine = old.machine.clone();
