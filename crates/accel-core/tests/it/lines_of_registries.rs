@@ -43,7 +43,7 @@ fn planted_mistakes_are_named() {
         (own(LEAF_0, &[""]), "my-tree.leaf = '0': expected a whole number from 1 to 8"),
         (own(PARAMS, &["leaf=9"]), "my-tree.leaf = '9'"),
         (own(PARAMS, &["depth=9"]), "my-tree has no parameter 'depth'; it has leaf"),
-        (own(PARAMS, &["leaf 9"]), "'leaf 9' is no variant"),
+        (own(PARAMS, &["leaf 9"]), "'leaf 9' is not a variant"),
     ] {
         let said = said_of(info);
         assert!(said.contains(expected), "{said}: expected {expected}");
