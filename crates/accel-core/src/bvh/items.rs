@@ -158,7 +158,7 @@ impl<S: Scalar> BoxScale<S> {
 /// Grown by a margin on each axis, in f32 and in the unit given (its reciprocal in world units),
 /// rounded outwards.
 #[inline(always)]
-fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
+pub(crate) fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
     let (min, max) = (b.min.to_array(), b.max.to_array());
     let lo = [0, 1, 2].map(|k| {
         let exact = (min[k].to_f64() - margins[k]) * unit;

@@ -42,7 +42,7 @@ use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
 use box_ray::RaySetup;
 use build::agglomerated::{preset_named, reinserted};
-use build::{binned, morton};
+use build::{BINNED, BUILDS, MORTON, binned, morton};
 use collapse::{Collapse, Costs, LEAF, LEVELS, WIDTH};
 use items::{Padding, items_of};
 use node::Node;
@@ -89,13 +89,6 @@ pub static INFO: StructureInfo = StructureInfo {
     },
     sampled: false,
 };
-
-const BINNED: &str = "binned";
-const MORTON: &str = "morton";
-
-/// Builders of the binary tree: ours, and obvhs's presets.
-const BUILDS: &[&str] =
-    &[BINNED, MORTON, "fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
 /// How rays are asked about: those of a batch that run alike go together.
 const PACKETS: &str = "packets";

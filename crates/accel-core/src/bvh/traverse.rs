@@ -9,6 +9,8 @@
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
+use wide::f32x8;
+
 use super::WideBvh;
 use super::box_ray::{BoxParameters, BoxRay, Length};
 use super::collapse::{LEAF, LEVELS, WIDTH};
@@ -149,27 +151,19 @@ impl Stack {
         is_any_hit: bool,
         name: impl Fn(usize) -> u32,
     ) -> Option<u32> {
-        let next = if is_any_hit {
-            self.any_of(node, ray, end, name)
+        let (met, enter) = ray.test(node, end);
+        if met == 0 {
+            self.pop(end)
+        } else if is_any_hit {
+            Some(self.any_of(met, name))
         } else {
-            self.nearest_of(node, ray, end, name)
-        };
-        next.or_else(|| self.pop(end))
+            Some(self.nearest_of(met, enter, name))
+        }
     }
 
-    /// One of the children that the ray meets; the others wait, in no order.
+    /// One of the children that the ray meets, a bit each; the others wait, in no order.
     #[inline(always)]
-    fn any_of(
-        &mut self,
-        node: &Node,
-        ray: &NodeRay,
-        end: f32,
-        name: impl Fn(usize) -> u32,
-    ) -> Option<u32> {
-        let (mut met, _) = ray.test(node, end);
-        if met == 0 {
-            return None;
-        }
+    fn any_of(&mut self, mut met: u32, name: impl Fn(usize) -> u32) -> u32 {
         let mut next = || {
             let child = name(met.trailing_zeros() as usize & (WIDTH - 1));
             met &= met.wrapping_sub(1);
@@ -181,22 +175,13 @@ impl Stack {
             (child, is_last) = next();
             self.push(u64::from(child));
         }
-        Some(first)
+        first
     }
 
-    /// The nearest of the children that the ray meets; the others wait.
+    /// The nearest of the children that the ray meets, a bit each; the others wait. `enter`: where
+    /// it enters them.
     #[inline(always)]
-    fn nearest_of(
-        &mut self,
-        node: &Node,
-        ray: &NodeRay,
-        end: f32,
-        name: impl Fn(usize) -> u32,
-    ) -> Option<u32> {
-        let (mut met, enter) = ray.test(node, end);
-        if met == 0 {
-            return None;
-        }
+    fn nearest_of(&mut self, mut met: u32, enter: f32x8, name: impl Fn(usize) -> u32) -> u32 {
         let enter = enter.to_array();
         let entry = |child: u32| {
             let child = child as usize & (WIDTH - 1);
@@ -212,7 +197,7 @@ impl Stack {
         let (first, is_last) = take();
         if is_last {
             // where the ray enters it is not waited for
-            return Some(name(first as usize & (WIDTH - 1)));
+            return name(first as usize & (WIDTH - 1));
         }
         let a = entry(first);
         let mut next = || {
@@ -223,7 +208,7 @@ impl Stack {
         let (a, b) = (a.min(b), a.max(b));
         if is_last {
             self.push(b);
-            return Some(a as u32);
+            return a as u32;
         }
         let (c, is_last) = next();
         let (b, c) = (b.min(c), b.max(c));
@@ -243,6 +228,6 @@ impl Stack {
                 }
             }
         }
-        Some(nearest as u32)
+        nearest as u32
     }
 }

@@ -11,6 +11,7 @@ use crate::primitives::polygon::Polygon;
 use crate::primitives::shear::Shear;
 use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
+use crate::primitives::tagged::{INDEX_BITS, TaggedIndex};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::{
     Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
@@ -425,31 +426,5 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + self.transmissive.bytes()
             + self.motion.bytes()
             + self.instances.bytes()
-    }
-}
-
-/// The kind in the upper two bits, the index within the kind below.
-#[derive(Debug, Clone, Copy)]
-struct TaggedIndex(u32);
-
-/// Bits of an index.
-const INDEX_BITS: u32 = 30;
-
-impl TaggedIndex {
-    pub fn new(kind: PrimitiveKind, index: usize) -> Self {
-        Self((kind as u32) << INDEX_BITS | index as u32)
-    }
-    #[inline(always)]
-    pub fn kind(self) -> PrimitiveKind {
-        match self.0 >> INDEX_BITS {
-            0 => PrimitiveKind::Triangle,
-            1 => PrimitiveKind::Polygon,
-            2 => PrimitiveKind::Sphere,
-            _ => PrimitiveKind::Cone,
-        }
-    }
-    #[inline(always)]
-    pub fn index(self) -> usize {
-        (self.0 & ((1 << INDEX_BITS) - 1)) as usize
     }
 }

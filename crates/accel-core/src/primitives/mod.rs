@@ -24,6 +24,7 @@ mod shear;
 mod shear_lanes;
 mod sphere;
 mod support;
+mod tagged;
 pub(crate) mod triangle;
 mod triangle_block;
 pub(crate) mod watertight;

@@ -1,5 +1,5 @@
-//! A mixed set whose triangles and spheres have other tests, compiled into each traversal as the
-//! default tests are.
+//! A mixed set whose triangles and spheres have other tests, compiled as the default tests are into
+//! the traversals of the structures that offer them.
 //!
 //! It is a view without a cost of its own: with the default tests it computes what a [`MixedSet`]
 //! does. Polygons and cones keep their tests, so that the shear of a ray is computed for the

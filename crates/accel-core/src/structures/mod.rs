@@ -139,26 +139,33 @@ pub fn find(name: &str) -> Option<&'static Entry> {
 pub fn prepare<S: Scalar, T: Structure<S>, const COMPILED: bool>(
     params: &Params,
 ) -> PreparedStructure<S> {
+    prepare_for::<S, T, COMPILED, false>(params)
+}
+
+/// [`prepare`] for a structure of which the queries of sets that move are compiled, too, in f32.
+pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
+    prepare_for::<f32, T, true, true>(params)
+}
+
+fn prepare_for<S: Scalar, T: Structure<S>, const COMPILED: bool, const COMPILED_IN_MOTION: bool>(
+    params: &Params,
+) -> PreparedStructure<S> {
     let (settings, testing) = (Settings::of(params), TestChoice::of(params));
     let segments = time_segments::of(params);
     let refusal = testing.chosen.map(|_| Choice::refused(params, "default in this precision"));
-    Box::new(move |prims, before| match &refusal {
-        Some(refusal) => Err(refusal.clone().into()),
-        None => build_tracer::<S, T, COMPILED>(prims, (&settings, &testing), segments, before),
+    Box::new(move |prims, before| {
+        if let Some(refusal) = &refusal {
+            return Err(refusal.clone().into());
+        }
+        let how = (&settings, &testing);
+        match prims {
+            PrimsRef::Watertight(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
+            PrimsRef::Mixed(p) if p.has_motion() => {
+                in_motion::<S, T, COMPILED_IN_MOTION>(p, how, segments)
+            }
+            PrimsRef::Mixed(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
+        }
     })
-}
-
-fn build_tracer<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
-    prims: PrimsRef<'a, S>,
-    how: (&Settings<T::Config>, &TestChoice),
-    segments: usize,
-    before: Option<PreviousFrame<'_>>,
-) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    match prims {
-        PrimsRef::Watertight(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
-        PrimsRef::Mixed(p) if p.has_motion() => in_motion::<S, T, false>(p, how, segments),
-        PrimsRef::Mixed(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
-    }
 }
 
 /// Builds `T` over a set that moves.
@@ -170,21 +177,6 @@ fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     let mailbox = testing.mailbox::<S, _>(set, settings.limits())?;
     let segments = TimeSegments::<S, T>::build(set, settings, testing, segments)?;
     Ok(Box::new(BoundInMotion::<S, _, T, COMPILED>::new(set.in_motion(), segments, mailbox)))
-}
-
-/// [`prepare`] for a structure of which the queries of sets that move are compiled, too, in f32.
-pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
-    let (settings, testing) = (Settings::of(params), TestChoice::of(params));
-    let segments = time_segments::of(params);
-    Box::new(move |prims, before| {
-        let how = (&settings, &testing);
-        match prims {
-            PrimsRef::Mixed(set) if set.has_motion() => {
-                in_motion::<f32, T, true>(set, how, segments)
-            }
-            _ => build_tracer::<f32, T, true>(prims, how, segments, before),
-        }
-    })
 }
 
 /// [`prepare_compiled`] for a structure of which the tests in [`chosen_tests`] are compiled, too,

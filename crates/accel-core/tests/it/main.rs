@@ -4,6 +4,7 @@ mod agreement;
 mod builders;
 mod caps;
 mod cells;
+mod chosen_tests;
 mod common;
 mod contributing;
 mod differential;

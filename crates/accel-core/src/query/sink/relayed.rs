@@ -1,4 +1,4 @@
-//! A sink as an object of which only tests are asked: for timed passes over sets that are not
+//! A sink as an object of which only tests are asked: for timed passes whose queries are not
 //! compiled into each traversal.
 
 use std::ops::ControlFlow;

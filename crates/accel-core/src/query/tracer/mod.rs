@@ -112,7 +112,7 @@ pub(crate) fn traverse_counted<S: Scalar, T: Structure<S>>(
     structure.traverse(ray, &mut sink);
 }
 
-/// The traversal of passes that are timed, for sets that are not compiled into it.
+/// The traversal of passes that are timed, for queries that are not compiled into it.
 #[inline(never)]
 pub(crate) fn traverse_relayed<S: Scalar, T: Structure<S>>(
     structure: &T,

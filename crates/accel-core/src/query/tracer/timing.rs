@@ -1,6 +1,7 @@
-//! The timed pass of a set that moves. It reaches the structure through one dynamic call per ray
-//! and traverses with the one [`RelayedSink`], so that it is compiled once for each kind of
-//! primitive, not for each structure.
+//! The timed pass of queries that are not compiled into the traversal: most sets that move, f64 of
+//! most structures. It reaches the structure through one dynamic call per ray and traverses with
+//! the one [`RelayedSink`], so that it is compiled once for each kind of primitive, not for each
+//! structure.
 
 use super::nearby::{closest, near};
 use crate::geometry::ray::{Hit, Ray};

@@ -13,7 +13,8 @@
 //! ray's origin, or where an interval begins that begins before it, pads boxes, refuses what is not
 //! finite, and groups primitives with the same centre: `bvh/box_ray.rs` and `bvh/items.rs`.
 
-use crate::bvh::build::agglomerated::{PRESETS, preset_named};
+use crate::bvh::build::PRESETS;
+use crate::bvh::build::agglomerated::preset_named;
 use crate::params::{ParamSpec, Params};
 
 /// The build preset.

@@ -178,8 +178,9 @@ mod tests {
     use obvhs::cwbvh::builder::{build_cwbvh, build_cwbvh_from_tris};
 
     use super::*;
+    use crate::bvh::build::PRESETS;
+    use crate::bvh::build::agglomerated::preset_named;
     use crate::bvh::build::agglomerated::tests::{nested, scattered as boxes_scattered};
-    use crate::bvh::build::agglomerated::{PRESETS, preset_named};
 
     /// Triangles at places without order, every tenth large.
     fn scattered(n: usize) -> Vec<Triangle> {

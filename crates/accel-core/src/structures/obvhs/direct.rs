@@ -15,6 +15,7 @@ use obvhs::triangle::Triangle;
 
 use glam::Vec3A;
 
+use crate::bvh::items::outward;
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
@@ -193,11 +194,7 @@ pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
 
 /// A box in f32, rounded outwards.
 pub(crate) fn rounded<S: Scalar>(b: &crate::Aabb<S>) -> Aabb {
-    let (min, max) = (b.min.to_dvec3(), b.max.to_dvec3());
-    let low = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
-    let high = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
-    let vector = |v: [f64; 3], round: &dyn Fn(f64) -> f32| Vec3A::from_array(v.map(round));
-    Aabb::new(vector(min.to_array(), &low), vector(max.to_array(), &high))
+    outward(b, [0.0; 3], 1.0)
 }
 
 /// As `obvhs::ray::Ray::new` makes it, which in debug builds panics where a ray is not finite.

@@ -1,0 +1,137 @@
+//! Tests of primitives chosen by name: what is compiled for them, what they answer, and where they
+//! are refused.
+
+use accel_core::params::ParamError;
+use accel_core::params::config::Settings;
+use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::query::tracer::{Bound, Tracer};
+use accel_core::registry::Buildable;
+use accel_core::structure::{BuildError, Structure};
+use accel_core::structures::brute_force::{self, BruteForce};
+use accel_core::structures::find;
+use accel_core::variants::chosen_tests::{Choice, TestedSetVisitor, visit_tested};
+use accel_core::{Hit, Ray};
+
+use crate::common::{Set, all_scenes, build};
+use crate::test_scenes::{closest_hits, mixed_scene, occlusions, rays};
+
+const TRIANGLE_TESTS: [&str; 6] = [
+    "moeller-trumbore",
+    "moeller-trumbore-epsilon",
+    "pluecker",
+    "watertight",
+    "watertight-fallback",
+    "f64",
+];
+
+/// The structures that offer the choice, primitives one by one and in blocks.
+const STRUCTURES: [(&str, &str); 3] =
+    [("uniform-grid", "kernel=scalar"), ("uniform-grid", ""), ("wide-bvh", "")];
+
+fn scene(name: &str) -> Set<f32> {
+    all_scenes().into_iter().find(|scene| scene.0 == name).unwrap().1
+}
+
+fn triangles_and_mixed() -> [Set<f32>; 2] {
+    [scene("soup"), Set::Mixed(mixed_scene(60, 9, [1.0; 3]))]
+}
+
+fn answers(tracer: &dyn Tracer<f32>, rays: &[Ray<f32>]) -> (Vec<Hit<f32>>, Vec<bool>) {
+    (closest_hits(tracer, rays), occlusions(tracer, rays))
+}
+
+/// Every primitive under the tests of the set that is visited, which are called.
+struct Oracle<'r>(&'r [Ray<f32>]);
+
+impl<'a> TestedSetVisitor<'a> for Oracle<'_> {
+    type Output = (Vec<Hit<f32>>, Vec<bool>);
+
+    fn visit<P: PrimSet<f32>>(self, set: &'a P) -> Self::Output {
+        let all = BruteForce::build(set, &Settings::of(&brute_force::INFO.defaults())).unwrap();
+        answers(&Bound::<_, _, _, false>::new(set, all), self.0)
+    }
+}
+
+fn expected(
+    prims: PrimsRef<'_, f32>,
+    settings: &str,
+    rays: &[Ray<f32>],
+) -> (Vec<Hit<f32>>, Vec<bool>) {
+    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
+    let choice = Choice::of(&find("wide-bvh").unwrap().params(settings).unwrap()).unwrap();
+    visit_tested(prims, choice, Oracle(rays)).unwrap()
+}
+
+#[test]
+fn chosen_tests_answer_as_brute_force_under_them_does() {
+    let rays = rays(&mixed_scene(60, 9, [1.0; 3]), 400, 10);
+    let mut choices: Vec<_> =
+        TRIANGLE_TESTS.iter().map(|test| format!("triangle-test={test}")).collect();
+    choices.extend(["naive", "rearranged", "f64"].map(|test| format!("sphere-test={test}")));
+    choices.push("triangle-test=f64 sphere-test=f64".to_owned());
+    for set in &triangles_and_mixed() {
+        let set = set.prims();
+        let default = answers(&*build(set, "brute-force", "").unwrap(), &rays);
+        let mut differing = Vec::new();
+        for choice in &choices {
+            let expected = expected(set, choice, &rays);
+            assert!(expected.0.iter().filter(|hit| hit.is_hit()).count() > 100, "{choice}");
+            for (name, kernel) in STRUCTURES {
+                let tracer = build(set, name, &format!("{choice} {kernel}")).unwrap();
+                let got = answers(&*tracer, &rays);
+                assert!(got == expected, "{name} {kernel} {choice}");
+            }
+            if expected != default {
+                differing.push(choice.as_str());
+            }
+        }
+        // answers under the default tests would not pass
+        assert!(differing.contains(&"triangle-test=moeller-trumbore"), "{differing:?}");
+        let has_spheres = matches!(set, PrimsRef::Mixed(_));
+        assert_eq!(differing.contains(&"sphere-test=naive"), has_spheres, "{differing:?}");
+        assert!(!differing.contains(&"triangle-test=watertight"), "{differing:?}");
+        assert!(!differing.contains(&"sphere-test=rearranged"), "{differing:?}");
+    }
+}
+
+#[test]
+fn a_default_chosen_by_name_is_the_default_and_another_test_is_other_code() {
+    for set in &triangles_and_mixed() {
+        let set = set.prims();
+        for (name, kernel) in STRUCTURES {
+            let code = |choice: &str| {
+                build(set, name, &format!("{choice} {kernel}")).map(|tracer| tracer.code()).unwrap()
+            };
+            let default = code("");
+            assert_eq!(code("triangle-test=watertight"), default, "{name}");
+            assert_eq!(code("sphere-test=rearranged"), default, "{name}");
+            assert_ne!(code("triangle-test=pluecker"), default, "{name}");
+        }
+    }
+}
+
+#[test]
+fn tests_that_are_not_compiled_are_refused() {
+    fn refusal<S: Buildable>(prims: PrimsRef<'_, S>, settings: &str) -> String {
+        match build(prims, "wide-bvh", settings) {
+            Err(BuildError::Param(error @ ParamError::Invalid { .. })) => error.to_string(),
+            Err(error) => panic!("{settings}: {error}"),
+            Ok(_) => panic!("{settings}: built"),
+        }
+    }
+    let double = mixed_scene::<f64>(20, 9, [1.0; 3]);
+    let naive = "wide-bvh.sphere-test = 'naive': expected default";
+    assert_eq!(
+        refusal(PrimsRef::Mixed(&double), "sphere-test=naive"),
+        format!("{naive} in this precision")
+    );
+    let moving = scene("moving");
+    assert_eq!(
+        refusal(moving.prims(), "sphere-test=naive"),
+        format!("{naive} where primitives move")
+    );
+    let [_, mixed] = triangles_and_mixed();
+    let both = "sphere-test=naive triangle-test=pluecker";
+    let text = refusal(mixed.prims(), both);
+    assert!(text.ends_with("expected default, or f64 for both kinds of primitives"), "{text}");
+}
