@@ -11,7 +11,7 @@ pub fn rounding<S: Scalar>() -> f64 {
 }
 
 /// Required agreement of answers with the expected ones.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Exactness {
     /// To the last bit: the primitive tests are ours.
     Bits,
