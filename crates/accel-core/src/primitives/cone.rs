@@ -105,7 +105,8 @@ impl<S: Scalar> Cone<S> {
     /// The parameter of the hit of a ray that begins at `m` from the base, near the cone; `d_perp`
     /// is its direction across the axis, `dd` the square of that, `dz` its direction along the
     /// axis.
-    #[inline(always)]
+    // compiled once, not into each traversal of each structure: most rays are rejected before
+    #[inline(never)]
     fn intersect_near(&self, m: Vec3<S>, d_perp: Vec3<S>, dd: S, dz: S) -> Option<S> {
         let mz = m.dot(self.axis);
         let m_perp = m - self.axis * mz;

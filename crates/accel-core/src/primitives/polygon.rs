@@ -96,14 +96,28 @@ impl<S: Scalar> Polygon<S> {
         if !(is_within || is_grazed) {
             return None;
         }
+        self.hit_within(store, ray, shear, t_max, (!is_grazed).then_some(t))
+    }
+
+    /// The same of a ray that meets the plane at `plane`, unless it is grazed.
+    // compiled once, not into each traversal of each structure: most rays are rejected before
+    #[inline(never)]
+    fn hit_within(
+        &self,
+        store: &[[S; 3]],
+        ray: &Ray<S>,
+        shear: &Shear<S>,
+        t_max: S,
+        plane: Option<S>,
+    ) -> Option<S> {
         let is_small = shear.is_too_small();
         if !(is_small || encloses_axis(self.outline(store), shear)) {
             return None;
         }
-        if !(is_small || is_grazed) {
-            return Some(t);
+        if plane.is_some() && !is_small {
+            return plane;
         }
-        let t = self.bounded_hit(store, ray, shear, (!is_grazed).then_some(t))?;
+        let t = self.bounded_hit(store, ray, shear, plane)?;
         (t >= ray.t_min && t <= t_max).then_some(t)
     }
 

@@ -92,6 +92,9 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// True if lists of its primitives may be kept as blocks of triangles; false where no test is
     /// compiled for them.
     const HAS_BLOCKS: bool = false;
+    /// True if it has tests that are compared with the default ones, for which neither mailboxes
+    /// nor batches are compiled.
+    const HAS_OTHER_TESTS: bool = false;
     /// Returns whether all are triangles that [`Watertight`](super::Watertight) tests: another way
     /// to compute that test gives the set's own answers.
     fn is_watertight(&self) -> bool {

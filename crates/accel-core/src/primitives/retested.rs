@@ -34,6 +34,7 @@ impl<S: Scalar> MixedSet<S> {
 
 impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for RetestedSet<S, T, Q> {
     type RaySetup = (Shear<S>, T::Setup);
+    const HAS_OTHER_TESTS: bool = true;
 
     as_its_set!(S);
 

@@ -31,8 +31,8 @@ use crate::primitives::{
 /// A way to intersect a ray with a triangle.
 pub trait TriangleTest<S: Scalar>: Send + Sync + 'static {
     type Setup: Copy;
-    /// Name in settings and tables.
-    const NAME: &'static str;
+    /// True for the test of all sets, with which others are compared.
+    const IS_DEFAULT: bool = false;
     /// Prepares a ray for triangles of which no coordinate is larger than `magnitude`.
     fn setup(ray: &Ray<S>, magnitude: S) -> Self::Setup;
     /// The same where the ray's shear is known: the watertight test does not compute it twice.
@@ -92,7 +92,7 @@ pub struct Watertight;
 
 impl<S: Scalar> TriangleTest<S> for Watertight {
     type Setup = Shear<S>;
-    const NAME: &'static str = "watertight";
+    const IS_DEFAULT: bool = true;
 
     #[inline(always)]
     fn setup(ray: &Ray<S>, magnitude: S) -> Shear<S> {
@@ -136,7 +136,6 @@ pub struct MoellerTrumbore;
 
 impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
     type Setup = ();
-    const NAME: &'static str = "moeller-trumbore";
 
     #[inline(always)]
     fn setup(_: &Ray<S>, _: S) {}
@@ -252,6 +251,7 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
 impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     type RaySetup = T::Setup;
     const HAS_BLOCKS: bool = true;
+    const HAS_OTHER_TESTS: bool = !T::IS_DEFAULT;
 
     #[inline(always)]
     fn len(&self) -> usize {
@@ -285,7 +285,7 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
         Some(self.triangles[id as usize].map(Vec3::<S>::from_array))
     }
     fn is_watertight(&self) -> bool {
-        T::NAME == <Watertight as TriangleTest<S>>::NAME
+        T::IS_DEFAULT
     }
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Triangle

@@ -34,6 +34,9 @@ impl<S: Scalar, T: Structure<S>> Traverse<S> for PlainStructure<'_, T> {
 
 /// How the rays of a batch go through a structure.
 pub(crate) trait BatchDriver<S: Scalar, T> {
+    /// True where rays go side by side, which is not compiled for tests that are compared.
+    const IS_TOGETHER: bool = true;
+
     /// Answers the rays at these places; to be inlined.
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
         structure: &T,
@@ -48,6 +51,8 @@ pub(crate) trait BatchDriver<S: Scalar, T> {
 pub(crate) struct RayByRay;
 
 impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
+    const IS_TOGETHER: bool = false;
+
     // without closures, which would not be compiled for AVX-512
     #[inline(always)]
     fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
@@ -185,7 +190,7 @@ pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>
     answers: BatchAnswers<'_, S>,
 ) -> C {
     let work = C::default();
-    if !P::HAS_BLOCKS {
+    if !P::HAS_BLOCKS || D::IS_TOGETHER && P::HAS_OTHER_TESTS {
         return work;
     }
     let all = 0..rays.len();

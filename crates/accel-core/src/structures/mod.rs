@@ -32,6 +32,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet, PrimsRef};
+use crate::query::mailbox;
 use crate::query::tracer::tested::{TestChoice, tested_as};
 use crate::query::tracer::{BoundInMotion, PreviousFrame, Tracer};
 use crate::registry::{self, Buildable, RegistryItem};
@@ -187,6 +188,12 @@ pub fn prepare_tested<T: Structure<f32>>(params: &Params) -> PreparedStructure<f
     let params = params.clone();
     Box::new(move |prims, before| {
         let how = (&settings, &testing);
+        if testing.mailbox != mailbox::Choice::None {
+            return Err(Choice::refused(&params, "default where there is a mailbox").into());
+        }
+        if params.get("query").is_some_and(|query| query != "one") {
+            return Err(Choice::refused(&params, "default for batches").into());
+        }
         if matches!(prims, PrimsRef::Mixed(set) if set.has_motion()) {
             return Err(Choice::refused(&params, "default where primitives move").into());
         }

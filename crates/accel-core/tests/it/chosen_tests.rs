@@ -113,7 +113,10 @@ fn a_default_chosen_by_name_is_the_default_and_another_test_is_other_code() {
 #[test]
 fn tests_that_are_not_compiled_are_refused() {
     fn refusal<S: Buildable>(prims: PrimsRef<'_, S>, settings: &str) -> String {
-        match build(prims, "wide-bvh", settings) {
+        refusal_of("wide-bvh", prims, settings)
+    }
+    fn refusal_of<S: Buildable>(name: &str, prims: PrimsRef<'_, S>, settings: &str) -> String {
+        match build(prims, name, settings) {
             Err(BuildError::Param(error @ ParamError::Invalid { .. })) => error.to_string(),
             Err(error) => panic!("{settings}: {error}"),
             Ok(_) => panic!("{settings}: built"),
@@ -130,7 +133,16 @@ fn tests_that_are_not_compiled_are_refused() {
         refusal(moving.prims(), "sphere-test=naive"),
         format!("{naive} where primitives move")
     );
-    let [_, mixed] = triangles_and_mixed();
+    let [triangles, mixed] = triangles_and_mixed();
+    let set = triangles.prims();
+    let pluecker = ".triangle-test = 'pluecker': expected default";
+    for query in ["batch", "packets"] {
+        let text = refusal(set, &format!("triangle-test=pluecker query={query}"));
+        assert_eq!(text, format!("wide-bvh{pluecker} for batches"));
+    }
+    let text =
+        refusal_of("uniform-grid", set, "triangle-test=pluecker kernel=scalar mailbox=array");
+    assert_eq!(text, format!("uniform-grid{pluecker} where there is a mailbox"));
     let both = "sphere-test=naive triangle-test=pluecker";
     let text = refusal(mixed.prims(), both);
     assert!(text.ends_with("expected default, or f64 for both kinds of primitives"), "{text}");

@@ -231,8 +231,9 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     }
 }
 
-/// Visits cells until nothing closer can follow.
-#[inline(always)]
+/// Visits cells until nothing closer can follow. A function for each traversal: in one for all four
+/// registers are short.
+#[inline(never)]
 fn visit<S: Scalar>(
     mut traversal: impl CellTraversal<S>,
     storage: &impl CellStorage,

@@ -246,7 +246,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         {
             return self.closest_by_blocks(blocks, rays, hits);
         }
-        if T::DUPLICATES && self.mailbox.is_used() {
+        if T::DUPLICATES && !P::HAS_OTHER_TESTS && self.mailbox.is_used() {
             return self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
         }
         match self.structure.batches(self.prims, None) {
@@ -279,7 +279,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         {
             return self.occlusions_by_blocks(blocks, rays, blocked);
         }
-        if T::DUPLICATES && self.mailbox.is_used() {
+        if T::DUPLICATES && !P::HAS_OTHER_TESTS && self.mailbox.is_used() {
             return self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
         }
         match self.structure.batches(self.prims, None) {
