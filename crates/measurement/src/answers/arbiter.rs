@@ -129,8 +129,8 @@ impl<'a, S: Buildable> Arbiter<'a, S> {
 mod tests {
     use std::borrow::Cow;
 
-    use accel_core::{Hit, Vec3};
-    use glam::dvec3;
+    use accel_core::Hit;
+    use glam::{Vec3, dvec3};
     use scene_loading::{Material, Scene};
 
     use super::*;
