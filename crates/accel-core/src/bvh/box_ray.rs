@@ -165,7 +165,7 @@ impl<S: Scalar> BoxParameters<S> {
         self.lead > 0.0
     }
 
-    /// A bound for obvhs's box tests that no rounding makes too small.
+    /// A bound for box tests that no rounding makes too small (`proofs/ray_end.gappa`).
     #[inline(always)]
     pub(crate) fn bound(&self, t_max: S) -> f32 {
         let t = (t_max * self.scale).to_f64() as f32;

@@ -69,7 +69,7 @@ pub(crate) enum Padding {
 impl Padding {
     /// By how far the point in which the watertight test hits a triangle in f32 lies outside of its
     /// box, beyond what grows with the distance of the hit: half an epsilon of both extents, and a
-    /// little more (`bvh/node.rs`).
+    /// little more (`bvh/node.rs`, `proofs/corner_boxes.gappa`).
     pub(crate) const OF_CORNERS: Self =
         Self::OfExtent { along: 0.5 + 1.0 / 32.0, largest: 0.5 + 1.0 / 32.0 };
 }

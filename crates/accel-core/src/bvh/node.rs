@@ -98,15 +98,17 @@ pub(super) const LEAST_PART: f32 = 1.0 / 512.0;
 pub(super) const LARGE: f32 = 1e37;
 /// By so many epsilons, and so many of the origin's largest coordinate, origins are shifted. 24 of
 /// a scene's largest coordinate, below 2, for weights; of a hit's distance, below that and the
-/// origin's, at either end one for corners, one for the slope, two for the slab; two of the
-/// origin's coordinate for its product and for its rounding in f64; the rest is left over.
+/// origin's, 2.5 for corners and the slope, 4.5 for the parameter; and the slab's own roundings. A
+/// third is left over, of which f64 needs two of the origin's coordinate for its rounding
+/// (`proofs/node_entry.gappa`).
 pub(super) const SHIFT: [f32; 2] = [76.0, 14.0];
-/// Rounding error of the product with a ray's origin, and of the sum with it.
+/// Rounding error of the product with a ray's origin, and of the sum with it
+/// (`proofs/node_exit.gappa`).
 pub(super) const PRODUCT_ROUNDING: f32 = (1.0 + 1.0 / 32.0) * EPSILON;
 /// Rounding error of the product with a plane, before the ray's offset is added: coordinates are
 /// below 2.
 pub(super) const PLANE_ROUNDING: f32 =
-    if cfg!(target_feature = "fma") { 0.0 } else { f32::EPSILON };
+    (if cfg!(target_feature = "fma") { 0.0 } else { 1.0 }) * EPSILON;
 
 impl NodeRay {
     /// Prepares a ray in a scene of unit size. Its direction has a length from 1e-18 to 1e18 and no

@@ -82,7 +82,7 @@ impl Packet {
         if apart > ALIKE || turned > ALIKE * longest {
             return None;
         }
-        // what is added to single rays, and the rounding of both
+        // what is added to single rays, and the rounding of both (`proofs/packet.gappa`)
         let slack = (96.0 + 32.0 * far) * EPSILON;
         let (mut inverse, mut offset, mut octant) = ([[0.0; 3]; 2], [[0.0; 3]; 2], 0);
         for k in 0..3 {

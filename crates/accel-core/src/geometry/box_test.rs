@@ -6,7 +6,7 @@
 //! Deviations: a box here is the tight one of the primitives, as in the paper. Elsewhere boxes are
 //! padded by far more (`bounds_rule.rs`), since points of primitives are rounded as well.
 
-use crate::geometry::aabb::Aabb;
+use crate::geometry::aabb::{Aabb, exit_factor};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 
@@ -27,7 +27,7 @@ impl BoxTest {
     pub fn entry<S: Scalar>(self, b: &Aabb<S>, ray: &Ray<S>, t_min: S, t_max: S) -> Option<S> {
         match self {
             Self::Plain => slabs(b, ray, t_min, t_max, S::ONE),
-            Self::Padded => slabs(b, ray, t_min, t_max, S::ONE + S::EPSILON + S::EPSILON),
+            Self::Padded => slabs(b, ray, t_min, t_max, exit_factor()),
             Self::Double => {
                 let wide = Aabb::<f64> { min: b.min.to_dvec3(), max: b.max.to_dvec3() };
                 let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());

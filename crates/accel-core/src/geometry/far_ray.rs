@@ -86,7 +86,8 @@ fn from_key(key: i64) -> f64 {
     f64::from_bits((key ^ (((key >> 63) as u64) >> 1) as i64) as u64)
 }
 
-/// Origins within this many magnitudes of the scene on every axis are near.
+/// Origins within this many magnitudes of the scene on every axis are near: `proofs/` has them, in
+/// corners, parameter, voxel_planes, box_clip and sphere (`.gappa`).
 const NEAR: f64 = 8.0;
 
 /// The largest coordinate of a near origin, for a scene whose largest coordinate is `magnitude`.

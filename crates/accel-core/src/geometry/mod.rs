@@ -7,3 +7,6 @@ pub mod lanes;
 pub mod ray;
 pub mod ray_lanes;
 pub mod scalar;
+#[cfg(test)]
+#[path = "../../tests/toy/mod.rs"]
+mod toy;

@@ -11,6 +11,8 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for f32 {}
     impl Sealed for f64 {}
+    #[cfg(test)]
+    impl<const P: u32> Sealed for crate::geometry::toy::Toy<P> {}
 }
 
 /// The largest result of [`Scalar::to_index`]: both scalars hold it, and all below it, exactly.

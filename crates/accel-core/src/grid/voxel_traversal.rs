@@ -2,16 +2,15 @@
 //!
 //! Paper: J. Amanatides, A. Woo, "A Fast Voxel Traversal Algorithm for Ray Tracing", Eurographics
 //! 1987. Deviation: the parameter of the next plane is not accumulated (t += dt drifts by up to
-//!       tens
-//! of cells on long traversals) but recomputed from the plane's index, so that its error
-//! does not grow with the number of steps.
+//! tens of cells on long traversals) but recomputed from the plane's index, so that its error does
+//! not grow with the number of steps.
 //!
 //! What is guaranteed, in the scalar of the traversal and to the ray's end: the part of the ray
 //! between the exits of two successive cells lies within the second of them, grown by an error that
 //! is independent of the number of steps. Three roundings of positions (plane, from_origin, their
 //! sum) and two of factors (1 / direction, the product with it) keep a plane within 22 epsilon of
-//! the scene's largest coordinate of where it is met, for rays that start within 8 magnitudes
-//! (`far_ray.rs`). Boxes are inserted padded by 64 of the same (`bounds_rule.rs`). So a cell may be
+//! the scene's largest coordinate of where it is met (`proofs/voxel_planes.gappa`), for rays that
+//! start within 8 magnitudes (`far_ray.rs`). Boxes are inserted padded by 64 of the same (`bounds_rule.rs`). So a cell may be
 //! passed by whose corner or edge the ray cuts by less, never a primitive: what the ray meets in
 //! that cell is listed in the cells before or after it as well, and those are not left before the
 //! parameter of the hit. `rtbench verify --cases T1,T3,T4` compares both traversals with exact

@@ -23,13 +23,18 @@ pub enum BoundsRule {
     },
 }
 
-/// Ulps (of the scene's largest coordinate) by which padded boxes grow, for all structures: 42 for
-/// the point of a hit, 22 for the planes of cells. A parameter of a ray that starts within 8
-/// magnitudes (see `far_ray.rs`) is off by up to 40 along the ray. Across it, a hit is off by up to
-/// 25 for the rounding of sheared corners and 12 for that of weights (`primitives/precise.rs`);
-/// were every rounding of both at its worst at once, more than 42. In 24 million hits of random
-/// triangles and needles, a third of them from 8 magnitudes away, no point lay further than 11
-/// outside of its triangle's box.
+/// Ulps (of the scene's largest coordinate) by which padded boxes grow, for all structures, so that
+/// the ray is in a cell that lists a triangle where it is nearest to what it hits of it
+/// (`proofs/padding.gappa`). Across the ray a hit is off by 25 for the rounding of sheared corners
+/// (`proofs/corners.gappa`), for a ray that starts within 8 magnitudes (`far_ray.rs`), and by 12.1
+/// for that of weights (`primitives/precise.rs`, `proofs/weights.gappa`). The rest are 22 for the
+/// planes of cells (`proofs/voxel_planes.gappa`), 3.5 for where boxes are placed
+/// (`proofs/cell_placement.gappa`), and the rounding of the box; where rays enter and leave needs
+/// less (`proofs/box_clip.gappa`). The parameter told is that of a
+/// point up to 41 along the ray from there (`proofs/parameter.gappa`), for which there is no room
+/// if every rounding is at its worst at once: it matters to hits nearer to each other, or to an end
+/// of the interval, than that. In 24 million hits of random triangles and needles, a third of them
+/// from 8 magnitudes away, no point lay further than 11 outside of its triangle's box.
 pub(crate) const PADDING_ULPS: f64 = 64.0;
 
 /// The side that a cell must at least have where boxes are padded by so much.

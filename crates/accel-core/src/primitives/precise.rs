@@ -11,7 +11,7 @@
 //! structure loses the hit. Beyond it, the weights are computed here, off by no more than a few
 //! ulps of their own. **A hit so near the origin** that it may lie behind it: with weights off by 2
 //! epsilons of `m^2` each, and a sum of three terms off by 1.5 epsilons of the largest depth, depth
-//! times `det` is off by 18 epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most);
+//! times `det` is off by 12 epsilons of the largest depth and of `m^2` (`det` is 4 `m^2` at most);
 //! nearer than 20, and not behind the origin, the depth is computed here, and its sign is that of
 //! the rounded corners' plane. So a box of a triangle that ends behind the origin holds no hit,
 //! were it padded for the rounding of corners alone (`bvh/node.rs`). **A ray with a component so

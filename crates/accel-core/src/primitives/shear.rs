@@ -105,12 +105,14 @@ impl<S: Scalar> Shear<S> {
     }
 }
 
-/// [`Shear::fine`] for corners of which no coordinate is larger than `magnitude`.
+/// [`Shear::fine`] for corners of which no coordinate is larger than `magnitude`; see
+/// `proofs/weights.gappa`.
 #[inline(always)]
 pub(super) fn fine<S: Scalar>(magnitude: S) -> S {
     S::from_i32(4) * magnitude
 }
 
+/// Twelve suffice: see `proofs/near.gappa`.
 #[inline(always)]
 pub(super) fn near_factor<S: Scalar>() -> S {
     S::from_i32(20) * S::EPSILON

@@ -38,7 +38,8 @@ impl<S: Scalar> RayPlanes<S> {
         (plane - self.origin[axis]) * self.inverse[axis]
     }
 
-    /// [`RayPlanes::crossing`], rounded down and up by more than its error.
+    /// [`RayPlanes::crossing`], rounded down and up by more than its error
+    /// (`proofs/tree_planes.gappa`).
     #[inline(always)]
     pub(crate) fn crossing_interval(&self, axis: usize, plane: S) -> (S, S) {
         let t = self.crossing(axis, plane);

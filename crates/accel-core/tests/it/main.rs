@@ -31,11 +31,13 @@ mod out_of_scale;
 mod packets;
 mod planes_of_cells;
 mod polygons;
+mod proofs;
 mod recursive_grid;
 /// Scenes and rays that unit tests have, too. They name what they need as seen from the crate.
 #[path = "../../src/structures/test_scenes.rs"]
 mod test_scenes;
 mod threads;
+mod tightness;
 mod time_segments;
 mod volumes;
 mod voxel_traversals;

@@ -4,6 +4,7 @@
 
 use wide::{i32x4, i32x8, u8x16};
 
+use crate::geometry::aabb::exit_factor;
 use crate::geometry::lanes::{Eight, Four, Lanes};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{EightOf, FourOf, Scalar, Vector};
@@ -102,7 +103,7 @@ impl<S: Scalar> LatticeRayState<S> {
         let (low, high) = ((zero - origin) * inverse, (place.size - origin) * inverse);
         let near = low.lesser(high).where_set(moves, zero - infinity);
         // rounded up by two ulps, so that rounding never loses the lattice (Ize 2013)
-        let padding = splat(S::ONE + S::EPSILON + S::EPSILON);
+        let padding = splat(exit_factor());
         let far = (low.greater(high) * padding).where_set(moves, infinity);
         let [near, far] = [near.to_array(), far.to_array()];
         let start = near[0].greater(near[1]).greater(near[2]).greater(ray.t_min);

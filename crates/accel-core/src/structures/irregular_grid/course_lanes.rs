@@ -4,6 +4,7 @@
 
 use wide::{i32x8, u32x8};
 
+use crate::geometry::aabb::exit_factor;
 use crate::geometry::lanes::{Eight, Lanes};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::{EightOf, Scalar};
@@ -37,7 +38,7 @@ impl<S: Scalar> StartStates<S> {
     pub(super) fn of(rays: &RayLanes<S>, place: &LatticeFrame<S>) -> Self {
         let (splat, vector) = (EightOf::<S>::splat, EightOf::<S>::new);
         let (zero, infinity) = (splat(S::ZERO), splat(S::INFINITY));
-        let padding = splat(S::ONE + S::EPSILON + S::EPSILON);
+        let padding = splat(exit_factor());
         let mut courses = EightCourses::idle();
         let (mut start, mut end) = (zero - infinity, infinity);
         let mut meeting = zero.at_most(zero);

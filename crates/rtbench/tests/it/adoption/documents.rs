@@ -14,8 +14,9 @@ use crate::common::{files_below, run};
 const CHEAP: [&str; 5] = ["list", "schema", "completions", "man", "doctor"];
 
 /// Folders of the repository, as documents name what is in them.
-const FOLDERS: [&str; 8] =
-    ["crates/", "docs/", "fuzz/", "peers/", "results/", "scenes/", "scripts/", ".github/"];
+const FOLDERS: [&str; 9] = [
+    "crates/", "docs/", "fuzz/", "peers/", "proofs/", "results/", "scenes/", "scripts/", ".github/",
+];
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
