@@ -9,8 +9,16 @@ fn main() {
     set("RTBENCH_TARGET", env::var("TARGET").ok());
     set("RTBENCH_TARGET_FEATURES", env::var("CARGO_CFG_TARGET_FEATURE").ok());
     set("RTBENCH_PROFILE", env::var("PROFILE").ok());
-    set("RTBENCH_GIT_REVISION", output("git", &["rev-parse", "HEAD"]));
     println!("cargo::rerun-if-changed=build.rs");
+    let version = env!("CARGO_PKG_VERSION");
+    // sources that lie unpacked inside of another repository are not of its commit
+    if output("git", &["ls-files", "build.rs"]).is_none() {
+        return set("RTBENCH_VERSION", Some(format!("{version}, commit unknown")));
+    }
+    let commit = output("git", &["rev-parse", "HEAD"]);
+    let short = commit.as_deref().and_then(|commit| commit.get(..12)).unwrap_or("no commit");
+    set("RTBENCH_VERSION", Some(format!("{version} at {short}")));
+    set("RTBENCH_GIT_REVISION", commit);
     // The log of HEAD changes with every commit and checkout; HEAD where logs are off.
     for name in ["logs/HEAD", "HEAD"] {
         let path = output("git", &["rev-parse", "--path-format=absolute", "--git-path", name]);

@@ -59,9 +59,14 @@ pub fn check<S: Buildable>(
     // the same rays in another order are compared in every round
     let asked = asked.distinct();
     let limits = &scope.plan.limits;
-    let cap = if row.is_sampled() { limits.sampled_pass } else { limits.checked_pass };
     let fixed = scope.plan.strides.checked(&scope.stage.scene.name, &row.label());
-    let stride = fixed.unwrap_or_else(|| stride_for(full_pass_s, cap));
+    let stride = fixed.unwrap_or_else(|| {
+        if row.is_sampled() {
+            let tests = asked.total() as f64 * scope.stage.geometry.len() as f64;
+            return stride_for(tests, limits.sampled_tests as f64);
+        }
+        stride_for(full_pass_s, limits.checked_pass)
+    });
     let thinned;
     let set = if stride == 1 {
         &asked
@@ -129,10 +134,10 @@ fn example(mut examples: Vec<String>, is_foreign: bool) -> Option<String> {
     (!examples.is_empty()).then(|| examples.join("; "))
 }
 
-/// The stride to take so that a pass stays within the cap; a power of two, so that
-/// rows share samples.
-pub fn stride_for(full_pass_s: f64, cap: f64) -> usize {
-    let wanted = (full_pass_s / cap).ceil();
+/// The stride to take so that a pass, in seconds or in tests, stays within the cap; a power of two,
+/// so that rows share samples.
+pub fn stride_for(full_pass: f64, cap: f64) -> usize {
+    let wanted = (full_pass / cap).ceil();
     if wanted > 1.0 { (wanted.min(1e9) as usize).next_power_of_two() } else { 1 }
 }
 

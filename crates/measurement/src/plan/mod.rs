@@ -62,7 +62,10 @@ pub struct Limits {
     pub timed_pass: f64,
     /// Seconds of a pass below which the whole image is rendered too.
     pub render_pass: f64,
-    /// Seconds (of one thread) of checking a row; slower ones are checked on a sample.
+    /// Rays times primitives of checking a structure that is always sampled: its counters are of
+    /// the same rays on every machine.
+    pub sampled_tests: u64,
+    /// Seconds (of one thread) of checking any other; slower ones are checked on a sample.
     pub checked_pass: f64,
     /// Rays of a kind that the oracle answers, at most.
     pub oracle_rays: usize,
@@ -76,6 +79,7 @@ impl Limits {
         if quick {
             Self {
                 sampled_pass: 0.01,
+                sampled_tests: 4_000_000,
                 timed_pass: 0.03,
                 render_pass: 0.03,
                 checked_pass: 0.3,
@@ -85,6 +89,7 @@ impl Limits {
         } else {
             Self {
                 sampled_pass: 0.05,
+                sampled_tests: 16_000_000,
                 timed_pass: 0.2,
                 render_pass: 0.4,
                 checked_pass: 8.0,

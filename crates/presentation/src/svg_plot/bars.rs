@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
-use crate::fitted::wrapped;
 use crate::svg_plot::axis::FittedAxis;
 use crate::svg_plot::format::Format;
 use crate::svg_plot::palette::{GREY, GRID, INK, MARK, PAPER, style_of};
 use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen};
-use crate::svg_plot::plot::{Axis, Ring};
+use crate::svg_plot::plot::{Axis, Ring, Scale};
 use crate::svg_plot::xml::document_of;
 use statistics::estimate::Estimate;
 
@@ -15,6 +14,8 @@ use statistics::estimate::Estimate;
 const FOOT: f64 = 34.0;
 /// The most that names take of the width, where they stand beside the bars.
 const NAMES: f64 = 400.0;
+/// Times the best value at which a logarithmic axis is cut: a bar beyond it has an arrow.
+const CUT: f64 = 10.0;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct BarChart {
@@ -67,15 +68,17 @@ struct Layout {
 
 impl Layout {
     fn new(chart: &BarChart, format: Format, head: f64) -> Self {
+        let texts = chart.rows.iter().flat_map(|row| &row.bars).map(|bar| match bar {
+            Bar::Of(_, text, _) | Bar::Words(text) => text.chars().count(),
+        });
+        let numbers = (texts.max().unwrap_or(0) as f64 * LETTER + 14.0).max(44.0);
         match format {
             Format::Wide => {
                 let longest = chart.rows.iter().map(|r| r.name.chars().count()).max().unwrap_or(0);
                 let left = (longest as f64 * LETTER + 18.0).min(NAMES);
-                Self { format, left, top: head + 24.0, step: 20.0, numbers: 62.0 }
+                Self { format, left, top: head + 24.0, step: 20.0, numbers }
             }
-            Format::Narrow => {
-                Self { format, left: 0.0, top: head + 24.0, step: 36.0, numbers: 44.0 }
-            }
+            Format::Narrow => Self { format, left: 0.0, top: head + 24.0, step: 36.0, numbers },
         }
     }
 
@@ -98,21 +101,28 @@ impl Layout {
                     1.0,
                     " stroke-dasharray=\"1 3\"",
                 );
-                pen.text(self.left - 8.0, y + 4.0, Font { anchor: "end", ..PLAIN }, name);
+                let font = Font { anchor: "end", ..fitting(name, self.left - 18.0) };
+                pen.text(self.left - 8.0, y + 4.0, font, name);
             }
             Format::Narrow => {
-                let line = wrapped(name, self.format.letters(0.0), 0).into_iter().next();
-                let line = line.unwrap_or_default();
-                let long = line.chars().count() as f64 * LETTER;
+                let font = fitting(name, width);
+                let long = name.chars().count() as f64 * LETTER * font.size / PLAIN.size;
                 let _ = writeln!(
                     pen.out,
                     "<rect x=\"0\" y=\"{:.1}\" width=\"{long:.1}\" height=\"13\" fill=\"{PAPER}\"/>",
                     y - 22.0
                 );
-                pen.text(0.0, y - 11.0, PLAIN, &line);
+                pen.text(0.0, y - 11.0, font, name);
             }
         }
     }
+}
+
+/// A font in which the text is not wider than that.
+fn fitting(text: &str, width: f64) -> Font {
+    let usual = (text.chars().count() as f64 * LETTER).max(1.0);
+    let size = (10.0 * PLAIN.size * width / usual).floor() / 10.0;
+    Font { size: size.min(PLAIN.size), ..PLAIN }
 }
 
 pub fn chart(chart: &BarChart, format: Format) -> String {
@@ -131,8 +141,16 @@ pub fn chart(chart: &BarChart, format: Format) -> String {
     }
     for (i, column) in chart.columns.iter().enumerate() {
         let bars = || chart.rows.iter().map(move |row| (row.color, row.bars.get(i)));
+        let best = bars().find_map(|(_, bar)| match bar {
+            Some(Bar::Of(e, _, Ring::Best)) => Some(e.median),
+            _ => None,
+        });
+        let best = best.unwrap_or(column.base);
+        let is_kept = |e: &Estimate| {
+            column.axis.scale != Scale::Log || (best / CUT..=best * CUT).contains(&e.median)
+        };
         let values = bars().flat_map(|(_, bar)| match bar {
-            Some(Bar::Of(e, ..)) => vec![e.median, e.low, e.high],
+            Some(Bar::Of(e, ..)) if is_kept(e) => vec![e.median, e.low, e.high],
             _ => Vec::new(),
         });
         let from = layout.left + width * i as f64;
@@ -211,13 +229,17 @@ impl BarPlace {
              fill-opacity=\"0.35\"/>",
             y - 5.0
         );
-        let (low, high) = (self.across(estimate.low), self.across(estimate.high));
-        pen.path(&[(low, y), (high, y)], color, 1.4, "");
-        for end in [low, high] {
-            pen.path(&[(end, y - 4.0), (end, y + 4.0)], color, 1.4, "");
+        if estimate.median.is_finite() && self.axis.place(estimate.median).is_none() {
+            pen.arrow(to, y, estimate.median < base, color);
+        } else {
+            let (low, high) = (self.across(estimate.low), self.across(estimate.high));
+            pen.path(&[(low, y), (high, y)], color, 1.4, "");
+            for end in [low, high] {
+                pen.path(&[(end, y - 4.0), (end, y + 4.0)], color, 1.4, "");
+            }
+            pen.circle(to, y, color);
+            pen.ring(to, y, ring);
         }
-        pen.circle(to, y, color);
-        pen.ring(to, y, ring);
         let font = Font { size: 11.0, is_bold: ring == Ring::Best, ..PLAIN };
         pen.text(self.right + 10.0, y + 4.0, font, number);
     }
@@ -226,7 +248,6 @@ impl BarPlace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::svg_plot::plot::Scale;
 
     fn sample(scale: Scale, values: &[f64]) -> BarChart {
         let bar = |&x: &f64| BarRow {
@@ -252,15 +273,21 @@ mod tests {
 
     #[test]
     fn bars_are_as_long_as_their_values_and_texts_are_escaped() {
-        let svg = chart(&sample(Scale::Log, &[1.0, 10.0, 100.0]), Format::Wide);
+        let svg = chart(&sample(Scale::Log, &[1.0, 2.0, 4.0, 100.0]), Format::Wide);
         let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
         let bars = tree.descendants().filter(|n| n.attribute("height") == Some("10"));
         let widths: Vec<f64> =
             bars.map(|n| n.attribute("width").unwrap().parse().unwrap()).collect();
-        assert_eq!((widths.len(), widths[0]), (3, 0.0));
+        assert_eq!((widths.len(), widths[0]), (4, 0.0));
         assert!((widths[2] - 2.0 * widths[1]).abs() < 0.2, "{widths:?}");
+        // beyond ten times the best the axis is cut: an arrow, and the number as of all
+        assert_eq!(svg.matches("l-8 -5l0 10z").count(), 1);
+        assert!(widths[3] < 1.2 * widths[2], "{widths:?}");
         let has = |text: &str| tree.descendants().any(|n| n.text() == Some(text));
-        assert!(has("<t>") && has("<10>") && has("a & b") && has("wrong"));
+        // a long name is set smaller, not cut off
+        assert_eq!(fitting(&"n".repeat(100), 360.0).size, 6.0);
+        assert_eq!(fitting("short", 360.0).size, PLAIN.size);
+        assert!(has("<t>") && has("<2>") && has("a & b") && has("wrong"));
     }
 
     #[test]

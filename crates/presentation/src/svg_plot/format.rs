@@ -29,28 +29,22 @@ impl Format {
 
     /// Title and subtitle; returns the height of what is below them.
     pub(crate) fn head(self, pen: &mut Pen, left: f64, title: &str, subtitle: &str) -> f64 {
-        let bold = Font { size: 17.0, is_bold: true, ..PLAIN };
+        let bold = Font { is_bold: true, ..PLAIN };
         let grey = Font { color: GREY, ..PLAIN };
-        match self {
-            Self::Wide => {
-                pen.text(left, 28.0, bold, title);
-                pen.text(left, 47.0, grey, subtitle);
-                62.0
-            }
-            Self::Narrow => {
-                // letters of the title are larger than usual ones
-                let title = wrapped(title, self.letters(0.0) * 3 / 4, 0);
-                let mut y = 4.0;
-                for line in &title {
-                    y += 18.0;
-                    pen.text(0.0, y, Font { size: 14.0, ..bold }, line);
-                }
-                for line in wrapped(subtitle, self.letters(0.0), 0) {
-                    y += 15.0;
-                    pen.text(0.0, y, grey, &line);
-                }
-                y + 15.0
-            }
+        // letters of the title are larger than usual ones
+        let (size, step, mut y, share) = match self {
+            Self::Wide => (17.0, 21.0, 7.0, 0.65),
+            Self::Narrow => (14.0, 18.0, 4.0, 0.75),
+        };
+        for line in wrapped(title, (self.letters(left) as f64 * share) as usize, 0) {
+            y += step;
+            pen.text(left, y, Font { size, ..bold }, &line);
         }
+        y += if self == Self::Wide { 4.0 } else { 0.0 };
+        for line in wrapped(subtitle, self.letters(left), 0) {
+            y += 15.0;
+            pen.text(left, y, grey, &line);
+        }
+        y + 15.0
     }
 }

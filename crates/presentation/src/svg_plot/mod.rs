@@ -89,12 +89,14 @@ mod tests {
             }],
             marks: vec![
                 Mark {
+                    hover: String::new(),
                     point: point(1.0, 2.0),
                     label: "best: 1".into(),
                     ring: Ring::Best,
                     is_in_series: true,
                 },
                 Mark {
+                    hover: String::new(),
                     point: point(1.0, 2.5),
                     label: "rule: <woo>".into(),
                     ring: Ring::None,

@@ -253,7 +253,7 @@ impl Canvas {
             let Some((x, y)) = self.place(&mark.point) else { continue };
             if !mark.is_in_series {
                 self.error_bar(&mark.point, MARK);
-                self.pen.diamond(x, y, MARK);
+                self.pen.diamond(x, y, MARK, &mark.hover);
             }
             self.pen.ring(x, y, mark.ring);
         }
@@ -287,7 +287,7 @@ impl Canvas {
             if self.format == Format::Narrow && x + 12.0 + width > self.format.width() {
                 (x, y) = (left, y + LEGEND_STEP);
             }
-            self.pen.diamond(x, y - 4.0, MARK);
+            self.pen.diamond(x, y - 4.0, MARK, "");
             y = self.lines(x + 12.0, y, PLAIN, &plot.marks_name);
         }
         for key in keys {

@@ -6,10 +6,11 @@ use crate::svg_plot::palette::{BEST, INK};
 use crate::svg_plot::plot::Ring;
 use crate::svg_plot::xml::escaped;
 
-/// Width of a letter of a label, about.
-pub const LETTER: f64 = 6.4;
+/// Width of a letter of a label, about; in the widest of usual fonts (DejaVu Sans), so that no text
+/// is cut off where others are missing.
+pub const LETTER: f64 = 7.2;
 /// The same of a bold one.
-pub const BOLD_LETTER: f64 = 7.4;
+pub const BOLD_LETTER: f64 = 8.3;
 
 /// Alignment of text at its position.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,13 +66,23 @@ impl Pen {
             writeln!(self.out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{color}\"/>");
     }
 
-    /// A point that belongs to no series.
-    pub fn diamond(&mut self, x: f64, y: f64, color: &str) {
-        let _ = writeln!(
-            self.out,
-            "<path d=\"M{x:.1} {:.1}l5.5 5.5l-5.5 5.5l-5.5 -5.5z\" fill=\"{color}\"/>",
-            y - 5.5
-        );
+    /// A point that belongs to no series; `hover` is shown while a pointer is over it.
+    pub fn diamond(&mut self, x: f64, y: f64, color: &str, hover: &str) {
+        let shape = format!("M{x:.1} {:.1}l5.5 5.5l-5.5 5.5l-5.5 -5.5z", y - 5.5);
+        let _ = match hover {
+            "" => writeln!(self.out, "<path d=\"{shape}\" fill=\"{color}\"/>"),
+            text => writeln!(
+                self.out,
+                "<path d=\"{shape}\" fill=\"{color}\"><title>{}</title></path>",
+                escaped(text)
+            ),
+        };
+    }
+
+    /// The tip of what goes on beyond an axis that is cut there.
+    pub fn arrow(&mut self, x: f64, y: f64, is_leftwards: bool, color: &str) {
+        let back = if is_leftwards { 8 } else { -8 };
+        let _ = writeln!(self.out, "<path d=\"M{x:.1} {y:.1}l{back} -5l0 10z\" fill=\"{color}\"/>");
     }
 
     /// A ring around a point.

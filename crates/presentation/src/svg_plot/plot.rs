@@ -68,6 +68,8 @@ pub struct Mark {
     pub point: Point,
     /// The label; may be empty.
     pub label: String,
+    /// Shown while a pointer is over the point; may be empty.
+    pub hover: String,
     /// The ring around it.
     pub ring: Ring,
     /// The point is one of a series and drawn with it.

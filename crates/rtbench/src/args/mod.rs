@@ -57,7 +57,8 @@ const GLOBAL: &str = "Every command";
 
 /// Benchmarks acceleration structures for ray tracing on standard scenes.
 #[derive(Debug, Parser)]
-#[command(name = "rtbench", version, about, propagate_version = true, max_term_width = 100)]
+#[command(name = "rtbench", version, long_version = env!("RTBENCH_VERSION"), about)]
+#[command(propagate_version = true, max_term_width = 100)]
 #[command(after_help = "Exit codes: 0 fine, 1 failure, 2 usage, 3 regression, 4 wrong hits, \
                         5 inconclusive (check --strict), 130 interrupted.")]
 pub struct Cli {

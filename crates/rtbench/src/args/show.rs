@@ -28,6 +28,10 @@ pub struct ShowArgs {
     /// Plane that cuts the cells [default: across the view, through the middle of the scene]
     #[arg(long, value_name = "x|y|z[=POSITION]", conflicts_with_all = ["project", "ray"])]
     pub slice: Option<Slice>,
+    /// Draw what lies in the box between two corners alone, in the coordinates of the scene's file
+    #[arg(long, value_name = "X,Y,Z:X,Y,Z", allow_hyphen_values = true, value_parser = window,
+          conflicts_with_all = ["project", "ray"])]
+    pub window: Option<[[f64; 3]; 2]>,
     /// Draw all non-empty cells as boxes, seen along the camera's direction
     #[arg(long, conflicts_with = "ray")]
     pub project: bool,
@@ -83,8 +87,8 @@ impl FromStr for RayAt {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         const FORM: &str =
             "expected a pixel of 512 x 512 like 256,200, or two points like 0,0,5:0.5,1,0";
-        if let Some((from, towards)) = text.split_once(':') {
-            let points = [point(from).ok_or(FORM)?, point(towards).ok_or(FORM)?];
+        if text.contains(':') {
+            let points = points(text).ok_or(FORM)?;
             return if points[0] == points[1] {
                 Err("the points are one")
             } else {
@@ -106,6 +110,18 @@ fn point(text: &str) -> Option<[f64; 3]> {
     numbers?.try_into().ok()
 }
 
+fn points(text: &str) -> Option<[[f64; 3]; 2]> {
+    let (one, other) = text.split_once(':')?;
+    Some([point(one)?, point(other)?])
+}
+
+/// Two corners of a box that has a size along every axis.
+fn window(text: &str) -> Result<[[f64; 3]; 2], &'static str> {
+    let corners = points(text).ok_or("expected two corners like -1,0,-1:1,2,1")?;
+    let is_flat = (0..3).any(|k| corners[0][k] == corners[1][k]);
+    if is_flat { Err("the box is flat: its corners agree in a coordinate") } else { Ok(corners) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -120,6 +136,10 @@ mod tests {
         assert_eq!("511,0".parse(), Ok(RayAt::Pixel([511, 0])));
         let points = RayAt::Points([[0.0, 1.0, -2.0], [1e3, 0.0, 0.5]]);
         assert_eq!("0,1,-2:1e3,0,.5".parse(), Ok(points));
+        assert_eq!(window("-1,0,-1:1,2,0.5"), Ok([[-1.0, 0.0, -1.0], [1.0, 2.0, 0.5]]));
+        for wrong in ["", "0,0,0", "0,0,0:1,1", "0,0,0:1,0,1", "0,0,0:1,1,inf"] {
+            assert!(window(wrong).is_err(), "{wrong}");
+        }
         for wrong in ["", "1", "512,0", "-1,0", "1,2,3", "1,2:3,4", "0,0,0:0,0,0", "0,0,0:0,0,inf"]
         {
             assert!(wrong.parse::<RayAt>().is_err(), "{wrong}");

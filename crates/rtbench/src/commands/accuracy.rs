@@ -115,24 +115,11 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         screen.write_fitted(context.out, &table, &FIRST)?;
     }
     screen.write_notes(context.out, tables::GLOSSARY)?;
-    let words = record
-        .axes
-        .iter()
-        .flat_map(AxisRecord::by_subject)
-        .filter_map(|axis| Some(summary::line(&axis, &summary::cost(&axis, record.seed)?)));
-    for words in words {
-        writeln!(context.out)?;
-        screen.write_line(context.out, &words)?;
-    }
-    writeln!(context.out, "\nThe whole took {}.", tables::took(record.took_s))?;
+    screen.write_table(context.out, &summary::advice(&record))?;
+    writeln!(context.out, "The whole took {}.", tables::took(record.took_s))?;
     context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
-    // a scene may not serve one axis of several; one that serves none was asked for in vain
-    let is_vain = study.unfit > 0 && record.axes.iter().all(|axis| axis.scenes.is_empty());
-    if is_vain {
-        context.error("nothing was measured: no axis fits a scene");
-    }
-    Ok(if study.failures > 0 || has_faults || is_vain { FAILURE } else { SUCCESS })
+    Ok(if study.failures > 0 || has_faults { FAILURE } else { SUCCESS })
 }
 
 /// Times the variants of an axis in fresh processes, one after the other.
@@ -189,8 +176,6 @@ struct Study {
     named: Vec<String>,
     /// Scenes and axes that failed.
     failures: usize,
-    /// Axes that a scene does not serve.
-    unfit: usize,
 }
 
 impl Study {
@@ -212,7 +197,6 @@ impl Study {
             scenes: Scenes { size, seed: args.seed, prepared: BTreeMap::new() },
             named: args.scenes.clone(),
             failures: 0,
-            unfit: 0,
         })
     }
 
@@ -264,7 +248,6 @@ impl Study {
                     }
                     // what a scene lacks, it lacks for all subjects
                     Err(Error::Study(error)) if matches!(*error, StudyError::UnfitScene { .. }) => {
-                        self.unfit += 1;
                         context.warn(&error);
                         break;
                     }

@@ -36,7 +36,7 @@ pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Resu
         BaselineAction::Promote { name, to } => {
             let baseline = read(&store.existing(name).map_err(gate)?).map_err(gate)?;
             let path = store.save(to, &baseline, true).map_err(gate)?;
-            context.say(format_args!("saved a copy of {name} as {to}: {}", path.display()));
+            context.wrote(&path, format_args!("baseline {to}, a copy of {name}"));
         }
         BaselineAction::Remove { name } => store.remove(name).map_err(gate)?,
     }
@@ -72,7 +72,8 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
         baseline.instructions = Some(counted(context, &baseline.record).map_err(GateError::from)?);
     }
     let path = store.save(&args.name, &baseline, args.force).map_err(gate)?;
-    context.say(format_args!("kept as {}", path.display()));
+    let rows: usize = baseline.record.scenes.iter().map(|scene| scene.rows.len()).sum();
+    context.wrote(&path, format_args!("baseline {}, {rows} rows", args.name));
     Ok(SUCCESS)
 }
 

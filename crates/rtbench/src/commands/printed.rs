@@ -33,7 +33,7 @@ pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<
 
 /// The command line with all that follows from what is declared.
 fn built() -> clap::Command {
-    let mut cli = Cli::command().disable_help_subcommand(true);
+    let mut cli = Cli::command().disable_help_subcommand(true).long_version(None::<&str>);
     cli.build();
     cli
 }

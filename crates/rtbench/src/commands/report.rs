@@ -54,6 +54,8 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         context.out.flush()?;
     } else {
         write_text(output, &page.html)?;
+        let scenes: usize = runs.iter().map(|run| run.run.scenes.len()).sum();
+        context.wrote(output, format_args!("report of {scenes} scene(s)"));
     }
     if let Some(folder) = &args.plots {
         if !context.overwrite {
@@ -63,6 +65,7 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         for (name, svg) in &page.plots {
             write_text(&folder.join(name), svg)?;
         }
+        context.wrote(folder, format_args!("{} plots", page.plots.len()));
     }
     Ok(())
 }

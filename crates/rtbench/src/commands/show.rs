@@ -4,7 +4,7 @@ use std::path::Path;
 
 use accel_core::query::cells::NoCells;
 use accel_core::structure::BuildError;
-use accel_core::{Ray, Vector};
+use accel_core::{Aabb, Ray, Vector};
 use glam::{DVec2, DVec3};
 use renderer::Geometry;
 use renderer::camera::{EyeRays, Sampling};
@@ -56,7 +56,14 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     }
     let geometry = Geometry::<f32>::of(&loaded)?;
     let ray = args.ray.map(|at| ray_at(at, &loaded));
-    let bounds = scene_box(&loaded);
+    let bounds = args.window.map_or_else(
+        || scene_box(&loaded),
+        |corners| {
+            let corner = |p| loaded.to_scene_coordinates(DVec3::from_array(p));
+            let [one, other] = corners.map(corner);
+            Aabb { min: one.min(other), max: one.max(other) }
+        },
+    );
     let camera = &loaded.camera;
     let plane = match (&ray, args.slice) {
         (Some(ray), _) => Plane::through(&ray.widened(), camera),
@@ -70,6 +77,13 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             Plane::at(axis, at, camera)
         }
     };
+    if args.window.is_some() && plane.cut(&bounds).is_none() {
+        return Err(PlanError::Malformed {
+            text: "--window".into(),
+            expected: "a box that the plane of --slice cuts",
+        }
+        .into());
+    }
     let pool = pool(machine::threads())?;
     let mut shown = Vec::with_capacity(rows.len());
     for row in &rows {
@@ -101,7 +115,8 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         let focus = ray.zip(way).and_then(|(ray, way)| focus(&plane, &ray, &bounds, &way.hit));
         let frame = Frame { title, view, scene: bounds, focus, size: f64::from(args.size) };
         save(&picture(&frame, &shown), path, format)?;
-        context.say(format_args!("{}: {}", loaded.name, path.display()));
+        let rows: Vec<String> = rows.iter().map(Row::label).collect();
+        context.wrote(path, format_args!("cells of {} over {}", rows.join(", "), loaded.name));
     }
     for shown in shown.iter().filter(|_| args.ray.is_some()) {
         context.terminal.screen(color).write_table(context.out, &steps(&loaded.name, shown))?;

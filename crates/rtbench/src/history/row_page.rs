@@ -97,6 +97,7 @@ fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
         line.changes.iter().filter_map(move |change| {
             let [_, after] = line.around(change)?;
             Some(Mark {
+                hover: String::new(),
                 point: place(&after),
                 label: format!("{} {} x", id(after.visit), short(change.times.median)),
                 ring: Ring::AsGood,

@@ -72,15 +72,17 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
         title,
         subtitle:
             "medians with 95% intervals; shorter to the left is faster; ringed: the fastest with right \
-                   answers, dashed: its interval overlaps"
+             answers, dashed: its interval overlaps; arrow: beyond 10 times the best"
                 .to_owned(),
         columns: vec![column("trace time, ratio"), column("build time, ratio")],
         rows: rows
             .iter()
             .map(|row| BarRow {
-                name: match row.answers {
-                    AnsweredRays::AllRays => row.name.clone(),
-                    AnsweredRays::ShadowRays => format!("{} (shadow rays)", row.name),
+                // what is wrong by design says how much
+                name: match (&row.defect, row.answers) {
+                    (Some(defect), _) => format!("{} ({defect})", row.name),
+                    (None, AnsweredRays::AllRays) => row.name.clone(),
+                    (None, AnsweredRays::ShadowRays) => format!("{} (shadow rays)", row.name),
                 },
                 color: 0,
                 bars: vec![bar(row, row.trace, best), bar(row, row.build, None)],
@@ -105,26 +107,21 @@ fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
                 }
                 _ => Ring::None,
             };
-            // what is wrong by design says so, and how much
-            let mark = match &row.defect {
-                Some(defect) => format!(" ({defect})"),
-                None if row.verdict == Verdict::Ok => String::new(),
-                None => " wrong".to_owned(),
-            };
-            Bar::Of(e, format!("{}{mark}", short(e.median)), ring)
+            Bar::Of(e, short(e.median), ring)
         }
     }
 }
 
-/// Build time against time per ray: what is not dominated is ringed and named, the others have
-/// their numbers in the scene's table.
+/// Build time against time per ray: what is not dominated is ringed and named, the others are named
+/// while a pointer is over them.
 pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> Plot {
     let marks = profiles.iter().filter_map(|profile| {
         let ray = profile.ray_s(run.settings.seed)?;
         let is_on_front = !profiles.iter().any(|other| dominates(other, profile));
         Some(Mark {
             point: Point { x: profile.cost.build_s, y: ray.median, low: ray.low, high: ray.high },
-            label: if is_on_front { profile.label.clone() } else { profile.number.to_string() },
+            label: if is_on_front { profile.label.clone() } else { String::new() },
+            hover: profile.label.clone(),
             ring: if is_on_front { Ring::Best } else { Ring::None },
             is_in_series: is_on_front,
         })
@@ -135,7 +132,7 @@ pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> Pl
     Plot {
         title: format!("{}: build against rays", scene.name),
         subtitle:
-            "medians, 95% intervals of the time per ray; numbers are those of the scene's table"
+            "medians, 95% intervals of the time per ray; the front is named, the table has all rows"
                 .to_owned(),
         x: Axis { label: "build (seconds)".to_owned(), scale: Scale::Log },
         y: Axis { label: "time per ray (seconds)".to_owned(), scale: Scale::Log },

@@ -165,8 +165,10 @@ fn sampled_effects_state_the_error_of_their_reference() {
     let ratio = |row: &Row| number(row, "ratio_to_cheapest");
     assert!(soft[1..].iter().any(|row| ratio(row) == 1.0), "ratios are to samples");
     assert!(ended.out.contains("effects: the price of each in scenes that use it"));
-    let prices = ended.out.lines().filter(|line| line.starts_with("soft-shadows  "));
-    assert_eq!(prices.count(), soft.len() - 1);
+    let lines = ended.out.lines().filter(|line| line.starts_with("soft-shadows  "));
+    let (advice, prices): (Vec<&str>, Vec<&str>) =
+        lines.partition(|line| line.contains("half the error takes"));
+    assert_eq!((advice.len(), prices.len()), (1, soft.len() - 1), "{}", ended.out);
     assert!(number(soft[0], "error") > 2.0 * number(soft[soft.len() - 1], "error"));
     let gating = rows.iter().filter(|r| r["axis"] == "effect-gating");
     assert!(gating.clone().count() == 3 && gating.clone().all(|r| number(r, "error") == 0.0));
@@ -257,14 +259,13 @@ fn axes_are_listed() {
 }
 
 #[test]
-fn unknown_axes_and_unfit_scenes_are_errors() {
+fn unknown_axes_are_errors_and_unfit_scenes_warnings() {
     let ended = run("accuracy voxeltraversal");
     assert_eq!(ended.code, 2);
     assert!(ended.err.contains("did you mean 'voxel-traversal'?"), "{}", ended.err);
     let ended = run("accuracy triangle-test --scene balls:1 --quick --rounds 3");
-    assert_eq!(ended.code, 1);
+    assert_eq!(ended.code, 0, "{}", ended.err);
     assert!(ended.err.contains("surrounded by triangles"), "{}", ended.err);
-    assert!(ended.err.contains("error: nothing was measured"), "{}", ended.err);
     // one axis of several
     let ended = run("accuracy triangle-test mailbox --scene balls:1 --quick --rounds 3");
     assert_eq!(ended.code, 0, "{}", ended.err);

@@ -52,6 +52,11 @@ fn help_and_version_are_results() {
         assert_eq!((ended.code, ended.err.as_str()), (0, ""), "{arguments}");
         assert!(ended.out.contains("rtbench"), "{arguments}");
     }
+    // the commit of the sources is in it, where there is one
+    let text = run("--version").out;
+    let commit = text.trim().strip_prefix(concat!("rtbench ", env!("CARGO_PKG_VERSION"), " at "));
+    let is_commit = |c: &str| c.len() == 12 && c.bytes().all(|b| b.is_ascii_hexdigit());
+    assert!(commit.is_some_and(is_commit) || text.contains(", commit unknown"), "{text}");
 }
 
 #[test]

@@ -31,7 +31,8 @@ fn every_structure_of_the_registry_is_drawn() {
         let path = format!("{}/{name}.svg", folder.path());
         for options in ["", "--project", "--depth 1", "--ray 200,200", "--slice x=0.3"] {
             let ended = run(&format!("show teapot:2 -s {name} {options} -o {path} --overwrite"));
-            assert_eq!((ended.code, ended.err.as_str()), (0, ""), "{name} {options}");
+            let wrote = format!("wrote {path}: cells of {name} over teapot:2\n");
+            assert_eq!((ended.code, &ended.err), (0, &wrote), "{name} {options}");
             let texts = texts(&path);
             assert!(texts.iter().any(|t| t == name), "{name} {options}: {texts:?}");
             assert!(texts.iter().any(|t| t.contains("references to primitives in a cell")));
@@ -45,7 +46,7 @@ fn several_structures_have_one_scale_that_is_named() {
     let of = |structures: &str| {
         let path = format!("{}/one.svg", folder.path());
         let ended = run(&format!("show teapot:3 -s {structures} -o {path} --overwrite"));
-        assert_eq!((ended.code, ended.err.as_str()), (0, ""));
+        assert_eq!(ended.code, 0, "{}", ended.err);
         texts(&path)
     };
     // the longest list of brute force is in the legend of both, and in none of the other alone
@@ -91,6 +92,11 @@ fn requests_that_cannot_be_drawn_are_errors() {
         (format!("show teapot:2 -s unifrom-grid -o {path}/a.svg"), "did you mean 'uniform-grid'?"),
         (format!("show teapot:2 -s light-buffer -o {path}/a.svg"), "not space"),
         (format!("show teapot:2 -s uniform-grid --slice w -o {path}/a.svg"), "expected x, y or z"),
+        (format!("show teapot:2 -s octree --window 0,0,0:1,0,1 -o {path}/a.svg"), "flat"),
+        (
+            format!("show teapot:2 -s octree --window 0,0,0:1,1,1 --slice x=2 -o {path}/a.svg"),
+            "a box that the plane of --slice cuts",
+        ),
         (
             format!("show teapot:2 -s uniform-grid --slice x --project -o {path}/a.svg"),
             "cannot be used",
@@ -140,4 +146,22 @@ fn cost_draws_several_structures_side_by_side() {
     let ((one, table), (two, tables)) = (width("-s kd-tree"), width("-s kd-tree,uniform-grid"));
     assert!(two > one * 3 / 2, "{one} {two}");
     assert_eq!((table, tables), (1, 2));
+}
+
+#[test]
+fn a_window_shows_the_hare_in_the_stadium() {
+    let folder = Folder::new();
+    let path = format!("{}/cells.svg", folder.path());
+    // parts of surfaces drawn: of the whole stadium, and of half a metre around the hare
+    let drawn = |window: &str| {
+        let ended = run(&format!(
+            "show stadium:3 -s recursive-grid --slice z=0 {window} -o {path} --overwrite"
+        ));
+        assert_eq!(ended.code, 0, "{}", ended.err);
+        let svg = std::fs::read_to_string(&path).unwrap();
+        let surfaces = svg.lines().filter(|line| line.contains("stroke=\"#141414\""));
+        surfaces.map(|line| line.matches('M').count()).sum::<usize>()
+    };
+    let (whole, hare) = (drawn(""), drawn("--window -0.25,-0.05,-0.25:0.25,0.45,0.25"));
+    assert!(hare > 10 && hare < whole, "{hare} of {whole}");
 }

@@ -31,6 +31,7 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
         scene.rows.iter().filter(|r| r.standing == VariantStanding::OnFront).map(point).collect();
     front.sort_by(|a, b| a.x.total_cmp(&b.x));
     let mark = |row: &VariantRecord| Mark {
+        hover: String::new(),
         point: point(row),
         label: row.variant.clone(),
         ring: match row.standing {
@@ -46,7 +47,7 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
     if has_zero {
         subtitle.push_str("; errors of 0 stand at the left end");
     }
-    let mut levels = vec![Level { y: 1.0, label: "cheapest = 1".into() }];
+    let mut levels = vec![Level { y: 1.0, label: "cheapest variant = 1".into() }];
     levels.truncate(usize::from(slowest.is_finite()));
     Plot {
         title: format!("{}: {}", axis.axis, scene.place()),
@@ -56,7 +57,7 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
             scale: if is_log { Scale::Log } else { Scale::FromZero },
         },
         y: Axis {
-            label: "time / time of the cheapest".into(),
+            label: "time / time of the cheapest variant".into(),
             scale: if slowest >= WIDE { Scale::Log } else { Scale::FromZero },
         },
         series: vec![Series { name: "Pareto front".into(), points: front, is_joined: true }],

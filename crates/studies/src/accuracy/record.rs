@@ -133,23 +133,6 @@ impl SceneOutcome {
             subject => format!("{}, {subject}", self.scene),
         }
     }
-
-    /// The cheapest variant: that to which ratios are taken.
-    pub fn cheapest(&self) -> Option<&VariantRecord> {
-        let width = |row: &VariantRecord| row.ratio.high - row.ratio.low;
-        self.rows.iter().min_by(|a, b| {
-            let is_other = |row: &VariantRecord| row.ratio.median != 1.0;
-            is_other(a).cmp(&is_other(b)).then(width(a).total_cmp(&width(b)))
-        })
-    }
-
-    /// The most accurate variant; of equally accurate ones the cheapest.
-    pub fn most_accurate(&self) -> Option<&VariantRecord> {
-        let error = |row: &VariantRecord| row.error.value();
-        self.rows.iter().min_by(|a, b| {
-            error(a).total_cmp(&error(b)).then(a.ratio.median.total_cmp(&b.ratio.median))
-        })
-    }
 }
 
 /// An axis on all its scenes.

@@ -160,5 +160,11 @@ fn mark(placed: &PlottedRow<'_>) -> Option<Mark> {
     }
     let is_in_series = placed.line.is_swept;
     let is_marked = !label.is_empty() || ring != Ring::None;
-    is_marked.then_some(Mark { point: placed.point, label, ring, is_in_series })
+    is_marked.then_some(Mark {
+        point: placed.point,
+        label,
+        hover: String::new(),
+        ring,
+        is_in_series,
+    })
 }

@@ -25,6 +25,7 @@ impl PlottedImage {
 
     fn mark(&self) -> Mark {
         Mark {
+            hover: String::new(),
             point: self.point(),
             label: self.samples.map_or_else(|| self.label.clone(), |n| n.to_string()),
             ring: match self.standing {
