@@ -11,7 +11,7 @@ use measurement::record::Warning;
 use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 
-const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
+pub const HEADER: &str = "scene,primitives,structure,settings,resolution,n_in,n_v,n_ev,n_oiv,n_it,\
     n_ts,n_ets,n_eets,saved_part,answers,rays,memory_bytes,pending_cells,build_s,build_s_low,build_s_high,\
     trace_s,trace_s_low,trace_s_high,render_s,first_image_s,ratio_to_reference,ratio_low,\
     ratio_high,reference,primary_mrays,shadow_mrays,secondary_mrays,diffuse_mrays,mismatches,verdict,build_outliers,trace_outliers,edge_mismatches,origin,\

@@ -7,4 +7,5 @@ mod printed;
 mod recorded;
 mod set_files;
 mod shards;
+mod typed;
 mod widths;
