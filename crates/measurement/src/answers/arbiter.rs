@@ -163,7 +163,7 @@ mod tests {
             expected: ours.clone(),
         };
         // in exact arithmetic t is 0.209797292; the floor's corners are 50 away
-        let (close, far) = (hits(0.209_797_28), hits(0.209_9));
+        let (close, far) = (hits(0.209_797_28), hits(0.3));
         assert!(batch.wrong(&close, Exactness::Library).next().is_some(), "{}", ours.describe(0));
         let opinion =
             |answers, exactness| arbiter.opinion((&batch, 1), 0, answers, exactness).unwrap();
