@@ -118,7 +118,8 @@ fn points(text: &str) -> Option<[[f64; 3]; 2]> {
 /// Two corners of a box that has a size along every axis.
 fn window(text: &str) -> Result<[[f64; 3]; 2], &'static str> {
     let corners = points(text).ok_or("expected two corners like -1,0,-1:1,2,1")?;
-    let is_flat = (0..3).any(|k| corners[0][k] == corners[1][k]);
+    let [one, other] = &corners;
+    let is_flat = one.iter().zip(other).any(|(a, b)| a == b);
     if is_flat { Err("the box is flat: its corners agree in a coordinate") } else { Ok(corners) }
 }
 
