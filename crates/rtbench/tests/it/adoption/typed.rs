@@ -51,8 +51,11 @@ const SMALLER: [(&str, &str); 21] = [
     ("--instructions", "--quick"),
 ];
 
+/// Options with their values; an empty value is none.
+type Options = &'static [(&'static str, &'static str)];
+
 /// Options of a command in the place of its defaults, and what is measured where nothing is named.
-const LESS: [(&str, &[(&str, &str)], &str); 14] = [
+const LESS: [(&str, Options, &str); 14] = [
     ("run", &[("--quick", ""), ("--size", "16")], "tetra:2"),
     ("sweep", &[("--quick", ""), ("--size", "16")], ""),
     ("explain", &[("--quick", ""), ("--size", "16")], ""),
