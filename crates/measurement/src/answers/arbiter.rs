@@ -30,6 +30,8 @@ pub const EDGE_ULPS: f64 = 64.0;
 
 /// Name of a batch, and index of a ray in all of its rays.
 type RayId = (String, usize);
+/// A ray, the bits of an answer to it, and how far that must agree.
+type GivenAnswer = (RayId, Vec<u8>, Exactness);
 
 /// Decides answers that differ.
 pub struct Arbiter<'a, S: Buildable> {
@@ -37,8 +39,8 @@ pub struct Arbiter<'a, S: Buildable> {
     at_edges: Oracle<'a>,
     /// Tests every primitive in the precision of the run.
     every: Box<dyn Tracer<S> + 'a>,
-    /// Decided answers, by their bits and by how far they must agree: rounds ask the same again.
-    opinions: Mutex<HashMap<(RayId, Vec<u8>, Exactness), Opinion>>,
+    /// Decided answers: rounds ask the same again.
+    opinions: Mutex<HashMap<GivenAnswer, Opinion>>,
     /// Right answers, where the row that was asked first gave others.
     overturned: Mutex<HashMap<RayId, Answers<S>>>,
 }
