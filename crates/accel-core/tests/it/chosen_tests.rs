@@ -1,32 +1,32 @@
 //! Tests of primitives chosen by name: what is compiled for them, what they answer, and where they
 //! are refused.
 
-use accel_core::params::ParamError;
 use accel_core::params::config::Settings;
+use accel_core::params::{ParamError, ParamKind, ParamSpec};
 use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::query::tracer::{Bound, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure};
 use accel_core::structures::brute_force::{self, BruteForce};
 use accel_core::structures::find;
-use accel_core::variants::chosen_tests::{Choice, TestedSetVisitor, visit_tested};
+use accel_core::variants::chosen_tests::{
+    Choice, SPHERE_TEST, TRIANGLE_TEST, TestedSetVisitor, visit_tested,
+};
 use accel_core::{Hit, Ray};
 
 use crate::common::{Set, all_scenes, build};
 use crate::test_scenes::{closest_hits, mixed_scene, occlusions, rays};
 
-const TRIANGLE_TESTS: [&str; 6] = [
-    "moeller-trumbore",
-    "moeller-trumbore-epsilon",
-    "pluecker",
-    "watertight",
-    "watertight-fallback",
-    "f64",
-];
-
 /// The structures that offer the choice, primitives one by one and in blocks.
 const STRUCTURES: [(&str, &str); 3] =
     [("uniform-grid", "kernel=scalar"), ("uniform-grid", ""), ("wide-bvh", "")];
+
+/// Each value of a setting but its default.
+fn choices_of(setting: ParamSpec) -> impl Iterator<Item = String> {
+    let ParamKind::Choice(words) = setting.kind else { panic!("{} has no choices", setting.name) };
+    let others = words.iter().filter(move |word| **word != setting.default);
+    others.map(move |word| format!("{}={word}", setting.name))
+}
 
 fn scene(name: &str) -> Set<f32> {
     all_scenes().into_iter().find(|scene| scene.0 == name).unwrap().1
@@ -65,9 +65,8 @@ fn expected(
 #[test]
 fn chosen_tests_answer_as_brute_force_under_them_does() {
     let rays = rays(&mixed_scene(60, 9, [1.0; 3]), 400, 10);
-    let mut choices: Vec<_> =
-        TRIANGLE_TESTS.iter().map(|test| format!("triangle-test={test}")).collect();
-    choices.extend(["naive", "rearranged", "f64"].map(|test| format!("sphere-test={test}")));
+    let mut choices: Vec<_> = choices_of(TRIANGLE_TEST).chain(choices_of(SPHERE_TEST)).collect();
+    assert_eq!(choices.len(), 9);
     choices.push("triangle-test=f64 sphere-test=f64".to_owned());
     for set in &triangles_and_mixed() {
         let set = set.prims();
