@@ -170,7 +170,7 @@ impl<S: Scalar> BoxParameters<S> {
     pub(crate) fn bound(&self, t_max: S) -> f32 {
         let t = (t_max * self.scale).to_f64() as f32;
         // 0 * infinity: `max` gives 0 for NaN
-        (t + self.lead).max(0.0) * (1.0 + 4.0 * f32::EPSILON)
+        (t + self.lead).max(0.0) * (1.0 + 2.0 * f32::EPSILON)
     }
 }
 

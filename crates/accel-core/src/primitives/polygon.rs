@@ -19,7 +19,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::primitives::chord::Chord;
 use crate::primitives::collinear::are_collinear;
 use crate::primitives::precise::ShearedVertices;
-use crate::primitives::shear::Shear;
+use crate::primitives::shear::{Shear, near_factor};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::watertight::edge_function;
 
@@ -30,6 +30,10 @@ pub struct TooFewVertices(pub usize);
 /// By how many epsilons of a ray's distance on an axis the numerator of a plane's parameter is off,
 /// unless every rounding is at its worst at once.
 const PLANE_ULPS: f64 = 1.5;
+
+/// By how many epsilons of the scene's largest coordinate a hit may lie outside of the polygon's
+/// bounds: as far as that of a triangle does across the ray.
+const GRAZING_ULPS: f64 = 37.0;
 
 /// A polygon's plane and where its vertices are.
 #[derive(Debug, Clone, Copy)]
@@ -76,7 +80,9 @@ impl<S: Scalar> Polygon<S> {
         let epsilon = S::EPSILON.to_f64();
         let ulp = epsilon * bounds.magnitude().to_f64();
         let off_plane = polygon.off_plane(store).max(0.0) / ulp.max(f64::MIN_POSITIVE);
-        let least_slope = S::from_f64((PLANE_ULPS + off_plane) / (200.0 * epsilon));
+        // four magnitudes are in `Shear::fine`
+        let allowed = GRAZING_ULPS / 4.0 * near_factor::<S>().to_f64();
+        let least_slope = S::from_f64((PLANE_ULPS + off_plane) / allowed);
         Ok(Self { least_slope, ..polygon })
     }
 
@@ -126,12 +132,11 @@ impl<S: Scalar> Polygon<S> {
     ///
     /// It is off by the rounding of the numerator, [`PLANE_ULPS`] of the distance of the origin on
     /// an axis from the farthest vertex, over the cosine of ray and normal; and what vertices lie
-    /// off the plane is enlarged likewise. That is compared with 40 ulps of the scene's largest
-    /// coordinate. NaN, in the plane or without a normal, is grazing.
+    /// off the plane is enlarged likewise. That is compared with [`GRAZING_ULPS`]. NaN, in the plane
+    /// or without a normal, is grazing.
     #[inline(always)]
     fn is_grazed(&self, along: S, shear: &Shear<S>) -> bool {
         let slope = (along * shear.depth_scale()).abs() * shear.fine;
-        // 20 epsilons are in `near`, and 4 magnitudes in `fine`
         let is_steep = slope >= self.least_slope * shear.near;
         !is_steep
     }
@@ -159,8 +164,9 @@ impl<S: Scalar> Polygon<S> {
         let distance = normal.dot(self.anchor.to_dvec3() - ray.origin.to_dvec3());
         let plane = distance / normal.dot(ray.direction.to_dvec3());
         let scale = shear.depth_scale().to_f64();
-        // the rounding of sheared vertices: 4 of the 20 epsilons in `near`
-        let rounding = if shear.is_too_small() { 0.0 } else { shear.near.to_f64() / 5.0 };
+        // of sheared vertices: 4 epsilons
+        let rounding = 4.0 * S::EPSILON.to_f64() / near_factor::<S>().to_f64();
+        let rounding = if shear.is_too_small() { 0.0 } else { shear.near.to_f64() * rounding };
         Some(S::from_f64(chord.depth_near(plane / scale, rounding) * scale))
     }
 

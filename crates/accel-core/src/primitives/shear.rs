@@ -16,7 +16,7 @@ pub struct Shear<S: Scalar> {
     pub(super) shear: [S; 3],
     /// Four times the scene's largest coordinate; see `precise.rs`.
     pub(super) fine: S,
-    /// 20 epsilons of the largest depth of a corner: what bounds the rounding of a hit's; see
+    /// 13 epsilons of the largest depth of a corner: what bounds the rounding of a hit's; see
     /// `precise.rs`.
     pub(super) near: S,
 }
@@ -115,7 +115,7 @@ pub(super) fn fine<S: Scalar>(magnitude: S) -> S {
 /// Twelve suffice: see `proofs/near.gappa`.
 #[inline(always)]
 pub(super) fn near_factor<S: Scalar>() -> S {
-    S::from_i32(20) * S::EPSILON
+    S::from_i32(13) * S::EPSILON
 }
 
 /// [`Shear::near`] for a ray that begins at this depth.

@@ -58,11 +58,11 @@ fn sheared(v: [f32; 2], o: [f32; 2], d: [f32; 2]) -> [f64; 2] {
     [f64::from(x - slope * z), exact]
 }
 
-fn corners_moved() -> f64 {
+fn corners_moved(far: f64) -> f64 {
     greatest(|p: &[f64; 7]| {
         let magnitude = 1.0 + p[0];
         let at = |unit: f64, size: f64| (signed(unit) * size * magnitude) as f32;
-        let (v, o) = ([at(p[1], 1.0), at(p[2], 1.0)], [at(p[3], NEAR), at(p[4], NEAR)]);
+        let (v, o) = ([at(p[1], 1.0), at(p[2], 1.0)], [at(p[3], far), at(p[4], far)]);
         let long = (1.0 + p[5]) as f32;
         let [found, exact] = sheared(v, o, [(signed(p[6]) * f64::from(long)) as f32, long]);
         // none of a triangle that the ray meets is farther away
@@ -129,12 +129,12 @@ fn depth_off() -> f64 {
     })
 }
 
-fn along() -> f64 {
+fn along(far: f64) -> f64 {
     greatest(|p: &[f64; 13]| {
         let corners = across(p.first_chunk()?);
         let [found, _] = weights(&corners)?;
         let magnitude = 1.0 + p[8];
-        let o = (signed(p[9]) * NEAR * magnitude) as f32;
+        let o = (signed(p[9]) * far * magnitude) as f32;
         let v = [p[10], p[11], p[12]].map(|x| (signed(x) * magnitude) as f32);
         let depths = v.map(|v| v - o);
         let [u, v_, w] = found.map(|w| w as f32);
@@ -266,6 +266,10 @@ fn beyond_box(p: &[f64; 18]) -> Option<f64> {
     Some((low - at).max(at - high).max_element() / (EPSILON * magnitude))
 }
 
+/// The constants of `SHIFT` in `bvh/node.rs`: of the scene, whose largest coordinate is below 2, and
+/// of the origin's.
+const SHIFT: [f64; 2] = [50.0, 10.0];
+
 /// How much later a ray enters the tight box of a triangle than the parameter of the hit, in parts
 /// of the shift.
 fn entered_late(p: &[f64; 18]) -> Option<f64> {
@@ -277,7 +281,7 @@ fn entered_late(p: &[f64; 18]) -> Option<f64> {
         let origin = o[k] * unit;
         let inverse = 1.0 / d[k] as f32;
         let enter = plane as f32 * inverse + -(origin as f32 * inverse);
-        let shift = 76.0 + 14.0 * o.abs().max_element() * unit;
+        let shift = SHIFT[0] + SHIFT[1] * o.abs().max_element() * unit;
         (f64::from(enter) - t * unit) * d[k].abs() / (shift * EPSILON)
     };
     let axes = (0..3).filter(|k| d[*k].abs() > 1e-6 * d.abs().max_element());
@@ -286,14 +290,14 @@ fn entered_late(p: &[f64; 18]) -> Option<f64> {
 
 #[test]
 fn no_error_exceeds_its_bound() {
-    let (planes, placement) = (voxel_planes(), placement());
+    let (planes, placement, weights) = (voxel_planes(), placement(), weights_off());
     let beyond = greatest_of(400, beyond_box);
     let exit = |p: &[f64; 6]| Some(crossing(p.first_chunk()?)? - crossing(p.last_chunk()?)?);
     let all = [
-        ("CORNERS", 25.0, corners_moved()),
-        ("WEIGHTS", 12.1, weights_off()),
-        ("NEAR_DEPTH", 20.0, depth_off()),
-        ("ALONG", 41.0, along()),
+        ("CORNERS", 25.0, corners_moved(NEAR)),
+        ("WEIGHTS", 12.1, weights),
+        ("NEAR_DEPTH", 13.0, depth_off()),
+        ("ALONG", 41.0, along(NEAR)),
         ("PLANES", 22.0, planes),
         ("PLACEMENT", 3.5, placement),
         ("hit beyond box", 37.1 + 41.0, beyond),
@@ -301,6 +305,7 @@ fn no_error_exceeds_its_bound() {
         ("OUTWARDS", 4.0, greatest(|p: &[f64; 3]| crossing(p).map(f64::abs))),
         ("EXIT", 2.0, greatest(exit)),
         ("SHIFT", 1.0, greatest_of(400, entered_late)),
+        ("its parts", SHIFT[0] / 2.0 + SHIFT[1], weights + corners_moved(1.0) + along(1.0)),
         ("PRODUCT_ROUNDING", 1.0, node_exit()),
         ("SPHERE", 18.0, sphere()),
     ];
