@@ -164,6 +164,8 @@ int build(const rtbench_scene *scene, void **out, char *message, size_t size) {
     if (!embree().fault.empty()) return std::snprintf(message, size, "%s", embree().fault.c_str()), 1;
     auto *built = new Built;
     std::string config = "user_threads=1,threads=" + std::to_string(scene->threads);
+    const char *avx512 = std::getenv("RTBENCH_AVX512"); // as for rtbench's own rows
+    if (avx512 && avx512 == std::string("off")) config += ",isa=avx2";
     built->device = embree().NewDevice(config.c_str());
     if (!built->device) {
         std::snprintf(message, size, "rtcNewDevice fails with error %d", embree().GetDeviceError(nullptr));

@@ -51,6 +51,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use accel_core::occluders;
+use accel_core::query::batch::AVX512_VARIABLE;
 use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
@@ -107,6 +108,11 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
     let taken: Vec<&str> = occluders::REGISTRY.iter().map(|entry| entry.info.name).collect();
     if let Err(error) = accel_core::registry::check(registry, &taken) {
         let _ = writeln!(io::stderr(), "error: {error}");
+        return ExitCode::from(FAILURE);
+    }
+    if let Some(value) = std::env::var_os(AVX512_VARIABLE).filter(|value| value != "off") {
+        let value = value.to_string_lossy();
+        let _ = writeln!(io::stderr(), "error: {AVX512_VARIABLE} is \"{value}\", expected \"off\"");
         return ExitCode::from(FAILURE);
     }
     panics::keep_quiet();

@@ -257,8 +257,9 @@ pub fn newell_normal(vertices: &[glam::DVec3]) -> glam::DVec3 {
     normal.normalize_or_zero()
 }
 
-/// What of a sum of cross products is left where it says nothing, over the sum of their lengths.
-const CANCELLED: f64 = 1e-6;
+/// What of a sum of cross products is left, over the sum of their lengths, where the rounding of
+/// vertices far from 0 may turn it: then the largest triangle says more.
+const CANCELLED: f64 = 1.0 / 64.0;
 
 /// The cross product of the longest of these vectors and the one farthest from its line; it points
 /// to the side of `likely` if that is known.
@@ -303,6 +304,18 @@ mod tests {
         let area = 4.0 * inside as f64 / f64::from(n * n);
         // exact area by the shoelace formula: 0.4
         assert!((area - 0.4).abs() < 0.02, "{area}");
+    }
+
+    #[test]
+    fn rounding_far_from_0_does_not_turn_a_bow_tie() {
+        let outline = [(0.0, 0.0), (2.0, 2.0), (2.0, 0.0), (0.0, 2.0)];
+        for i in 0..500 {
+            let about = dvec3(f64::from(i).sin(), f64::from(i * i).cos(), 0.5).normalize();
+            let turn = glam::DQuat::from_axis_angle(about, f64::from(i));
+            let place = |(x, y)| turn * dvec3(x, y, 0.0) + about * 60.0;
+            let normal = newell_normal(&outline.map(|p| place(p).as_vec3().as_dvec3()));
+            assert!(normal.dot(turn * DVec3::Z).abs() > 0.999_999, "{i}: {normal}");
+        }
     }
 
     #[test]

@@ -208,14 +208,21 @@ pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>
     }
 }
 
+/// Environment variable: `off` where AVX-512 is not to be used though the processor has it.
+pub const AVX512_VARIABLE: &str = "RTBENCH_AVX512";
+
 /// Returns whether rays are traced with AVX-512 on this machine, where code for it was compiled.
 pub fn has_avx512() -> bool {
     #[cfg(target_arch = "x86_64")]
     {
+        static IS_ON: std::sync::LazyLock<bool> = std::sync::LazyLock::new(|| {
+            std::env::var_os(AVX512_VARIABLE).is_none_or(|value| value != "off")
+        });
         is_x86_feature_detected!("avx512f")
             && is_x86_feature_detected!("avx512bw")
             && is_x86_feature_detected!("avx512dq")
             && is_x86_feature_detected!("avx512vl")
+            && *IS_ON
     }
     #[cfg(not(target_arch = "x86_64"))]
     false

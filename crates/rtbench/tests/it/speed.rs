@@ -214,3 +214,21 @@ fn a_structure_that_is_wrong_in_shuffled_order_alone_is_found() {
         assert!(ended.out.contains("wrong: "), "{}", ended.out);
     }
 }
+
+#[test]
+fn avx512_is_off_where_the_environment_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |value: &str| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_rtbench"));
+        command.args("run tetra:3 -s wide-bvh --quick --rounds 1 -o out".split(' '));
+        command.current_dir(folder.path()).env("RTBENCH_AVX512", value).output().unwrap()
+    };
+    let refused = run("no");
+    assert_eq!(refused.status.code(), Some(1));
+    let said = String::from_utf8(refused.stderr).unwrap();
+    assert_eq!(said, "error: RTBENCH_AVX512 is \"no\", expected \"off\"\n");
+    assert!(run("off").status.success());
+    let record = std::fs::read_to_string(folder.path().join("out/results.json")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap();
+    assert_eq!(record["machine"]["batches_by_avx512"], false, "{}", record["machine"]);
+}

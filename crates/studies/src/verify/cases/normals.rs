@@ -83,7 +83,12 @@ fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, P
         })
         .collect();
     let reach = bounds.min.abs().max(bounds.max.abs()).max_element() + size.length();
-    let slack = 1e-6 + 256.0 * S::EPSILON.to_f64() * reach / radius;
+    let rounding = match known {
+        // vertices are rounded to f32
+        KnownNormals::Plane(_) => 8.0 * f64::from(f32::EPSILON),
+        _ => 256.0 * S::EPSILON.to_f64(),
+    };
+    let slack = 1e-6 + rounding * reach / radius;
     from_hits(&scene, &aimed, |point, _, round| {
         let leaving = ray(point.position, point.normal);
         let is_right = |normal| known.is_right(point.position, normal, slack);
