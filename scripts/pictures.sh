@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Draws the pictures of README.md and docs/ anew, into docs/pictures/ (or the folder given). Fails when one
-# is larger than 300 KiB. No time of this machine is in them: of heat maps only tests are kept. Plots of times
-# are drawn where a new record is made: RUN is the folder of `run -o` that results/structures has, ACCURACY that
-# of `accuracy -o` that results/accuracy has.
-# usage: [RTBENCH=target/release/rtbench] [RUN=DIR ACCURACY=DIR] scripts/pictures.sh [DIR]
+# Draws the slices and heat maps of README.md and docs/ anew, into docs/pictures/ (or the folder given). Fails when
+# one is larger than 300 KiB. No time of this machine is in them: of heat maps only tests are kept. The drawings of
+# concepts (storages, cwbvh, padding, light-buffer, no-hit-is-lost, history) are made by hand; terminal.svg has the
+# text of one quick run, report.png the head of its report.
+# usage: [RTBENCH=target/release/rtbench] scripts/pictures.sh [DIR]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 out=${1:-docs/pictures}
@@ -32,14 +32,6 @@ show ray.svg teapot:5 -s uniform-grid,kd-tree,obvhs-bvh2 --ray 230,235 --size 30
 show hare.svg stadium:24 -s uniform-grid,recursive-grid,wide-bvh --slice z=0 --window -0.25,-0.05,-0.25:0.25,0.45,0.25 --size 300
 "$RTBENCH" cost stadium:24 -s uniform-grid,wide-bvh --size 128 --heat-maps "$work/maps" > /dev/null
 mv "$work/maps/tests.png" "$out/stadium-tests.png"
-# an accuracy front
-if [ -n "${RUN:-}" ] && [ -n "${ACCURACY:-}" ]; then
-    mkdir -p "$work/recorded/accuracy"
-    cp "$RUN/results.json" "$work/recorded"
-    cp "$ACCURACY/accuracy.json" "$work/recorded/accuracy"
-    "$RTBENCH" report "$work/recorded" --plots "$work/plots" > /dev/null
-    mv "$work/plots/accuracy-soft-shadows-teapot.svg" "$out/accuracy-front.svg"
-fi
 for picture in "$out"/*; do
     bytes=$(wc -c < "$picture")
     echo "$picture $bytes"

@@ -1,8 +1,9 @@
 //! Heat maps side by side: a number for each pixel as a colour, on one scale for all, with its
-//! legend.
+//! legend; beside them the image that they are of.
 //!
-//! The scale is linear and ends at the 99.5th percentile of all maps together: a single pixel that
-//! the system interrupted must not darken all others.
+//! The scale is logarithmic. It ends at the 99.5th percentile of all maps together, since a single
+//! pixel that the system interrupted must not darken all others, and begins at the smallest number
+//! above 0, at most [`DECADES`] decades below.
 
 use crate::drawing::item::{Color, Drawing, Item, Paint, color, wrapped};
 use crate::svg_plot::palette::GREY;
@@ -18,6 +19,8 @@ const BAR: f64 = 12.0;
 const LEAST: f64 = 160.0;
 /// Images of more pixels are drawn half as large, one pixel of the PNG for each.
 const LARGE: u32 = 512;
+/// Decades of the scale at most.
+const DECADES: i32 = 4;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct HeatMap {
@@ -29,19 +32,36 @@ pub struct HeatMap {
     pub width: u32,
 }
 
-/// The maps, from left to right, under a title.
-pub fn heat_maps(title: &str, unit: &str, maps: &[HeatMap]) -> Drawing {
-    let top = scale_end(maps.iter().flat_map(|map| map.values.iter().copied()));
+/// What stands side by side: a rendered image, or a map in colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Panel {
+    /// Title above it.
+    pub name: String,
+    /// Pixels, row by row from above.
+    pub pixels: Vec<Color>,
+    /// Pixels in a row.
+    pub width: u32,
+}
+
+/// The image, if there is one, and the maps, from left to right, under a title.
+pub fn heat_maps(title: &str, unit: &str, image: Option<&Panel>, maps: &[HeatMap]) -> Drawing {
+    let scale = Scale::of(maps.iter().flat_map(|map| map.values.iter().copied()));
+    let colored = |map: &HeatMap| Panel {
+        name: named(map),
+        pixels: map.values.iter().map(|value| ramp(scale.share(*value))).collect(),
+        width: map.width,
+    };
+    let panels: Vec<Panel> = image.into_iter().cloned().chain(maps.iter().map(colored)).collect();
     let mut drawing = Drawing { alternative: title.to_owned(), ..Drawing::default() };
-    let size = |map: &HeatMap| {
-        let width = map.width.max(1);
+    let size = |panel: &Panel| {
+        let width = panel.width.max(1);
         let zoom = if width >= LARGE { 0.5 } else { (LEAST / f64::from(width)).ceil().max(1.0) };
-        [f64::from(width) * zoom, (map.values.len() as u32 / width) as f64 * zoom]
+        [f64::from(width) * zoom, (panel.pixels.len() as u32 / width) as f64 * zoom]
     };
     let names: Vec<Vec<String>> =
-        maps.iter().map(|map| wrapped(&named(map), size(map)[0], 12.0)).collect();
+        panels.iter().map(|panel| wrapped(&panel.name, size(panel)[0], 12.0)).collect();
     let lines = names.iter().map(Vec::len).max().unwrap_or(0);
-    let wide: f64 = maps.iter().map(|map| size(map)[0] + MARGIN).sum::<f64>() - MARGIN;
+    let wide: f64 = panels.iter().map(|panel| size(panel)[0] + MARGIN).sum::<f64>() - MARGIN;
     let titles = wrapped(title, wide.max(LEAST), 14.0);
     let mut y = MARGIN;
     for line in &titles {
@@ -51,19 +71,19 @@ pub fn heat_maps(title: &str, unit: &str, maps: &[HeatMap]) -> Drawing {
     let tops = y + 4.0;
     y = tops + LINE * lines as f64 + 4.0;
     let (mut x, mut lowest) = (MARGIN, y);
-    for (map, names) in maps.iter().zip(names) {
+    for (panel, names) in panels.into_iter().zip(names) {
         for (i, name) in names.into_iter().enumerate() {
             drawing.text([x, tops + LINE * (i + 1) as f64 - 3.0], PLAIN, name);
         }
-        let [width, height] = size(map);
-        let pixels = map.values.iter().map(|value| ramp(value / top)).collect();
-        drawing.items.push(Item::Image([x, y, width, height], map.width.max(1), pixels));
+        let [width, height] = size(&panel);
+        let at = [x, y, width, height];
+        drawing.items.push(Item::Image(at, panel.width.max(1), panel.pixels));
         x += width + MARGIN;
         lowest = f64::max(lowest, y + height);
     }
     let right = (x - MARGIN).max(MARGIN + LEAST);
     y = lowest + 10.0;
-    legend(&mut drawing, [MARGIN, y, right], unit, top);
+    legend(&mut drawing, [MARGIN, y, right], unit, scale);
     drawing.size = [right + MARGIN, y + BAR + LINE + MARGIN];
     drawing
 }
@@ -74,7 +94,7 @@ fn named(map: &HeatMap) -> String {
     format!("{}: mean {}", map.name, number(mean))
 }
 
-fn legend(drawing: &mut Drawing, [left, y, right]: [f64; 3], unit: &str, top: f64) {
+fn legend(drawing: &mut Drawing, [left, y, right]: [f64; 3], unit: &str, scale: Scale) {
     const PARTS: usize = 64;
     let width = (right - left) / PARTS as f64;
     for part in 0..PARTS {
@@ -85,18 +105,36 @@ fn legend(drawing: &mut Drawing, [left, y, right]: [f64; 3], unit: &str, top: f6
     let frame = Paint { fill: None, stroke: Some((color(GREY), 0.5)) };
     drawing.items.push(Item::Boxes(vec![[left, y, right - left, BAR]], frame));
     let base = y + BAR + LINE - 3.0;
-    drawing.text([left, base], PLAIN, "0");
+    drawing.text([left, base], PLAIN, format!("<= {}", number(scale.low)));
     let font = Font { anchor: "middle", ..PLAIN };
-    drawing.text([0.5 * (left + right), base], font, unit);
-    drawing.text([right, base], Font { anchor: "end", ..PLAIN }, format!(">= {}", number(top)));
+    drawing.text([0.5 * (left + right), base], font, format!("{unit}, logarithmic"));
+    let end = format!(">= {}", number(scale.high));
+    drawing.text([right, base], Font { anchor: "end", ..PLAIN }, end);
 }
 
-/// The 99.5th percentile, above 0.
-fn scale_end(values: impl Iterator<Item = f64>) -> f64 {
-    let mut sorted: Vec<f64> = values.filter(|x| x.is_finite()).collect();
-    sorted.sort_by(f64::total_cmp);
-    let end = sorted.get(sorted.len().saturating_sub(1) * 199 / 200).copied().unwrap_or(0.0);
-    if end > 0.0 { end } else { sorted.last().copied().filter(|x| *x > 0.0).unwrap_or(1.0) }
+/// Ends of the logarithmic scale, 0 < low < high.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Scale {
+    low: f64,
+    high: f64,
+}
+
+impl Scale {
+    fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut sorted: Vec<f64> = values.filter(|x| x.is_finite()).collect();
+        sorted.sort_by(f64::total_cmp);
+        let above_zero = |x: &f64| *x > 0.0;
+        let percentile = sorted.get(sorted.len().saturating_sub(1) * 199 / 200).copied();
+        let largest = || sorted.last().copied().filter(above_zero).unwrap_or(1.0);
+        let high = percentile.filter(above_zero).unwrap_or_else(largest);
+        let smallest = sorted.iter().copied().find(above_zero).unwrap_or(high);
+        Self { low: smallest.clamp(high / 10f64.powi(DECADES), high / 2.0), high }
+    }
+
+    /// Position on the scale: 0 at its low end, 1 at its high end.
+    fn share(self, value: f64) -> f64 {
+        (value / self.low).ln() / (self.high / self.low).ln()
+    }
 }
 
 fn number(x: f64) -> String {
@@ -182,17 +220,28 @@ mod tests {
     fn the_scale_ends_where_all_maps_together_do() {
         let numbers = |x: f64| number(x);
         assert_eq!([3.25, 999.6, 12_345.0].map(numbers), ["3.2", "1000", "12k"]);
-        assert_eq!(scale_end([0.0; 10].into_iter()), 1.0);
+        assert_eq!(Scale::of([0.0; 10].into_iter()).high, 1.0);
         let mut values = vec![2.0; 1000];
         values[0] = 1e9;
-        assert_eq!(scale_end(values.into_iter()), 2.0);
+        assert_eq!(Scale::of(values.into_iter()).high, 2.0);
+    }
+
+    #[test]
+    fn equal_factors_are_equal_steps_of_the_scale() {
+        let scale = Scale::of([0.0, 1.0, 10.0, 100.0, 100.0].into_iter());
+        assert_eq!(scale, Scale { low: 1.0, high: 100.0 });
+        assert_eq!([1.0, 10.0, 100.0].map(|x| scale.share(x)), [0.0, 0.5, 1.0]);
+        assert_eq!([0.0, 1e9].map(|x| ramp(scale.share(x))), [ramp(0.0), ramp(1.0)]);
+        // tiny numbers do not take the scale
+        assert_eq!(Scale::of([1e-30, 1.0, 1.0].into_iter()).low, 1e-4);
     }
 
     #[test]
     fn equal_numbers_have_one_colour_in_all_maps() {
         let map = |name: &str, values: Vec<f64>| HeatMap { name: name.into(), values, width: 8 };
         let maps = [map("a", vec![4.0; 64]), map("b", (0..64).map(f64::from).collect())];
-        let drawn = heat_maps("tests per pixel", "tests", &maps);
+        let photo = Panel { name: "image".into(), pixels: vec![[9; 3]; 64], width: 8 };
+        let drawn = heat_maps("tests per pixel", "tests", Some(&photo), &maps);
         let images: Vec<_> = drawn
             .items
             .iter()
@@ -201,15 +250,16 @@ mod tests {
                 _ => None,
             })
             .collect();
-        assert_eq!(images.len(), 2);
-        assert_eq!(images[0], (8, vec![images[1].1[4]; 64]));
+        assert_eq!(images.len(), 3);
+        assert_eq!(images[0].1, photo.pixels);
+        assert_eq!(images[1], (8, vec![images[2].1[4]; 64]));
         // planted fault: each on a scale of its own
-        let alone = heat_maps("tests per pixel", "tests", &maps[..1]);
+        let alone = heat_maps("tests per pixel", "tests", None, &maps[..1]);
         let image = alone.items.iter().find_map(|item| match item {
             Item::Image(_, _, pixels) => Some(pixels.clone()),
             _ => None,
         });
-        assert_ne!(image.unwrap(), images[0].1);
+        assert_ne!(image.unwrap(), images[1].1);
         let texts: Vec<_> = drawn
             .items
             .iter()
@@ -218,6 +268,8 @@ mod tests {
                 _ => None,
             })
             .collect();
-        assert_eq!(texts, ["tests per pixel", "a: mean 4.0", "b: mean 32", "0", "tests", ">= 62"]);
+        let scale = ["<= 1.0", "tests, logarithmic", ">= 62"];
+        assert_eq!(texts[..4], ["tests per pixel", "image", "a: mean 4.0", "b: mean 32"]);
+        assert_eq!(texts[4..], scale);
     }
 }

@@ -15,7 +15,7 @@ mod svg;
 pub use image::ImageError;
 
 pub use heat_maps::{Classes, ramp};
-pub use heat_maps::{HeatMap, heat_maps};
+pub use heat_maps::{HeatMap, Panel, heat_maps};
 pub use item::{Color, Drawing, Item, Paint, color, wrapped};
 
 pub use crate::svg_plot::pen::{Font, PLAIN};

@@ -61,12 +61,17 @@ impl Image {
         std::fs::write(path, bytes).map_err(|e| error(e.into()))
     }
 
+    /// Pixels in sRGB, row by row.
+    pub fn rgb8(&self) -> Vec<[u8; 3]> {
+        self.pixels.iter().map(|pixel| pixel.map(srgb)).collect()
+    }
+
     /// The bytes of such a file.
     ///
     /// # Errors
     /// Those of the encoder.
     pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
-        let bytes: Vec<u8> = self.pixels.iter().flatten().map(|&x| srgb(x)).collect();
+        let bytes = self.rgb8().concat();
         let mut png = Vec::new();
         image::codecs::png::PngEncoder::new(&mut png).write_image(
             &bytes,

@@ -46,6 +46,13 @@ pub struct ShowArgs {
     #[arg(long, value_name = "PIXELS", default_value_t = 360,
           value_parser = clap::value_parser!(u32).range(64..=4096))]
     pub size: u32,
+    /// References that the darkest colour stands for, to give several pictures one scale
+    /// [default: the most in this picture]
+    #[arg(long, value_name = "REFERENCES", value_parser = clap::value_parser!(u64).range(2..))]
+    pub scale: Option<u64>,
+    /// Draw the panels without the legend below them
+    #[arg(long)]
+    pub no_legend: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -220,6 +220,10 @@ pub struct ZachmannArgs {
     /// Scenes [default: all seven of the lecture]
     #[arg(long, value_name = "SCENE", value_delimiter = ',')]
     pub scenes: Vec<String>,
+    /// Print the lecture's two tables as it has them, seconds by structure and scene, and ours
+    /// below each
+    #[arg(long)]
+    pub as_published: bool,
     /// Write one CSV row per scene and structure
     #[arg(long, value_name = "FILE")]
     pub export_csv: Option<PathBuf>,

@@ -3,7 +3,7 @@
 
 use accel_core::structure::BuildError;
 use renderer::work::pixel_work;
-use renderer::{Geometry, RenderSettings};
+use renderer::{Geometry, RenderSettings, render_plan};
 use scene_loading::Scene;
 
 use crate::args::{Color, CostArgs};
@@ -16,7 +16,7 @@ use measurement::rounds::error::MeasureError;
 use measurement::system::clock::Clock;
 use measurement::system::created::CreatedFiles;
 use measurement::system::pools::pool;
-use presentation::drawing::{HeatMap, heat_maps};
+use presentation::drawing::{HeatMap, Panel, heat_maps};
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
 use studies::cost::model::{CountedWork, Model};
@@ -53,6 +53,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
     let plan = plan_of(&loaded, &settings)?;
     let geometry = Geometry::<f32>::of(&loaded)?;
     let mut maps: [Vec<HeatMap>; 3] = Default::default();
+    let mut image: Option<Panel> = None;
     for row in &structures {
         let mut points = Vec::new();
         for name in &calibration {
@@ -77,6 +78,10 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
                 let work = pixel_work(&loaded, &*tracer, &plan, &|| clock.now());
                 let microseconds = work.nanoseconds.iter().map(|t| t / 1e3).collect();
                 let [width, _] = work.resolution;
+                image.get_or_insert_with(|| {
+                    let pixels = render_plan(&loaded, &*tracer, &plan).image.rgb8();
+                    Panel { name: "image".into(), pixels, width }
+                });
                 for (maps, values) in maps.iter_mut().zip([work.tests, work.steps, microseconds]) {
                     maps.push(HeatMap { name: row.label(), values, width });
                 }
@@ -89,7 +94,8 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
     if let Some(folder) = &args.heat_maps {
         let units = ["tests", "steps", "microseconds"].map(|what| format!("{what} per pixel"));
         for ((maps, name), unit) in maps.iter().zip(MAPS).zip(units) {
-            let drawing = heat_maps(&format!("{}: {unit}", scene.name()), &unit, maps);
+            let title = format!("{}: {unit}", scene.name());
+            let drawing = heat_maps(&title, &unit, image.as_ref(), maps);
             save(&drawing, &folder.join(name), Format::Png)?;
         }
         context.wrote(folder, format_args!("heat maps {}", MAPS.join(", ")));

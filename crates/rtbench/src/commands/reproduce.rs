@@ -14,10 +14,12 @@ use measurement::system::created::create;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::csv;
 use presentation::json::FormatError;
-use presentation::table::{Cell, Style, Table};
+use presentation::numbers::short;
+use presentation::table::{Cell, Style, Table, dash};
 use renderer::RayKind;
 use studies::reproduce::lecture::{
-    self, Comparison, Line, MODERN, PublishedTimes, Ratios, STRUCTURES, published,
+    self, Comparison, Line, MODERN, PublishedTimes, Ratios, STRUCTURES, SYMBOLS, SecondsTable,
+    published,
 };
 use studies::reproduce::published::{SCENES, figures};
 use studies::reproduce::verdict::Verdict;
@@ -125,7 +127,7 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
     let screen = context.terminal.screen(Color::Never);
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
-        if has_tables {
+        if has_tables && !args.as_published {
             screen.write_fitted(
                 context.out,
                 &table(&Comparison::new(scene, &published)),
@@ -135,11 +137,42 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
         }
         Ok(())
     })?;
+    if args.as_published && has_tables {
+        // an interrupted run has the first of them
+        let scenes: Vec<&str> = scenes.into_iter().take(measured.record.scenes.len()).collect();
+        for symbol in SYMBOLS {
+            let then = SecondsTable::published(&published, &scenes, symbol);
+            let now = SecondsTable::measured(&measured.record.scenes, symbol);
+            let then = seconds_table("the slides", &scenes, &then, |seconds| seconds.to_string());
+            let now = seconds_table("this machine", &scenes, &now, short);
+            screen.write_fitted(context.out, &then, &[])?;
+            screen.write_fitted(context.out, &now, &[])?;
+        }
+    }
     let sentences = comparisons(&measured.record, &published);
     for comparison in sentences.iter().filter(|_| has_tables) {
         screen.write_line(context.out, &comparison.sentence())?;
     }
     Ok(exit_code(&measured))
+}
+
+/// Structures down and scenes across, as the slides have them.
+fn seconds_table(
+    of: &str,
+    scenes: &[&'static str],
+    table: &SecondsTable,
+    text: fn(f64) -> String,
+) -> Table {
+    let cell = |seconds: &Option<f64>| seconds.map_or_else(dash, |s| Cell::from(text(s)));
+    let line = |(name, seconds): &(String, Vec<Option<f64>>)| {
+        std::iter::once(Cell::from(name.clone())).chain(seconds.iter().map(cell)).collect()
+    };
+    Table {
+        title: format!("{}, {of}", table.symbol),
+        header: [&["structure"], scenes].concat(),
+        rows: table.lines.iter().map(line).collect(),
+        notes: Vec::new(),
+    }
 }
 
 /// The lecture's structures and the modern one, on the kinds of rays that the lecture's images

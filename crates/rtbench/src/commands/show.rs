@@ -113,7 +113,15 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         let title = title(args, &loaded, &plane);
         let way = shown.first().and_then(|shown| shown.path.as_ref());
         let focus = ray.zip(way).and_then(|(ray, way)| focus(&plane, &ray, &bounds, &way.hit));
-        let frame = Frame { title, view, scene: bounds, focus, size: f64::from(args.size) };
+        let frame = Frame {
+            title,
+            view,
+            scene: bounds,
+            focus,
+            size: f64::from(args.size),
+            scale: args.scale,
+            has_legend: !args.no_legend,
+        };
         save(&picture(&frame, &shown), path, format)?;
         let rows: Vec<String> = rows.iter().map(Row::label).collect();
         context.wrote(path, format_args!("cells of {} over {}", rows.join(", "), loaded.name));

@@ -81,6 +81,20 @@ fn the_lecture_is_put_beside_today() {
     let text = folder.text("lecture.csv");
     assert_eq!(text.lines().count(), 7);
     assert!(text.contains("tetra,recursive,recursive-grid,ok,3.615384615,"), "{text}");
+    let ended = run_real(
+        "reproduce zachmann2007 --scenes teapot,tetra --quick --size 8 --rounds 1 --as-published",
+    );
+    let lines: Vec<Vec<&str>> =
+        ended.out.lines().map(|line| line.split_whitespace().collect()).collect();
+    let has = |line: &[&str]| lines.iter().any(|l| l == line);
+    for line in
+        [["structure", "teapot", "tetra"], ["recursive", "22.67", "7.23"], ["adaptive", "-", "-"]]
+    {
+        assert!(has(&line), "{line:?}: {}", ended.out);
+    }
+    let of = |title: &str| lines.iter().position(|l| l.join(" ") == title).expect("a title");
+    let ours = &lines[of("T_R[s], this machine") + 2..][..6];
+    assert!(ours.iter().all(|l| l.last().unwrap().parse::<f64>().is_ok()), "{ours:?}");
     for refused in ["--scenes lattice", "--reference hug", "--structures hug"] {
         let ended = run_real(&format!("reproduce zachmann2007 {refused}"));
         assert_eq!(ended.code, 2, "{refused}: {}", ended.err);

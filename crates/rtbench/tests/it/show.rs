@@ -144,7 +144,8 @@ fn cost_draws_several_structures_side_by_side() {
         (u32::from_be_bytes(png[16..20].try_into().unwrap()), tables)
     };
     let ((one, table), (two, tables)) = (width("-s kd-tree"), width("-s kd-tree,uniform-grid"));
-    assert!(two > one * 3 / 2, "{one} {two}");
+    // the image is a panel, too
+    assert!(two > one * 4 / 3, "{one} {two}");
     assert_eq!((table, tables), (1, 2));
 }
 
@@ -164,4 +165,26 @@ fn a_window_shows_the_hare_in_the_stadium() {
     };
     let (whole, hare) = (drawn(""), drawn("--window -0.25,-0.05,-0.25:0.25,0.45,0.25"));
     assert!(hare > 10 && hare < whole, "{hare} of {whole}");
+}
+
+#[test]
+fn pictures_of_one_scale_have_the_same_colors() {
+    let folder = Folder::new();
+    let path = format!("{}/cells.svg", folder.path());
+    let of = |structure: &str, options: &str| {
+        let ended = run(&format!("show teapot:3 -s {structure} {options} -o {path} --overwrite"));
+        assert_eq!(ended.code, 0, "{}", ended.err);
+        texts(&path)
+    };
+    let grids = ["uniform-grid:density=0.1", "uniform-grid:density=10"];
+    let classes = |texts: &[String]| texts.iter().filter(|t| t.contains('-')).cloned().collect();
+    let [coarse, fine]: [Vec<String>; 2] = grids.map(|grid| classes(&of(grid, "")[2..]));
+    assert_ne!(coarse, fine);
+    let [coarse, fine]: [Vec<String>; 2] = grids.map(|grid| classes(&of(grid, "--scale 256")[2..]));
+    assert_eq!(coarse, fine);
+    // a scale that ends below the longest list says so
+    assert!(of("brute-force", "--scale 256").iter().any(|t| t == "129-256 or more"));
+    let bare = of("uniform-grid", "--no-legend");
+    assert!(bare.iter().any(|t| t == "uniform-grid"), "{bare:?}");
+    assert!(!bare.iter().any(|t| t.contains("references to primitives")), "{bare:?}");
 }

@@ -3,7 +3,7 @@
 //!
 //! Seconds of two machines are never compared. Every time is divided by that of uniform D=1 on the
 //! same machine; beside the ratios stands the rank correlation, and a sentence says who won then
-//! and who wins now.
+//! and who wins now. [`SecondsTable`] has the seconds as the slides lay them out.
 
 use serde::Deserialize;
 
@@ -70,6 +70,51 @@ pub struct Ratios {
     pub then: Option<f64>,
     /// Ours, where the structure was built and right.
     pub now: Option<Estimate>,
+}
+
+/// The symbols of the slides' two tables: build, run.
+pub const SYMBOLS: [&str; 2] = ["T_B[s]", "T_R[s]"];
+
+/// Seconds by structure, each for all scenes in their order; none where there is no time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SecondsTable {
+    pub symbol: &'static str,
+    pub lines: Vec<(String, Vec<Option<f64>>)>,
+}
+
+impl SecondsTable {
+    /// One of the slides' tables.
+    pub fn published(times: &[PublishedTimes], scenes: &[&str], symbol: &'static str) -> Self {
+        let line = |(name, _): (&str, &str)| {
+            let seconds = |scene: &&str| {
+                let of = |time: &&PublishedTimes| {
+                    (&*time.structure, &*time.scene) == (name, *scene)
+                        && time.is_build == (symbol == SYMBOLS[0])
+                };
+                times.iter().find(of).map(|time| time.seconds)
+            };
+            (name.to_owned(), scenes.iter().map(seconds).collect())
+        };
+        Self { symbol, lines: STRUCTURES.map(line).into() }
+    }
+
+    /// The same table of measured scenes, whose rows are those of [`STRUCTURES`] and [`MODERN`].
+    /// Where a part of the rays was timed, the time is multiplied to all of them.
+    pub fn measured(scenes: &[SceneRecord], symbol: &'static str) -> Self {
+        let seconds = |scene: &SceneRecord, i: usize| {
+            let row = scene.rows.get(i).filter(|row| row.verdict == Verdict::Ok)?;
+            if symbol == SYMBOLS[0] {
+                return row.build_s.map(|time| time.median);
+            }
+            let all: u64 = scene.rays.values().sum();
+            row.trace_s.map(|time| time.median * all as f64 / row.rays.max(1) as f64)
+        };
+        let names = STRUCTURES.iter().map(|(name, _)| *name).chain([MODERN]);
+        let line = |(i, name): (usize, &str)| {
+            (name.to_owned(), scenes.iter().map(|scene| seconds(scene, i)).collect())
+        };
+        Self { symbol, lines: names.enumerate().map(line).collect() }
+    }
 }
 
 /// A structure on a scene.
@@ -201,6 +246,11 @@ mod tests {
         let ratio = Comparison::then(&all, "tree", "adaptive", false).unwrap();
         assert!((ratio - 18.38 / 1517.0).abs() < 1e-12);
         assert_eq!(Comparison::then(&all, "balls", "adaptive", false), None);
+        // as the slides have them: adaptive has no build times, and run times of four scenes
+        let [build, run] = SYMBOLS.map(|symbol| SecondsTable::published(&all, &SCENES, symbol));
+        assert_eq!(build.lines[0].1, [0.19, 0.38, 0.26, 0.35, 0.3, 0.13, 0.22].map(Some));
+        assert_eq!(build.lines[4], ("adaptive".to_owned(), vec![None; 7]));
+        assert_eq!(run.lines[4].1[2..], [None, Some(167.7), Some(43.04), Some(8.71), Some(18.38)]);
     }
 
     #[test]

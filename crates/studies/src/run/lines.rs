@@ -111,8 +111,11 @@ fn line(conclusion: &Conclusion) -> Line {
             (low, _) if low <= 1.0 => "as fast",
             _ => "closer",
         };
-        let rays = wrong_rays(*wrong, *rays);
-        let _ = write!(text, "; {what}, with {rays}: {row} {} x", short(times.median));
+        let defect = match wrong {
+            0 => format!("a known defect that none of {} rays met", thousands(*rays)),
+            _ => wrong_rays(*wrong, *rays),
+        };
+        let _ = write!(text, "; {what}, with {defect}: {row} {} x", short(times.median));
     }
     Line { head: if is_batch { format!("{head}, batch") } else { head }, text }
 }
@@ -223,12 +226,15 @@ mod tests {
 
     #[test]
     fn a_rival_with_a_known_defect_is_named_with_it() {
-        let of = |low, high| {
+        let with = |wrong, low, high| {
             let times = Estimate { median: f64::midpoint(low, high), low, high };
-            let rival = Defective { row: "honest".into(), times, wrong: 1, rays: 203_423 };
+            let rival = Defective { row: "honest".into(), times, wrong, rays: 203_423 };
             let image = conclusion(Question::FirstImage);
             line(&Conclusion { defective: vec![rival], ..image }).text
         };
+        let of = |low, high| with(1, low, high);
+        let unmet = "; faster, with a known defect that none of 203,423 rays met: honest 0.90 x";
+        assert!(with(0, 0.85, 0.95).ends_with(unmet));
         assert!(of(0.99, 1.01).ends_with("; as fast, with 1 wrong ray of 203,423: honest 1.00 x"));
         assert!(of(0.85, 0.95).ends_with("; faster, with 1 wrong ray of 203,423: honest 0.90 x"));
         assert!(of(1.05, 1.15).ends_with("; closer, with 1 wrong ray of 203,423: honest 1.10 x"));

@@ -63,6 +63,9 @@ pub struct Frame<'a> {
     pub focus: Option<[f64; 4]>,
     /// The longer side of a panel, in pixels.
     pub size: f64,
+    /// References that the darkest colour stands for; the most of any cell if it is not said.
+    pub scale: Option<u64>,
+    pub has_legend: bool,
 }
 
 /// Coordinates of a view as places in a panel.
@@ -131,7 +134,7 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
         _ => 3,
     };
     let most = structures.iter().map(most_references).max().unwrap_or(1);
-    let classes = Classes::up_to(most);
+    let classes = Classes::up_to(frame.scale.unwrap_or(most));
     let titles = |shown: &DrawnStructure| wrapped(&shown.label, width, 14.0);
     let notes = |shown: &DrawnStructure| {
         let path = shown.path.as_ref().map(|path| wrapped(&path.summary(), width, 12.0));
@@ -170,8 +173,14 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
     let below = top + (head + height + foot + MARGIN) * rows as f64;
     let wide = wide.max(420.0);
     let has_path = structures.iter().any(|shown| shown.path.is_some());
-    let end = legend(&mut drawing, [MARGIN, below], wide, classes, (frame, has_path));
-    drawing.size = [wide + 2.0 * MARGIN, end + MARGIN];
+    let end = if frame.has_legend {
+        let is_exceeded = classes != Classes::up_to(most.max(frame.scale.unwrap_or(most)));
+        let meaning = LegendContents { classes, is_exceeded, has_path };
+        legend(&mut drawing, [MARGIN, below], wide, frame, meaning) + MARGIN
+    } else {
+        below
+    };
+    drawing.size = [wide + 2.0 * MARGIN, end];
     drawing
 }
 
@@ -337,13 +346,20 @@ fn overlay(drawing: &mut Drawing, placed: &ViewTransform, path: &PathThrough) {
     }
 }
 
+struct LegendContents {
+    classes: Classes,
+    /// True if a cell has more references than the last class says.
+    is_exceeded: bool,
+    has_path: bool,
+}
+
 /// The classes' colours, and what lines mean; where it ends.
 fn legend(
     drawing: &mut Drawing,
     [left, top]: [f64; 2],
     wide: f64,
-    classes: Classes,
-    (frame, has_path): (&Frame<'_>, bool),
+    frame: &Frame<'_>,
+    LegendContents { classes, is_exceeded, has_path }: LegendContents,
 ) -> f64 {
     let font = Font { size: 12.0, is_bold: true, ..PLAIN };
     drawing.text(
@@ -368,7 +384,9 @@ fn legend(
     }
     for class in 0..classes.count() {
         let fill = Some((classes.color(class), 1.0));
-        entry(drawing, &Classes::label(class), Paint { fill, stroke: side });
+        let is_open = is_exceeded && class + 1 == classes.count();
+        let more = if is_open { " or more" } else { "" };
+        entry(drawing, &(Classes::label(class) + more), Paint { fill, stroke: side });
     }
     let mut y = y + TEXT + 10.0;
     let mut words = vec![];

@@ -270,6 +270,33 @@ fn the_readme_is_short_and_the_book_has_every_chapter() {
     }
 }
 
+/// Words that a reader has time for.
+const WORDS: usize = 20_000;
+
+/// Pictures that pages show, with what is said for those who cannot see them.
+fn shown_pictures(text: &str) -> Vec<(&str, &str)> {
+    let shown = text.split("![").skip(1).filter_map(|rest| rest.split_once("]("));
+    shown.filter_map(|(said, rest)| Some((said, rest.split(')').next()?))).collect()
+}
+
+#[test]
+fn the_book_is_short_and_shows_each_picture_in_words_too() {
+    let mut pages: Vec<String> = chapters().iter().map(|chapter| text_of(chapter)).collect();
+    let words: usize = pages.iter().map(|page| page.split_whitespace().count()).sum();
+    assert!(words <= WORDS, "{words}");
+    pages.extend(["README.md", "proofs/README.md"].map(text_of));
+    let shown: Vec<(&str, &str)> = pages.iter().flat_map(|page| shown_pictures(page)).collect();
+    let unsaid: Vec<_> = shown.iter().filter(|(said, _)| said.len() < 20).collect();
+    assert!(unsaid.is_empty(), "{unsaid:?}");
+    for file in files_below(&root().join("docs/pictures")) {
+        let name = file.file_name().unwrap().to_string_lossy().into_owned();
+        let is_shown = shown.iter().any(|(_, path)| path.rsplit('/').next() == Some(&*name));
+        assert!(is_shown, "no page shows {name}");
+    }
+    let planted = shown_pictures("a ![A teapot](pictures/a.svg), ![](b.png)");
+    assert_eq!(planted, [("A teapot", "pictures/a.svg"), ("", "b.png")]);
+}
+
 /// Names in the first column of the table below a heading.
 fn first_column(text: &str, heading: &str) -> Vec<String> {
     let below = text.split(heading).nth(1).unwrap_or_default();
