@@ -19,14 +19,12 @@ use measurement::system::machine;
 use measurement::system::pools::deep_pool;
 use measurement::system::progress::Progress;
 use presentation::outside::line;
-use studies::verify::catalogue::{find, select};
-use studies::verify::check::{CheckPlan, PRECISIONS, ReplayOutcome, replay};
-use studies::verify::registry::Case;
+use studies::verify::catalogue::{Case, find, select};
+use studies::verify::check::{CheckPlan, CheckWatch, PRECISIONS, ReplayOutcome, replay};
 use studies::verify::replay::{Replay, precision_name};
-use studies::verify::report::Report;
+use studies::verify::report::{Report, StopReason};
 use studies::verify::shrink::shrink;
 use studies::verify::subject::Subject;
-use studies::verify::watch::{CheckWatch, StopReason};
 
 /// Verifies, or repeats one trial, and returns the exit code: for wrong hits 4, though a signal's
 /// comes first; out of time without any, 5.

@@ -5,7 +5,7 @@ use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::{Hit, Ray, Vector};
 use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
-use studies::verify::cases::shells::shells_under;
+use studies::verify::cases::shells::shells;
 use studies::verify::catalogue::find;
 use studies::verify::model::Model;
 use studies::verify::round::Round;
@@ -15,7 +15,7 @@ const RAYS: usize = 400;
 
 /// Some rounds of a case in single precision.
 fn rounds(id: &str) -> Vec<Round<f32>> {
-    let single = find(id).unwrap().1.ask.single;
+    let single = find(id).unwrap().1.single;
     let draw = |number| single(&mut Random::new(number, "planted"), RAYS).unwrap();
     (0..6).map(draw).collect()
 }
@@ -225,7 +225,7 @@ fn shadow_rays_blocked_by_glass_are_refuted() {
 fn a_fixed_offset_skips_shells() {
     let skipped = |rule| {
         let mut random = Random::new(1, "shells");
-        let rounds = (0..20).map(|_| shells_under::<f32>(&mut random, 200, rule).unwrap());
+        let rounds = (0..20).map(|_| shells::<f32>(&mut random, 200, rule).unwrap());
         let wrong = |round: Round<f32>| {
             let asked = round.rays.iter().zip(&round.expected);
             asked.filter(|(ray, e)| !e.admits(&first(&round.model, ray))).count()

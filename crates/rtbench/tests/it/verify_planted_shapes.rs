@@ -14,9 +14,8 @@ use measurement::plan::rows::Row;
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 use statistics::random::Random;
-use studies::verify::catalogue::find;
+use studies::verify::catalogue::{Case, Draw, find};
 use studies::verify::judge::{Judge, RoundVerdict};
-use studies::verify::registry::{CaseRunner, Draw};
 use studies::verify::subject::Subject;
 
 use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};
@@ -174,7 +173,7 @@ fn an_occluder_that_sees_every_light_is_refuted() {
             other => panic!("{other:?}"),
         }
     }
-    let CaseRunner { single, double, .. } = find("Q10occluders").unwrap().1.ask;
+    let &Case { single, double, .. } = find("Q10occluders").unwrap().1;
     let [right, bright] = OCCLUDERS else { panic!("two occluders") };
     assert_eq!((wrong(single, right), wrong(double, right)), (0, 0));
     assert!(wrong(single, bright) > 50 && wrong(double, bright) > 50);

@@ -1,4 +1,8 @@
-//! All cases against all subjects.
+//! All cases against all subjects, until a signal or the time ends the check.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering::SeqCst};
+use std::time::Duration;
 
 use accel_core::Ray;
 use accel_core::registry::Buildable;
@@ -6,16 +10,16 @@ use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use rayon::prelude::*;
 
-use super::catalogue::CatalogueEntry;
+use super::catalogue::{Case, CatalogueEntry, Draw};
 use super::judge::{Judge, Mismatch, RoundVerdict};
-use super::registry::{Case, Draw};
 use super::replay::Replay;
-use super::report::{Line, SubjectCounts};
+use super::report::{Line, StopReason, SubjectCounts};
 use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
 use super::subject::Subject;
-use super::watch::CheckWatch;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
+use measurement::system::clock::Clock;
+use measurement::system::progress::Progress;
 use statistics::random::Random;
 
 /// Rounds of a case that is asked for many rays, until rounds have [`MOST_RAYS`].
@@ -74,8 +78,8 @@ impl CheckPlan<'_> {
                 }
                 let drawn = Drawing { id: case.id, seed: self.seed, number, rays };
                 let of_round = match precision {
-                    Precision::F32 => drawn.ask(case.ask.single, &subjects, watch),
-                    Precision::F64 => drawn.ask(case.ask.double, &subjects, watch),
+                    Precision::F32 => drawn.ask(case.single, &subjects, watch),
+                    Precision::F64 => drawn.ask(case.double, &subjects, watch),
                 };
                 watch.round();
                 of_round
@@ -96,6 +100,55 @@ impl CheckPlan<'_> {
         };
         let asked = tallies.into_iter().zip(&subjects).filter(|(tally, _)| tally.rounds() > 0);
         Ok((asked.map(told).collect(), complete))
+    }
+}
+
+/// Watches over a check. What is being asked when it must end is asked to its end: one structure,
+/// the rays of one round.
+pub struct CheckWatch<'a> {
+    clock: &'a dyn Clock,
+    /// A reading of the clock.
+    deadline: Option<Duration>,
+    /// The number of the signal that came; 0: none did.
+    signal: Arc<AtomicUsize>,
+    /// One step per round.
+    progress: Progress,
+}
+
+impl<'a> CheckWatch<'a> {
+    /// From now on; `signal` is 0 as long as none came.
+    pub fn new(
+        clock: &'a dyn Clock,
+        limit: Option<Duration>,
+        signal: Arc<AtomicUsize>,
+        progress: Progress,
+    ) -> Self {
+        let deadline = limit.map(|limit| clock.now().saturating_add(limit));
+        Self { clock, deadline, signal, progress }
+    }
+
+    /// Why the check must end, if it must.
+    pub fn cut(&self) -> Option<StopReason> {
+        match self.signal.load(SeqCst) {
+            0 => {}
+            signal => return Some(StopReason::Interrupted(signal)),
+        }
+        let is_late = self.deadline.is_some_and(|deadline| self.clock.now() >= deadline);
+        is_late.then_some(StopReason::OutOfTime)
+    }
+
+    /// Says what is asked.
+    pub fn begin(&self, what: &str) {
+        self.progress.message(what);
+    }
+
+    /// A round is over.
+    pub fn round(&self) {
+        self.progress.step(Duration::ZERO);
+    }
+
+    pub fn finish(&self) {
+        self.progress.finish();
     }
 }
 
@@ -175,8 +228,8 @@ pub fn replay(
     let &Replay { seed, round: number, rays, .. } = line;
     let drawing = Drawing { id: case.id, seed, number, rays };
     match line.precision {
-        Precision::F32 => replay_round(line, drawing, case.ask.single, subject),
-        Precision::F64 => replay_round(line, drawing, case.ask.double, subject),
+        Precision::F32 => replay_round(line, drawing, case.single, subject),
+        Precision::F64 => replay_round(line, drawing, case.double, subject),
     }
 }
 
@@ -207,4 +260,24 @@ fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {
 fn ray_text<S: Buildable>(ray: &Ray<S>) -> String {
     let Ray { origin, direction, t_min, t_max, .. } = ray;
     format!("from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use measurement::system::clock::SteppingClock;
+
+    #[test]
+    fn a_signal_and_the_limit_end_it() {
+        let clock = SteppingClock::new(Duration::from_secs(1));
+        let signal = Arc::new(AtomicUsize::new(0));
+        let limit = Some(Duration::from_secs(3));
+        let watch = CheckWatch::new(&clock, limit, Arc::clone(&signal), Progress::hidden());
+        let cuts = [(); 3].map(|()| watch.cut());
+        assert_eq!(cuts, [None, None, Some(StopReason::OutOfTime)]);
+        signal.store(2, SeqCst);
+        assert_eq!(watch.cut(), Some(StopReason::Interrupted(2)));
+        let endless = CheckWatch::new(&clock, None, Arc::default(), Progress::hidden());
+        assert_eq!(endless.cut(), None);
+    }
 }

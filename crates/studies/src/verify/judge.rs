@@ -4,19 +4,18 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use accel_core::occluders::OccluderRegistry;
-use accel_core::primitives::PrimSet;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
 
-use super::coherent_batch::CoherentBatch;
+use super::answers::{Answers, COUNTED, closest};
 use super::digest::Digest;
 use super::metamorphic::{Invariant, MetamorphicPair};
+use super::mismatch::OwnTestJudge;
 pub use super::mismatch::{Difference, Mismatch};
 use super::model::Model;
-use super::own_test::OwnTestJudge;
-use super::round::{NearbyPrimitives, OracleAnswer, Round};
+use super::round::{OracleAnswer, Round};
 use super::subject::{Subject, with_brute_force};
 use measurement::plan::rows::Row;
 use measurement::rays::exactness::Exactness;
@@ -32,129 +31,6 @@ pub enum RoundVerdict {
     NotAsked,
 }
 
-/// One ray in so many is asked by the counting queries as well: they traverse as the others do, and
-/// are there to be counted.
-const COUNTED: usize = 8;
-
-/// The answers to all rays, asked in all ways.
-#[derive(Debug, Clone)]
-struct Answers<S: Scalar> {
-    closest: Vec<Hit<S>>,
-    /// Hits of every [`COUNTED`]th ray.
-    counted: Vec<Hit<S>>,
-    blocked: Vec<bool>,
-    counted_blocked: Vec<bool>,
-    /// The closest hits of the same rays, each asked alone; nothing where batches are asked so
-    /// anyway.
-    alone: Vec<Hit<S>>,
-    /// The same rays, each among others that run nearly as it does.
-    in_batch: Vec<(Hit<S>, bool)>,
-}
-
-impl<S: Scalar> Answers<S> {
-    /// Buffers are preset to wrong answers (blocked where nothing is hit, and vice versa), so that
-    /// unwritten answers are wrong.
-    fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
-        let closest = closest(tracer, rays);
-        let mut blocked: Vec<bool> = closest.iter().map(|hit| !hit.is_hit()).collect();
-        let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
-        let mut shadows: Vec<_> = blocked.iter().step_by(COUNTED).map(preset).collect();
-        tracer.occlusions(rays, &mut blocked);
-        let some: Vec<Ray<S>> = rays.iter().copied().step_by(COUNTED).collect();
-        let mut counted = vec![unwritten(); some.len()];
-        tracer.count_closest_hits(&some, &mut counted);
-        tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
-        let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
-        let (mut alone, mut in_batch) = (Vec::new(), Vec::new());
-        if tracer.batches().are_together() {
-            alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
-            in_batch = Self::in_batch(tracer, &CoherentBatch::of(&some));
-        }
-        Self { closest, counted, blocked, counted_blocked, alone, in_batch }
-    }
-
-    /// Answers to the rays within the coherent batch.
-    fn in_batch(tracer: &dyn Tracer<S>, batch: &CoherentBatch<S>) -> Vec<(Hit<S>, bool)> {
-        let hits = closest(tracer, &batch.rays);
-        let mut blocked: Vec<bool> = hits.iter().map(|hit| !hit.is_hit()).collect();
-        tracer.occlusions(&batch.rays, &mut blocked);
-        batch.places.iter().filter_map(|&i| Some((*hits.get(i)?, *blocked.get(i)?))).collect()
-    }
-
-    /// By brute force over the primitives near each ray alone.
-    fn near(model: &Model<S>, rays: &[Ray<S>], near: &NearbyPrimitives) -> Self {
-        let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
-            Model::Triangles(set) => nearest(set, ray, ids),
-            Model::Mixed(set) => nearest(set, ray, ids),
-        };
-        let ids = near.of.iter().map(|&i| near.lists.get(i).map_or(&[][..], Vec::as_slice));
-        let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
-        // all primitives of such rounds are opaque
-        let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
-        Self {
-            counted: closest.iter().copied().step_by(COUNTED).collect(),
-            counted_blocked: blocked.iter().copied().step_by(COUNTED).collect(),
-            alone: Vec::new(),
-            in_batch: Vec::new(),
-            closest,
-            blocked,
-        }
-    }
-
-    /// The closest hits of a ray, however it was asked.
-    fn hits_of(&self, ray: usize) -> impl Iterator<Item = Hit<S>> {
-        let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
-        let of = |hits: &[Hit<S>], i: usize| hits.get(i).copied();
-        let batched = some.and_then(|i| Some(self.in_batch.get(i)?.0));
-        let asked = [
-            of(&self.closest, ray),
-            some.and_then(|i| of(&self.counted, i)),
-            some.and_then(|i| of(&self.alone, i)),
-            batched,
-        ];
-        asked.into_iter().flatten()
-    }
-
-    /// Occlusion answers for it, likewise.
-    fn occlusions_of(&self, ray: usize) -> impl Iterator<Item = bool> {
-        let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
-        let asked = [
-            self.blocked.get(ray).copied(),
-            some.and_then(|i| self.counted_blocked.get(i).copied()),
-            some.and_then(|i| Some(self.in_batch.get(i)?.1)),
-        ];
-        asked.into_iter().flatten()
-    }
-
-    fn digest(&self) -> Digest {
-        let mut digest = Digest::default();
-        self.closest.iter().for_each(|hit| digest.hit(hit));
-        self.blocked.iter().for_each(|blocked| digest.blocked(*blocked));
-        digest
-    }
-}
-
-/// The closest hit among these primitives; of equal ones that of the lowest id.
-fn nearest<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>, ids: &[u32]) -> Hit<S> {
-    let setup = prims.setup(ray);
-    let mut best = Hit { t: ray.t_max, ..Hit::NONE };
-    for &id in ids {
-        if let Some(t) = prims.intersect(id, ray, &setup, best.t)
-            && (t < best.t || id < best.id)
-        {
-            best = Hit { t, id };
-        }
-    }
-    best
-}
-
-/// The closest hits alone.
-fn closest<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let mut hits = vec![unwritten(); rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    hits
-}
-
 /// The answers of brute force to the rays of a round, in f64: hits, and which of them are blocked.
 pub(super) fn brute_force_answers<S: Buildable>(
     round: &Round<S>,
@@ -162,11 +38,6 @@ pub(super) fn brute_force_answers<S: Buildable>(
     let Answers { closest, blocked, .. } = Judge::new(round).ok()?.reference;
     let wide = |hit: &Hit<S>| Hit { t: hit.t.to_f64(), id: hit.id };
     Some((closest.iter().map(wide).collect(), blocked))
-}
-
-/// Stands where no hit was written: of no primitive, at no parameter, and so no answer.
-fn unwritten<S: Scalar>() -> Hit<S> {
-    Hit { t: S::from_f64(f64::NAN), id: MISS - 1 }
 }
 
 /// The closest hits of a round's rays among the primitives near them.

@@ -2,9 +2,8 @@
 
 use glam::{DVec3, dvec3};
 
-use super::draw::{point, single};
+use super::draw::single;
 use super::model::Corners;
-use statistics::random::Random;
 
 /// A closed mesh around `center`: an icosahedron whose faces are divided by four `levels` times.
 pub fn icosphere(levels: u32, center: DVec3) -> Vec<Corners> {
@@ -120,16 +119,6 @@ pub fn cube(at: [i32; 3]) -> [Corners; 12] {
     };
     let faces = [0, 1, 2].map(|axis| [face(axis, 0.0), face(axis, 1.0)]);
     std::array::from_fn(|i| faces[i / 4][i / 2 % 2][i % 2])
-}
-
-/// Triangles of about `size` anywhere in the cube [-1, 1]^3.
-pub fn soup(random: &mut Random, count: usize, size: f64) -> Vec<Corners> {
-    (0..count)
-        .map(|_| {
-            let p = point(random);
-            [p, single(p + point(random) * size), single(p + point(random) * size)]
-        })
-        .collect()
 }
 
 #[cfg(test)]

@@ -1,10 +1,9 @@
 //! Metamorphic tests: a scene scaled, mirrored or renumbered. The answers must stay the same.
 
-use accel_core::{Hit, Ray, Scalar};
+use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
 
-use super::model::{Corners, Model};
-use super::rays::ray;
+use super::model::{Corners, Model, ray};
 
 /// Invariant of a metamorphic pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +100,6 @@ impl<S: Scalar> OriginalScene<'_, S> {
         point: impl Fn(DVec3) -> DVec3,
         direction: impl Fn(DVec3) -> DVec3,
     ) -> Option<MetamorphicPair<S>> {
-        use accel_core::Vector;
         let triangles: Vec<Corners> = self.triangles.iter().map(|t| t.map(&point)).collect();
         let told = |r: &Ray<S>| {
             let moved = ray(point(r.origin.to_dvec3()), direction(r.direction.to_dvec3()));

@@ -6,27 +6,22 @@
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
 //! [`replay::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
 
+mod answers;
 pub mod cases;
 pub mod catalogue;
 pub mod check;
 pub mod closed_form;
-mod coherent_batch;
 pub mod digest;
 mod double_double;
 pub mod draw;
 pub mod every_hit;
 pub mod exact;
-pub mod expect;
 pub mod judge;
 pub mod meshes;
 pub mod metamorphic;
 mod mismatch;
 pub mod model;
-mod own_bounds;
-mod own_test;
 mod polygons;
-mod rays;
-pub mod registry;
 pub mod replay;
 pub mod report;
 mod reproducer;
@@ -34,4 +29,3 @@ pub mod round;
 pub mod shrink;
 pub mod subject;
 pub mod surface;
-pub mod watch;

@@ -1,9 +1,9 @@
-//! The scene of a round: triangles alone, or primitives of any kind.
+//! The scene of a round, triangles alone or primitives of any kind, and its rays.
 
 use accel_core::primitives::{
     MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, PrimsRef, TriangleSet,
 };
-use accel_core::{Aabb, Scalar};
+use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 
 pub type Corners = [DVec3; 3];
@@ -80,4 +80,9 @@ impl<S: Scalar> Model<S> {
             Self::Mixed(set) => PrimsRef::Mixed(set),
         }
     }
+}
+
+/// A ray with the interval [0, infinity], rounded to `S`.
+pub fn ray<S: Scalar>(origin: DVec3, direction: DVec3) -> Ray<S> {
+    Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
 }

@@ -8,7 +8,6 @@ use super::digest::Digest;
 use super::judge::{Difference, Mismatch, RoundVerdict};
 use super::replay::{Replay, precision_name};
 use super::subject::{CONTROL, Subject};
-use super::watch::StopReason;
 use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
@@ -162,6 +161,14 @@ impl Line {
     pub fn is_failure(&self) -> bool {
         self.mismatches > 0 && self.known_defect.is_none()
     }
+}
+
+/// Why a check ended before all was asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum StopReason {
+    Interrupted(usize),
+    OutOfTime,
 }
 
 /// Everything that was found.

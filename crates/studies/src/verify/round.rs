@@ -3,8 +3,6 @@
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 
-pub use super::rays::ray;
-
 use super::metamorphic::MetamorphicPair;
 use super::model::Model;
 
@@ -101,6 +99,12 @@ impl<S: Scalar> Round<S> {
             pairs: Vec::new(),
             near: None,
         }
+    }
+
+    /// No more than so many rays: chains may have added some.
+    pub fn truncate(&mut self, rays: usize) {
+        self.rays.truncate(rays);
+        self.expected.truncate(rays);
     }
 
     pub fn push(&mut self, ray: Ray<S>, expected: OracleAnswer) {

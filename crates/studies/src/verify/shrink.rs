@@ -10,10 +10,10 @@ use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
 
+use super::catalogue::Case;
 use super::check::Drawing;
 use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
 use super::model::{Corners, Model};
-use super::registry::Case;
 use super::replay::Replay;
 use super::round::{OracleAnswer, Round};
 use super::subject::Subject;
@@ -50,8 +50,8 @@ pub fn shrink(case: &Case, replay: &Replay, subject: &Subject<'_>) -> Option<Red
     let &Replay { seed, round: number, rays, .. } = replay;
     let drawing = Drawing { id: case.id, seed, number, rays };
     match replay.precision {
-        Precision::F32 => reduced(&drawing.drawn(case.ask.single).ok()?, replay, subject),
-        Precision::F64 => reduced(&drawing.drawn(case.ask.double).ok()?, replay, subject),
+        Precision::F32 => reduced(&drawing.drawn(case.single).ok()?, replay, subject),
+        Precision::F64 => reduced(&drawing.drawn(case.double).ok()?, replay, subject),
     }
 }
 

@@ -10,8 +10,8 @@ use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, find};
 use accel_core::update::moved;
 
+use super::catalogue::Case;
 use super::model::Model;
-use super::registry::Case;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{Row, select};
 
@@ -77,7 +77,7 @@ impl<'r> Subject<'r> {
         subjects: &[Subject<'r>],
         registry: &'r [Entry],
     ) -> Result<Vec<Self>, PlanError> {
-        if case.ask.rows.is_empty() {
+        if case.rows.is_empty() {
             let answers = |s: &&Self| !matches!(s, Self::Occluder(_));
             return Ok(subjects.iter().filter(answers).cloned().collect());
         }
@@ -89,7 +89,7 @@ impl<'r> Subject<'r> {
             })
         };
         let name = |label: &&&str| label.split(' ').next().is_some_and(is_asked);
-        case.ask.rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
+        case.rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
     }
 
     /// The one of that label.

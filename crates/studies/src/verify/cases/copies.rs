@@ -1,32 +1,14 @@
 //! Copies of an object: mirrored, sheared, a millionth of its size, one replaced by another.
 
-use accel_core::Scalar;
-use accel_core::primitives::{Instance, PrimitiveError};
-use accel_core::registry::Buildable;
-use glam::{DAffine3, DQuat, DVec3, dvec3};
+use accel_core::primitives::Instance;
+use glam::{DAffine3, DQuat};
 
-use super::{on_edge, point_within, toward};
-use crate::case;
-use crate::verify::draw::{direction, one_of, point, single, unit};
-use crate::verify::exact::Soup;
-use crate::verify::expect::in_soup;
-use crate::verify::meshes::soup;
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-pub const Q8: Case = case!(
-    "Q8",
-    "exact",
-    copies,
-    "copies of an object: mirrored, sheared, of sizes 1 to 10^-6, far away, in one place"
-);
+use super::prelude::*;
 
 /// Triangles of the object.
 const TRIANGLES: usize = 24;
 
-fn copies<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let object = soup(random, TRIANGLES, 0.5);
     let far = one_of(random, &[3.0, 3.0, 1e3, 1e5]);
     let (mut all, mut claims): (Vec<Corners>, Vec<Instance>) = (Vec::new(), Vec::new());
@@ -52,15 +34,12 @@ fn copies<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         let copy = random.below(claims.len());
         let own = &all[copy * TRIANGLES..(copy + 1) * TRIANGLES];
         let size = own[0][0].distance(own[TRIANGLES / 2][0]);
-        let target = match random.below(2) {
-            0 => point_within(random, own),
-            _ => on_edge(random, own),
-        };
+        let target = within_or_on_edge(random, own);
         let away = one_of(random, &[2.0 * size, 3.0, far]);
         let (origin, along) = toward(random, target, away);
         let ray = ray(origin, along);
         if ray.is_traceable() {
-            let expected = in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything);
+            let expected = expected_in(&exact, &ray);
             round.push(ray, expected);
         }
     }

@@ -15,34 +15,15 @@
 //! A structure's own crossings follow by a chain: the interval begins anew just after each hit. A
 //! chain sees one triangle of those at equal parameters, that of the lowest id.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar, Vector};
-use glam::{DVec3, dvec3};
 use robust::{Coord, orient2d};
 
-use super::{on_edge, point_within};
-use crate::case;
-use crate::verify::draw::{direction, one_of, random_integer, single, unit};
-use crate::verify::every_hit::{every_hit, push_chain};
-use crate::verify::meshes::{Cubes, cube, icosphere, torus};
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-/// Reports from elsewhere: two hits where a ray crosses one shared edge.
-pub const G15: Case = case!(
-    "G15",
-    "parity, all tests",
-    crossings,
-    "closed meshes crossed from outside, through corners and edges too: an even number of times"
-);
+use super::prelude::*;
+use crate::verify::meshes::{Cubes, cube, torus};
 
 /// Links of a chain that are asked.
 const LINKS: usize = 60;
 
-fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let side = one_of(random, &[2.0, 3.0, 4.0]);
     let kind = random.below(4);
     let is_lattice = kind == 3;
@@ -90,8 +71,7 @@ fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>,
             _ => push_chain(&mut round, ray, &hits, LINKS),
         }
     }
-    round.rays.truncate(rays);
-    round.expected.truncate(rays);
+    round.truncate(rays);
     Ok(round)
 }
 

@@ -1,64 +1,10 @@
 //! Sets of one kind: points alone, equal triangles, a fan around one vertex, denormal coordinates
-//! among ordinary ones.
+//! among ordinary ones, and so many triangles that several threads build.
 
-use accel_core::Ray;
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use glam::{DVec3, dvec3};
+use super::prelude::*;
+use crate::verify::exact::on_mesh;
 
-use super::{on_edge, point_within, toward};
-use crate::case;
-use crate::verify::draw::{direction, one_of, point, signed, single, unit};
-use crate::verify::every_hit::{every_hit, push_chain};
-use crate::verify::exact::Soup;
-use crate::verify::expect::{in_soup, on_mesh};
-use crate::verify::meshes::soup;
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::Case;
-use crate::verify::round::{NearbyPrimitives, OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-/// Q12: triangles that are points.
-pub const Q12_POINTS: Case =
-    case!("Q12points", "must miss", points, "sets of points alone, several in one place");
-pub const Q12_EQUAL: Case = case!(
-    "Q12equal",
-    "exact",
-    equal,
-    "100,000 equal triangles: the lowest id, and a build that ends",
-    100,
-    &[
-        "wide-bvh",
-        "kd-tree",
-        "octree",
-        "uniform-grid",
-        "hashed-grid",
-        "recursive-grid",
-        "two-level-grid",
-        "hug",
-        "adaptive-grid",
-        "irregular-grid",
-        "kay-kajiya",
-        "bounding-volumes",
-        "obvhs-cwbvh",
-    ]
-);
-pub const Q12_FAN: Case = case!(
-    "Q12fan",
-    "exact, all tests",
-    fan,
-    "1,000 triangles around a vertex: rays at it, from it and just beside",
-    10,
-    &[]
-);
-pub const Q12_DENORMAL: Case = case!(
-    "Q12denormal",
-    "exact",
-    denormal,
-    "denormal coordinates among ordinary ones, of vertices and of origins"
-);
-
-fn points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let many = one_of(random, &[1, 2, 40, 300]);
     let places: Vec<DVec3> = (0..1 + many / 4).map(|_| point(random)).collect();
     let points: Vec<Corners> = (0..many).map(|_| [one_of(random, &places); 3]).collect();
@@ -74,7 +20,7 @@ fn points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
     Ok(round)
 }
 
-fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let others = soup(random, 3, 1.0);
     let one = soup(random, 1, 1.0);
     let mut all = others.clone();
@@ -85,7 +31,7 @@ fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
         let target = point_within(random, &all[..4]);
         let (origin, along) = toward(random, target, 2.0);
         let ray: Ray<S> = ray(origin, along);
-        round.push(ray, in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything));
+        round.push(ray, expected_in(&exact, &ray));
     }
     // of equal hits the lowest id counts
     let of = vec![0; round.rays.len()];
@@ -93,7 +39,7 @@ fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     Ok(round)
 }
 
-fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     const MANY: usize = 1000;
     let vertex = single(point(random) * one_of(random, &[0.0, 1.0, 10.0]));
     // up to a needle, down to a disc
@@ -130,12 +76,11 @@ fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Primi
         let hits = every_hit(&round.model, &ray);
         push_chain(&mut round, ray, &hits, 3);
     }
-    round.rays.truncate(rays);
-    round.expected.truncate(rays);
+    round.truncate(rays);
     Ok(round)
 }
 
-fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let least = if S::NAME == "f32" { -140f64 } else { -1060f64 }.exp2();
     let tiny = |random: &mut Random, p: DVec3| {
         let mut p = p.to_array();
@@ -151,17 +96,24 @@ fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, 
     let exact = Soup::new(&triangles);
     let mut round = Round::new(Model::triangles(&triangles)?);
     while round.rays.len() < rays {
-        let target = match random.below(2) {
-            0 => point_within(random, &triangles),
-            _ => on_edge(random, &triangles),
-        };
+        let target = within_or_on_edge(random, &triangles);
         let away = 1.0 + unit(random);
         let (origin, along) = toward(random, target, away);
         let ray = ray(tiny(random, origin), along);
         if ray.is_traceable() {
-            let expected = in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything);
+            let expected = expected_in(&exact, &ray);
             round.push(ray, expected);
         }
     }
+    Ok(round)
+}
+
+/// Enough for three parts.
+const TRIANGLES: usize = 13_000;
+
+pub fn threads<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let triangles = soup(random, TRIANGLES, 0.05);
+    let mut round = aimed_round(random, rays, &triangles, 2.0)?;
+    round.threads = &[1, 3];
     Ok(round)
 }

@@ -5,38 +5,13 @@
 //! nothing; elsewhere a denormal component is as good as 0, and a huge direction as good as one a
 //! power of two smaller, whose parameters are as much larger.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use accel_core::{Ray, Scalar, Vector};
-use glam::{DVec3, dvec3};
-
-use super::{point_within, toward};
-use crate::case;
-use crate::verify::draw::{one_of, point, signed, single, unit};
-use crate::verify::exact::Soup;
-use crate::verify::expect::in_soup;
-use crate::verify::meshes::soup;
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-/// False hits of f32 rays with a component of 1e-45.
-pub const R9: Case = case!(
-    "R9",
-    "exact",
-    extreme_components,
-    "one or two components that are denormal or huge, also in the plane of a flat scene"
-);
+use super::prelude::*;
 
 /// A component this much smaller than the largest moves no hit by as much as the oracle leaves
 /// open.
 const NOTHING: f64 = 1.0 / (1_u64 << 27) as f64;
 
-fn extreme_components<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn extreme_components<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     if random.below(2) == 0 {
         in_a_flat_scene(random, rays)
     } else {
@@ -45,10 +20,7 @@ fn extreme_components<S: Buildable>(
 }
 
 /// All triangles lie in a plane across an axis, and so do the origins, outside.
-fn in_a_flat_scene<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+fn in_a_flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let axis = random.below(3);
     let level = one_of(random, &[0.0, 1.0, -0.75, 3.5]);
     let put = |p: DVec3, x: f64| {
@@ -83,10 +55,7 @@ fn in_a_flat_scene<S: Buildable>(
     Ok(round)
 }
 
-fn in_loose_triangles<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+fn in_loose_triangles<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = soup(random, 100, 0.4);
     let exact = Soup::new(&triangles);
     let mut round = Round::new(Model::triangles(&triangles)?);

@@ -1,101 +1,19 @@
 //! Awkward primitives.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use accel_core::{Ray, Vector};
-use glam::{DVec3, dvec3};
+use super::prelude::*;
+use crate::verify::exact::{ExactRay, on_mesh};
+use crate::verify::metamorphic::{Invariant, MetamorphicPair};
 
-use super::{
-    crossings, on_edge, point_within, polygons, scale_sweep, shapes, slivers, soup_round, symmetry,
-    tilted_planes, toward,
-};
-use crate::case;
-use crate::verify::draw::{direction, one_of, point, signed, single, unit};
-use crate::verify::exact::{ExactRay, Soup};
-use crate::verify::expect::{in_soup, on_lattice, on_mesh};
-use crate::verify::meshes::{icosphere, sheet, soup};
-use crate::verify::metamorphic::{Invariant, MetamorphicPair, OriginalScene};
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::{Case, Group};
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-pub static GROUP: Group = Group {
-    name: "geometry",
-    cases: &[
-        G1,
-        G1_FAR,
-        G2,
-        G3,
-        G4,
-        G5,
-        G6,
-        G7,
-        G8,
-        shapes::G9,
-        shapes::G10,
-        shapes::G11,
-        shapes::G11_RIM,
-        polygons::G12,
-        G13,
-        G13_SCALED,
-        tilted_planes::G14,
-        crossings::G15,
-        slivers::G16,
-        symmetry::K1,
-        scale_sweep::K1_DENSE,
-        symmetry::P1,
-    ],
-};
-
-const G1: Case = case!("G1", "exact", closed_mesh, "rays at vertices and edges of a closed mesh");
-const G1_FAR: Case =
-    case!("G1far", "exact", closed_mesh_far, "the same far from the origin of coordinates");
-const G2: Case =
-    case!("G2", "exact", bumpy_sheet, "rays at vertices and edges within a bumpy sheet");
-const G3: Case = case!(
-    "G3",
-    "exact",
-    flat_sheet,
-    "axis-parallel and diagonal rays through a lattice's vertices"
-);
-const G4: Case = case!("G4", "exact", needle, "a triangle 10^8 times as long as wide");
-const G5: Case = case!("G5", "exact, without them", degenerate, "points and lines among triangles");
-const G7: Case =
-    case!("G7", "exact, renumbered", coplanar, "triangles in the same place: the lowest id wins");
-const G6: Case = case!(
-    "G6",
-    "construction",
-    nearly_parallel,
-    "rays nearly in the plane of a triangle, beside it or above it"
-);
-const G8: Case = case!("G8", "exact", duplicates, "ten thousand times the same triangle", 25, &[]);
-const G13: Case =
-    case!("G13", "exact", fine_detail_far_away, "details of 0.01 at coordinates of 10^6");
-const G13_SCALED: Case = case!(
-    "G13scaled",
-    "exact, or refused",
-    tiny_or_huge,
-    "coordinates of about 10^-25, 10^-8, 10^8 or 10^20: right, or a typed error"
-);
-
-fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     around_mesh(random, rays, DVec3::ZERO)
 }
 
-fn closed_mesh_far<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn closed_mesh_far<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     around_mesh(random, rays, dvec3(148_376.0, 1234.0, -223_423.0))
 }
 
 /// Rays from within and from without, at a corner or at a point of an edge that faces them.
-fn around_mesh<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    center: DVec3,
-) -> Result<Round<S>, PrimitiveError> {
+fn around_mesh<S: Buildable>(random: &mut Random, rays: usize, center: DVec3) -> Drawn<S> {
     let mesh = icosphere(3, center);
     let exact = Soup::new(&mesh);
     let mut round = Round::new(Model::triangles(&mesh)?);
@@ -115,7 +33,7 @@ fn around_mesh<S: Buildable>(
     Ok(round)
 }
 
-fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let side = one_of(random, &[2, 4, 8, 16, 32, 48]);
     let phase = unit(random) * 6.0;
     let mesh = sheet(side, |x, y| (x * 7.3 + phase).sin() * (y * 5.1).cos() * 0.2);
@@ -138,7 +56,7 @@ fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S
     Ok(round)
 }
 
-fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let mesh = sheet(64, |_, _| 0.0);
     let exact = Soup::new(&mesh);
     let mut round = Round::new(Model::triangles(&mesh)?);
@@ -156,7 +74,7 @@ fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
     Ok(round)
 }
 
-fn needle<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn needle<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = [[DVec3::ZERO, dvec3(1e4, 0.0, 0.0), dvec3(0.0, 1e-4, 0.0)].map(single)];
     soup_round(random, rays, &triangles, |random| {
         let target = dvec3(unit(random) * 1e4, unit(random) * 1.2e-4, 0.0);
@@ -165,7 +83,7 @@ fn needle<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
     })
 }
 
-fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let clean = soup(random, 80, 0.4);
     let mut triangles: Vec<Corners> = (0..40)
         .map(|_| {
@@ -180,10 +98,7 @@ fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
         .collect();
     let first = triangles.len() as u32;
     triangles.extend_from_slice(&clean);
-    let mut round: Round<S> = soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 2.0)
-    })?;
+    let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let ids = (first..triangles.len() as u32).collect();
     let (model, rays) = (Model::triangles(&clean)?, round.rays.clone());
     round.pairs.push(MetamorphicPair {
@@ -197,14 +112,11 @@ fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
     Ok(round)
 }
 
-fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let mut triangles = soup(random, 60, 0.6);
     triangles.extend_from_within(..);
     random.shuffle(&mut triangles);
-    let mut round: Round<S> = soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 2.0)
-    })?;
+    let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     random.shuffle(&mut order);
     let pair = OriginalScene { triangles: &triangles, rays: &round.rays }.renumbered(order);
@@ -212,20 +124,14 @@ fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, 
     Ok(round)
 }
 
-fn duplicates<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn duplicates<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let mut triangles = soup(random, 20, 0.5);
     let same: Corners = one_of(random, &triangles);
     triangles.extend(std::iter::repeat_n(same, 10_000));
-    soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 2.0)
-    })
+    aimed_round(random, rays, &triangles, 2.0)
 }
 
-fn fine_detail_far_away<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn fine_detail_far_away<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let center = dvec3(1e6, -1e6, 1e6);
     let far = |t: &Corners| t.map(|p| single(center + p));
     let triangles: Vec<Corners> = soup(random, 200, 0.4).iter().map(far).collect();
@@ -238,10 +144,7 @@ fn fine_detail_far_away<S: Buildable>(
 
 /// A ray at an angle of 10^-1 to 10^-6 to the plane of a triangle of size 1 to 10^3. Its shadow on
 /// the plane passes beside the triangle, or it crosses the plane beyond it and is still high above.
-fn nearly_parallel<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let size = one_of(random, &[1.0, 32.0, 1024.0]);
     let normal = direction(random);
     let along = normal.any_orthonormal_vector();
@@ -273,10 +176,7 @@ fn nearly_parallel<S: Buildable>(
     Ok(round)
 }
 
-fn tiny_or_huge<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn tiny_or_huge<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     // about the powers of ten; no rounding
     let scale = one_of(random, &[-83, -27, 27, 67].map(|k| 2f64.powi(k)));
     let unscaled = soup(random, 100, 0.4);

@@ -5,27 +5,8 @@
 //! whole numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding
 //! may then put it on either side of a plane, and a parent and its child may disagree.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use glam::{DVec3, dvec3};
-
-use crate::case;
-use crate::verify::draw::{one_of, signed, unit};
+use super::prelude::*;
 use crate::verify::meshes::{Cubes, cube};
-use crate::verify::model::Model;
-use crate::verify::registry::Case;
-use crate::verify::round::{NearbyPrimitives, OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-/// Reports from elsewhere and `recursive-grid`: HARD_CASES, planes of nested cells.
-pub const GR12: Case = case!(
-    "Gr12",
-    "whole numbers",
-    nested_planes,
-    "rays 10^-45 to 10^-3 off the planes of nested cells, in blocks of unit cubes",
-    5,
-    &[]
-);
 
 /// Cubes along a side of the largest checkerboard, and of the largest block: of that only the
 /// outside is ever hit.
@@ -34,10 +15,7 @@ const MOST_CUBES: [f64; 2] = [24.0, 12.0];
 /// Rounding error of the position of a ray, in epsilons of the distance to the farthest corner.
 const ROUNDING: f64 = 64.0;
 
-fn nested_planes<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let is_solid = random.below(4) == 0;
     let most = if is_solid { MOST_CUBES[1] } else { MOST_CUBES[0] };
     // small ones more often: large ones take long to build

@@ -1,25 +1,10 @@
 //! Normals of hit points, as the renderer has them, in closed form.
 
-use accel_core::Ray;
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use glam::DVec3;
 use scene_loading::{Cone, Material, Scene};
 
-use super::from_hits::from_hits;
-use crate::case;
-use crate::verify::draw::{direction, one_of, point, single, unit};
+use super::prelude::*;
+use super::secondary::from_hits;
 use crate::verify::polygons::{placed, tangled};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-pub const S8: Case = case!(
-    "S8",
-    "closed form",
-    normals,
-    "normals of spheres, slender cones, and polygons whose outlines cross themselves"
-);
 
 /// A shape whose normals are known.
 enum KnownNormals {
@@ -44,7 +29,7 @@ impl KnownNormals {
     }
 }
 
-fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let at = point(random) * one_of(random, &[0.0, 1.0, 100.0]);
     let mut scene = Scene::new("normals");
     let material = scene.push_material(Material::default());

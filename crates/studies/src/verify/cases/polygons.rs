@@ -1,70 +1,24 @@
 //! Polygons that share edges and vertices, seen from above, edge-on and from within.
 
-use accel_core::Ray;
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use glam::{DVec2, DVec3, dvec2};
-
-use crate::case;
-use crate::verify::draw::{direction, one_of, point, signed, single, unit};
-use crate::verify::every_hit::{every_hit, push_chain};
-use crate::verify::model::Model;
-use crate::verify::own_bounds::out_of_padded_box;
+use super::prelude::*;
+use crate::verify::every_hit::out_of_padded_box;
 use crate::verify::polygons::{body, placed, tangled, tiling, wound};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
 use crate::verify::surface::{Outlines, Surface};
-use statistics::random::Random;
-
-pub const G12: Case = case!(
-    "G12",
-    "own projection",
-    alone,
-    "concave polygons, collinear and repeated vertices, slightly bent ones"
-);
-pub const Q1: Case = case!(
-    "Q1",
-    "own projection",
-    at_edges,
-    "polygons that share edges and vertices, closed bodies, both windings: no gap"
-);
-pub const Q2: Case = case!(
-    "Q2",
-    "own projection, own bounds",
-    nearly_in_plane,
-    "rays 10^-1 to 10^-9 off a polygon's plane, and within it: hits lie where polygons are"
-);
-/// Slivers of Q2, as G16 has triangles.
-pub const Q2_SLIVERS: Case = case!(
-    "Q2slivers",
-    "own projection, own bounds",
-    slivers,
-    "polygons up to 10^4 times as long as wide, and rays near their plane"
-);
-pub const Q6: Case = case!(
-    "Q6",
-    "own projection",
-    tangled_alone,
-    "outlines that cross themselves, go round twice, have a hole by a bridge"
-);
 
 /// Links of a chain that are asked.
 const LINKS: usize = 12;
 
-fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let outlines = surface(random, 1.0);
     surface_round(random, rays, &outlines, at_edge)
 }
 
-fn nearly_in_plane<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn nearly_in_plane<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let outlines = surface(random, 1.0);
     surface_round(random, rays, &outlines, near_plane)
 }
 
-fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let most = one_of(random, &[1e1, 1e2, 1e3, 1e4]);
     let outlines = surface(random, most);
     surface_round(random, rays, &outlines, |random, outlines| match random.below(2) {
@@ -132,7 +86,7 @@ fn surface_round<S: Buildable>(
     rays: usize,
     outlines: &Outlines,
     aim: impl Fn(&mut Random, &Outlines) -> Aim,
-) -> Result<Round<S>, PrimitiveError> {
+) -> Drawn<S> {
     let surface = Surface::new(outlines);
     let magnitude = surface.magnitude();
     let model = Model::mixed(|set| {
@@ -150,8 +104,7 @@ fn surface_round<S: Buildable>(
         }
         push(&mut round, &surface, ray(origin, target - origin));
     }
-    round.rays.truncate(rays);
-    round.expected.truncate(rays);
+    round.truncate(rays);
     Ok(round)
 }
 
@@ -170,7 +123,7 @@ fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
 
 /// One polygon in a plane of any slant: the arrow whose fan of triangles is nine times too large, a
 /// star, a square with collinear and repeated vertices; some with vertices 10^-4 off the plane.
-fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let square = [(0., 0.), (1., 0.), (2., 0.), (2., 0.), (2., 2.), (1.5, 2.), (0., 2.), (0., 1.)];
     let outline: Vec<DVec2> = match random.below(3) {
         0 => vec![dvec2(0.0, 0.0), dvec2(2.0, 0.0), dvec2(0.2, 0.2), dvec2(0.0, 2.0)],
@@ -183,19 +136,12 @@ fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     outline_round(random, rays, outline)
 }
 
-fn tangled_alone<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn tangled_alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let outline = tangled(random);
     outline_round(random, rays, outline)
 }
 
-fn outline_round<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    outline: Vec<DVec3>,
-) -> Result<Round<S>, PrimitiveError> {
+fn outline_round<S: Buildable>(random: &mut Random, rays: usize, outline: Vec<DVec3>) -> Drawn<S> {
     let outlines = placed(random, &vec![outline], 1.0);
     surface_round(random, rays, &outlines, |random, outlines| {
         let aim = at_edge(random, outlines);

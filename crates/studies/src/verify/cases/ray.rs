@@ -1,45 +1,9 @@
 //! Awkward rays.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use accel_core::{Ray, Vector};
-use glam::{DVec3, dvec3};
+use super::prelude::*;
+use crate::verify::metamorphic::{Invariant, MetamorphicPair};
 
-use super::{
-    extreme_components, intervals, lattice_point, lattice_round, lattice_soup, point_within,
-    sign_direction, soup_round, toward,
-};
-use crate::case;
-use crate::verify::draw::{direction, one_of, random_integer, signed, unit};
-use crate::verify::meshes::{sheet, soup};
-use crate::verify::metamorphic::{Invariant, MetamorphicPair, OriginalScene};
-use crate::verify::model::Model;
-use crate::verify::registry::{Case, Group};
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-pub static GROUP: Group = Group {
-    name: "ray",
-    cases: &[R1, R2, R3, R4, R5, R6, R7, intervals::R8, extreme_components::R9],
-};
-
-const R1: Case = case!("R1", "exact, mirrored", signs, "directions of -1, -0, 0 and 1");
-const R2: Case =
-    case!("R2", "closed form", tiny_components, "a component of 1e-45 to 1e-7, a small far target");
-const R3: Case = case!("R3", "scaled", scaled_directions, "directions times 2^-60 to 2^60");
-const R4: Case =
-    case!("R4", "must miss", meaningless, "zero, infinite or NaN rays, empty intervals");
-const R5: Case =
-    case!("R5", "exact", interval_ends, "t_min or t_max at the hit, and an ulp beside it");
-const R6: Case = case!("R6", "exact", far_origins, "origins 10^7 scene sizes away");
-const R7: Case = case!(
-    "R7",
-    "exact, mirrored",
-    on_the_box,
-    "origins on faces, edges and corners of the scene's box"
-);
-
-fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = lattice_soup(random, 60);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
@@ -65,10 +29,7 @@ fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pri
     Ok(round)
 }
 
-fn tiny_components<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn tiny_components<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     const HALF: f64 = 1e-4;
     const FAR: f64 = 1e3;
     let [a, b] = [-HALF, HALF];
@@ -92,15 +53,9 @@ fn tiny_components<S: Buildable>(
     Ok(round)
 }
 
-fn scaled_directions<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn scaled_directions<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = soup(random, 100, 0.3);
-    let mut round: Round<S> = soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 2.0)
-    })?;
+    let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let exponents = [one_of(random, &[-60, -37, -10]), one_of(random, &[-1, 3, 20]), 60];
     let pairs: Vec<_> =
@@ -109,7 +64,7 @@ fn scaled_directions<S: Buildable>(
     Ok(round)
 }
 
-fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = soup(random, 100, 0.3);
     let mut round = Round::new(Model::triangles(&triangles)?);
     for i in 0..rays {
@@ -135,10 +90,7 @@ fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S
     Ok(round)
 }
 
-fn interval_ends<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn interval_ends<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = sheet(12, |_, _| 0.0);
     let mut round = Round::new(Model::triangles(&triangles)?);
     for _ in 0..rays {
@@ -163,7 +115,7 @@ fn interval_ends<S: Buildable>(
     Ok(round)
 }
 
-fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = soup(random, 60, 1.0);
     soup_round(random, rays, &triangles, |random| {
         let target = point_within(random, &triangles);
@@ -172,8 +124,8 @@ fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S
     })
 }
 
-fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
-    let side = f64::from(super::LATTICE);
+pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let side = f64::from(LATTICE);
     let mut triangles = lattice_soup(random, 60);
     // the scene's box is that of the lattice
     triangles.push([DVec3::ZERO, dvec3(side, 0.0, 0.0), dvec3(0.0, side, side)]);

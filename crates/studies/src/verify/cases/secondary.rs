@@ -1,88 +1,35 @@
 //! Rays that leave surfaces: they must neither hit what they leave nor miss what stands close.
 //!
-//! The rays are made as the renderer makes them, from hits that brute force found.
+//! The rays are made as the renderer makes them, from hits that brute force found. An
+//! offset rule of choice makes them; `verify` asks for the default one.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use accel_core::{Ray, Vector};
-use glam::{DVec3, dvec3};
+use renderer::Geometry;
 use renderer::ray_offset::{OffsetRule, RayOffset};
+use renderer::surface::{SurfacePoint, Surfaces};
 use scene_loading::{Cone, Material, Scene};
 
-use super::from_hits::from_hits;
-use super::shells;
-use crate::case;
-use crate::verify::draw::{direction, one_of, point, unit};
-use crate::verify::meshes::icosphere;
-use crate::verify::registry::{Case, Group};
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-pub static GROUP: Group =
-    Group { name: "secondary", cases: &[S1, S2, S3, S3_BALL, S4, shells::S7] };
-
-const S1: Case = case!(
-    "S1",
-    "convexity",
-    from_a_shape,
-    "rays that leave a convex shape of a size of 10^-8 to 10^8"
-);
-const S2: Case = case!(
-    "S2",
-    "convexity",
-    from_far_away,
-    "rays that leave a ball or a mesh up to 10^6 of its sizes from the origin"
-);
-const S3: Case =
-    case!("S3", "closed form", between_planes, "shadow rays through a gap of 10^-3, none may leak");
-const S3_BALL: Case =
-    case!("S3ball", "closed form", under_a_ball, "shadow rays where a ball touches its plane");
-const S4: Case =
-    case!("S4", "closed form", to_a_light_on_a_surface, "shadow rays to a light on a triangle");
+use super::prelude::*;
+use crate::verify::subject::with_brute_force;
 
 /// Rays that leave one hit point.
 const A_HIT: usize = 20;
 
-/// The cases as `verify` asks them: under the default rule.
-macro_rules! by_default {
-    ($($name:ident as $under:ident),*) => {$(
-        fn $name<S: Buildable>(
-            random: &mut Random,
-            rays: usize,
-        ) -> Result<Round<S>, PrimitiveError> {
-            $under(random, rays, OffsetRule::default())
-        }
-    )*};
-}
-
-by_default!(
-    from_a_shape as from_a_shape_under,
-    from_far_away as from_far_away_under,
-    between_planes as between_planes_under,
-    under_a_ball as under_a_ball_under,
-    to_a_light_on_a_surface as to_a_light_on_a_surface_under
-);
-
 /// Draws a round whose rays leave surfaces under a rule.
-pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> Result<Round<S>, PrimitiveError>;
+pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> Drawn<S>;
 
 /// The cases by name, under a rule of choice: with none, rays hit what they leave. Each draws the
 /// same scenes and the same number of rays for each rule.
 pub fn draws<S: Buildable>() -> [(&'static str, Draw<S>); 5] {
     [
-        ("S1", from_a_shape_under),
-        ("S2", from_far_away_under),
-        ("S3", between_planes_under),
-        ("S3ball", under_a_ball_under),
-        ("S4", to_a_light_on_a_surface_under),
+        ("S1", from_a_shape),
+        ("S2", from_far_away),
+        ("S3", between_planes),
+        ("S3ball", under_a_ball),
+        ("S4", to_a_light_on_a_surface),
     ]
 }
 
-fn from_a_shape_under<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn from_a_shape<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
     let size = 10.0_f64.powf(unit(random) * 16.0 - 8.0);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 10.0, 1000.0]);
     let mut scene = Scene::new("a shape");
@@ -114,11 +61,7 @@ fn from_a_shape_under<S: Buildable>(
     offset_rays(random, rays, &scene, at, size, rule)
 }
 
-fn from_far_away_under<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn from_far_away<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
     let size: f64 = one_of(random, &[1e-3, 1.0, 1e3]);
     let away = one_of(random, &[0.0, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6]);
     let at = direction(random) * size * away;
@@ -142,7 +85,7 @@ fn offset_rays<S: Buildable>(
     at: DVec3,
     size: f64,
     rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+) -> Drawn<S> {
     let aimed: Vec<Ray<S>> = (0..rays.div_ceil(A_HIT))
         .map(|_| {
             let from = at + direction(random) * size * 4.0;
@@ -168,11 +111,11 @@ fn offset_rays<S: Buildable>(
 }
 
 /// A plane, another just above it, a light above both: all of the lower one is dark.
-fn between_planes_under<S: Buildable>(
+pub fn between_planes<S: Buildable>(
     random: &mut Random,
     rays: usize,
     rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+) -> Drawn<S> {
     const GAP: f64 = 1e-3;
     let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
     let turn = one_of(random, &[0, 1, 2]);
@@ -218,11 +161,7 @@ fn turned_back(turn: usize, p: DVec3) -> DVec3 {
 
 /// A ball on a plane: whether the ball is in the way of the light follows from its distance to
 /// the ray.
-fn under_a_ball_under<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn under_a_ball<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
     let radius: f64 = one_of(random, &[0.01, 1.0, 100.0]);
     let mut scene = Scene::new("a ball on a plane");
     let material = scene.push_material(Material::default());
@@ -267,11 +206,11 @@ fn expected_behind(passing: f64, radius: f64, clear: f64, t_max: f64) -> OracleA
 }
 
 /// From the floor to a light that stands on the ceiling: the ceiling does not hide it.
-fn to_a_light_on_a_surface_under<S: Buildable>(
+pub fn to_a_light_on_a_surface<S: Buildable>(
     random: &mut Random,
     rays: usize,
     rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+) -> Drawn<S> {
     let size: f64 = one_of(random, &[1e-6, 1.0, 1e6]);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 100.0]);
     let mut scene = Scene::new("a light on a ceiling");
@@ -303,4 +242,27 @@ fn to_a_light_on_a_surface_under<S: Buildable>(
         let expected = if steep > 0.1 { OracleAnswer::Miss } else { OracleAnswer::Anything };
         round.push(ray, expected);
     })
+}
+
+/// A round of what `leave` makes of the points that brute force finds with `aimed`, as the renderer
+/// sees them, and of the directions that hit them.
+pub(super) fn from_hits<S: Buildable>(
+    scene: &Scene,
+    aimed: &[Ray<S>],
+    mut leave: impl FnMut(&SurfacePoint<'_>, DVec3, &mut Round<S>),
+) -> Drawn<S> {
+    let mut round = Round::new(match Geometry::<S>::of(scene).map_err(|e| e.source)? {
+        Geometry::Triangles(set) => Model::Triangles(set),
+        Geometry::Mixed(set) => Model::Mixed(set),
+    });
+    let surfaces = Surfaces::new(scene, false);
+    let mut hits = vec![Hit::NONE; aimed.len()];
+    // without brute force there is no hit and so no ray: the case would have no trials
+    let _ = with_brute_force(round.model.prims(), |tracer| tracer.closest_hits(aimed, &mut hits));
+    for (ray, hit) in aimed.iter().zip(&hits).filter(|(_, hit)| hit.is_hit()) {
+        let along = ray.direction.to_dvec3();
+        let position = ray.origin.to_dvec3() + along * hit.t.to_f64();
+        leave(&surfaces.at(hit.id, position), along, &mut round);
+    }
+    Ok(round)
 }

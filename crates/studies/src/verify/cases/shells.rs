@@ -4,28 +4,11 @@
 //! skipped and none met again. Rays that leave one shell as the renderer leaves it must meet the
 //! next one, unless the gap is so narrow that the offset itself bridges it.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar};
-use glam::DVec3;
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use scene_loading::{Material, Scene};
 
-use super::from_hits::from_hits;
-use crate::case;
-use crate::verify::draw::{direction, single, unit};
-use crate::verify::every_hit::{every_hit, push_chain};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-/// Reports from elsewhere: shells of radius 1 and 1 + 4e-5, the inner one skipped.
-pub const S7: Case = case!(
-    "S7",
-    "counting, closed form",
-    shells,
-    "shells a few ulps apart: none skipped, none met twice"
-);
+use super::prelude::*;
+use super::secondary::from_hits;
 
 /// Rays that leave one hit point.
 const A_HIT: usize = 8;
@@ -34,19 +17,8 @@ const A_HIT: usize = 8;
 /// rounding does to a ball's hits beside it.
 const NARROW: f64 = 16.0;
 
-fn shells<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
-    shells_under(random, rays, OffsetRule::default())
-}
-
-/// [`S7`] under a rule of choice: a fixed distance skips shells.
-///
-/// # Errors
-/// [`PrimitiveError`], if a drawn coordinate does not fit.
-pub fn shells_under<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    rule: OffsetRule,
-) -> Result<Round<S>, PrimitiveError> {
+/// A round under a rule of choice: a fixed distance skips shells.
+pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
     let apart = (1.0 + 11.0 * unit(random)).exp2().round();
     let gap = apart * S::EPSILON.to_f64();
     let mut scene = Scene::new("shells");
@@ -94,8 +66,7 @@ pub fn shells_under<S: Buildable>(
             None => push_chain(&mut round, ray, &hits, A_HIT),
         }
     }
-    round.rays.truncate(rays);
-    round.expected.truncate(rays);
+    round.truncate(rays);
     Ok(round)
 }
 

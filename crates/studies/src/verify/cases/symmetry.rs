@@ -5,32 +5,8 @@
 //! underflow, overflow and absolute lengths in the program: answers must keep their bits. Another
 //! order of the axes changes the order of sums: ids must stay.
 
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-
-use super::{point_within, soup_round, toward};
-use crate::case;
-use crate::verify::draw::one_of;
-use crate::verify::meshes::soup;
-use crate::verify::metamorphic::OriginalScene;
-use crate::verify::model::Corners;
-use crate::verify::registry::Case;
-use crate::verify::round::Round;
-use statistics::random::Random;
-
-/// Oracle K of the catalogue.
-pub const K1: Case = case!(
-    "K1",
-    "scaled",
-    scaled,
-    "the whole scene times 2^-27 to 2^28 (f64: 2^-200 to 2^200): identical bits"
-);
-pub const P1: Case = case!(
-    "P1",
-    "mirrored, permuted",
-    turned,
-    "the 48 mirrorings and orders of axes: identical bits, identical ids"
-);
+use super::prelude::*;
+use crate::verify::meshes::torus;
 
 /// Loose triangles, some far larger than others, and rays at them.
 fn scene<S: Buildable>(
@@ -39,14 +15,11 @@ fn scene<S: Buildable>(
 ) -> Result<(Vec<Corners>, Round<S>), PrimitiveError> {
     let mut triangles = soup(random, 120, 0.3);
     triangles.extend(soup(random, 6, 1.5));
-    let round = soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 2.0)
-    })?;
+    let round = aimed_round(random, rays, &triangles, 2.0)?;
     Ok((triangles, round))
 }
 
-fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     // a magnitude of up to 2 and rays of up to 4 stay within what is served
@@ -56,17 +29,48 @@ fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
         _ => (&[-200, -27, -1], &[1, 28, 200]),
     };
     let exponents = [one_of(random, down), one_of(random, up)];
-    let pairs: Vec<_> = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
-    round.pairs = pairs;
+    round.pairs = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
     Ok(round)
 }
 
-fn turned<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn turned<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let mirrored = original.permuted(0, 1 + random.below(7) as u8);
     let permuted = original.permuted(1 + random.below(5), random.below(8) as u8);
-    let pairs: Vec<_> = [mirrored, permuted].into_iter().flatten().collect();
-    round.pairs = pairs;
+    round.pairs = [mirrored, permuted].into_iter().flatten().collect();
+    Ok(round)
+}
+
+/// Scales of a round.
+const PARTS: usize = 16;
+
+/// The whole served range of scales, power of two by power of two: a sparse set of scales passes
+/// over a fault at one of them. Each round tries one exponent from each of [`PARTS`] equal parts: a
+/// few rounds try all of f32, a few hundred all of f64.
+pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let triangles: Vec<Corners> = match random.below(4) {
+        0 => soup(random, 80, 0.3),
+        1 => icosphere(1, DVec3::ZERO),
+        2 => torus(12, 6),
+        _ => {
+            let level = one_of(random, &[0.0, 0.5]);
+            let small = |t: &Corners| t.map(|p| (p / 4.0 - 1.0).with_z(level));
+            sheet(8, |_, _| 0.0).iter().map(small).collect()
+        }
+    };
+    let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
+    let largest = triangles.as_flattened().iter().fold(0.0, |m, p| p.abs().max_element().max(m));
+    // what lies within the served exponents is refused on neither side
+    let own = f64::log2(largest).floor() as i32;
+    let [low, high] = S::SCENE_EXPONENTS.map(|e| e - own);
+    let parts = PARTS.min((high - low) as usize);
+    let edge = |i: usize| low + ((high - low) as usize * i / parts) as i32;
+    let one_of_part = |i| {
+        let [from, to] = [edge(i), edge(i + 1)];
+        from + random.below((to - from) as usize) as i32
+    };
+    round.pairs = (0..parts).map(one_of_part).filter_map(|e| original.scaled(e)).collect();
     Ok(round)
 }

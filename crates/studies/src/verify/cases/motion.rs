@@ -1,48 +1,41 @@
-//! Rays with a time over triangles that move, neighbours in opposite directions.
+//! What moves: triangles between frames, and while rays with a time are traced.
 
-use accel_core::Ray;
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use glam::DVec3;
+use super::prelude::*;
 
-use super::{on_edge, point_within, toward};
-use crate::case;
-use crate::verify::draw::{direction, one_of, unit};
-use crate::verify::exact::Soup;
-use crate::verify::expect::in_soup;
-use crate::verify::meshes::soup;
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::Case;
-use crate::verify::round::{OracleAnswer, Round, ray};
-use statistics::random::Random;
-
-pub const Q7: Case = case!(
-    "Q7",
-    "exact at each time",
-    moving,
-    "rays with a time: opposite velocities, exposures of 2^-80 to 2^80, borders of segments, NaN"
-);
-/// The same with a structure for each part of the exposure.
-pub const Q7_SEGMENTS: Case = case!(
-    "Q7segments",
-    "exact at each time",
-    moving,
-    "the same with several structures, each over a part of the exposure",
-    1,
-    &[
-        "wide-bvh time-segments=4",
-        "obvhs-cwbvh time-segments=3",
-        "uniform-grid time-segments=8",
-        "kd-tree time-segments=5",
-        "octree time-segments=2",
-        "irregular-grid time-segments=4",
-    ]
-);
+/// Structures are taken from one frame to the next, and not built anew.
+pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let before = soup(random, 150, 0.4);
+    let share = one_of(random, &[0.02, 0.3, 1.0]);
+    let way = one_of(random, &[1e-3, 0.5, 30.0]);
+    let kind = random.below(3);
+    let moved = |random: &mut Random, triangle: &Corners| {
+        if unit(random) >= share {
+            return *triangle;
+        }
+        let by = point(random) * way;
+        match kind {
+            0 => triangle.map(|p| p + by),
+            // points, and what was one before
+            1 => [triangle[0]; 3],
+            _ => [(); 3].map(|()| point(random) + by),
+        }
+        .map(single)
+    };
+    let after: Vec<Corners> = before.iter().map(|t| moved(random, t)).collect();
+    let (before, after) = if random.below(2) == 0 { (before, after) } else { (after, before) };
+    let mut round = soup_round(random, rays, &after, |random| {
+        let target: DVec3 = within_or_on_edge(random, &after);
+        toward(random, target, 2.0)
+    })?;
+    round.before = Some(Model::triangles(&before)?);
+    Ok(round)
+}
 
 /// Times of a round: the scene is made anew for each.
 const TIMES: usize = 12;
 
-fn moving<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+/// Rays with a time over triangles that move, neighbours in opposite directions.
+pub fn moving<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let exposure = one_of(random, &[1.0, 0.75, (-80f64).exp2(), 80f64.exp2()]);
     let size = one_of(random, &[0.1, 0.4, 1.0]);
     let triangles = soup(random, 60, size);
@@ -69,17 +62,13 @@ fn moving<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, Pr
             triangles.iter().zip(&ways).map(|(t, way)| t.map(|p| p + *way * moment)).collect();
         let exact = Soup::new(&now);
         for _ in 0..rays.div_ceil(TIMES) {
-            let target = match random.below(2) {
-                0 => point_within(random, &now),
-                _ => on_edge(random, &now),
-            };
+            let target = within_or_on_edge(random, &now);
             let (origin, along) = toward(random, target, 3.0);
             let ray: Ray<S> = Ray { time, ..ray(origin, along) };
-            round.push(ray, in_soup(&exact, &ray).unwrap_or(OracleAnswer::Anything));
+            round.push(ray, expected_in(&exact, &ray));
         }
     }
-    round.rays.truncate(rays);
-    round.expected.truncate(rays);
+    round.truncate(rays);
     Ok(round)
 }
 

@@ -1,84 +1,11 @@
-//! Scenes that are awkward for the cells of grids and trees.
+//! Scenes that are awkward for the cells of grids and trees, and rays that are awkward to take through
+//! them.
 
-use accel_core::Vector;
 use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
-use accel_core::primitives::PrimitiveError;
-use accel_core::registry::Buildable;
-use glam::{DVec3, dvec3};
 
-use super::{
-    LATTICE, lattice_point, lattice_round, lattice_soup, nested_planes, point_within,
-    sign_direction, soup_round, toward,
-};
-use crate::case;
-use crate::verify::draw::{one_of, point, single, unit};
-use crate::verify::meshes::{sheet, soup};
-use crate::verify::model::{Corners, Model};
-use crate::verify::registry::{Case, Group};
-use crate::verify::round::{OracleAnswer, Round};
-use statistics::random::Random;
+use super::prelude::*;
 
-pub static GROUP: Group = Group {
-    name: "grid",
-    cases: &[GR1, GR2, GR3, GR4, GR5, GR6, GR7, GR8, GR10, nested_planes::GR12],
-};
-
-const GR1: Case = case!(
-    "Gr1",
-    "exact",
-    flat_scene,
-    "a scene without extent along an axis, or of one tiny triangle"
-);
-const GR2: Case = case!("Gr2", "exact", long_scene, "a scene 10^9 times as long as wide");
-const GR3: Case = case!(
-    "Gr3",
-    "exact",
-    specks,
-    "a virtual grid of 2048^3 = 2^33 cells",
-    10,
-    &["hashed-grid resolution=2048x2048x2048"]
-);
-const GR4: Case = case!("Gr4", "exact", stadium, "small triangles on a floor 10^6 times as large");
-const GR5: Case = case!("Gr5", "exact", on_planes, "triangles within cell planes");
-const GR6: Case = case!("Gr6", "exact", hit_points, "an interval of a few ulps around the hit");
-const GR7: Case = case!(
-    "Gr7",
-    "exact",
-    scattered,
-    "a constant hash function, a full table",
-    2,
-    &[
-        "hashed-grid load-factor=1",
-        "hashed-grid hash=constant",
-        "hashed-grid hash=constant load-factor=1"
-    ]
-);
-const GR8: Case = case!(
-    "Gr8",
-    "exact",
-    scattered,
-    "mailboxes of one slot and of others",
-    1,
-    &[
-        "uniform-grid density=20 mailbox=hash mailbox-slots=1",
-        "uniform-grid density=20 mailbox=array",
-        "uniform-grid density=20 mailbox=primitive",
-        "hashed-grid mailbox=hash mailbox-slots=1",
-        "recursive-grid mailbox=hash mailbox-slots=1",
-        "kd-tree mailbox=hash mailbox-slots=1",
-        "octree mailbox=hash mailbox-slots=1"
-    ]
-);
-const GR10: Case = case!(
-    "Gr10",
-    "exact",
-    along_cell_planes,
-    "rays within planes of the very cells, repeated triangles in one of them",
-    2,
-    &[]
-);
-
-fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = match random.below(3) {
         0 => vec![
             [dvec3(1.0, 1.0, 1.0), dvec3(1.0 + 1e-5, 1.0, 1.0), dvec3(1.0, 1.0 + 1e-5, 1.0)]
@@ -86,13 +13,10 @@ fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
         ],
         _ => soup(random, 300, 0.2).iter().map(|t| t.map(|p| p.with_y(0.0))).collect::<Vec<_>>(),
     };
-    soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 1.0)
-    })
+    aimed_round(random, rays, &triangles, 1.0)
 }
 
-fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let stretched = |p: DVec3| single(p * dvec3(1e9, 1.0, 1.0));
     let triangles: Vec<Corners> = soup(random, 200, 0.4).iter().map(|t| t.map(stretched)).collect();
     soup_round(random, rays, &triangles, |random| {
@@ -102,7 +26,7 @@ fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
     })
 }
 
-fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let place = |t: &Corners| t.map(|p| single(p * 0.05 + dvec3(0.0, 0.0, 0.1)));
     let mut triangles: Vec<Corners> = soup(random, 1000, 0.2).iter().map(place).collect();
     let floor = |t: &Corners| t.map(|p| (p - dvec3(0.5, 0.5, 0.0)) * 1e4);
@@ -116,7 +40,7 @@ fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, P
 }
 
 /// Sheets in planes of the lattice, which divides as cells do.
-fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let mut triangles = lattice_soup(random, 10);
     for _ in 0..40 {
         let axis = random.below(3);
@@ -133,7 +57,7 @@ fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>,
     })
 }
 
-fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = lattice_soup(random, 60);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
@@ -150,32 +74,23 @@ fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>
 }
 
 /// Triangles from tiny to large.
-fn scattered<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn scattered<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let mut triangles = soup(random, 80, 0.02);
     triangles.extend(soup(random, 80, 0.2));
     triangles.extend(soup(random, 4, 0.6));
-    soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 1.5)
-    })
+    aimed_round(random, rays, &triangles, 1.5)
 }
 
 /// Triangles of a few cells of a very fine grid.
-fn specks<S: Buildable>(random: &mut Random, rays: usize) -> Result<Round<S>, PrimitiveError> {
+pub fn specks<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let triangles = soup(random, 150, 0.006);
-    soup_round(random, rays, &triangles, |random| {
-        let target = point_within(random, &triangles);
-        toward(random, target, 1.5)
-    })
+    aimed_round(random, rays, &triangles, 1.5)
 }
 
 /// Rays within planes that divide the scene's padded box into 2 to 64 parts, computed as grids
 /// compute them: the planes of the cells themselves, of children that share them with their parents
 /// as well. A thousand equal triangles in a corner make nested structures divide to their limit.
-fn along_cell_planes<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-) -> Result<Round<S>, PrimitiveError> {
+pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let mut triangles = soup(random, 150, 0.3);
     let same: Corners = one_of(random, &triangles);
     triangles.extend(std::iter::repeat_n(same, 1000));
@@ -199,4 +114,56 @@ fn along_cell_planes<S: Buildable>(
         origin[axis] = -3.0 * along[axis];
         (DVec3::from_array(origin), DVec3::from_array(along))
     })
+}
+
+pub fn lattice_ties<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let triangles = lattice_soup(random, 80);
+    lattice_round(random, rays, &triangles, |random| {
+        // the largest component a power of two: all arithmetic stays exact
+        let (a, b) = (random_integer(random, 4), random_integer(random, 4));
+        let c = one_of(random, &[4.0, -4.0]);
+        let d = one_of(random, &[dvec3(a, b, c), dvec3(b, c, a), dvec3(c, a, b)]);
+        (lattice_point(random) - d * random.below(6) as f64, d)
+    })
+}
+
+pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let triangles = lattice_soup(random, 80);
+    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+        let zero = one_of(random, &[0.0, -0.0]);
+        let sign = one_of(random, &[1.0, -1.0]);
+        let d = one_of(
+            random,
+            &[dvec3(sign, zero, zero), dvec3(zero, sign, zero), dvec3(zero, zero, sign)],
+        );
+        (lattice_point(random) - d * random.below(2 * LATTICE as usize) as f64, d)
+    })?;
+    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
+    let pair = original.mirrored(random.below(8) as u8);
+    round.pairs.extend(pair);
+    Ok(round)
+}
+
+pub fn spanning<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let mut triangles = soup(random, 30, 2.0);
+    triangles.extend(soup(random, 150, 0.1));
+    aimed_round(random, rays, &triangles, 2.0)
+}
+
+pub fn any_and_closest<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+    let triangles = soup(random, 150, 0.3);
+    let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
+    for (ray, expected) in round.rays.iter_mut().zip(&mut round.expected) {
+        let all = every_hit(&round.model, ray);
+        let start = S::from_f64(unit(random) * 0.8);
+        ray.t_min = match (random.below(4), all.get(random.below(all.len()))) {
+            (0, Some(hit)) => hit.t,
+            (1, Some(hit)) => hit.t.next_up(),
+            (2, Some(hit)) => hit.t.next_down(),
+            _ => start,
+        };
+        ray.t_max = ray.t_min + S::from_f64(0.1 + unit(random));
+        *expected = first_within(&all, ray.t_min, ray.t_max);
+    }
+    Ok(round)
 }

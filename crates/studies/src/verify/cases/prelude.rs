@@ -1,0 +1,81 @@
+//! What cases are written with: drawing, meshes, oracles, and rounds of rays that an exact oracle
+//! judges.
+
+pub(super) use accel_core::primitives::PrimitiveError;
+pub(super) use accel_core::registry::Buildable;
+pub(super) use accel_core::{Hit, Ray, Scalar, Vector};
+pub(super) use glam::{DVec2, DVec3, dvec2, dvec3};
+pub(super) use statistics::random::Random;
+
+pub(super) use crate::verify::draw::{
+    LATTICE, direction, lattice_point, lattice_soup, on_edge, one_of, point, point_within,
+    random_integer, sign_direction, signed, single, soup, toward, unit, within_or_on_edge,
+};
+pub(super) use crate::verify::every_hit::{every_hit, first_within, push_chain};
+pub(super) use crate::verify::exact::{Soup, in_soup, on_lattice};
+pub(super) use crate::verify::meshes::{icosphere, sheet};
+pub(super) use crate::verify::metamorphic::OriginalScene;
+pub(super) use crate::verify::model::{Corners, Model, ray};
+pub(super) use crate::verify::round::{NearbyPrimitives, OracleAnswer, Round};
+
+/// A round of a case, or why its scene cannot be made.
+pub(super) type Drawn<S> = Result<Round<S>, PrimitiveError>;
+
+/// A round over lattice triangles: rays of `draw`, whole-numbered as well, compared with the
+/// exact oracle.
+pub(super) fn lattice_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    triangles: &[Corners],
+    draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
+) -> Drawn<S> {
+    exact_round(random, rays, triangles, on_lattice, draw)
+}
+
+/// A round over loose triangles: rays of `draw`, compared with the exact oracle.
+pub(super) fn soup_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    triangles: &[Corners],
+    draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
+) -> Drawn<S> {
+    exact_round(random, rays, triangles, in_soup, draw)
+}
+
+/// The same with rays at points within the triangles, from about `distance` away.
+pub(super) fn aimed_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    triangles: &[Corners],
+    distance: f64,
+) -> Drawn<S> {
+    soup_round(random, rays, triangles, |random| {
+        let target = point_within(random, triangles);
+        toward(random, target, distance)
+    })
+}
+
+/// A round over triangles: rays of `draw`, but for those of which `oracle` says nothing.
+fn exact_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    triangles: &[Corners],
+    oracle: fn(&Soup, &Ray<S>) -> Option<OracleAnswer>,
+    mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
+) -> Drawn<S> {
+    let mut round = Round::new(Model::triangles(triangles)?);
+    let exact = Soup::new(triangles);
+    for _ in 0..rays {
+        let (origin, direction) = draw(random);
+        let ray = ray(origin, direction);
+        if let Some(expected) = oracle(&exact, &ray) {
+            round.push(ray, expected);
+        }
+    }
+    Ok(round)
+}
+
+/// Expected answer among loose triangles; anything where the exact oracle says nothing.
+pub(super) fn expected_in<S: Scalar>(exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
+    in_soup(exact, ray).unwrap_or(OracleAnswer::Anything)
+}
