@@ -7,8 +7,8 @@
 //! * A sampled reference that is worse than it says: the finest variant, whose own scatter is known
 //!   from several seeds, lies farther from it than both errors together explain.
 
-use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, FrontPoint};
+use crate::accuracy::record::ErrorOf;
 use crate::accuracy::record::{SceneOutcome, VariantStanding};
 
 /// Factor by which a variant's distance from the reference may exceed its scatter plus the

@@ -34,7 +34,6 @@ pub enum Measure {
         subjects: &'static [&'static str],
         /// True if one tells more of a scene than others do.
         serves: fn(&PreparedScene, &str) -> bool,
-        /// The outcome of one.
         measure: fn(&Stage<'_>, &str) -> Result<SceneOutcome, StudyError>,
     },
 }
@@ -50,10 +49,6 @@ impl Measure {
         }
     }
 
-    /// The outcome of a subject.
-    ///
-    /// # Errors
-    /// [`StudyError`] for a scene that does not serve.
     pub fn outcome(self, stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
         match self {
             Self::Whole(measure) => measure(stage),

@@ -112,7 +112,7 @@ fn cells(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::error_of::ErrorOf;
+    use crate::accuracy::record::ErrorOf;
     use crate::accuracy::test_records::{axis, row};
 
     fn image(seconds: f64, rmse: f64) -> VariantRecord {

@@ -11,9 +11,7 @@ pub mod audit;
 #[allow(clippy::indexing_slicing)]
 pub mod axes;
 pub mod axis;
-pub mod columns;
 pub mod effect_prices;
-pub mod error_of;
 #[allow(clippy::indexing_slicing)]
 mod integer_ray;
 pub mod pareto;

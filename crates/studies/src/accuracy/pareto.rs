@@ -6,7 +6,6 @@
 use crate::accuracy::record::{VariantRecord, VariantStanding};
 use statistics::estimate::Estimate;
 
-/// Time and error of a variant.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrontPoint {
     /// Time over that of the cheapest.
@@ -22,7 +21,6 @@ impl FrontPoint {
         Self { time: row.ratio, error }
     }
 
-    /// Returns whether it beats the other.
     fn dominates(&self, other: &Self) -> bool {
         let (time, error) = (self.time.median, self.error);
         let is_no_worse = time <= other.time.median && error <= other.error;

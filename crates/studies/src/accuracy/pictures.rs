@@ -62,9 +62,6 @@ pub fn captions() -> String {
 }
 
 /// Makes all pictures.
-///
-/// # Errors
-/// [`StudyError`] when one cannot be made or written.
 pub fn write_all(folder: &Path, registry: &[Entry]) -> Result<(), StudyError> {
     for Picture { file, make, .. } in PICTURES {
         let path = folder.join(file);

@@ -1,19 +1,17 @@
 //! An axis as a plot: time against error, the front pointed out, one panel per scene.
 
-use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::ErrorOf;
 use crate::accuracy::record::{AxisRecord, SceneOutcome, VariantRecord, VariantStanding};
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 
 /// From this ratio of the largest to the smallest on, an axis is logarithmic.
 const WIDE: f64 = 8.0;
 
-/// One panel a scene.
 pub fn to_svg(axis: &AxisRecord) -> String {
     let panels: Vec<Plot> = axis.scenes.iter().map(|scene| panel(axis, scene)).collect();
     figure(&panels)
 }
 
-/// The panel of a scene.
 pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
     let floor = floor(scene);
     let error = |row: &VariantRecord| match row.error.value() {

@@ -83,7 +83,7 @@ mod tests {
     #[test]
     fn figures_are_over_processes_and_errors_stay() {
         let mut judged = measured([100.0, 1.0]);
-        judged.scenes[0].rows[1].error = crate::accuracy::error_of::ErrorOf::Rmse { rmse: 0.5 };
+        judged.scenes[0].rows[1].error = crate::accuracy::record::ErrorOf::Rmse { rmse: 0.5 };
         for (process, times) in [[2.0, 1.0], [8.0, 1.0]].into_iter().enumerate() {
             let mut other = measured(times);
             other.scenes[0].faults.push("it lies".into());

@@ -4,15 +4,15 @@
 //! half the distance between the two. Errors that are not ten times that are indistinguishable from
 //! it.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
 use crate::accuracy::audit;
-use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::Stage;
-use crate::accuracy::stage::Work;
+use crate::accuracy::record::{ErrorOf, SceneOutcome};
+use crate::accuracy::stage::{Stage, Work};
 use crate::accuracy::timing::{AxisReport, Variant, timed};
 use crate::effect_plan::plan_of;
 use crate::error::StudyError;
@@ -23,7 +23,6 @@ use measurement::system::pools::pool;
 /// Images of a variant with seeds of their own, over which errors are averaged.
 const SEEDS: u64 = 8;
 
-/// How an experiment samples.
 #[derive(Debug, Clone, Copy)]
 pub struct SamplingPlan {
     /// Pixels of the image, an axis.
@@ -47,10 +46,8 @@ impl SamplingPlan {
 
 /// A sampled effect of a scene, and who traces it.
 pub struct SampledEffect<'a> {
-    /// The scene, the effect put on.
     pub scene: &'a Scene,
     pub tracer: &'a dyn Tracer<f32>,
-    /// Longest chain of rays.
     pub max_depth: u32,
     /// Sets the number of samples.
     pub wish: fn(&mut SampleWishes, u32),
@@ -64,49 +61,32 @@ impl SampledEffect<'_> {
     fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, StudyError> {
         let mut wishes = SampleWishes::ONE_OF_EACH;
         (self.wish)(&mut wishes, samples);
-        let settings = RenderSettings {
-            resolution: [size; 2],
-            max_depth: self.max_depth,
-            samples: wishes,
-            seed,
-        };
-        Ok(plan_of(self.scene, &settings)?)
+        self.plan_of(self.scene, size, wishes, seed)
+    }
+
+    fn plan_of(
+        &self,
+        scene: &Scene,
+        size: u32,
+        samples: SampleWishes,
+        seed: u64,
+    ) -> Result<EffectPlan, StudyError> {
+        let max_depth = self.max_depth;
+        let settings = RenderSettings { resolution: [size; 2], max_depth, samples, seed };
+        Ok(plan_of(scene, &settings)?)
     }
 
     fn image(&self, size: u32, samples: u32, seed: u64) -> Result<Image, StudyError> {
         Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
     }
 
-    /// The image of a scene without the effect.
-    fn left_out<'s>(
-        &self,
-        scene: &'s Scene,
-        tracer: &'s dyn Tracer<f32>,
-        size: u32,
-        seed: u64,
-    ) -> Result<Rendering<'s>, StudyError> {
-        let settings = RenderSettings {
-            resolution: [size; 2],
-            max_depth: self.max_depth,
-            samples: SampleWishes::ONE_OF_EACH,
-            seed,
-        };
-        Ok(Rendering { scene, tracer, plan: plan_of(scene, &settings)?, image: None })
-    }
-
     /// All numbers of samples, judged and timed.
-    ///
-    /// # Errors
-    /// [`StudyError`] for more samples than fit, or threads that cannot be started.
     pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let ImageCheck { variants, said, .. } = self.judged(stage)?;
         Ok(timed(stage, said, variants))
     }
 
     /// All numbers of samples, judged, to be timed.
-    ///
-    /// # Errors
-    /// [`StudyError`] for more samples than fit, or threads that cannot be started.
     pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<ImageCheck<'s>, StudyError> {
         let mut plan = SamplingPlan::new(stage.quick);
         let seeds = if stage.only_times { 1 } else { SEEDS };
@@ -123,18 +103,15 @@ impl SampledEffect<'_> {
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         if let Some((scene, tracer)) = self.without {
-            let mut left_out = self.left_out(scene, tracer, plan.size, stage.seed)?;
-            let image = helper.install(|| render_plan(scene, tracer, &left_out.plan).image);
-            left_out.image = None;
+            let plain = self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.seed)?;
+            let image = helper.install(|| render_plan(scene, tracer, &plain).image);
+            let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
+            let setting = "render, of the scene without what calls for it";
+            let work = RepeatedImage::rendered(scene, tracer, plain);
             variants.push(Variant {
-                name: "left out".into(),
-                setting: "render, of the scene without what calls for it".into(),
-                known_defect: None,
                 is_without: true,
-                is_reference: false,
-                error: ErrorOf::Rmse { rmse: rmse(&image, &reference.image) },
                 also: vec![("samples", 0.0)],
-                work: Box::new(left_out),
+                ..Variant::new("left out", setting, error, work)
             });
         }
         for &n in plan.samples {
@@ -146,20 +123,17 @@ impl SampledEffect<'_> {
             if Some(&n) == plan.samples.last() && !stage.only_times {
                 faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
             }
+            let error = ErrorOf::Rmse { rmse: error };
+            let plan = self.plan(plan.size, n, stage.seed)?;
+            let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
             variants.push(Variant {
-                name: format!("{n} samples"),
-                setting: format!("render {}={n}", self.option),
-                known_defect: None,
-                is_without: false,
-                is_reference: false,
-                error: ErrorOf::Rmse { rmse: error },
                 also: vec![("samples", f64::from(n))],
-                work: Box::new(Rendering {
-                    scene: self.scene,
-                    tracer: self.tracer,
-                    plan: self.plan(plan.size, n, stage.seed)?,
-                    image: None,
-                }),
+                ..Variant::new(
+                    format!("{n} samples"),
+                    format!("render {}={n}", self.option),
+                    error,
+                    work,
+                )
             });
         }
         let said = AxisReport {
@@ -187,34 +161,44 @@ pub struct ImageCheck<'a> {
 }
 
 /// An image that is made again and again, in the current rayon pool.
-pub struct Rendering<'a> {
-    pub scene: &'a Scene,
-    pub tracer: &'a dyn Tracer<f32>,
-    pub plan: EffectPlan,
-    pub image: Option<Image>,
+pub struct RepeatedImage<F> {
+    make: F,
+    image: Option<Image>,
 }
 
-impl Work for Rendering<'_> {
+impl<F: Fn() -> Option<Image>> RepeatedImage<F> {
+    pub fn new(make: F) -> Self {
+        Self { make, image: None }
+    }
+}
+
+impl RepeatedImage<()> {
+    /// Of a scene with effects.
+    pub fn rendered<'a>(
+        scene: &'a Scene,
+        tracer: &'a dyn Tracer<f32>,
+        plan: EffectPlan,
+    ) -> RepeatedImage<impl Fn() -> Option<Image> + 'a> {
+        RepeatedImage::new(move || Some(render_plan(scene, tracer, &plan).image))
+    }
+}
+
+impl<F: Fn() -> Option<Image>> Work for RepeatedImage<F> {
     fn prepare(&mut self) {
         self.image = None;
     }
 
     fn run(&mut self) {
-        self.image = Some(render_plan(self.scene, self.tracer, &self.plan).image);
+        self.image = (self.make)();
     }
 
+    /// A number that changes with any bit of the image.
     fn fingerprint(&self) -> u64 {
-        fingerprint(self.image.as_ref())
+        let mut hasher = DefaultHasher::new();
+        let pixels = self.image.iter().flat_map(|image| image.pixels.as_flattened());
+        pixels.for_each(|x| x.to_bits().hash(&mut hasher));
+        hasher.finish()
     }
-}
-
-/// A number that changes with any bit of an image.
-pub fn fingerprint(image: Option<&Image>) -> u64 {
-    use std::hash::{DefaultHasher, Hash, Hasher};
-    let mut hasher = DefaultHasher::new();
-    let pixels = image.into_iter().flat_map(|image| image.pixels.as_flattened());
-    pixels.for_each(|x| x.to_bits().hash(&mut hasher));
-    hasher.finish()
 }
 
 /// The error of one of several equal images by their distances from each other alone.

@@ -2,6 +2,7 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
+use crate::accuracy::record::TrialCounts;
 use crate::error::StudyError;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
@@ -23,20 +24,14 @@ pub const TRACER: &str = "wide-bvh";
 /// Trials where nobody asks what they come to.
 const FEW_TRIALS: usize = 1000;
 
-/// A scene and its primitives.
 pub struct PreparedScene {
     pub scene: Scene,
     /// Its primitives in single precision.
     pub geometry: Geometry<f32>,
-    /// Its rays by kind.
     pub rays: RayBatches<f32>,
 }
 
 impl PreparedScene {
-    /// Makes the rays of the scene.
-    ///
-    /// # Errors
-    /// [`StudyError`] when the scene has no usable geometry or nothing can be built over it.
     pub fn new(
         scene: Scene,
         registry: &[Entry],
@@ -56,19 +51,13 @@ impl PreparedScene {
 
 /// Context of an axis on one scene.
 pub struct Stage<'a> {
-    /// Name of the axis.
     pub axis: &'static str,
-    /// Name of the scene.
     pub name: &'a str,
     pub prepared: &'a PreparedScene,
-    /// The structures there are.
     pub registry: &'a [Entry],
-    /// The occluders there are.
     pub occluders: &'a [occluders::Entry],
     pub clock: &'a dyn Clock,
-    /// Seed of everything random.
     pub seed: u64,
-    /// Rounds of each variant.
     pub rounds: usize,
     /// Rays that are traced in a timed pass, at most.
     pub timed_rays: usize,
@@ -80,7 +69,6 @@ pub struct Stage<'a> {
     pub only_times: bool,
 }
 
-/// A structure over the stage's primitives.
 pub struct StagedStructure<'a> {
     pub label: String,
     /// Known defect, by design.
@@ -118,9 +106,6 @@ impl<'a> Stage<'a> {
     }
 
     /// Builds a structure with settings, as `run -s` takes them.
-    ///
-    /// # Errors
-    /// [`StudyError`] when the settings are not valid or the scene is refused.
     pub fn built(&self, label: &str) -> Result<StagedStructure<'a>, StudyError> {
         let row = Row::parse(self.registry, label)?;
         let build = row.entry.prepare(&row.params);
@@ -136,12 +121,18 @@ impl<'a> Stage<'a> {
         })
     }
 
-    /// Builds several.
-    ///
-    /// # Errors
-    /// As [`Stage::built`].
     pub fn built_all(&self, labels: &[&str]) -> Result<Vec<StagedStructure<'a>>, StudyError> {
         labels.iter().map(|label| self.built(label)).collect()
+    }
+
+    /// The structure of that label over other primitives than those of the scene.
+    pub fn over<'g, S: Buildable>(
+        &self,
+        label: &str,
+        geometry: &'g Geometry<S>,
+    ) -> Result<Box<dyn Tracer<S> + 'g>, StudyError> {
+        let row = Row::parse(self.registry, label)?;
+        row.entry.build(geometry.prims(), &row.params).map_err(|e| self.refused(e))
     }
 
     /// The error for a structure that refuses the scene.
@@ -181,12 +172,10 @@ pub fn batches<S: Buildable>(
     kinds().map(|kind| (kind, thinned(kind))).filter(|(_, rays)| !rays.is_empty()).collect()
 }
 
-/// Total number of rays.
 pub fn count<S: Scalar>(batches: &Batches<S>) -> usize {
     batches.iter().map(|(_, rays)| rays.len()).sum()
 }
 
-/// Answers of one structure to rays.
 pub struct Replay<'a, S: Scalar> {
     tracer: &'a dyn Tracer<S>,
     batches: &'a Batches<S>,
@@ -196,7 +185,6 @@ pub struct Replay<'a, S: Scalar> {
 }
 
 impl<'a, S: Buildable> Replay<'a, S> {
-    /// Answers all rays once.
     pub fn new(tracer: &'a dyn Tracer<S>, batches: &'a Batches<S>) -> Self {
         let answers = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
         let mut replay = Self { tracer, batches, is_by_kind: false, answers };
@@ -260,6 +248,27 @@ impl<S: Buildable> Work for Replay<'_, S> {
     }
 }
 
+/// Counts the hits that `differ` from exact ones, and the occlusions that are not the same.
+pub fn compare<S: Scalar, E: Scalar>(
+    answers: &[Answers<S>],
+    exact: &[Answers<E>],
+    differ: impl Fn(&Hit<S>, &Hit<E>) -> bool,
+) -> TrialCounts {
+    let mut tally = TrialCounts::default();
+    for pair in answers.iter().zip(exact) {
+        match pair {
+            (Answers::Hits(hits), Answers::Hits(exact)) => {
+                hits.iter().zip(exact).for_each(|(hit, exact)| tally.add(differ(hit, exact)));
+            }
+            (Answers::Blocked(blocked), Answers::Blocked(exact)) => {
+                blocked.iter().zip(exact).for_each(|(b, e)| tally.add(b != e));
+            }
+            _ => {}
+        }
+    }
+    tally
+}
+
 /// A number that changes with any of the answers.
 pub fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
     let mut hasher = DefaultHasher::new();
@@ -274,7 +283,6 @@ pub fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
     hasher.finish()
 }
 
-/// Timed work of a variant.
 pub trait Work {
     /// Undoes what the last run left, so that it cannot pass for this one's.
     fn prepare(&mut self) {}

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::ErrorOf;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, VariantRecord};
 use crate::accuracy::tables::{push_facts, push_table};
 use crate::accuracy::{effect_prices, parts};
@@ -151,7 +151,6 @@ mod tests {
     use super::*;
     use crate::accuracy::test_records::{axis, record, row};
 
-    /// The cells of one axis.
     fn advised(rows: Vec<VariantRecord>) -> Vec<String> {
         let table = advice(&record(vec![axis(rows)]));
         table.rows[0].iter().map(|cell| cell.text.clone()).collect()

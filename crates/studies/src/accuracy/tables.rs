@@ -1,17 +1,20 @@
-//! The tables of an axis.
+//! The tables of an axis: its variants as columns, one line each, from which tables and CSV come.
 
 use std::fmt::Write;
 
-use crate::accuracy::columns::{columns, rows};
-use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
-use presentation::column;
+use presentation::column::{self, Column, Unit, Value};
+use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table_with};
-use presentation::table::Table;
+use presentation::numbers::short;
+use presentation::table::{Cell, Style, Table};
+
+use crate::accuracy::record::{
+    AccuracyRecord, AxisRecord, ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding,
+};
 
 /// The columns of [`columns`] that a table has, in its order.
 const HEADS: [&str; 6] = ["variant", "time ms", "ratio [95%]", "error", "also", "stands"];
 
-/// Explanations of the columns.
 pub const GLOSSARY: &[&str] = &[
     "time: of the work named below the table, median over interleaved rounds; ratio: to the cheapest \
      variant in the same rounds, with its 95% interval (bootstrap; of several processes Student's), = where \
@@ -59,7 +62,6 @@ pub(super) fn push_table(text: &mut String, table: &Table) {
     push_table_with(text, table, |column| (1..=3).contains(&column));
 }
 
-/// Machine and settings of a run.
 pub fn facts(run: &AccuracyRecord) -> [String; 5] {
     let unknown = || "unknown".to_owned();
     let AccuracyRecord { machine, compiler, tool, .. } = run;
@@ -95,7 +97,6 @@ pub fn facts(run: &AccuracyRecord) -> [String; 5] {
     ]
 }
 
-/// Appends the facts as a list.
 pub(super) fn push_facts(text: &mut String, run: &AccuracyRecord) {
     for fact in facts(run) {
         let _ = writeln!(text, "- {}", escaped(&fact));
@@ -110,4 +111,110 @@ pub fn took(seconds: f64) -> String {
         0 => format!("{whole} s"),
         minutes => format!("{minutes} min {} s", whole % 60),
     }
+}
+
+/// A variant on a scene of an axis.
+#[derive(Debug, Clone, Copy)]
+pub struct VariantRow<'a> {
+    pub axis: &'a AxisRecord,
+    pub scene: &'a SceneOutcome,
+    pub row: &'a VariantRecord,
+}
+
+impl VariantRow<'_> {
+    /// Value from the numbers of wrong and all answers, if answers were counted.
+    fn counted(&self, which: fn(u64, u64) -> u64) -> Value {
+        match self.row.error {
+            ErrorOf::Counted { wrong, trials } => Value::Count(which(wrong, trials)),
+            ErrorOf::Rmse { .. } => Value::None,
+        }
+    }
+}
+
+/// All columns, in the order of the CSV file.
+#[rustfmt::skip]
+pub fn columns<'a>() -> [Column<VariantRow<'a>>; 19] {
+    use Unit::{None, Ratio, Seconds};
+    use Value::{Measured, Real, Text};
+    let c = Column::new;
+    [
+        c(&["axis"], "", None, |of: &VariantRow<'a>| Text(of.axis.axis.clone())),
+        c(&["scene"], "", None, |of| Text(of.scene.scene.clone())),
+        c(&["subject"], "", None, |of| Text(of.scene.subject.clone())),
+        c(&["variant"], "variant", None, |of| Text(of.row.variant.clone()))
+            .or(|of| of.row.is_without.then(|| format!("({})", of.row.variant).into())),
+        c(&["setting"], "", None, |of| Text(of.row.setting.clone())),
+        c(&["metric"], "", None, |of| Text(of.axis.metric.clone())),
+        c(&["reference"], "", None, |of| Text(of.axis.reference.clone())),
+        c(&["error"], "error", None, |of| Real(of.row.error.value())).exact()
+            .or(|of| Some(error(of.row).into())),
+        c(&["wrong"], "", None, |of| of.counted(|wrong, _| wrong)),
+        c(&["trials"], "", None, |of| of.counted(|_, trials| trials)),
+        c(&["reference_error"], "", None, |of| Real(of.scene.reference_error)).exact(),
+        c(&["below_reference"], "", None, |of| Text(of.row.is_below_reference.to_string())),
+        c(&["time_s", "time_s_low", "time_s_high"], "time ms", Seconds, |of| Measured(of.row.time_s)).exact(),
+        c(&["ratio_to_cheapest", "ratio_low", "ratio_high"], "ratio [95%]", Ratio, |of| Measured(of.row.ratio)).exact(),
+        c(&["standing"], "stands", None, |of| Text(of.row.standing.name().to_owned()))
+            .or(|of| Some(standing(of.row))),
+        c(&["is_reference"], "", None, |of| Text(of.row.is_reference.to_string())),
+        c(&["also"], "also", None, |of| {
+            Text(joined(&of.row.also, "; ", |(name, x)| format!("{name}={x}")))
+        }).or(|of| Some(also(of).into())),
+        c(&["seconds"], "", None, |of| Text(seconds(&of.row.seconds))),
+        c(&["parts"], "", None, |of| {
+            let part = |part: &PartTime| format!("{}={}", part.part, seconds(&part.seconds));
+            Text(joined(&of.row.parts, "; ", part))
+        }),
+    ]
+}
+
+pub fn to_csv(run: &AccuracyRecord) -> Result<String, FormatError> {
+    let scenes =
+        run.axes.iter().flat_map(|axis| axis.scenes.iter().map(move |scene| (axis, scene)));
+    column::csv(&columns(), scenes.flat_map(|(axis, scene)| rows(axis, scene)))
+}
+
+/// The variants on a scene of an axis.
+pub fn rows<'a>(
+    axis: &'a AxisRecord,
+    scene: &'a SceneOutcome,
+) -> impl Iterator<Item = VariantRow<'a>> {
+    scene.rows.iter().map(move |row| VariantRow { axis, scene, row })
+}
+
+/// The error of a row in words.
+fn error(row: &VariantRecord) -> String {
+    if row.is_below_reference {
+        return format!("below reference ({:.1e})", row.error.value());
+    }
+    match (row.error, row.error.bound()) {
+        (_, Some(bound)) => format!("0 (< {})", short(bound)),
+        (ErrorOf::Counted { wrong, trials }, None) => {
+            format!("{} ({wrong} of {trials})", short(row.error.value()))
+        }
+        (ErrorOf::Rmse { rmse: 0.0 }, None) => "0".into(),
+        (ErrorOf::Rmse { rmse }, None) => format!("{rmse:.2e}"),
+    }
+}
+
+fn standing(row: &VariantRecord) -> Cell {
+    let style = if row.standing == VariantStanding::OnFront { Style::Best } else { Style::Plain };
+    let reference = if row.is_reference { " ref" } else { "" };
+    Cell { text: format!("{}{reference}", row.standing.name()), style }
+}
+
+/// Further figures of a scene's variants, named as in the first one.
+fn also(of: &VariantRow<'_>) -> String {
+    let names = of.scene.rows.iter().take(1).flat_map(|first| first.also.keys());
+    joined(names, ", ", |name| {
+        format!("{} {name}", of.row.also.get(name).map_or("-".into(), |x| short(*x)))
+    })
+}
+
+fn seconds(rounds: &[f64]) -> String {
+    joined(rounds, " ", |s| format!("{s:e}"))
+}
+
+fn joined<T>(all: impl IntoIterator<Item = T>, between: &str, say: impl Fn(T) -> String) -> String {
+    all.into_iter().map(say).collect::<Vec<_>>().join(between)
 }

@@ -1,6 +1,6 @@
 //! Made-up records for tests.
 
-use crate::accuracy::error_of::ErrorOf;
+use crate::accuracy::record::ErrorOf;
 use crate::accuracy::record::{
     AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord, VariantStanding,
 };
@@ -27,7 +27,6 @@ pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
     }
 }
 
-/// A run of these axes.
 pub fn record(axes: Vec<AxisRecord>) -> AccuracyRecord {
     let run = measurement::record::made_up::run(&[]);
     AccuracyRecord {

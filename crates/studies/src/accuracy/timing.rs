@@ -1,11 +1,9 @@
 //! Timing the variants of an axis: interleaved rounds in seeded order, as rows of a run are.
 
 use crate::accuracy::audit;
-use crate::accuracy::error_of::ErrorOf;
 use crate::accuracy::pareto::{self, FrontPoint};
-use crate::accuracy::record::{PartTime, SceneOutcome, VariantRecord, VariantStanding};
-use crate::accuracy::stage::Stage;
-use crate::accuracy::stage::Work;
+use crate::accuracy::record::{ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding};
+use crate::accuracy::stage::{Stage, StagedStructure, Work};
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};
@@ -26,6 +24,38 @@ pub struct Variant<'a> {
     pub also: Vec<(&'static str, f64)>,
     pub work: Box<dyn Work + 'a>,
     pub is_without: bool,
+}
+
+impl<'a> Variant<'a> {
+    /// A variant that is set otherwise than by a structure's parameters.
+    pub fn new(
+        name: impl Into<String>,
+        setting: impl Into<String>,
+        error: ErrorOf,
+        work: impl Work + 'a,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            setting: setting.into(),
+            known_defect: None,
+            is_reference: false,
+            error,
+            also: Vec::new(),
+            work: Box::new(work),
+            is_without: false,
+        }
+    }
+
+    /// A structure with settings of its own.
+    pub fn built(
+        name: impl Into<String>,
+        built: &StagedStructure<'_>,
+        error: ErrorOf,
+        work: impl Work + 'a,
+    ) -> Self {
+        let known_defect = built.known_defect;
+        Self { known_defect, ..Self::new(name, built.setting(), error, work) }
+    }
 }
 
 /// Findings of an axis on a scene beside its variants.

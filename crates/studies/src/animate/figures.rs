@@ -21,7 +21,6 @@ impl LaneRecord {
         label(&self.structure, &self.settings)
     }
 
-    /// Verdict on its answers.
     pub fn verdict(&self) -> Verdict {
         match (&self.error, self.mismatches, &self.known_defect) {
             (Some(_), ..) => Verdict::NotBuilt,

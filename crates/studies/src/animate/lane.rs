@@ -41,7 +41,6 @@ pub struct Lane<'p> {
     kept: Vec<Option<KeptStructure>>,
     /// Stride of the rays that are timed; none before the first look.
     stride: Option<usize>,
-    /// Its record so far.
     pub record: LaneRecord,
 }
 
@@ -75,9 +74,6 @@ impl<'p> Lane<'p> {
     }
 
     /// Takes the structure of a round to a frame and asks it.
-    ///
-    /// # Errors
-    /// [`BuildError`] when it refuses the frame.
     pub fn visit<S: Buildable>(
         &mut self,
         on: &FrameInput<'_, '_, S>,
@@ -219,9 +215,6 @@ pub struct Frame<S: Buildable> {
 impl<S: Buildable> Frame<S> {
     /// Frame of a scene. `first` and `before` are the primitives of the first frame measured and of
     /// the previous one.
-    ///
-    /// # Errors
-    /// [`StudyError`] for primitives that cannot be used.
     pub fn new(
         number: u32,
         scene: Scene,

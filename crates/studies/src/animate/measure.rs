@@ -22,14 +22,12 @@ use crate::animate::quality::surface_points;
 use crate::animate::record::{FrameRecord, LaneRecord};
 use crate::error::StudyError;
 
-/// Input of the measurement.
 pub struct AnimationInput<'a> {
     pub clock: &'a dyn Clock,
     /// The bar: a step each frame.
     pub progress: &'a Progress,
 }
 
-/// Outcome of the comparison.
 #[derive(Debug, Default)]
 pub struct AnimationResults {
     /// The frames, in their order.
@@ -40,9 +38,6 @@ pub struct AnimationResults {
 
 /// Measures all frames, which `scene_of` makes by their numbers. `watch` sees what there is after
 /// each.
-///
-/// # Errors
-/// [`StudyError`] for a frame that cannot be loaded or answered.
 pub fn measure<S: Buildable>(
     animate: &Animate<'_>,
     mut scene_of: impl FnMut(u32) -> Result<Scene, LoadError>,

@@ -39,9 +39,7 @@ pub enum AnimateError {
     #[error("--frames {first}..{last}: {scene} has {frames} frames, numbered from 0")]
     NoSuchFrames {
         scene: String,
-        /// First frame asked for.
         first: u32,
-        /// Last frame asked for.
         last: u32,
         /// Frames that the animation has.
         frames: u32,
@@ -49,12 +47,10 @@ pub enum AnimateError {
     /// Options of runs that mean nothing here.
     #[error("{0} is not available for animations")]
     NotHere(&'static str),
-    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
-/// What is asked for.
 #[derive(Debug, Clone)]
 pub struct AnimateSettings {
     /// First and last frame; none: all.
@@ -69,9 +65,7 @@ pub struct AnimateSettings {
 
 #[derive(Debug)]
 pub struct Animate<'r> {
-    /// Name of the scene.
     pub scene: String,
-    /// First and last frame.
     pub frames: [u32; 2],
     /// The rows, and how they are measured; without scenes.
     pub plan: Plan<'r>,
@@ -83,9 +77,6 @@ pub struct Animate<'r> {
 
 impl<'r> Animate<'r> {
     /// Validates what is asked for of the scene of that name, which has so many frames.
-    ///
-    /// # Errors
-    /// [`AnimateError`] naming what is valid.
     pub fn new(
         args: &AnimateSettings,
         (scene, frames): (&str, u32),

@@ -58,7 +58,6 @@ const QUANTITIES: [Quantity; 4] = [
 /// The rows with the most frames per second, so that curves can be distinguished.
 const MOST_ROWS: usize = 8;
 
-/// The panels, of one thread.
 pub fn to_svg(run: &AnimationRecord) -> String {
     let rate = |lane: &LaneRecord| {
         lane.totals(run).and_then(|totals| totals.frames_per_second(run.seed)).map(|e| e.median)

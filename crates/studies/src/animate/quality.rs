@@ -17,10 +17,8 @@ use accel_core::{Aabb, Vector};
 use glam::DVec3;
 use statistics::random::Random;
 
-/// Points on the scene's surface.
 const POINTS: usize = 512;
 
-/// How good a structure is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
     /// Expected cells and tests.

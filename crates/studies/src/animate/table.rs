@@ -151,7 +151,6 @@ fn verdict_cell(lane: &LaneRecord) -> Cell {
     }
 }
 
-/// The tables as a page.
 pub fn to_markdown(run: &AnimationRecord) -> String {
     let mut text = format!("# rtbench animate: {}\n", escaped(&run.scene));
     for table in tables(run) {
@@ -165,7 +164,6 @@ pub fn to_markdown(run: &AnimationRecord) -> String {
     text
 }
 
-/// Explanations of the columns.
 pub const GLOSSARY: &[&str] = &[
     "frames/s: frames after the first one over the time of their updates and rays, the median of the rounds with \
      its 95% interval; a round is a structure of its own, taken from frame to frame. worst: the slowest of these \
@@ -177,7 +175,6 @@ pub const GLOSSARY: &[&str] = &[
      overlap), of random points.",
 ];
 
-/// Everything of each frame.
 pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record([

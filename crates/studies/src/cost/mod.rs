@@ -40,10 +40,8 @@ pub struct TracedStructure<'t> {
 /// A factor of the product, with all factors before it.
 #[derive(Debug, Clone)]
 pub struct Factor {
-    /// Name in the table.
     pub name: &'static str,
     pub nominal: f64,
-    /// Explanation of the number.
     pub says: String,
     /// The image with it.
     pub plan: EffectPlan,
@@ -149,7 +147,6 @@ pub fn measured(
     seconds.iter().map(|seconds| median(seconds).unwrap_or(f64::NAN)).collect()
 }
 
-/// A row of the table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostRow {
     pub name: &'static str,
@@ -168,7 +165,6 @@ pub struct CostRow {
     pub predicted_growth: f64,
 }
 
-/// All rows of a scene.
 pub fn rows(
     scene: &Scene,
     traced: TracedStructure<'_>,

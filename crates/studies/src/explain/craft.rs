@@ -169,9 +169,6 @@ fn has_mailbox(params: &Params) -> bool {
 /// The row, and the same structure in its other crafts: adapters that are a library's own or give
 /// right answers, kernels, ways of asking. One with a mailbox, which excludes blocks and batches,
 /// stays alone.
-///
-/// # Errors
-/// [`PlanError::Param`] where the registry's own words are not valid.
 pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
     let mut rows = vec![row.clone()];
     if has_mailbox(&row.params) {

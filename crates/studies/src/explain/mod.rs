@@ -25,7 +25,6 @@ use statistics::estimate::Estimate;
 use statistics::product_of_medians::product_of_series;
 use statistics::series::Series;
 
-/// Errors of `rtbench explain`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExplainError {
@@ -35,12 +34,10 @@ pub enum ExplainError {
     /// A chosen test goes through code of its own.
     #[error("{row}: only rows with the default tests of primitives can be explained")]
     ChosenTest { row: String },
-    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
 
-/// Settings of `rtbench explain`.
 #[derive(Debug, Clone, Default)]
 pub struct ExplainSettings {
     /// Scenes, scene sets or scene files.
@@ -65,10 +62,6 @@ pub struct Explain<'r> {
 }
 
 impl<'r> Explain<'r> {
-    /// Validates what is asked for.
-    ///
-    /// # Errors
-    /// [`ExplainError`] naming what is valid.
     pub fn new(
         args: &ExplainSettings,
         registry: &'r [Entry],
@@ -106,7 +99,6 @@ impl<'r> Explain<'r> {
     }
 }
 
-/// A factor of the ratio.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factor {
     /// The changed properties, from old to new.
@@ -150,7 +142,6 @@ impl Rays<'_> {
     }
 }
 
-/// Factors of a scene's ratio.
 #[derive(Debug)]
 pub struct Explanation<'a> {
     run: &'a RunRecord,
@@ -162,7 +153,6 @@ pub struct Explanation<'a> {
 }
 
 impl<'a> Explanation<'a> {
-    /// Explanation of a finished scene.
     pub fn of(explain: &Explain<'_>, run: &'a RunRecord, scene: &'a SceneRecord) -> Self {
         let ends = [explain.row, explain.plan.baseline];
         let mut variants: Vec<Option<Variant>> = vec![None; scene.rows.len()];

@@ -7,7 +7,6 @@ use crate::run::tables::scene_notes;
 use measurement::record::Verdict;
 use measurement::record::query::Query;
 
-/// The notes of a scene.
 pub fn of(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     let (run, scene) = (explanation.run, explanation.scene);
     let mut notes = Vec::new();

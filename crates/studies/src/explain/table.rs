@@ -36,12 +36,10 @@ pub fn write(
     tables.iter().try_for_each(|table| screen.write_fitted(out, table, &["all"]))
 }
 
-/// Prints what the words mean.
 pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
     screen.write_notes(out, GLOSSARY)
 }
 
-/// The whole explanation in Markdown.
 pub fn to_markdown(explain: &Explain<'_>, run: &RunRecord) -> String {
     let tables: Vec<Table> =
         run.scenes.iter().flat_map(|scene| tables(explain, run, scene)).collect();

@@ -117,13 +117,11 @@ impl SecondsTable {
     }
 }
 
-/// A structure on a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Line {
     /// As the lecture names it; none for the modern structure.
     pub lecture: Option<&'static str>,
     pub ours: String,
-    /// Verdict on its answers.
     pub verdict: Verdict,
     pub build: Ratios,
     /// Ratios of tracing all rays.

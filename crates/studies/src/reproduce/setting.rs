@@ -60,7 +60,6 @@ pub enum ReproduceError {
     /// A structure could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
-    /// A setting was refused.
     #[error(transparent)]
     Param(#[from] ParamError),
     /// The registry lacks a structure.

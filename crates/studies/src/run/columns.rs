@@ -5,12 +5,11 @@ use measurement::record::{
 };
 use presentation::column::{self, Column, Unit, Value};
 use presentation::numbers;
-use presentation::table::{Cell, Style, dash};
+use presentation::table::{Cell, Style, Table, dash};
 
 /// The head of the ratios to the reference.
 pub const RATIO: &str = "ratio [95%]";
 
-/// A row of a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct RowOf<'a> {
     pub scene: &'a SceneRecord,
@@ -159,4 +158,40 @@ pub fn keys() -> impl Iterator<Item = &'static str> {
 /// The fields of a row, one for each of [`keys`].
 pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
     column::fields(&columns(), &RowOf { scene, row, all_rays: 0 }).collect()
+}
+
+/// Note below the table of foreign rows.
+const FOREIGN: &str = "foreign: another program. It reported its times itself, on its own hardware; \
+                    its answers were checked from a file (`rtbench hits check`). It is in no \
+                    ratio, mean or comparison.";
+
+/// The rows of a scene that programs outside told, in a table of their own, so that nobody takes
+/// their times for measured ones; none where there are none.
+pub fn foreign_table(scene: &SceneRecord) -> Option<Table> {
+    let columns = columns();
+    let shown: Vec<_> = ["rays", "build ms", "trace ms", "verdict"]
+        .into_iter()
+        .filter_map(|head| column::headed(&columns, head))
+        .collect();
+    let mut header = vec!["program (foreign)"];
+    header.extend(shown.iter().map(|column| column.head));
+    header.push("Mrays/s");
+    let all_rays = scene.distinct_rays();
+    let mut notes = vec![FOREIGN.to_owned()];
+    let rows: Vec<_> = scene
+        .foreign
+        .iter()
+        .map(|row| {
+            let of = RowOf { scene, row, all_rays };
+            let example = row.example.as_ref().filter(|_| row.mismatches > 0);
+            notes.extend(example.map(|example| format!("{}: {example}", row.label())));
+            let mut cells = vec![row.label().into()];
+            cells.extend(shown.iter().map(|column| column.cell(&of)));
+            let rate = row.trace_s.map(|s| numbers::short(row.rays as f64 / s.median / 1e6));
+            cells.push(rate.unwrap_or_else(|| "-".into()).into());
+            cells
+        })
+        .collect();
+    let title = format!("{}: foreign rows", scene.name);
+    (!rows.is_empty()).then_some(Table { title, header, rows, notes })
 }

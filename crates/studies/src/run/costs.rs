@@ -13,7 +13,6 @@ use statistics::series::Series;
 
 use crate::run::leads::{Ranking, TimedRow, Visit, lead};
 
-/// Seconds of a round.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     pub build_s: f64,
@@ -99,7 +98,6 @@ pub fn profiles(scene: &SceneRecord) -> Vec<Profile> {
     scene.rows.iter().enumerate().filter_map(of).collect()
 }
 
-/// The seconds of a visit.
 fn cost(sample: &Sample, row: &RowRecord, reference: Option<&RowRecord>) -> Cost {
     let all_rays = |reference: &RowRecord| {
         let own = reference.samples.iter().find(|s| s.round == sample.round)?;

@@ -47,7 +47,6 @@ impl Few {
         is_few.then_some(Self { rounds })
     }
 
-    /// Heading above the figures.
     pub fn heading(self) -> String {
         match self.rounds {
             1 => "One round: figures without intervals.".to_owned(),

@@ -6,7 +6,6 @@ use measurement::record::query::Query;
 use statistics::estimate::{Estimate, geometric_mean};
 use statistics::series::{Series, geometric_mean_of};
 
-/// A process and a round.
 pub type Visit = (u32, u32);
 
 /// A row and what it took in each round: seconds of something, or bytes.

@@ -10,10 +10,8 @@ use measurement::record::{
 use presentation::numbers::short;
 use statistics::estimate::Estimate;
 
-/// The most names that are listed.
 const NAMES: usize = 3;
 
-/// A question and its answer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Line {
     /// The question in a few words.
@@ -22,11 +20,9 @@ pub struct Line {
     pub text: String,
 }
 
-/// Subject of the lines.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Lines {
     pub title: String,
-    /// One for each question.
     pub lines: Vec<Line>,
 }
 
@@ -49,7 +45,6 @@ pub fn of_run(run: &RunRecord) -> Option<Lines> {
     }
 }
 
-/// Values of one scene.
 pub fn of_scene(scene: &SceneRecord) -> Lines {
     Lines {
         title: format!("Answers for {} ({} primitives)", scene.name, scene.primitives),

@@ -73,7 +73,6 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
     notes
 }
 
-/// The table as a document.
 pub fn markdown(record: &MachinesRecord) -> Result<String, FormatError> {
     let mut text = "# rtbench: one run on several machines\n\n".to_owned();
     push_table(&mut text, &table(record));

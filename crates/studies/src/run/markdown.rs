@@ -6,7 +6,7 @@ use crate::run::few::Few;
 use crate::run::lines::{self, Line, Lines};
 use crate::run::tables::GLOSSARY;
 use crate::run::time_to_image::TimesToImage;
-use crate::run::{columns, foreign, kind_tables, tables};
+use crate::run::{columns, kind_tables, tables};
 use measurement::rays::order::Orders;
 use measurement::record::{RunRecord, Settings};
 use measurement::settings::Lights;
@@ -22,7 +22,7 @@ pub fn to_string(run: &RunRecord) -> String {
     for scene in &run.scenes {
         all.push(tables::scene_table(run, scene, false));
         all.extend(by_kind.then(|| kind_tables::scene_table(run, scene, false)));
-        all.extend(foreign::table(scene));
+        all.extend(columns::foreign_table(scene));
     }
     if !run.summary.is_empty() {
         all.push(tables::summary_table(run, false));

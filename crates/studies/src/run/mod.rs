@@ -5,7 +5,6 @@ pub mod columns;
 pub mod conclusions;
 pub mod costs;
 pub mod few;
-pub mod foreign;
 pub mod kind_tables;
 pub mod leads;
 pub mod lines;

@@ -263,7 +263,6 @@ fn on_demand_note(row: &RowRecord) -> Option<String> {
     Some(format!("{}: {pending} cells were never divided{first}", row.label()))
 }
 
-/// The summary over all scenes.
 pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
     summary_table_of(run, &run.summary.iter().collect::<Vec<_>>(), indent)
 }
@@ -362,7 +361,6 @@ const SYMBOLS: [(&[&str], &str); 4] = [
     ),
 ];
 
-/// Explanations of the symbols.
 pub const GLOSSARY: &[&str] = &[SYMBOLS[0].1, SYMBOLS[1].1, SYMBOLS[2].1, SYMBOLS[3].1];
 
 /// Explanations of the symbols in shown columns.

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::run::few::{self, Few};
 use crate::run::lines::{self, Line, Lines};
 use crate::run::view::View;
-use crate::run::{foreign, kind_tables, tables};
+use crate::run::{columns, kind_tables, tables};
 use measurement::record::query::{self, Query};
 use measurement::record::{RunRecord, SceneRecord};
 use presentation::fitted::wrapped;
@@ -33,7 +33,7 @@ pub fn write_scene(
         write_lines(out, run, lines::of_scene(scene), view)?;
         writeln!(out)?;
     }
-    foreign::table(scene).map_or(Ok(()), |table| write(out, run, table, view))
+    columns::foreign_table(scene).map_or(Ok(()), |table| write(out, run, table, view))
 }
 
 /// The table of a scene with what is shown of it; what is the same below all of them stands at the

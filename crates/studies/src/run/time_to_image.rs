@@ -52,7 +52,6 @@ impl TimeToImage {
     }
 }
 
-/// Values of one scene.
 #[derive(Debug)]
 pub struct TimesToImage<'a> {
     scene: &'a SceneRecord,

@@ -10,7 +10,6 @@ use presentation::text::Screen;
 
 use crate::run::columns::RATIO;
 
-/// The order of rows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Sort {
     /// Fastest at tracing first
@@ -43,10 +42,8 @@ pub enum Columns {
     Named(Vec<TableColumn>),
 }
 
-/// How tables are shown.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct View {
-    /// The order of rows.
     pub sort: Sort,
     pub columns: Columns,
     pub screen: Screen,
@@ -91,10 +88,6 @@ const COLUMNS: [TableColumn; 19] = [
 const ALWAYS: [&str; 2] = ["query", "scenes"];
 
 impl TableColumn {
-    /// The column of that name.
-    ///
-    /// # Errors
-    /// [`PlanError::UnknownName`] with all names.
     pub fn named(name: &str) -> Result<Self, PlanError> {
         let names = || COLUMNS.iter().map(|c| c.name);
         COLUMNS.iter().find(|c| c.name == name).copied().ok_or_else(|| PlanError::UnknownName {

@@ -57,7 +57,6 @@ pub struct Frame<'a> {
     pub title: String,
     /// From where cells are seen.
     pub view: View<'a>,
-    /// The box of the scene.
     pub scene: Aabb<f64>,
     /// The part that panels show: left, lower, right, upper; all of the scene if it is not said.
     pub focus: Option<[f64; 4]>,

@@ -25,7 +25,6 @@ pub struct Body {
     pub references: u64,
 }
 
-/// A cell that is drawn.
 struct DrawnCell<T> {
     place: T,
     references: u64,

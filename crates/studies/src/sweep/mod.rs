@@ -23,7 +23,6 @@ use measurement::plan::{Plan, baseline, default_baseline};
 use measurement::scenes::{LoadError, SceneSource};
 use measurement::settings::MeasuringSettings;
 
-/// Errors of `rtbench sweep`.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
@@ -39,15 +38,12 @@ pub enum SweepError {
     /// The swept parameter is given a value.
     #[error("{parameter} is swept and cannot be set to a value at the same time")]
     SetsSwept { parameter: &'static str },
-    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// No such scene or set.
     #[error(transparent)]
     Scene(#[from] LoadError),
 }
 
-/// Settings of `rtbench sweep`.
 #[derive(Debug, Clone, Default)]
 pub struct SweepSettings {
     /// Scenes, scene sets or scene files.
@@ -101,15 +97,10 @@ pub struct Sweep<'r> {
     /// Its other settings, as typed; empty for the defaults.
     pub settings: String,
     pub parameter: &'static ParamSpec,
-    /// The horizontal axis of plots.
     pub abscissa: Abscissa,
 }
 
 impl<'r> Sweep<'r> {
-    /// Validates what is asked for.
-    ///
-    /// # Errors
-    /// [`SweepError`] naming what is valid.
     pub fn new(
         args: &SweepSettings,
         registry: &'r [Entry],
@@ -177,7 +168,6 @@ impl<'r, 't> SweptParameter<'r, 't> {
         Ok(Self { entry, parameter, settings })
     }
 
-    /// The row of a value.
     fn row(&self, value: &str) -> Result<Row<'r>, PlanError> {
         let mut settings = self.settings.clone();
         settings.push((self.parameter.name, value));

@@ -9,7 +9,6 @@ use statistics::estimate::Estimate;
 /// From this ratio of the slowest to the fastest on, the time axis is logarithmic.
 const WIDE: f64 = 8.0;
 
-/// One panel a scene.
 pub fn to_svg(sweep: &Sweep<'_>, run: &RunRecord) -> String {
     let panels: Vec<Plot> = run.scenes.iter().map(|scene| panel(sweep, run, scene)).collect();
     figure(&panels)

@@ -37,12 +37,10 @@ pub fn write(
     screen.write_fitted(out, &scene_table(sweep, run, scene), &FIRST[usize::from(all_right)..])
 }
 
-/// Prints what the columns mean.
 pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
     screen.write_notes(out, GLOSSARY)
 }
 
-/// The whole sweep in Markdown.
 pub fn to_markdown(sweep: &Sweep<'_>, run: &RunRecord) -> String {
     let tables: Vec<Table> =
         run.scenes.iter().map(|scene| scene_table(sweep, run, scene)).collect();
@@ -131,7 +129,6 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     notes
 }
 
-/// Explanations of the columns.
 const GLOSSARY: &[&str] = &[
     "cells/prim: N_V for each primitive. N_V elementary cells, N_EV empty ones, N_OIV references in \
      cells; per ray: N_IT intersection tests, N_TS traversal steps. build, trace: medians over the \

@@ -9,10 +9,8 @@ use super::{ImageMeasurement, TracerRow};
 use crate::accuracy::record::VariantStanding;
 use statistics::estimate::estimate;
 
-/// An image of a comparison.
 #[derive(Clone, Copy)]
 pub struct ImageRow<'a> {
-    /// Name of the scene.
     pub scene: &'a str,
     pub seed: u64,
     /// The reference's own error.

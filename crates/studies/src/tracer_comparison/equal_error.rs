@@ -1,7 +1,6 @@
 //! Cost of reaching an error by sampling: between two numbers of samples, time and error follow a
 //! power law.
 
-/// Measurements of a sampled image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SampledImage {
     /// Samples per pixel.

@@ -72,7 +72,6 @@ pub fn drawing_methods(
     WAYS.iter().filter(move |way| is_asked(way.info))
 }
 
-/// Input of a comparison.
 pub struct ComparisonInput<'a> {
     pub scene: &'a Scene,
     /// Structure that samples are traced through.
@@ -111,7 +110,6 @@ impl TracerRow {
     }
 }
 
-/// Measurements of an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImageMeasurement {
     /// Seconds of each round.
@@ -133,7 +131,6 @@ pub struct ImageMeasurement {
 }
 
 impl ImageMeasurement {
-    /// Median of the seconds.
     pub fn median(&self) -> f64 {
         statistics::estimate::median(&self.seconds).unwrap_or(f64::NAN)
     }
@@ -310,7 +307,6 @@ pub fn converged(
 pub struct SampledReference {
     /// Width and height in pixels.
     pub resolution: [u32; 2],
-    /// Longest chain of rays.
     pub max_depth: u32,
     pub seed: u64,
 }

@@ -6,7 +6,6 @@ use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series
 /// An image and where it lies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlottedImage {
-    /// Median time of the image.
     pub seconds: f64,
     /// Root mean square error.
     pub error: f64,

@@ -16,7 +16,6 @@ use statistics::estimate::{Estimate, estimate};
 /// Brute force asks about as many hulls per round at most, the structure in question all frusta.
 const MOST_TESTS: usize = 1 << 25;
 
-/// Cost of a structure's queries.
 #[derive(Debug, Clone, PartialEq)]
 pub struct QueryRow {
     pub structure: &'static str,
@@ -48,7 +47,6 @@ pub fn pixel_frusta(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Ve
     (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(|(x, y)| frustum(x, y)).collect()
 }
 
-/// A structure to be asked.
 struct QuerySubject {
     name: &'static str,
     queries: Box<dyn FrustumQueries>,
@@ -81,9 +79,6 @@ fn missed(queries: &dyn FrustumQueries, frusta: &[&(Frustum, Option<u32>)]) -> u
 /// Asks every structure of `registry` for the candidates of all frusta, `rounds` times in seeded
 /// random order, on the calling thread. `seen` is what a ray within each frustum hits, if anything:
 /// it must be among the candidates.
-///
-/// # Errors
-/// [`BuildError`] of the first structure that cannot be built.
 pub fn measure(
     registry: &[frustum_queries::Entry],
     prims: PrimsRef<'_, f64>,

@@ -21,7 +21,6 @@ use presentation::table::{Cell, Style, Table};
 use statistics::estimate::{Estimate, estimate};
 
 pub struct Report {
-    /// Name of the scene.
     pub scene: String,
     pub primitives: usize,
     /// Width and height of the images.
@@ -31,7 +30,6 @@ pub struct Report {
     pub threads: usize,
     pub seed: u64,
     pub command_line: Vec<String>,
-    /// The machine of the run.
     pub machine: Machine,
     /// Reference of the image errors.
     pub reference: ConvergedImage,
@@ -164,7 +162,6 @@ impl Report {
         Some(table)
     }
 
-    /// Both tables in Markdown.
     pub fn to_markdown(&self) -> String {
         let mut text = String::new();
         let _ = writeln!(text, "# rtbench compare-tracers\n");
@@ -176,7 +173,6 @@ impl Report {
         text
     }
 
-    /// One row per image.
     pub fn to_csv(&self) -> Result<String, FormatError> {
         column::csv(&columns(), self.image_rows())
     }

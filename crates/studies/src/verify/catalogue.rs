@@ -15,11 +15,9 @@ use statistics::random::Random;
 /// Draws a round of at most so many rays.
 pub type Draw<S> = fn(&mut Random, usize) -> Result<Round<S>, PrimitiveError>;
 
-/// One line of the catalogue.
 #[derive(Debug)]
 pub struct Case {
     pub id: &'static str,
-    /// Description of the difficulty.
     pub summary: &'static str,
     /// The oracle that decides which answer is right.
     pub oracle: &'static str,
@@ -44,7 +42,6 @@ impl Case {
     }
 }
 
-/// Cases of a kind.
 #[derive(Debug)]
 pub struct Group {
     pub name: &'static str,
@@ -252,7 +249,6 @@ pub static GROUPS: &[Group] = &[
     ] },
 ];
 
-/// A case and its group.
 pub type CatalogueEntry = (&'static Group, &'static Case);
 
 /// All cases in the order of the catalogue.
@@ -261,9 +257,6 @@ pub fn all() -> impl Iterator<Item = CatalogueEntry> {
 }
 
 /// The cases and groups of these names; all when there are none.
-///
-/// # Errors
-/// [`PlanError::UnknownCase`] naming what is valid.
 pub fn select(names: &[String]) -> Result<Vec<CatalogueEntry>, PlanError> {
     let is_named = |name: &str, (group, case): &CatalogueEntry| {
         name.eq_ignore_ascii_case(group.name) || name.eq_ignore_ascii_case(case.id)
@@ -277,10 +270,6 @@ pub fn select(names: &[String]) -> Result<Vec<CatalogueEntry>, PlanError> {
     Ok(all().filter(is_wanted).collect())
 }
 
-/// The case of that id.
-///
-/// # Errors
-/// [`PlanError::UnknownCase`].
 pub fn find(id: &str) -> Result<CatalogueEntry, PlanError> {
     all().find(|(_, case)| case.id.eq_ignore_ascii_case(id)).ok_or_else(|| unknown(id))
 }

@@ -53,9 +53,6 @@ impl CheckPlan<'_> {
     /// Checks a case in a precision: a line for each subject that it asks, and the number of rounds
     /// that all of them were asked. Runs in the current rayon pool; the outcome does not depend on
     /// the number of threads, unless `watch` cuts it short.
-    ///
-    /// # Errors
-    /// [`PlanError`] when settings of the case's own are not valid.
     pub fn check(
         &self,
         (group, case): CatalogueEntry,
@@ -111,7 +108,6 @@ pub struct CheckWatch<'a> {
     deadline: Option<Duration>,
     /// The number of the signal that came; 0: none did.
     signal: Arc<AtomicUsize>,
-    /// One step per round.
     progress: Progress,
 }
 
@@ -137,12 +133,10 @@ impl<'a> CheckWatch<'a> {
         is_late.then_some(StopReason::OutOfTime)
     }
 
-    /// Says what is asked.
     pub fn begin(&self, what: &str) {
         self.progress.message(what);
     }
 
-    /// A round is over.
     pub fn round(&self) {
         self.progress.step(Duration::ZERO);
     }
@@ -205,7 +199,6 @@ fn added(mut all: Vec<SubjectCounts>, more: Vec<SubjectCounts>) -> Vec<SubjectCo
     all
 }
 
-/// Result of one trial.
 #[derive(Debug)]
 pub struct ReplayOutcome {
     /// The ray and what was expected of it.
@@ -217,9 +210,6 @@ pub struct ReplayOutcome {
 }
 
 /// Repeats one trial of a case; `None` when its round has no such ray.
-///
-/// # Errors
-/// [`BuildError`] when brute force refuses the scene.
 pub fn replay(
     case: &Case,
     line: &Replay,

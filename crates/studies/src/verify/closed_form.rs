@@ -27,7 +27,6 @@ pub struct ConeShape {
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     t: f64,
-    /// Height over the base.
     height: f64,
     /// Radius of the cone there, negative beyond its apex.
     radius: f64,

@@ -96,7 +96,6 @@ pub fn lattice_soup(random: &mut Random, count: usize) -> Vec<Corners> {
     (0..count).map(|_| [corner(), corner(), corner()]).collect()
 }
 
-/// A point of the lattice.
 pub fn lattice_point(random: &mut Random) -> DVec3 {
     let mut at = || random_integer(random, LATTICE / 2) + f64::from(LATTICE / 2);
     dvec3(at(), at(), at())

@@ -51,7 +51,6 @@ pub struct Soup {
 }
 
 impl Soup {
-    /// Puts balls around triangles.
     pub fn new(triangles: &[Corners]) -> Self {
         let ball = |&[a, b, c]: &Corners| {
             let centre = (a + b + c) / 3.0;

@@ -20,7 +20,6 @@ use super::subject::{Subject, with_brute_force};
 use measurement::plan::rows::Row;
 use measurement::rays::exactness::Exactness;
 
-/// Verdict on a round.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum RoundVerdict {
     /// All rays were asked: what differs, and what stands for all answers.
@@ -40,13 +39,6 @@ pub(super) fn brute_force_answers<S: Buildable>(
     Some((closest.iter().map(wide).collect(), blocked))
 }
 
-/// The closest hits of a round's rays among the primitives near them.
-#[cfg(test)]
-pub(super) fn closest_near<S: Scalar>(round: &Round<S>) -> Vec<Hit<S>> {
-    let near = round.near.as_ref().expect("a round with lists");
-    Answers::near(&round.model, &round.rays, near).closest
-}
-
 /// A round with the answers of brute force.
 #[derive(Debug)]
 pub struct Judge<'a, S: Scalar> {
@@ -56,10 +48,6 @@ pub struct Judge<'a, S: Scalar> {
 }
 
 impl<'a, S: Buildable> Judge<'a, S> {
-    /// Asks brute force.
-    ///
-    /// # Errors
-    /// [`BuildError`] for a scene without primitives.
     pub fn new(round: &'a Round<S>) -> Result<Self, BuildError> {
         let reference = match &round.near {
             Some(near) => Answers::near(&round.model, &round.rays, near),
@@ -269,24 +257,23 @@ impl<'a, S: Buildable> Judge<'a, S> {
         if !ray.is_multiple_of(COUNTED) {
             return None;
         }
-        let counted = answers.counted.get(ray / COUNTED)?;
-        if !is_same(hit, counted) {
-            return Some(format!("said {}, when counting {}", told(hit), told(counted)));
+        let batched = answers.in_batch.get(ray / COUNTED);
+        let ways = [
+            ("when counting", answers.counted.get(ray / COUNTED)),
+            ("when asked alone", answers.alone.get(ray / COUNTED)),
+            ("in a coherent batch", batched.map(|(hit, _)| hit)),
+        ];
+        let other = |(how, other): (&str, Option<&Hit<S>>)| {
+            let other = other.filter(|other| !is_same(hit, other))?;
+            Some(format!("said {}, {how} {}", told(hit), told(other)))
+        };
+        if let Some(what) = ways.into_iter().find_map(other) {
+            return Some(what);
         }
-        if let Some(alone) = answers.alone.get(ray / COUNTED)
-            && !is_same(hit, alone)
-        {
-            return Some(format!("said {}, when asked alone {}", told(hit), told(alone)));
-        }
-        if let Some((batched, is_blocked)) = answers.in_batch.get(ray / COUNTED) {
-            if !is_same(hit, batched) {
-                return Some(format!("said {}, in a coherent batch {}", told(hit), told(batched)));
-            }
-            if *is_blocked != blocked {
-                return Some(format!(
-                    "any-hit differs in a coherent batch: blocked {is_blocked}, expected {blocked}"
-                ));
-            }
+        if let Some((_, is_blocked)) = batched.filter(|(_, is_blocked)| *is_blocked != blocked) {
+            return Some(format!(
+                "any-hit differs in a coherent batch: blocked {is_blocked}, expected {blocked}"
+            ));
         }
         let said = *answers.counted_blocked.get(ray / COUNTED)?;
         (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))

@@ -82,13 +82,11 @@ pub fn torus(around: u32, tube: u32) -> Vec<Corners> {
 /// chessboard.
 #[derive(Debug, Clone, Copy)]
 pub struct Cubes {
-    /// Cubes along each axis.
     pub side: i32,
     pub is_solid: bool,
 }
 
 impl Cubes {
-    /// Returns whether a cube is there.
     pub fn has(&self, at: [i32; 3]) -> bool {
         let is_within = at.iter().all(|x| (0..self.side).contains(x));
         is_within && (self.is_solid || at.iter().sum::<i32>() % 2 == 0)

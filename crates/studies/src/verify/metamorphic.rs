@@ -5,7 +5,6 @@ use glam::DVec3;
 
 use super::model::{Corners, Model, ray};
 
-/// Invariant of a metamorphic pair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Invariant {
     /// The parameter of the hit, to the last bit, and the primitive.
@@ -17,9 +16,7 @@ pub enum Invariant {
 /// The same scene and rays, told differently.
 #[derive(Debug)]
 pub struct MetamorphicPair<S: Scalar> {
-    /// Name of the transformation.
     pub name: String,
-    /// Invariant that must hold.
     pub same: Invariant,
     pub model: Model<S>,
     /// The rays, in the order of the round.

@@ -17,7 +17,6 @@ use measurement::answers::oracle::{Opinion, Oracle};
 use measurement::rays::batches::Answers;
 use measurement::rays::exactness::is_apart;
 
-/// How an answer differs from ours.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Difference {
     /// In `t`, by no more than rounding.
@@ -96,7 +95,6 @@ pub(super) struct OwnTestJudge<'a> {
 }
 
 impl<'a> OwnTestJudge<'a> {
-    /// Over the scene in f64.
     pub(super) fn new(exact: &'a Model<f64>) -> Self {
         Self { exact, oracle: OnceCell::new() }
     }

@@ -19,18 +19,12 @@ pub enum Model<S: Scalar> {
 
 impl<S: Scalar> Model<S> {
     /// Triangles; the coordinates are rounded to `S`.
-    ///
-    /// # Errors
-    /// [`PrimitiveError`] for coordinates that `S` cannot hold.
     pub fn triangles(corners: &[Corners]) -> Result<Self, PrimitiveError> {
         let rounded = corners.iter().map(|t| t.map(|p| p.to_array().map(S::from_f64))).collect();
         Ok(Self::Triangles(TriangleSet::new(rounded, |_| false)?))
     }
 
     /// Model of the primitives that `add` puts into a builder.
-    ///
-    /// # Errors
-    /// That of `add`.
     pub fn mixed(
         add: impl FnOnce(&mut MixedSetBuilder<S>) -> Result<(), PrimitiveError>,
     ) -> Result<Self, PrimitiveError> {
@@ -46,7 +40,6 @@ impl<S: Scalar> Model<S> {
         }
     }
 
-    /// The box of a primitive.
     pub fn bounds(&self, id: u32) -> Aabb<S> {
         match self {
             Self::Triangles(set) => set.bounds(id),
@@ -68,7 +61,6 @@ impl<S: Scalar> Model<S> {
         }
     }
 
-    /// Returns whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

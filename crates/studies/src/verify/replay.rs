@@ -10,15 +10,12 @@ use measurement::settings::Precision;
 pub struct Replay {
     pub case: String,
     pub precision: Precision,
-    /// The seed of the run.
     pub seed: u64,
-    /// Number of the round.
     pub round: u64,
     /// Rays that the round was drawn with.
     pub rays: usize,
     /// Index of the ray, or of the trial of a part.
     pub ray: usize,
-    /// Label of the subject.
     pub subject: String,
 }
 
@@ -31,10 +28,6 @@ impl fmt::Display for Replay {
 }
 
 impl Replay {
-    /// Reads the line.
-    ///
-    /// # Errors
-    /// [`PlanError::Malformed`].
     pub fn parse(line: &str) -> Result<Self, PlanError> {
         Self::read(line).ok_or_else(|| PlanError::Malformed {
             text: line.to_owned(),

@@ -25,7 +25,6 @@ pub struct SubjectCounts {
     mismatches: u64,
     differences: [u64; Difference::ALL.len()],
     refused: u64,
-    /// Rounds that were asked.
     rounds: u64,
     answers: Digest,
     /// Why the first of the refused rounds was.
@@ -63,7 +62,6 @@ impl SubjectCounts {
         Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
     }
 
-    /// Rounds that were asked.
     pub fn rounds(&self) -> u64 {
         self.rounds
     }
@@ -83,7 +81,6 @@ impl SubjectCounts {
     }
 }
 
-/// A mismatch that can be repeated.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Example {
     pub replay: String,
@@ -94,11 +91,9 @@ pub struct Example {
 /// A case in a precision for one subject.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Line {
-    /// Group of the case.
     pub group: &'static str,
     pub case: &'static str,
     pub precision: &'static str,
-    /// Label of the subject.
     pub structure: String,
     /// Why its mismatches are no failure, if so.
     pub known_defect: Option<&'static str>,
@@ -171,7 +166,6 @@ pub enum StopReason {
     OutOfTime,
 }
 
-/// Everything that was found.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Report {
     pub command_line: Vec<String>,
@@ -183,7 +177,6 @@ pub struct Report {
     pub cut: Option<StopReason>,
     /// Rounds of a complete check: one per case and precision.
     pub rounds: u64,
-    /// Rounds that were run.
     pub rounds_asked: u64,
     /// One line per case, precision and subject.
     pub lines: Vec<Line>,
@@ -258,7 +251,6 @@ impl Report {
         format!("{:016x}", all.0)
     }
 
-    /// Notes beyond the table.
     fn notes(&self) -> Vec<String> {
         let mut notes = vec![
             "<x: no mismatch; its rate is below x with 95% confidence (3/trials)".to_owned(),
@@ -335,24 +327,15 @@ impl Report {
         told
     }
 
-    /// One CSV row per line.
-    ///
-    /// # Errors
-    /// [`FormatError`].
     pub fn to_csv(&self) -> Result<String, FormatError> {
         column::csv(&columns(), &self.lines)
     }
 
-    /// Everything.
-    ///
-    /// # Errors
-    /// [`FormatError`].
     pub fn to_json(&self) -> Result<String, FormatError> {
         json::written(self)
     }
 }
 
-/// The columns of the CSV file.
 #[rustfmt::skip]
 fn columns() -> [Column<Line>; 17] {
     use Unit::None;

@@ -60,12 +60,10 @@ pub struct NearbyPrimitives {
     pub of: Vec<usize>,
 }
 
-/// A scene and its rays.
 #[derive(Debug)]
 pub struct Round<S: Scalar> {
     pub model: Model<S>,
     pub rays: Vec<Ray<S>>,
-    /// Expected answer for each ray.
     pub expected: Vec<OracleAnswer>,
     /// True if each is blocked, where that is known otherwise than by its closest hit; or empty.
     pub blocked: Vec<bool>,
@@ -85,7 +83,6 @@ pub struct Round<S: Scalar> {
 }
 
 impl<S: Scalar> Round<S> {
-    /// A scene without rays yet.
     pub fn new(model: Model<S>) -> Self {
         Self {
             model,

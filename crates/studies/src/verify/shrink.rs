@@ -38,7 +38,6 @@ pub struct ReducedFailure {
     pub triangles: Vec<Corners>,
     /// The rays: more than one only if no single ray fails alone.
     pub rays: Vec<Ray<f64>>,
-    /// Description of the fault.
     pub what: String,
     /// The answers of brute force to the rays: hits, and which of them are blocked.
     pub right: (Vec<Hit<f64>>, Vec<bool>),
@@ -185,7 +184,6 @@ fn scene_of(numbers: &[f64], triangles: usize) -> (Vec<Corners>, Vec<Ray<f64>>) 
     (corners.collect(), rays.collect())
 }
 
-/// Number of triangles without area.
 fn flat(triangles: &[Corners]) -> usize {
     let is_flat = |[a, b, c]: &&Corners| (*b - *a).cross(*c - *a) == DVec3::ZERO;
     triangles.iter().filter(is_flat).count()

@@ -15,14 +15,12 @@ use super::model::Model;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{Row, select};
 
-/// The negative control's name.
 pub const CONTROL: &str = "moeller-trumbore";
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum Subject<'r> {
     /// A structure with settings, over the primitive tests that are the default.
     Structure(Row<'r>),
-    /// An occluder with settings.
     Occluder(Row<'static, OccluderRegistry>),
     /// Brute force over plain Moeller-Trumbore tests, which leak at edges: where it misses
     /// nothing, the rays have no power.
@@ -33,9 +31,6 @@ impl<'r> Subject<'r> {
     /// The structures that `-s` asks for; all of them and the control where it asks for nothing in
     /// particular. With `also_tested` structures that are named without settings have
     /// their further settings asked too.
-    ///
-    /// # Errors
-    /// [`PlanError`] naming what is valid.
     pub fn all(
         registry: &'r [Entry],
         structures: &[String],
@@ -69,9 +64,6 @@ impl<'r> Subject<'r> {
     }
 
     /// Selects the `subjects` of a case, with the settings that it requires.
-    ///
-    /// # Errors
-    /// [`PlanError`] when the case's own settings are not valid.
     pub fn select_for_case(
         case: &Case,
         subjects: &[Subject<'r>],
@@ -92,10 +84,6 @@ impl<'r> Subject<'r> {
         case.rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
     }
 
-    /// The one of that label.
-    ///
-    /// # Errors
-    /// [`PlanError`] naming what is valid.
     pub fn parse(registry: &'r [Entry], label: &str) -> Result<Self, PlanError> {
         if label == CONTROL {
             return Ok(Self::Control);
@@ -132,9 +120,6 @@ impl<'r> Subject<'r> {
     }
 
     /// Builds over `model` and hands the tracer to `ask`; `None` where it has no such primitives.
-    ///
-    /// # Errors
-    /// [`BuildError`] when it refuses the scene.
     pub fn over<S: Buildable, R>(
         &self,
         model: &Model<S>,
@@ -158,9 +143,6 @@ impl<'r> Subject<'r> {
 
     /// Builds over `before`, takes what was built to `model` as the settings say, and hands it to
     /// `ask`.
-    ///
-    /// # Errors
-    /// [`BuildError`] when it refuses one of the scenes.
     pub fn taken_over<S: Buildable, R>(
         &self,
         before: &Model<S>,
@@ -185,9 +167,6 @@ fn is_occluder(name: &str) -> bool {
 }
 
 /// Hands brute force over these primitives to `ask`.
-///
-/// # Errors
-/// [`BuildError`] for an empty scene.
 pub fn with_brute_force<S: Buildable, R>(
     prims: PrimsRef<'_, S>,
     ask: impl FnOnce(&dyn Tracer<S>) -> R,
@@ -196,10 +175,6 @@ pub fn with_brute_force<S: Buildable, R>(
     Ok(ask(&*entry.build(prims, &entry.defaults())?))
 }
 
-/// The reference's line of the registry.
-///
-/// # Errors
-/// [`BuildError`] where the program has none.
 pub(super) fn brute_force_entry() -> Result<&'static Entry, BuildError> {
     find("brute-force")
         .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })

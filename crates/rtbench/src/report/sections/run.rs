@@ -13,7 +13,7 @@ use presentation::table::Table;
 use studies::run::lines::{self, Line, Lines, names};
 use studies::run::tables::{scene_table_of, summary_table_of};
 use studies::run::view::{View, by_weight};
-use studies::run::{foreign, kind_tables};
+use studies::run::{columns, kind_tables};
 
 /// Over all scenes; those of each stand with it.
 pub fn headlines(material: &Material, page: &mut Page) -> SectionOutcome {
@@ -140,7 +140,7 @@ pub fn scenes(material: &Material, page: &mut Page) -> SectionOutcome {
         let table = by_weight(&scene_table_of(run, scene, &rows, false));
         let numbers = crate::report::sections::places(&scene.rows, &rows);
         tables::write(&mut page.html, &table, numbered(&numbers));
-        if let Some(table) = foreign::table(scene) {
+        if let Some(table) = columns::foreign_table(scene) {
             tables::write(&mut page.html, &table, numbered(&[]));
         }
     }

@@ -5,20 +5,14 @@
 //! meets the exact box; a test that says no is wrong.
 
 use accel_core::geometry::box_test::BoxTest;
-use accel_core::primitives::PrimSet;
-use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::{Aabb, Ray};
 use glam::Vec3;
 use renderer::RayKind;
-
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use crate::verify::draw::{point, unit};
 use statistics::random::Random;
+
+use super::prelude::*;
+use crate::verify::draw::{point, unit};
 
 pub static AXIS: Axis = Axis {
     name: "box-test",
@@ -61,17 +55,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             }
         }
         Variant {
-            name: name.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_without: false,
             is_reference: name == "f64",
-            error: lost.error(),
             also: vec![
                 ("boxes found that are not met", found as f64),
                 ("boxes met per ray", steps as f64 / rays.max(1) as f64),
             ],
-            work: Box::new(replay),
+            ..Variant::built(name, built, lost.error(), replay)
         }
     });
     let said = AxisReport {

@@ -9,21 +9,15 @@
 
 use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimsRef;
-use accel_core::primitives::{Ball, PrimSet, PrimitiveKind};
+use accel_core::primitives::{Ball, PrimSet, PrimitiveKind, PrimsRef};
 use accel_core::structure::Structure;
 use accel_core::structures::uniform_grid::UniformGrid;
 use accel_core::{Aabb, Vec3, Vector};
 use glam::DVec3;
-
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use statistics::random::Random;
+
+use super::prelude::*;
 
 pub static AXIS: Axis = Axis {
     name: "cell-insertion",
@@ -36,7 +30,6 @@ pub static AXIS: Axis = Axis {
     measure: Measure::Whole(measure),
 };
 
-/// Values of the setting.
 const INSERTIONS: [&str; 4] = ["box", "padded-box", "exact", "padded-exact"];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
@@ -57,18 +50,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         }?;
         let stats = built.stats();
         variants.push(Variant {
-            name: insertion.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_without: false,
             is_reference: insertion == "padded-box",
-            error: tally.error(),
             also: vec![
                 ("references a primitive", stats.references as f64 / primitives),
                 ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
                 ("build ms", built.build_s * 1e3),
             ],
-            work: Box::new(replay),
+            ..Variant::built(insertion, built, tally.error(), replay)
         });
     }
     let said = AxisReport {

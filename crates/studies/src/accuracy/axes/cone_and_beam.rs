@@ -2,26 +2,17 @@
 //!
 //! `rtbench compare-tracers` asks the same of one scene at more sizes and with more samples.
 
-use renderer::Geometry;
-use renderer::Image;
-use renderer::tracers::{DrawnImage, Frame, Refusal, Structures};
-use scene_loading::Scene;
-
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::{ImageCheck, SampledEffect, SamplingPlan, fingerprint};
-use crate::accuracy::stage::Work;
-use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{Variant, timed};
-use crate::error::StudyError;
-use crate::image_error::rmse;
-use crate::tracer_comparison::{DrawingMethod, drawing_methods};
 use measurement::plan::rows::Row;
+use renderer::Geometry;
+use renderer::tracers::{Frame, Structures};
+
+use super::prelude::*;
+use crate::accuracy::sampled::{ImageCheck, RepeatedImage, SampledEffect, SamplingPlan};
+use crate::image_error::rmse;
+use crate::tracer_comparison::drawing_methods;
 
 /// Structure that gives cones and beams their candidates.
 const THROUGH: &str = "uniform-grid";
-/// Longest chain of rays.
 const DEPTH: u32 = 3;
 
 pub static AXIS: Axis = Axis {
@@ -38,14 +29,12 @@ pub static AXIS: Axis = Axis {
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let scene = stage.scene();
-    let row = Row::parse(stage.registry, TRACER)?;
-    let refused = |e| stage.refused(e);
-    let prims = stage.prepared.geometry.prims();
-    let tracer = row.entry.build(prims, &row.params).map_err(refused)?;
+    let tracer = stage.over(TRACER, &stage.prepared.geometry)?;
     let double = Geometry::<f64>::of(scene)?;
-    let rays = row.entry.build(double.prims(), &row.params).map_err(refused)?;
+    let rays = stage.over(TRACER, &double)?;
     let frusta = Row::parse(accel_core::structures::frustum_queries::REGISTRY, THROUGH)?;
-    let queries = frusta.entry.build(double.prims(), &frusta.params).map_err(refused)?;
+    let queries = frusta.entry.build(double.prims(), &frusta.params);
+    let queries = queries.map_err(|e| stage.refused(e))?;
     let sampled = SampledEffect {
         scene,
         tracer: &*tracer,
@@ -57,61 +46,20 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;
     let frame = Frame { resolution: [SamplingPlan::new(stage.quick).size; 2], max_depth: DEPTH };
     for way in drawing_methods(|_| true) {
-        let mut drawing = Drawing {
-            scene,
-            frame,
-            over: Structures { rays: &*rays, frusta: &*queries },
-            way,
-            image: None,
-        };
-        let image = match drawing.draw() {
+        let over = Structures { rays: &*rays, frusta: &*queries };
+        let draw = move || (way.draw)(scene, frame, over);
+        let image = match draw() {
             Ok(drawn) => drawn.image,
             Err(refusal) => {
                 said.judged.push_str(&format!("; no {}: {}", way.label(), refusal.what));
                 continue;
             }
         };
-        drawing.image = None;
-        variants.push(Variant {
-            name: way.label(),
-            setting: format!("compare-tracers --tracers {}", way.info.name),
-            known_defect: None,
-            is_without: false,
-            is_reference: false,
-            error: ErrorOf::Rmse { rmse: rmse(&image, &reference.image) },
-            also: Vec::new(),
-            work: Box::new(drawing),
-        });
+        let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
+        let setting = format!("compare-tracers --tracers {}", way.info.name);
+        // what is refused was found before
+        let work = RepeatedImage::new(move || draw().ok().map(|drawn| drawn.image));
+        variants.push(Variant::new(way.label(), setting, error, work));
     }
     Ok(timed(stage, said, variants))
-}
-
-/// An image by cones or beams that is made again and again, in the current rayon pool.
-struct Drawing<'a> {
-    scene: &'a Scene,
-    frame: Frame,
-    over: Structures<'a>,
-    way: &'static DrawingMethod,
-    image: Option<Image>,
-}
-
-impl Drawing<'_> {
-    fn draw(&self) -> Result<DrawnImage, Refusal> {
-        (self.way.draw)(self.scene, self.frame, self.over)
-    }
-}
-
-impl Work for Drawing<'_> {
-    fn prepare(&mut self) {
-        self.image = None;
-    }
-
-    fn run(&mut self) {
-        // what is refused was found before
-        self.image = self.draw().ok().map(|drawn| drawn.image);
-    }
-
-    fn fingerprint(&self) -> u64 {
-        fingerprint(self.image.as_ref())
-    }
 }

@@ -2,18 +2,13 @@
 //! a radius to its lights, a roughness to its mirrors, a velocity to every other primitive, an
 //! aperture to its eye, each in parts of the scene's size.
 
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::sampled::{Rendering, SampledEffect};
-use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use crate::image_error::rmse;
 use glam::DVec3;
-use measurement::plan::rows::Row;
 use renderer::{EffectPlan, Gating, Geometry, RenderSettings, render_plan};
 use scene_loading::{Light, SampleWishes, Scene};
+
+use super::prelude::*;
+use crate::accuracy::sampled::{RepeatedImage, SampledEffect};
+use crate::image_error::rmse;
 
 const METRIC: &str = "root mean square difference of colours to the reference";
 const REFERENCE: &str = "mean of two images of many samples with other seeds; its error is half their \
@@ -141,14 +136,12 @@ impl EffectSetup {
             return Err(stage.unfit("it has no lights"));
         }
         let geometry = Geometry::<f32>::of(&scene)?;
-        let row = Row::parse(stage.registry, TRACER)?;
-        let tracer =
-            row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+        let tracer = stage.over(TRACER, &geometry)?;
         // as it would be without the effect: gloss without its roughness, not without its mirrors
         let mut without = scene.clone();
         (self.off)(&mut without);
         let still = Geometry::<f32>::of(&without)?;
-        let of_still = row.entry.build(still.prims(), &row.params).map_err(|e| stage.refused(e))?;
+        let of_still = stage.over(TRACER, &still)?;
         let sampled = SampledEffect {
             scene: &scene,
             tracer: &*tracer,
@@ -191,21 +184,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let reference = image(&plan);
     let variants = VARIANTS.map(|(name, gating)| {
         let plan = plan.clone().gated(gating);
-        Variant {
-            name: name.into(),
-            setting: format!("EffectPlan::gated(Gating::{gating:?})"),
-            known_defect: None,
-            is_without: false,
-            is_reference: gating == Gating::AsCalledFor,
-            error: ErrorOf::Rmse { rmse: rmse(&image(&plan), &reference) },
-            also: Vec::new(),
-            work: Box::new(Rendering {
-                scene: stage.scene(),
-                tracer: &*built.tracer,
-                plan,
-                image: None,
-            }),
-        }
+        let error = ErrorOf::Rmse { rmse: rmse(&image(&plan), &reference) };
+        let setting = format!("EffectPlan::gated(Gating::{gating:?})");
+        let work = RepeatedImage::rendered(stage.scene(), &*built.tracer, plan);
+        let is_reference = gating == Gating::AsCalledFor;
+        Variant { is_reference, ..Variant::new(name, setting, error, work) }
     });
     let said = AxisReport {
         timed: format!("the image of {size} x {size} pixels, one thread"),

@@ -1,18 +1,12 @@
 //! The light buffer's resolution: its answers must be those of the structure, whatever it is.
 
 use accel_core::occluders::{BoxedOccluder, NearestLight};
-use renderer::RayKind;
-
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::Work;
-use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
 use measurement::plan::rows::Row;
 use measurement::rays::batches::Answers;
 use measurement::rounds::scene_run::light_positions;
+use renderer::RayKind;
+
+use super::prelude::*;
 
 pub static AXIS: Axis = Axis {
     name: "light-buffer",
@@ -49,32 +43,32 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let pairs = work.answers.iter().zip(&reference.answers);
         let wrong = pairs.map(|(a, b)| a.differing(b).count() as u64).sum();
         variants.push(Variant {
-            name: format!("{resolution}^2"),
-            setting: format!("run -s {}", row.label().replace(' ', ":")),
             known_defect: row.known_defect(),
-            is_without: false,
-            is_reference: false,
-            error: ErrorOf::Counted { wrong, trials: rays as u64 },
             also: vec![
                 ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
                 ("build ms", build_s * 1e3),
             ],
-            work: Box::new(work),
+            ..Variant::new(
+                format!("{resolution}^2"),
+                format!("run -s {}", row.label().replace(' ', ":")),
+                ErrorOf::Counted { wrong, trials: rays as u64 },
+                work,
+            )
         });
     }
     let stats = structure.stats();
     variants.push(Variant {
-        name: TRACER.into(),
-        setting: structure.setting(),
-        known_defect: None,
-        is_without: false,
         is_reference: true,
-        error: ErrorOf::Counted { wrong: 0, trials: rays as u64 },
         also: vec![
             ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
             ("build ms", structure.build_s * 1e3),
         ],
-        work: Box::new(reference),
+        ..Variant::new(
+            TRACER,
+            structure.setting(),
+            ErrorOf::Counted { wrong: 0, trials: rays as u64 },
+            reference,
+        )
     });
     let said = AxisReport {
         timed: format!("{rays} shadow rays of the scene to {} lights", positions.len()),
@@ -84,7 +78,6 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     Ok(timed(stage, said, variants))
 }
 
-/// Shadow rays that an occluder answers.
 struct OccluderQuery<'a> {
     occluder: BoxedOccluder<'a, f32>,
     batches: &'a Batches<f32>,

@@ -1,11 +1,6 @@
 //! Mailboxes: answers must not change, tests must become fewer.
 
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::ErrorOf;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
+use super::prelude::*;
 
 pub static AXIS: Axis = Axis {
     name: "mailbox",
@@ -45,17 +40,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let work = replay.counted();
         let per_ray = |n: u64| n as f64 / rays.max(1) as f64;
         Variant {
-            name: name.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_without: false,
             is_reference: name == "none",
-            error,
             also: vec![
                 ("tests per ray", per_ray(work.intersection_tests)),
                 ("tests saved per ray", per_ray(work.tests_saved)),
             ],
-            work: Box::new(replay),
+            ..Variant::built(name, built, error, replay)
         }
     });
     let said = AxisReport {

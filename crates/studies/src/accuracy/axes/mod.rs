@@ -2,24 +2,21 @@
 
 pub mod box_test;
 pub mod cell_insertion;
-pub mod chosen_tests;
 pub mod cone_and_beam;
 pub mod effects;
 pub mod light_buffer;
 pub mod mailbox;
 pub mod precision;
+mod prelude;
+pub mod primitive_tests;
 pub mod ray_offset;
 mod refracted_shift;
-mod right_aims;
 pub mod right_answers;
-mod right_work;
 pub mod secondary_rays;
 mod shadow_terminator;
 mod smallest_offset;
-pub mod sphere_test;
 pub mod time_segments;
 pub mod triangle_aims;
-pub mod triangle_test;
 pub mod voxel_traversal;
 
 use crate::accuracy::axis::Axis;
@@ -28,11 +25,11 @@ use measurement::settings::choice;
 
 /// Every axis: one line each.
 pub static AXES: &[&Axis] = &[
-    &triangle_test::AXIS,
+    &primitive_tests::TRIANGLES,
     &box_test::AXIS,
     &cell_insertion::AXIS,
     &voxel_traversal::AXIS,
-    &sphere_test::AXIS,
+    &primitive_tests::SPHERES,
     &ray_offset::AXIS,
     &mailbox::AXIS,
     &light_buffer::AXIS,
@@ -48,9 +45,6 @@ pub static AXES: &[&Axis] = &[
 ];
 
 /// The axes of these names, each once; all when there are none.
-///
-/// # Errors
-/// [`PlanError::UnknownAxis`] naming what is valid.
 pub fn select(names: &[String]) -> Result<Vec<&'static Axis>, PlanError> {
     if let Some(name) = names.iter().find(|name| AXES.iter().all(|axis| axis.name != *name)) {
         let valid: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();

@@ -1,17 +1,11 @@
 //! Single against double precision, of the same rays to the last digit.
 
-use accel_core::query::tracer::Tracer;
 use accel_core::{Ray, Scalar};
+use measurement::rays::batches::Answers;
 use renderer::Geometry;
 
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use measurement::plan::rows::Row;
-use measurement::rays::batches::Answers;
+use super::prelude::*;
+use crate::accuracy::stage::compare;
 
 pub static AXIS: Axis = Axis {
     name: "precision",
@@ -37,33 +31,30 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         .map(|(kind, rays)| (*kind, rays.iter().map(Ray::widened).collect()))
         .collect();
     let geometry = Geometry::<f64>::of(stage.scene())?;
-    let row = Row::parse(stage.registry, TRACER)?;
-    let double: Box<dyn Tracer<f64>> =
-        row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+    let double = stage.over(TRACER, &geometry)?;
     let reference = Replay::new(&*double, &wide_batches).by_kind();
     let mut variants = Vec::new();
     for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
         let replay = Replay::new(&*built.tracer, &batches).by_kind();
         variants.push(Variant {
-            name: name.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_without: false,
-            is_reference: false,
-            error: compared(&replay.answers, &reference.answers).error(),
             also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes()))],
-            work: Box::new(replay),
+            ..Variant::built(
+                name,
+                built,
+                compared(&replay.answers, &reference.answers).error(),
+                replay,
+            )
         });
     }
     variants.push(Variant {
-        name: "f64".into(),
-        setting: format!("run -s {TRACER} --precision f64"),
-        known_defect: None,
-        is_without: false,
         is_reference: true,
-        error: compared(&reference.answers, &reference.answers).error(),
         also: vec![("MiB of primitives", mebibytes(geometry.bytes()))],
-        work: Box::new(reference),
+        ..Variant::new(
+            "f64",
+            format!("run -s {TRACER} --precision f64"),
+            compared(&reference.answers, &reference.answers).error(),
+            reference,
+        )
     });
     let said = AxisReport {
         timed: format!("{rays} rays of the scene through {TRACER}"),
@@ -78,21 +69,8 @@ fn mebibytes(bytes: usize) -> f64 {
 }
 
 fn compared<S: Scalar>(answers: &[Answers<S>], exact: &[Answers<f64>]) -> TrialCounts {
-    let mut tally = TrialCounts::default();
-    for pair in answers.iter().zip(exact) {
-        match pair {
-            (Answers::Hits(hits), Answers::Hits(exact)) => {
-                for (hit, exact) in hits.iter().zip(exact) {
-                    let off = (hit.t.to_f64() - exact.t).abs();
-                    let is_far = exact.is_hit() && off > TOLERATED * exact.t.abs();
-                    tally.add(hit.id != exact.id || is_far);
-                }
-            }
-            (Answers::Blocked(blocked), Answers::Blocked(exact)) => {
-                blocked.iter().zip(exact).for_each(|(b, e)| tally.add(b != e));
-            }
-            _ => {}
-        }
-    }
-    tally
+    compare(answers, exact, |hit, exact| {
+        let off = (hit.t.to_f64() - exact.t).abs();
+        hit.id != exact.id || exact.is_hit() && off > TOLERATED * exact.t.abs()
+    })
 }

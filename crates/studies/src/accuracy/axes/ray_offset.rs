@@ -8,20 +8,15 @@
 //! shadow rays a smoothly shaded mesh blocks itself ([`shadow_terminator`]).
 
 use glam::DVec3;
+use measurement::plan::ray_overrides::RULES;
 use renderer::Geometry;
 use scene_loading::Scene;
 
+use super::prelude::*;
 use super::refracted_shift::GlassEntries;
 use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height, in_a_million};
 use super::shadow_terminator::LitPoints;
 use super::smallest_offset::SmallestOffsets;
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Stage, TRACER};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use measurement::plan::ray_overrides::RULES;
 
 pub static AXIS: Axis = Axis {
     name: "ray-offset",
@@ -82,7 +77,6 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     Ok(timed(stage, said, variants))
 }
 
-/// The scene somewhere else.
 fn moved(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     let by = DVec3::new(0.62, -0.54, 0.57) * diagonal(&scene) * MOVED;
@@ -97,7 +91,6 @@ fn moved(scene: &Scene) -> Scene {
     scene
 }
 
-/// Error counts of an offset rule.
 #[derive(Debug, Clone, Copy, Default)]
 struct OffsetErrors {
     trials: u64,

@@ -12,12 +12,9 @@ use renderer::Geometry;
 use renderer::ray_offset::OffsetRule;
 use renderer::surface::{SurfacePoint, refract};
 
+use super::prelude::*;
 use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, in_a_million, quantile};
-use crate::accuracy::stage::{Stage, TRACER};
-use crate::error::StudyError;
-use measurement::plan::rows::Row;
 
-/// Index of refraction of glass.
 const INDEX: f64 = 1.5;
 
 /// An exact ray begins so many diagonals from its refined hit: rounding in f64 is 10^6 times less.
@@ -32,17 +29,12 @@ pub struct GlassEntries<'a> {
 
 impl<'a> GlassEntries<'a> {
     /// Over the scene's primitives in double precision.
-    ///
-    /// # Errors
-    /// [`StudyError`] where nothing can be built over them.
     pub fn new(
         stage: &Stage<'_>,
         secondary: &SecondaryRays<'a>,
         geometry: &'a Geometry<f64>,
     ) -> Result<Self, StudyError> {
-        let row = Row::parse(stage.registry, TRACER)?;
-        let double = row.entry.build(geometry.prims(), &row.params);
-        let double: Box<dyn Tracer<f64> + 'a> = double.map_err(|e| stage.refused(e))?;
+        let double = stage.over(TRACER, geometry)?;
         let entering = |d: &Departure| {
             let point = secondary.point(d);
             Some((point, refracted(&point, d.incoming)?))

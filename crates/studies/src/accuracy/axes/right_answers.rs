@@ -7,21 +7,18 @@
 
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::{Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use measurement::plan::rows::Row;
+use measurement::rays::batches::{Answers, trace};
 use renderer::ray_offset::{OffsetRule, RayOffset};
+use renderer::surface::SurfacePoint;
 use renderer::{Geometry, RayKind};
 
-use super::right_aims::{KnownHit, known_hits, wrong};
-use super::right_work::{StepWork, wrong_departures};
-use super::secondary_rays::SecondaryRays;
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::{ErrorOf, TrialCounts};
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::Work;
-use crate::accuracy::stage::{Batches, Stage, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use measurement::plan::rows::Row;
+use super::prelude::*;
+use super::secondary_rays::{GAP, SecondaryRays, height};
+use super::triangle_aims::{KnownHit, known_hits, wrong};
+use crate::accuracy::parts::OFFSET_RAYS;
+use crate::accuracy::stage::fingerprint;
 
 pub static AXIS: Axis = Axis {
     name: "right-answers",
@@ -95,7 +92,6 @@ fn steps(subject: &str) -> &'static [Step] {
     }
 }
 
-/// Number of kinds of trials.
 const KINDS: usize = 3;
 
 fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
@@ -113,15 +109,12 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     for step in steps(subject) {
         let label = format!("{subject}{}", step.settings);
         let offset = RayOffset::new(step.offset, secondary.magnitude);
-        let row = Row::parse(stage.registry, &label)?;
-        let known_defect = row.known_defect();
-        let prims = stage.prepared.geometry.prims();
+        let known_defect = Row::parse(stage.registry, &label)?.known_defect();
         let (found, work) = if step.is_double {
-            let tracer = row.entry.build(double.prims(), &row.params);
-            judge.step(tracer.map_err(|e| stage.refused(e))?, widened(&batches), offset)
+            judge.step(stage.over(&label, &double)?, widened(&batches), offset)
         } else {
-            let tracer = row.entry.build(prims, &row.params);
-            judge.step(tracer.map_err(|e| stage.refused(e))?, batches.clone(), offset)
+            let tracer = stage.over(&label, &stage.prepared.geometry)?;
+            judge.step(tracer, batches.clone(), offset)
         };
         let precision = if step.is_double { " --precision f64" } else { "" };
         let rule = if step.offset == PLAIN { " --set rays.offset=scene-relative" } else { "" };
@@ -180,7 +173,6 @@ impl WrongCounts {
     }
 }
 
-/// Reference data that judges all steps.
 struct Judge<'j, 'a> {
     stage: &'j Stage<'j>,
     aims: &'j [Vec<KnownHit>; 2],
@@ -219,5 +211,90 @@ fn exactly<S: Scalar>(ray: &Ray<f32>) -> Ray<S> {
         t_min: S::from_f64(wide.t_min),
         t_max: S::from_f64(wide.t_max),
         time: S::from_f64(wide.time),
+    }
+}
+
+/// A tracer, its rays and its answers.
+struct StepWork<'a, S: Buildable> {
+    tracer: Box<dyn Tracer<S> + 'a>,
+    batches: Batches<S>,
+    offset: RayOffset,
+    secondary_rays: Vec<(SurfacePoint<'a>, glam::DVec3)>,
+    made: Vec<Ray<S>>,
+    /// One for each batch, then those of the rays that are made.
+    answers: Vec<Answers<S>>,
+}
+
+impl<'a, S: Buildable> StepWork<'a, S> {
+    /// Traces `batches`, and the first `most` of the rays that leave surfaces.
+    fn new(
+        tracer: Box<dyn Tracer<S> + 'a>,
+        batches: Batches<S>,
+        offset: RayOffset,
+        secondary: &SecondaryRays<'a>,
+        most: usize,
+    ) -> Self {
+        let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
+        let first = secondary.departures.iter().take(most);
+        let secondary_rays: Vec<_> = first.map(|d| (secondary.point(d), d.out)).collect();
+        let made = Answers::new(RayKind::Diffuse, secondary_rays.len());
+        let answers = of_batches.chain([made]).collect();
+        let mut work = Self { tracer, batches, offset, secondary_rays, made: Vec::new(), answers };
+        work.prepare();
+        work.run();
+        work
+    }
+}
+
+/// Number of rays that hit the surface they leave, or begin beyond a sheet close above it.
+fn wrong_departures<S: Buildable>(
+    tracer: &dyn Tracer<S>,
+    offset: RayOffset,
+    secondary: &SecondaryRays<'_>,
+    most: usize,
+) -> u64 {
+    let secondary_rays: Vec<_> = secondary.departures.iter().take(most).collect();
+    let points: Vec<_> = secondary_rays.iter().map(|d| secondary.point(d)).collect();
+    let rays: Vec<Ray<S>> =
+        points.iter().zip(&secondary_rays).map(|(point, d)| offset.along(point, d.out)).collect();
+    let mut hits = vec![Hit::NONE; rays.len()];
+    tracer.closest_hits(&rays, &mut hits);
+    let all = secondary_rays.iter().zip(&points).zip(&rays).zip(&hits);
+    let is_wrong =
+        |point: &SurfacePoint<'_>, ray: &Ray<S>| height(point, ray) > GAP * secondary.diagonal;
+    all.filter(|(((d, point), ray), hit)| hit.id == d.id || is_wrong(point, ray)).count() as u64
+}
+
+impl<S: Buildable> Work for StepWork<'_, S> {
+    fn prepare(&mut self) {
+        self.answers.iter_mut().for_each(Answers::clear);
+    }
+
+    fn run(&mut self) {
+        (0..self.answers.len()).for_each(|part| self.run_part(part));
+    }
+
+    fn fingerprint(&self) -> u64 {
+        fingerprint(&self.answers)
+    }
+
+    fn parts(&self) -> Vec<String> {
+        let kinds = self.batches.iter().map(|(kind, _)| kind.name().to_owned());
+        kinds.chain([OFFSET_RAYS.to_owned()]).collect()
+    }
+
+    fn run_part(&mut self, part: usize) {
+        let Some(answers) = self.answers.get_mut(part) else { return };
+        let rays = match self.batches.get(part) {
+            Some((_, rays)) => rays,
+            None => {
+                self.made.clear();
+                let offset = self.offset;
+                let made = self.secondary_rays.iter().map(|(point, out)| offset.along(point, *out));
+                self.made.extend(made);
+                &self.made
+            }
+        };
+        trace(&*self.tracer, rays, answers);
     }
 }

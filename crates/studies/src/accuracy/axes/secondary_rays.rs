@@ -4,19 +4,16 @@
 use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
+use measurement::rays::batches::Answers;
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
 use renderer::{Geometry, RayKind};
 use scene_loading::{Scene, Shape};
-
-use crate::accuracy::stage::Work;
-use crate::accuracy::stage::{Stage, TRACER, fingerprint};
-use crate::accuracy::timing::Variant;
-use crate::error::StudyError;
-use crate::verify::draw::direction;
-use measurement::plan::rows::Row;
-use measurement::rays::batches::Answers;
 use statistics::random::Random;
+
+use super::prelude::*;
+use crate::accuracy::stage::fingerprint;
+use crate::verify::draw::direction;
 
 /// How near something may stand, in diagonals of the scene, and still be met.
 pub const GAP: f64 = 1e-5;
@@ -65,9 +62,7 @@ impl<'a> SecondaryRays<'a> {
         scene: &'a Scene,
         geometry: &'a Geometry<f32>,
     ) -> Result<Self, StudyError> {
-        let row = Row::parse(stage.registry, TRACER)?;
-        let tracer =
-            row.entry.build(geometry.prims(), &row.params).map_err(|e| stage.refused(e))?;
+        let tracer = stage.over(TRACER, geometry)?;
         let eye = scene.camera.from;
         let by = eye - stage.scene().camera.from;
         let batches = stage.batches(stage.timed_rays, |kind| kind == RayKind::Primary);
@@ -105,7 +100,6 @@ impl<'a> SecondaryRays<'a> {
         Ok(Self { surfaces, departures, tracer, magnitude, diagonal })
     }
 
-    /// The surface that is left.
     pub fn point(&self, departure: &Departure) -> SurfacePoint<'a> {
         self.surfaces.at(departure.id, departure.position)
     }
@@ -160,14 +154,13 @@ impl<'a> SecondaryWork<'a> {
             .iter()
             .any(|(rule, offset)| *rule == name && *offset == OffsetRule::default());
         Variant {
-            name: name.into(),
-            setting: format!("run --set rays.offset={name}"),
-            known_defect: None,
-            is_without: false,
             is_reference: is_default,
-            error: crate::accuracy::error_of::TrialCounts::default().error(),
-            also: Vec::new(),
-            work: Box::new(self),
+            ..Variant::new(
+                name,
+                format!("run --set rays.offset={name}"),
+                TrialCounts::default().error(),
+                self,
+            )
         }
     }
 }

@@ -11,12 +11,12 @@ use std::collections::HashMap;
 
 use accel_core::Ray;
 use glam::DVec3;
+use measurement::rounds::scene_run::light_positions;
 use renderer::ray_offset::OffsetRule;
 use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
 use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork, in_a_million};
-use measurement::rounds::scene_run::light_positions;
 
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]
@@ -94,7 +94,6 @@ fn once(departures: &[Departure]) -> impl Iterator<Item = &Departure> {
     departures.iter().take(again)
 }
 
-/// First blocker of a shadow ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum FirstBlocker {
     No,

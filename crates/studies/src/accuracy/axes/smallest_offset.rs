@@ -6,8 +6,7 @@
 //! is a self-hit. Primitives beside the one that is left may be found wrongly, too: at most 10^-5
 //! diagonals away, where the same ray does not meet them in double precision.
 
-use accel_core::primitives::PrimSet;
-use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;

@@ -14,19 +14,13 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use accel_core::Ray;
 use accel_core::query::tracer::Tracer;
 use glam::DVec3;
+use measurement::plan::rows::Row;
 use renderer::Geometry;
 use scene_loading::{Scene, Shape};
-
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::Work;
-use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
-use measurement::plan::rows::Row;
-use measurement::rays::batches::Answers;
 use statistics::random::Random;
+
+use super::prelude::*;
+use crate::accuracy::stage::compare;
 
 pub static AXIS: Axis = Axis {
     name: "time-segments",
@@ -92,19 +86,16 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             pairs.map(|(tracer, batches)| Replay::new(&**tracer, batches)).collect();
         let mut tally = TrialCounts::default();
         for (replay, batches) in replays.iter().zip(&row.batches) {
-            compare(&replay.answers, &Replay::new(&**reference, batches).answers, &mut tally);
+            let exact = Replay::new(&**reference, batches).answers;
+            tally.add_counts(compare(&replay.answers, &exact, |hit, exact| hit.id != exact.id));
         }
         let bytes: u64 = row.tracers.iter().map(|tracer| tracer.stats().bytes).sum();
         variants.push(Variant {
-            name: name.clone(),
-            setting: setting.clone(),
             known_defect: (i >= PARTS.len())
                 .then_some("moving primitives are static within each part"),
-            is_without: false,
             is_reference: i == 0,
-            error: tally.error(),
             also: vec![("MiB", bytes as f64 / f64::from(1 << 20)), ("build ms", row.build_s * 1e3)],
-            work: Box::new(Moments(replays)),
+            ..Variant::new(name.clone(), setting.clone(), tally.error(), Moments(replays))
         });
     }
     let said = AxisReport {
@@ -150,21 +141,6 @@ impl Work for Moments<'_> {
         let mut hasher = DefaultHasher::new();
         self.0.iter().for_each(|replay| replay.fingerprint().hash(&mut hasher));
         hasher.finish()
-    }
-}
-
-/// How often primitives, or what is blocked, differ.
-fn compare(answers: &[Answers<f32>], exact: &[Answers<f32>], tally: &mut TrialCounts) {
-    for pair in answers.iter().zip(exact) {
-        match pair {
-            (Answers::Hits(hits), Answers::Hits(exact)) => {
-                hits.iter().zip(exact).for_each(|(hit, exact)| tally.add(hit.id != exact.id));
-            }
-            (Answers::Blocked(blocked), Answers::Blocked(exact)) => {
-                blocked.iter().zip(exact).for_each(|(b, e)| tally.add(b != e));
-            }
-            _ => {}
-        }
     }
 }
 

@@ -5,23 +5,16 @@
 //! to 1024ths of a cell near by: then the oracle of `verify` says exactly which cells they pierce.
 //! A ray is wrong when its traversal passes by a cell that it pierces, however shortly.
 
-use accel_core::Ray;
 use accel_core::grid::cell_traversal::CellTraversal;
 use accel_core::grid::voxel_traversal::GridFrame;
-use accel_core::primitives::PrimSet;
-use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::variants::double_traversal::DoubleTraversal;
-use accel_core::{Aabb, Vector};
+use accel_core::{Aabb, Ray, Vector};
 use glam::{DVec3, Vec3};
 use renderer::RayKind;
 
-use crate::accuracy::axis::{Axis, Measure};
-use crate::accuracy::error_of::TrialCounts;
+use super::prelude::*;
 use crate::accuracy::integer_ray::IntegerRay;
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{Replay, Stage, count};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
-use crate::error::StudyError;
 use crate::verify::draw::point;
 
 pub static AXIS: Axis = Axis {
@@ -73,17 +66,12 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let parts = built.iter().zip(replays).zip(TRAVERSALS).zip(differing).zip(found);
     for ((((built, replay), traversal), differing), (tally, missed)) in parts {
         variants.push(Variant {
-            name: traversal.into(),
-            setting: built.setting(),
-            known_defect: built.known_defect,
-            is_without: false,
             is_reference: traversal == "f64",
-            error: tally.error(),
             also: vec![
                 ("cells passed by", missed as f64),
                 ("wrong hits in 10^6", differing as f64 / rays.max(1) as f64 * 1e6),
             ],
-            work: Box::new(replay),
+            ..Variant::built(traversal, built, tally.error(), replay)
         });
     }
     let said = AxisReport {
@@ -110,12 +98,10 @@ impl LatticeRay {
         is_held.then_some(Self { n, ray, exact })
     }
 
-    /// The cells it pierces.
     pub fn pierced(&self) -> Vec<[i32; 3]> {
         self.exact.pierced(self.n as i32).into_iter().map(|p| p.cell).collect()
     }
 
-    /// The cells that a traversal visits.
     pub fn visited(&self, traversal: &str) -> Vec<[i32; 3]> {
         let bounds = Aabb { min: Vec3::ZERO, max: Vec3::splat(self.n as f32) };
         let frame = GridFrame::<f32>::new(bounds, [self.n; 3]);

@@ -75,7 +75,6 @@ pub enum SizesError {
         /// Primitives of the largest size.
         most: u64,
     },
-    /// The plan itself is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error(transparent)]
@@ -92,10 +91,6 @@ pub struct SizeSweep<'r> {
 }
 
 impl<'r> SizeSweep<'r> {
-    /// Validates what is asked for.
-    ///
-    /// # Errors
-    /// [`SizesError`] naming what is valid.
     pub fn new(
         args: &SizeSettings,
         registry: &'r [Entry],

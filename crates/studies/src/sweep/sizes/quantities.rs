@@ -5,7 +5,6 @@ use measurement::record::{RowRecord, SceneRecord};
 use statistics::estimate::Estimate;
 use statistics::power_law::power_law;
 
-/// A quantity of a row.
 #[derive(Debug, Clone, Copy)]
 pub struct Quantity {
     /// In records and CSV.

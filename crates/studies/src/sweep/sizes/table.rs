@@ -114,7 +114,6 @@ fn slope_cell(slope: &SlopeRecord) -> Cell {
     Cell { text, style: Style::Plain }
 }
 
-/// Explanations of the columns.
 const GLOSSARY: &[&str] = &[
     "build: median over the rounds, ns/prim the same for each primitive; ns/ray: trace time of a \
      ray, over the kinds in the title; MiB: bytes of the structure, B/prim the same for each \

@@ -14,7 +14,6 @@ pub enum Sizes {
 }
 
 impl Sizes {
-    /// Parses them for clap.
     pub fn parse(text: &str) -> Result<Self, String> {
         let count = |text: &str| {
             let count = quantity::parse(text.trim()).filter(|n| *n > 0);

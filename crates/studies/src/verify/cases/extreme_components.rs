@@ -113,7 +113,6 @@ fn expected<S: Scalar>(exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
     }
 }
 
-/// A denormal number of either sign.
 fn denormal<S: Scalar>(random: &mut Random) -> f64 {
     let least = S::ZERO.next_up().to_f64();
     let bits = if S::NAME == "f32" { 23.0 } else { 52.0 };

@@ -36,7 +36,6 @@ pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S>
     Ok(round)
 }
 
-/// A ray along an axis.
 struct AxisRay {
     axis: usize,
     /// 1: towards rising coordinates; -1.
@@ -199,6 +198,7 @@ impl Columns {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::verify::answers::Answers;
     use crate::verify::subject::with_brute_force;
     use accel_core::Hit;
 
@@ -213,8 +213,8 @@ mod tests {
             };
             let mut hits = vec![Hit::NONE; round.rays.len()];
             with_brute_force(all.model.prims(), |t| t.closest_hits(&all.rays, &mut hits)).unwrap();
-            let near = crate::verify::judge::closest_near(&round);
-            assert_eq!(near, hits, "{seed}");
+            let near = Answers::near(&round.model, &round.rays, round.near.as_ref().unwrap());
+            assert_eq!(near.closest, hits, "{seed}");
             assert!(hits.iter().filter(|h| h.is_hit()).count() > 20);
         }
     }

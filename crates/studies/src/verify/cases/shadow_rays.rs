@@ -52,7 +52,6 @@ pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-/// Lights of a round.
 const LIGHTS: usize = 3;
 
 pub fn lights<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {

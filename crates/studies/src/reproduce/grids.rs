@@ -1,14 +1,39 @@
-//! The recursive grid's four settings of 1999: RMD, the depth of the deepest grids, and RHT, `+`
-//! for the heterogeneous resolution and `-` for the cube root.
+//! The uniform grid's three settings of 1999 (published resolutions, historical boxes, reversed
+//! lists) and the recursive grid's four: RMD, the depth of the deepest grids, and RHT, `+` for the
+//! heterogeneous resolution and `-` for the cube root.
 
 use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{
-    PaperCounters, PublishedScene, ReproduceError, Setting, grid_counters, registered,
+    PaperCounters, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
-/// Builds the grid that `params` names, as `RMD=3 RHT=+`.
+/// Builds the uniform grid at the published resolution and counts.
+pub(super) fn count_uniform(
+    scene: &PublishedScene,
+    resolution: Option<&str>,
+) -> Result<SceneWork, ReproduceError> {
+    let entry = registered("uniform-grid")?;
+    let settings = [
+        ("resolution", resolution.unwrap_or("heterogeneous")),
+        ("boxes", "historical"),
+        ("order", "reverse"),
+    ];
+    let tracer = entry.build(scene.geometry.prims(), &entry.params(settings)?)?;
+    Ok(scene.count(tracer.as_ref(), ShadowRule::Historical))
+}
+
+/// The counters of a setting of the uniform grid.
+pub(super) fn uniform(
+    scene: &PublishedScene,
+    setting: &Setting,
+) -> Result<PaperCounters, ReproduceError> {
+    let work = count_uniform(scene, setting.figures.get("resolution").copied())?;
+    Ok(grid_counters(scene, &work))
+}
+
+/// Builds the recursive grid that `params` names, as `RMD=3 RHT=+`.
 fn build<'g>(
     geometry: &'g Geometry<f64>,
     params: &str,
@@ -28,8 +53,8 @@ fn build<'g>(
     Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
 }
 
-/// The counters of one setting.
-pub(super) fn counters(
+/// The counters of a setting of the recursive grid.
+pub(super) fn recursive(
     scene: &PublishedScene,
     setting: &Setting,
 ) -> Result<PaperCounters, ReproduceError> {

@@ -1,0 +1,255 @@
+//! The tests of triangles and of spheres: what leaks or errs, and what it takes not to.
+//!
+//! Of triangles, rays at corners and edges within a mesh are judged ([`super::triangle_aims`]); of
+//! spheres, rays that pass the centre at 0.95 or 1.05 of the radius, from 10 to 10^4 radii away: f64
+//! tells on which side, with room to spare.
+
+use accel_core::primitives::{PrimSet, PrimitiveKind, PrimsRef};
+use accel_core::variants::chosen_tests::{
+    Choice, SphereChoice, TestedSetVisitor, TriangleChoice, visit_tested,
+};
+use accel_core::{Ray, Vector};
+use glam::DVec3;
+use renderer::RaySettings;
+use scene_loading::Scene;
+use statistics::estimate::median;
+
+use super::prelude::*;
+use super::triangle_aims::{AimedRay, SharedFeatures};
+use crate::accuracy::stage::{PreparedScene, StagedStructure};
+use crate::verify::draw::{direction, unit};
+
+pub static TRIANGLES: Axis = Axis {
+    name: "triangle-test",
+    summary: "tests of triangles: Moeller-Trumbore, Pluecker, watertight, f64",
+    paper: "Moeller, Trumbore 1997; Shoemake 1998; Woop, Benthin, Wald 2013",
+    metric: "rays in 10^6, aimed at corners and edges within a mesh, that pass through it",
+    reference: "exact predicates",
+    scenes: &["teapot", "mount", "pavilion"],
+    setting: "STRUCTURE.triangle-test",
+    measure: Measure::Each { subjects: SUBJECTS, serves, measure: test_triangles },
+};
+
+/// Through what the tests are timed: triangles one by one, then in blocks of eight.
+const SUBJECTS: &[&str] = &["uniform-grid:kernel=scalar", "uniform-grid", "wide-bvh"];
+
+/// Blocks are of triangles alone: in other scenes they would repeat what is tested one by one.
+fn serves(prepared: &PreparedScene, subject: &str) -> bool {
+    let is_one_by_one = subject.ends_with("kernel=scalar");
+    is_one_by_one || matches!(prepared.geometry.prims(), PrimsRef::Watertight(_))
+}
+
+/// Values of the setting, and the test each is.
+const TRIANGLE_TESTS: [(&str, TriangleChoice); 6] = [
+    ("moeller-trumbore", TriangleChoice::MoellerTrumbore),
+    ("moeller-trumbore-epsilon", TriangleChoice::Tolerant),
+    ("pluecker", TriangleChoice::Pluecker),
+    ("watertight", TriangleChoice::Watertight),
+    ("watertight-fallback", TriangleChoice::Fallback),
+    ("f64", TriangleChoice::Double),
+];
+
+fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
+    let prims = stage.prepared.geometry.prims();
+    let labels = TRIANGLE_TESTS.map(|(name, _)| format!("{subject}:triangle-test={name}"));
+    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let batches = stage.all_batches();
+    let rays = count(&batches);
+    let aims = match prims {
+        PrimsRef::Watertight(set) => aims(stage, set),
+        PrimsRef::Mixed(set) => aims(stage, set),
+    };
+    if aims.is_empty() {
+        return Err(stage.unfit("no edge or corner of it is surrounded by triangles"));
+    }
+    let hit = |triangle: TriangleChoice| {
+        let choice = Choice { triangle, sphere: SphereChoice::Rearranged };
+        visit_tested(prims, choice, NearestOf { aims: &aims }).unwrap_or_default()
+    };
+    let exact = hit(TriangleChoice::Double);
+    let variants = built.iter().zip(TRIANGLE_TESTS).map(|(built, (name, test))| {
+        let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
+        variant(name, built, &batches, answers)
+    });
+    let said = AxisReport {
+        timed: format!("{rays} rays of the scene through {subject}"),
+        judged: format!("{} rays at corners and edges within the mesh", aims.len()),
+        ..AxisReport::default()
+    };
+    let variants = variants.collect();
+    Ok(timed(stage, said, variants))
+}
+
+/// Rays at the corners and edges of the scene's meshes.
+fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<AimedRay> {
+    let mut balls = Vec::new();
+    let corners = |id: u32| {
+        balls.clear();
+        set.hull(id, &mut balls);
+        match (set.kind(id), balls.as_slice()) {
+            (PrimitiveKind::Triangle, [a, b, c]) => {
+                Some((id, [a, b, c].map(|p| p.center.as_vec3().to_array())))
+            }
+            _ => None,
+        }
+    };
+    let triangles: Vec<_> = (0..set.len() as u32).filter_map(corners).collect();
+    let shared = SharedFeatures::new(&triangles);
+    let bounds = set.scene_bounds();
+    let (centre, reach) = ((bounds.min + bounds.max) * 0.5, bounds.size().length());
+    let mut random = stage.random("aims");
+    // some of what is drawn is an outline or open
+    let drawn = (0..stage.trials() * 8).filter_map(|_| shared.aim(&mut random, centre, reach));
+    drawn.take(stage.trials()).collect()
+}
+
+pub static SPHERES: Axis = Axis {
+    name: "sphere-test",
+    summary: "tests of spheres: the quadratic as it stands, rearranged, in f64",
+    paper: "Glassner 1989; Haines, Guenther, Akenine-Moeller 2019",
+    metric: "rays in 10^6, 10 to 10^4 radii away, that hit or miss a sphere wrongly",
+    reference: "distance of the centre from the ray, clear by 2% of the radius",
+    scenes: &["balls", "rings", "pavilion"],
+    setting: "STRUCTURE.sphere-test",
+    measure: Measure::Whole(test_spheres),
+};
+
+const SPHERE_TESTS: [(&str, SphereChoice); 3] = [
+    ("naive", SphereChoice::Naive),
+    ("rearranged", SphereChoice::Rearranged),
+    ("f64", SphereChoice::Double),
+];
+
+fn test_spheres(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let has_spheres = !stage.scene().spheres.is_empty();
+    if has_spheres {
+        return test_spheres_of(stage, "the scene");
+    }
+    let beads = beads(stage.scene()).ok_or_else(|| stage.unfit("it has no corners"))?;
+    let settings = RaySettings {
+        resolution: [if stage.quick { 32 } else { 96 }; 2],
+        ..RaySettings::default()
+    };
+    let prepared = PreparedScene::new(beads, stage.registry, &settings)?;
+    test_spheres_of(
+        &Stage { prepared: &prepared, ..*stage },
+        "a bead at a corner of each primitive",
+    )
+}
+
+/// A scene without spheres as beads: one at the first corner of each primitive, its radius a
+/// quarter of the mean side of their boxes.
+fn beads(scene: &Scene) -> Option<Scene> {
+    let mut beads = scene.clone();
+    beads.primitives.clear();
+    let sides = scene.primitives.iter().map(|p| scene.shape_bounds(p.shape).size().max_element());
+    let radius = sides.sum::<f64>() / scene.primitives.len().max(1) as f64 / 4.0;
+    for primitive in &scene.primitives {
+        if let Some(corner) = scene.outline(primitive.shape).first() {
+            beads.push_sphere(primitive.material, *corner, radius);
+        }
+    }
+    (!beads.primitives.is_empty() && radius > 0.0).then_some(beads)
+}
+
+fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyError> {
+    let PrimsRef::Mixed(set) = stage.prepared.geometry.prims() else {
+        return Err(stage.unfit("it has no spheres"));
+    };
+    let labels = SPHERE_TESTS.map(|(name, _)| format!("{TRACER}:sphere-test={name}"));
+    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let batches = stage.all_batches();
+    let rays = count(&batches);
+    let spheres: Vec<u32> =
+        (0..set.len() as u32).filter(|&id| set.kind(id) == PrimitiveKind::Sphere).collect();
+    let mut random = stage.random("spheres");
+    let mut aims = Vec::with_capacity(stage.aims);
+    let mut balls = Vec::new();
+    while aims.len() < stage.aims {
+        let id = spheres[random.below(spheres.len())];
+        balls.clear();
+        set.hull(id, &mut balls);
+        let Some(ball) = balls.first() else { break };
+        let along = direction(&mut random);
+        let away = 10.0_f64.powf(1.0 + 3.0 * unit(&mut random)) * ball.radius;
+        let beside = if random.below(2) == 0 { 0.95 } else { 1.05 } * ball.radius;
+        let aside = along.any_orthonormal_vector();
+        let from = ball.center + aside * beside - along * away;
+        let ray = Ray::<f32>::new(from.as_vec3(), along.as_vec3());
+        let passing = passes_at(&ray, ball.center) / ball.radius;
+        if !ball.radius.is_normal() || (passing - 1.0).abs() < 0.02 {
+            // single precision cannot hold such a ray: the coordinates are too large
+            aims.push(None);
+            continue;
+        }
+        aims.push(Some((AimedRay { ray, primitives: vec![id] }, passing < 1.0)));
+    }
+    let (aims, is_met): (Vec<_>, Vec<bool>) = aims.into_iter().flatten().unzip();
+    let hit = |sphere: SphereChoice| {
+        let choice = Choice { triangle: TriangleChoice::Watertight, sphere };
+        visit_tested(PrimsRef::Mixed(set), choice, NearestOf { aims: &aims }).unwrap_or_default()
+    };
+    let exact = hit(SphereChoice::Double);
+    let variants = built.iter().zip(SPHERE_TESTS).map(|(built, (name, test))| {
+        let answers = hit(test).into_iter().zip(&exact).zip(&is_met);
+        let answers = answers.map(|((t, exact), is_met)| (t, *exact, t.is_some() != *is_met));
+        variant(name, built, &batches, answers)
+    });
+    let said = AxisReport {
+        timed: format!("{rays} rays of {what} through {TRACER}"),
+        judged: format!("{} rays beside and through spheres of {what}", aims.len()),
+        ..AxisReport::default()
+    };
+    let variants = variants.collect();
+    Ok(timed(stage, said, variants))
+}
+
+/// How near the line of a ray comes to a point.
+fn passes_at(ray: &Ray<f32>, p: DVec3) -> f64 {
+    let d = ray.direction.to_dvec3();
+    (ray.origin.to_dvec3() - p).cross(d).length() / d.length()
+}
+
+/// The test that all others are compared with.
+const REFERENCE: &str = "f64";
+
+/// The parameter by which an aimed ray hits, of the nearest of the primitives that it is judged by.
+struct NearestOf<'m> {
+    aims: &'m [AimedRay],
+}
+
+impl TestedSetVisitor<'_> for NearestOf<'_> {
+    type Output = Vec<Option<f32>>;
+
+    fn visit<P: PrimSet<f32>>(self, set: &P) -> Self::Output {
+        let nearest = |aim: &AimedRay| {
+            let setup = set.setup(&aim.ray);
+            let t = |id: &u32| set.intersect(*id, &aim.ray, &setup, f32::INFINITY);
+            aim.primitives.iter().filter_map(t).reduce(f32::min)
+        };
+        self.aims.iter().map(nearest).collect()
+    }
+}
+
+/// A test of primitives as a variant: `answers` are, for each aim, its parameter, that of
+/// `REFERENCE`, and whether it is wrong to meet or to miss there.
+fn variant<'a>(
+    name: &str,
+    built: &'a StagedStructure<'_>,
+    batches: &'a Batches<f32>,
+    answers: impl Iterator<Item = (Option<f32>, Option<f32>, bool)>,
+) -> Variant<'a> {
+    let (mut tally, mut ulps) = (TrialCounts::default(), Vec::new());
+    for (t, exact, is_wrong) in answers {
+        tally.add(is_wrong);
+        if let (Some(t), Some(exact)) = (t, exact) {
+            let ulp = f64::from(exact.next_up()) - f64::from(exact);
+            ulps.push((f64::from(t) - f64::from(exact)).abs() / ulp);
+        }
+    }
+    Variant {
+        is_reference: name == REFERENCE,
+        also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
+        ..Variant::built(name, built, tally.error(), Replay::new(&*built.tracer, batches).by_kind())
+    }
+}
