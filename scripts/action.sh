@@ -63,8 +63,7 @@ measure() {
         [ ! -e "$results/results.md" ] || cat "$results/results.md" >> "${GITHUB_STEP_SUMMARY:?}"
     fi
     mkdir -p "$results"
-    local exports=(--export-markdown "$results/check.md" --export-json "$results/check.json")
-    local checked=(rtbench check "${exports[@]}" ${check[@]+"${check[@]}"})
+    local checked=(rtbench check -o "$home/checked" --overwrite ${check[@]+"${check[@]}"})
     if [ -n "${PLUGIN:-}" ] && [ -n "${BASE_PLUGIN:-}" ] && [ -e "$results/results.json" ]; then
         # what the run measured, both builds in turns
         checked+=(--baseline "$results" --plugin "$PLUGIN" --against-plugin "$BASE_PLUGIN")
@@ -77,6 +76,9 @@ measure() {
     if [ ${#checked[@]} -gt 0 ]; then
         "${checked[@]}" | tee "$home/check.txt" || judged=${PIPESTATUS[0]}
         verdict=$(tail -n 1 "$home/check.txt")
+        for file in "$home"/checked/check.*; do
+            [ ! -e "$file" ] || mv "$file" "$results"
+        done
     fi
     # wrong hits and failures of the run say more than what was checked after it
     [ "$code" != 0 ] || code=$judged

@@ -51,18 +51,18 @@ read -ra more <<< "${CHECK:-}"
 # how many turns of the loop are 1% of the instructions, and 5% and 10% of the time
 turns=1000
 instructions() { # TURNS -> instructions of all traversals
-    PLANTED_LOOPS=$1 "$new" -q baseline save --force calibration "$scene" --quick --rounds 3 \
+    PLANTED_LOOPS=$1 "$new" -q baseline save --overwrite calibration "$scene" --quick --rounds 3 \
         -s slowed-grid --instructions
     "$new" baseline show calibration | awk '/^Instructions/ {on = 1}
         on && /slowed-grid/ {print $NF; exit}'
 }
 seconds() { # TURNS -> the least trace times of all kinds of rays together: what no load adds to
     PLANTED_LOOPS=$1 "$new" -q run "$scene" --quick --rounds 60 -s slowed-grid \
-        --overwrite --export-json "$work/time.json" > "$work/time.txt"
+        --overwrite -o "$work/time" > "$work/time.txt"
     awk '/"samples": \[/ {on = 1} /"summary": \[/ {on = 0}
         on && /"(primary|shadow|reflected|refracted|diffuse)":/ {
             sub(",", "", $2); if (!($1 in least) || $2 + 0 < least[$1]) least[$1] = $2 + 0 }
-        END {for (kind in least) sum += least[kind]; print sum}' "$work/time.json"
+        END {for (kind in least) sum += least[kind]; print sum}' "$work/time/results.json"
 }
 turns_for() { # SHARE BEFORE WITH_TURNS -> turns
     awk -v share="$1" -v a="$2" -v b="$3" -v n="$turns" 'BEGIN {
@@ -93,9 +93,9 @@ fi
 
 longest=0
 check() { # NAME NUMBER ARGUMENTS... -> the CSV file at $csv
-    csv=$keep/$1-$2.csv
+    csv=$keep/$1-$2/check.csv
     local code=0 begin=$SECONDS
-    PLANTED_LOOPS=${planted[$1]} "$new" -q check "${@:3}" --overwrite --export-csv "$csv" > "$work/out" || code=$?
+    PLANTED_LOOPS=${planted[$1]} "$new" -q check "${@:3}" --overwrite -o "${csv%/*}" > "$work/out" || code=$?
     case $code in 0 | 3) ;; *) cat "$work/out" >&2; echo "check-trials: exit $code" >&2; exit 1 ;; esac
     [ $((SECONDS - begin)) -le "$longest" ] || longest=$((SECONDS - begin))
 }

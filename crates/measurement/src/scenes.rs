@@ -40,9 +40,6 @@ pub trait KnownScene: Debug + Send + Sync {
 
 pub trait SceneSource {
     /// The scenes that names, names of sets and paths stand for, each once.
-    ///
-    /// # Errors
-    /// [`LoadError::UnknownScene`] listing what is valid.
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError>;
 
     /// Returns whether sources of scene files may lie outside their folders.

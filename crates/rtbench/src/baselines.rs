@@ -1,6 +1,6 @@
 //! Baselines: records of runs kept under names, one JSON file each, to check against.
 //!
-//! A file is the record as `rtbench run --export-json` writes it, with the instruction counts of
+//! A file is the record as `rtbench run -o` writes it, with the instruction counts of
 //! the same program beside it where they were asked for.
 
 use std::fs;
@@ -17,13 +17,11 @@ use measurement::settings::choice;
 use measurement::system::files::put;
 use measurement::system::interrupt::undisturbed;
 
-/// Default folder of baselines.
 const FOLDER: &str = ".rtbench/baselines";
 /// File name extension of baselines.
 const EXTENSION: &str = "json";
 const LONGEST: usize = 64;
 
-/// Errors of baselines and their names.
 #[derive(Debug, thiserror::Error)]
 pub enum BaselineError {
     #[error(
@@ -34,21 +32,18 @@ pub enum BaselineError {
     #[error("no baseline '{name}' in {}{hint}; {valid}", folder.display())]
     Unknown {
         name: String,
-        /// Folder that was searched.
         folder: PathBuf,
         /// ` (did you mean ...?)` or empty.
         hint: String,
         valid: String,
     },
-    /// It would overwrite one.
-    #[error("baseline '{0}' exists; replace it with --force")]
+    #[error("baseline '{0}' exists; replace it with --overwrite")]
     Exists(String),
     #[error(
         "a baseline cannot be resumed: finish the run with `rtbench run --resume DIR`, then save \
              it with `rtbench baseline save NAME --from DIR`"
     )]
     Resume,
-    /// Only a whole run serves.
     #[error("{}: the run is not finished; finish it with `rtbench run --resume DIR`", .0.display())]
     Incomplete(PathBuf),
     #[error("baseline {}: {source}", path.display())]
@@ -57,10 +52,8 @@ pub enum BaselineError {
         path: PathBuf,
         source: io::Error,
     },
-    /// It is no record.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Its instruction counts cannot be read.
     #[error("{}: {message}", path.display())]
     Counts { path: PathBuf, message: String },
 }
@@ -76,7 +69,6 @@ impl BaselineError {
 pub struct Baseline {
     #[serde(flatten)]
     pub record: RunRecord,
-    /// Instruction counts of its rows.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instructions: Option<Counts>,
     /// The share of the time in which some thread waited for a processor, where that is known.
@@ -93,7 +85,6 @@ struct BaselineMeta {
     cpu_pressure: Option<f64>,
 }
 
-/// The folder of baselines.
 #[derive(Debug, Clone)]
 pub struct Store(PathBuf);
 
@@ -130,10 +121,6 @@ impl Store {
         }
     }
 
-    /// The path of a baseline that is there.
-    ///
-    /// # Errors
-    /// [`BaselineError::Unknown`] naming those that are.
     pub fn existing(&self, name: &str) -> Result<PathBuf, BaselineError> {
         let path = self.path(name)?;
         if path.is_file() {
@@ -163,9 +150,6 @@ impl Store {
     }
 
     /// Keeps a baseline under a name, whole or not at all.
-    ///
-    /// # Errors
-    /// [`BaselineError`]; [`BaselineError::Exists`] unless it may `replace` one.
     pub fn save(
         &self,
         name: &str,
@@ -190,7 +174,6 @@ impl Store {
         }
     }
 
-    /// Removes the baseline of that name.
     pub fn remove(&self, name: &str) -> Result<(), BaselineError> {
         let path = self.existing(name)?;
         fs::remove_file(&path).map_err(|e| self.io(&path, e))

@@ -7,24 +7,25 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
+use crate::exports::occupied::PlannedOutput;
+use crate::exports::outputs::OutputError;
 use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::Clock;
+use measurement::system::created::CreatedFiles;
 use measurement::system::program_copy::{CopyError, ProgramCopy};
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
-use measurement::system::{pressure, world};
+use measurement::system::{machine, world};
 use presentation::fitted::wrapped;
 use presentation::outside::{self, Annotation};
 use presentation::text::Screen;
+use scene_loading::Scene;
 
 /// The outside world as a command sees it.
 pub struct Context<'a> {
-    /// The structures there are.
     pub registry: &'a [Entry],
-    /// The occluders there are.
     pub occluders: &'a [occluders::Entry],
-    /// The scenes there are.
     pub scenes: &'a dyn SceneSource,
     /// Clock that times are read from.
     pub clock: &'a dyn Clock,
@@ -73,21 +74,19 @@ impl Environment {
         ProgramCopy::of(program, &temporary)
     }
 
-    /// Detects it from the process.
     pub fn detect() -> Self {
         let path = |name| std::env::var_os(name).filter(|v| !v.is_empty()).map(PathBuf::from);
         Self {
             program: std::env::current_exe().ok(),
             github_actions: std::env::var_os("GITHUB_ACTIONS").is_some_and(|v| v == "true"),
             github_step_summary: path("GITHUB_STEP_SUMMARY"),
-            cpu_pressure: Some(pressure::CPU.into()),
+            cpu_pressure: Some(machine::CPU_PRESSURE.into()),
             baselines: path("RTBENCH_BASELINES"),
             temporary: Some(std::env::temp_dir()),
         }
     }
 }
 
-/// Properties of the terminal.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Terminal {
     /// Standard output is one.
@@ -108,7 +107,6 @@ const DEFAULT_WIDTH: usize = 120;
 const LEAST_WIDTH: usize = 40;
 
 impl Terminal {
-    /// Detects it from the process.
     pub fn detect() -> Self {
         use std::io::IsTerminal;
         let no_color = std::env::var_os("NO_COLOR").is_some_and(|v| !v.is_empty())
@@ -149,11 +147,40 @@ pub enum Verbosity {
     Verbose,
 }
 
-impl Context<'_> {
-    /// The same with other structures, some of them of plugins.
-    pub fn over<'b>(&'b mut self, registry: &'b [Entry], plugins: Plugins) -> Context<'b> {
-        Context {
+impl<'a> Context<'a> {
+    /// Over these, writing to `out` and `err`; nothing is known of a terminal or an environment.
+    pub fn new(
+        registry: &'a [Entry],
+        scenes: &'a dyn SceneSource,
+        clock: &'a dyn Clock,
+        world: &'a dyn World,
+        out: &'a mut dyn Write,
+        err: &'a mut dyn Write,
+    ) -> Self {
+        Self {
             registry,
+            occluders: occluders::REGISTRY,
+            scenes,
+            clock,
+            world,
+            out,
+            err,
+            command_line: vec!["rtbench".into()],
+            terminal: Terminal::default(),
+            verbosity: Verbosity::Normal,
+            overwrite: false,
+            environment: Environment::default(),
+            annotations: Vec::new(),
+            plugins: Plugins::default(),
+        }
+    }
+}
+
+impl Context<'_> {
+    /// The same context for a while, with no annotations.
+    pub fn reborrowed(&mut self) -> Context<'_> {
+        Context {
+            registry: self.registry,
             occluders: self.occluders,
             scenes: self.scenes,
             clock: self.clock,
@@ -166,7 +193,31 @@ impl Context<'_> {
             overwrite: self.overwrite,
             environment: self.environment.clone(),
             annotations: Vec::new(),
-            plugins,
+            plugins: self.plugins.clone(),
+        }
+    }
+
+    /// Creates the folder of `-o`, if one is named. A folder is refused that holds other results in
+    /// files of these names, the record's first, unless output may be replaced. What is still empty
+    /// in the end is taken back.
+    pub fn created_folder(
+        &self,
+        folder: Option<&PathBuf>,
+        names: &[&str],
+    ) -> Result<CreatedFiles, OutputError> {
+        let mut created = CreatedFiles::default();
+        if let Some(folder) = folder {
+            let (command_line, overwrite) = (&*self.command_line, self.overwrite);
+            PlannedOutput { names, command_line, manifest: None, overwrite }.check(folder)?;
+            created.folder(folder)?;
+        }
+        Ok(created)
+    }
+
+    /// Warns of what a scene loses in single precision.
+    pub fn warn_in_f32(&mut self, scene: &Scene) {
+        for warning in scene.warnings_in_f32() {
+            self.warn(format_args!("{}: {warning}", scene.name));
         }
     }
 

@@ -42,117 +42,97 @@ use crate::set_options::SetOptionsError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The command line names something that is not there, or that is not valid.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// Nothing that can be swept.
     #[error(transparent)]
     Sweep(Box<SweepError>),
-    /// Nothing that can be scaled.
     #[error(transparent)]
     Sizes(Box<SizesError>),
-    /// Nothing that can be animated.
     #[error(transparent)]
     Animate(Box<AnimateError>),
-    /// Nothing that can be explained.
     #[error(transparent)]
     Explain(Box<ExplainError>),
-    /// A scene could not be loaded.
     #[error(transparent)]
     Load(#[from] LoadError),
-    /// A scene could not be measured.
     #[error(transparent)]
     Measure(Box<MeasureError>),
-    /// A plugin cannot be used.
     #[error(transparent)]
     Plugin(#[from] PluginError),
-    /// A file of hits cannot be used.
     #[error(transparent)]
     HitsFile(#[from] FileError),
-    /// Rays cannot be read.
     #[error(transparent)]
     RayText(#[from] RayTextError),
-    /// Results take no foreign row.
     #[error(transparent)]
     ForeignRow(#[from] ForeignRowError),
-    /// Only triangles are written to files.
     #[error(
         "scene {scene}: has other primitives than static triangles; scenes named ...-tess are tessellated"
     )]
     NotOfTriangles { scene: String },
-    /// A study ended early.
     #[error(transparent)]
     Study(Box<StudyError>),
-    /// An output file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// Two outputs would be mixed up, or the files of results cannot be written.
     #[error(transparent)]
     Outputs(OutputError),
-    /// The folder of `-o` holds other results.
     #[error(transparent)]
     Occupied(#[from] OccupiedError),
-    /// Nothing was measured that a model of times could be made from.
     #[error("the images of {scenes} were too fast to predict from")]
     NoModel { scenes: String },
-    /// Results could not be turned into text.
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// The journal of a run cannot be used.
     #[error(transparent)]
     Journal(#[from] JournalError),
-    /// Signals cannot be had.
     #[error("cannot watch for signals: {0}")]
     Signals(io::Error),
-    /// The record of a run cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Runs are not compared.
     #[error(transparent)]
     Compare(#[from] CompareError),
-    /// No row could be compared with the baseline.
     #[error(transparent)]
     Gate(Box<GateError>),
-    /// The options of a set file cannot be used.
     #[error(transparent)]
     SetOptions(Box<SetOptionsError>),
-    /// The parts of a run cannot be joined.
     #[error(transparent)]
     Merge(#[from] MergeError),
-    /// Runs of several machines are not the same run.
     #[error(transparent)]
     Machines(#[from] MachinesError),
-    /// The input of a report cannot be read.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// The input of a history cannot be read.
     #[error(transparent)]
     History(#[from] HistoryError),
-    /// The copy of this program that the floor is measured with.
     #[error(transparent)]
     Copy(#[from] CopyError),
-    /// A structure's cells cannot be drawn.
     #[error("structure {row}: {source}")]
     NoCells { row: String, source: NoCells },
-    /// A picture cannot be encoded.
     #[error("cannot draw {}: {source}", path.display())]
     Undrawn { path: PathBuf, source: ImageError },
-    /// Published figures could not be reproduced.
     #[error(transparent)]
     Reproduce(#[from] ReproduceError),
-    /// Standard output failed; a closed pipe is not an error, see [`Error::is_closed_pipe`].
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
 }
 
-/// Maps equal errors of several subsystems to one.
-impl From<MeasureError> for Error {
-    fn from(error: MeasureError) -> Self {
-        match error {
-            MeasureError::Load(error) => Self::Load(error),
-            other => Self::Measure(Box::new(other)),
+/// Equal errors of several subsystems become one; the others are boxed.
+macro_rules! boxed {
+    ($($error:ident as $variant:ident, $($inner:ident to $own:ident),+;)+) => {$(
+        impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                match error {
+                    $($error::$inner(error) => Self::$own(error),)+
+                    other => Self::$variant(Box::new(other)),
+                }
+            }
         }
-    }
+    )+};
+}
+
+boxed! {
+    MeasureError as Measure, Load to Load;
+    SweepError as Sweep, Plan to Plan, Scene to Load;
+    SizesError as Sizes, Plan to Plan, Scene to Load;
+    AnimateError as Animate, Plan to Plan;
+    ExplainError as Explain, Plan to Plan;
+    SetOptionsError as SetOptions, Plan to Plan;
 }
 
 impl From<GeometryError> for Error {
@@ -177,44 +157,6 @@ impl From<UnsavedImage> for Error {
     }
 }
 
-impl From<SweepError> for Error {
-    fn from(error: SweepError) -> Self {
-        match error {
-            SweepError::Plan(error) => Self::Plan(error),
-            SweepError::Scene(error) => Self::Load(error),
-            other => Self::Sweep(Box::new(other)),
-        }
-    }
-}
-
-impl From<AnimateError> for Error {
-    fn from(error: AnimateError) -> Self {
-        match error {
-            AnimateError::Plan(error) => Self::Plan(error),
-            other => Self::Animate(Box::new(other)),
-        }
-    }
-}
-
-impl From<ExplainError> for Error {
-    fn from(error: ExplainError) -> Self {
-        match error {
-            ExplainError::Plan(error) => Self::Plan(error),
-            other => Self::Explain(Box::new(other)),
-        }
-    }
-}
-
-impl From<SizesError> for Error {
-    fn from(error: SizesError) -> Self {
-        match error {
-            SizesError::Plan(error) => Self::Plan(error),
-            SizesError::Scene(error) => Self::Load(error),
-            other => Self::Sizes(Box::new(other)),
-        }
-    }
-}
-
 impl From<GateError> for Error {
     fn from(error: GateError) -> Self {
         Self::Gate(Box::new(error))
@@ -230,20 +172,11 @@ impl From<ReplanError> for Error {
     }
 }
 
-impl From<SetOptionsError> for Error {
-    fn from(error: SetOptionsError) -> Self {
-        match error {
-            SetOptionsError::Plan(error) => Self::Plan(error),
-            other => Self::SetOptions(Box::new(other)),
-        }
-    }
-}
-
 impl From<OutputError> for Error {
     fn from(error: OutputError) -> Self {
         match error {
-            OutputError::Stdout(error) => Self::Output(error),
             OutputError::Write(error) => Self::Write(error),
+            OutputError::Occupied(error) => Self::Occupied(error),
             other => Self::Outputs(other),
         }
     }
@@ -276,16 +209,9 @@ impl Error {
             | Self::SetOptions(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(
-                OutputError::OneStdout
-                | OutputError::SameFile(_)
+                OutputError::SameFile(_)
                 | OutputError::IsRead(_)
                 | OutputError::NothingSelected(..),
-            ) => USAGE,
-            Self::Reproduce(
-                ReproduceError::UnknownScene(_)
-                | ReproduceError::UnknownStructure(_)
-                | ReproduceError::NotInLecture(_)
-                | ReproduceError::FixedReference(_),
             ) => USAGE,
             _ => FAILURE,
         }

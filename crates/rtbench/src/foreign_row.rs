@@ -12,19 +12,14 @@ use renderer::RayKind;
 /// Why results take no foreign row.
 #[derive(Debug, thiserror::Error)]
 pub enum ForeignRowError {
-    /// They cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// Some scenes are not measured yet.
     #[error("{}: the run is not finished; finish it with `rtbench run --resume`", path.display())]
     Incomplete { path: PathBuf },
-    /// The run was of other scenes.
     #[error("{}: no scene {scene} with this content; it has: {valid}", path.display())]
     NoScene { path: PathBuf, scene: String, valid: String },
-    /// The run issued other rays.
     #[error("{}: its rays differ: {what}; export those of the run, with its options", path.display())]
     OtherRays { path: PathBuf, what: String },
-    /// There is such a row.
     #[error("{}: scene {scene} has a row '{name}'; choose another --name, or replace a foreign row with --overwrite", path.display())]
     Taken { path: PathBuf, scene: String, name: String },
 }

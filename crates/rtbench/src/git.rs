@@ -8,16 +8,10 @@ use std::process::{Command, Stdio};
 /// Git did not answer.
 #[derive(Debug, thiserror::Error)]
 pub enum GitError {
-    /// It could not be started.
     #[error("cannot start git: {0}")]
     Start(io::Error),
-    /// There is no such commit.
     #[error("{}: no commit `{commit}` in this repository", folder.display())]
-    UnknownCommit {
-        /// As it was named.
-        commit: String,
-        folder: PathBuf,
-    },
+    UnknownCommit { commit: String, folder: PathBuf },
     #[error("{}: git {asked}: {said}", folder.display())]
     Failed {
         folder: PathBuf,
@@ -51,10 +45,6 @@ pub struct Git {
 }
 
 impl Git {
-    /// The repository that a folder is of.
-    ///
-    /// # Errors
-    /// [`GitError`] where it is of none.
     pub fn at(folder: &Path) -> Result<Self, GitError> {
         Self::with(Path::new("git"), folder)
     }
@@ -91,7 +81,6 @@ impl Git {
         })
     }
 
-    /// The commit of that name.
     pub fn commit(&self, name: &str) -> Result<Commit, GitError> {
         let unknown =
             || GitError::UnknownCommit { commit: name.into(), folder: self.folder.clone() };

@@ -14,7 +14,6 @@ pub struct GivenView<'a> {
 }
 
 impl<'a> GivenView<'a> {
-    /// The scenes of a source, and what all of them are given.
     pub fn new(source: &'a dyn SceneSource, allow_outside: bool, view: ViewOptions) -> Self {
         Self { source, allow_outside, view }
     }

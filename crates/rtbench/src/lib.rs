@@ -60,7 +60,8 @@ use crate::commands::named_files::{files_of_folder, files_read, named_files};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::{occupied, places};
+use crate::exports::occupied;
+use crate::exports::outputs::refuse_shared;
 use crate::given_view::GivenView;
 use crate::plugin_rows::Plugins;
 use crate::set_options::{added_by_set, join};
@@ -124,21 +125,12 @@ pub fn main_over(registry: &[Entry]) -> ExitCode {
     let command_line = arguments.iter().map(|a| a.to_string_lossy().into_owned()).collect();
     let mut out = io::stdout().lock();
     let mut err = io::stderr();
+    let (clock, world) = (SystemClock::default(), program::world());
     let mut context = Context {
-        registry,
-        occluders: occluders::REGISTRY,
-        scenes: &InstalledScenes,
-        clock: &SystemClock::default(),
-        world: &program::world(),
-        out: &mut out,
-        err: &mut err,
         command_line,
         terminal: Terminal::detect(),
-        verbosity: Verbosity::Normal,
-        overwrite: false,
         environment: Environment::detect(),
-        annotations: Vec::new(),
-        plugins: Plugins::default(),
+        ..Context::new(registry, &InstalledScenes, &clock, &world, &mut out, &mut err)
     };
     let folder = std::env::current_dir().ok();
     let ended = panics::caught(|| run_in(&mut context, arguments, folder.as_deref()));
@@ -164,22 +156,9 @@ pub fn run_in(
     arguments: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     folder: Option<&Path>,
 ) -> u8 {
-    let mut guarded = Context {
-        registry: context.registry,
-        occluders: context.occluders,
-        scenes: context.scenes,
-        clock: context.clock,
-        world: context.world,
-        environment: context.environment.clone(),
-        out: &mut Guard::new(&mut *context.out),
-        err: &mut Guard::new(&mut *context.err),
-        command_line: context.command_line.clone(),
-        terminal: context.terminal,
-        verbosity: context.verbosity,
-        overwrite: context.overwrite,
-        annotations: Vec::new(),
-        plugins: context.plugins.clone(),
-    };
+    let own = context.reborrowed();
+    let (out, err) = (&mut Guard::new(own.out), &mut Guard::new(own.err));
+    let mut guarded = Context { out, err, ..own };
     let code = run_guarded(&mut guarded, arguments, folder);
     for annotation in guarded.annotations {
         let _ = writeln!(context.err, "{annotation}");
@@ -210,33 +189,24 @@ fn run_guarded(
         Ok(cli) => cli,
         Err(error) => return usage(context, error),
     };
-    let outer = context;
-    let context = &mut Context {
-        registry: outer.registry,
-        occluders: outer.occluders,
+    let mut own = Context {
         scenes: &scenes,
-        clock: outer.clock,
-        world: outer.world,
-        environment: outer.environment.clone(),
-        out: &mut *outer.out,
-        err: &mut *outer.err,
         command_line: recorded_command::recorded(&command_line, folder),
-        terminal: outer.terminal,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
             _ => Verbosity::Normal,
         },
         overwrite: cli.overwrite,
-        annotations: Vec::new(),
-        plugins: outer.plugins.clone(),
+        ..context.reborrowed()
     };
     let ended = match refuse_files(&cli) {
-        Ok(()) => with_plugins(context, &cli),
+        Ok(()) => with_plugins(&mut own, &cli),
         Err(error) => Err(error),
     };
-    let code = ended.unwrap_or_else(|error| failed(context, &cli, &error));
-    outer.annotations = std::mem::take(&mut context.annotations);
+    let code = ended.unwrap_or_else(|error| failed(&mut own, &cli, &error));
+    let annotations = own.annotations;
+    context.annotations = annotations;
     code
 }
 
@@ -244,7 +214,7 @@ fn run_guarded(
 fn refuse_files(cli: &Cli) -> Result<(), Error> {
     let named = named_files(&cli.command);
     let all = [files_of_folder(&cli.command), named.clone()].concat();
-    places::refuse_shared(&all, &files_read(&cli.command))?;
+    refuse_shared(&all, &files_read(&cli.command))?;
     if cli.overwrite { Ok(()) } else { Ok(occupied::refuse_files(named)?) }
 }
 
@@ -258,9 +228,9 @@ fn with_plugins(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     // a crash in one hard case says nothing of the next
     let restarts = matches!(cli.command, Command::Verify(_));
     let (plugins, registry) = Plugins::load(args, context.registry, occluders, program, restarts)?;
-    let mut within = context.over(&registry, plugins);
+    let mut within = Context { registry: &registry, plugins, ..context.reborrowed() };
     let code = dispatched(&mut within, cli);
-    let annotations = std::mem::take(&mut within.annotations);
+    let annotations = within.annotations;
     context.annotations = annotations;
     code
 }
@@ -328,8 +298,8 @@ fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
 /// The list that has what was not found.
 fn listed_by(command: &Command, error: &Error) -> Option<&'static str> {
     match error {
-        Error::Plan(PlanError::UnknownStructure { .. } | PlanError::Param { .. }) => {
-            Some("structures")
+        Error::Plan(PlanError::UnknownName { what: "structure", .. } | PlanError::Param { .. }) => {
+            (!matches!(command, Command::List(_))).then_some("structures")
         }
         Error::Plan(PlanError::Scene(LoadError::UnknownScene { .. }))
         | Error::Load(LoadError::UnknownScene { .. }) => match command {

@@ -14,9 +14,9 @@ use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use studies::run::conclusions::conclude;
 
-use crate::commands::budget::Budget;
 use crate::commands::measuring::{begin, measure_one};
 use crate::commands::row_deaths::RowJournal;
+use crate::commands::run_state::Budget;
 use crate::error::Error;
 use crate::program;
 

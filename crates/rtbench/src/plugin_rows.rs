@@ -14,7 +14,6 @@ use crate::args::PluginArgs;
 /// This program's file on Linux, whatever became of its name.
 const OWN: &str = "/proc/self/exe";
 
-/// The plugins of a command.
 #[derive(Debug, Clone, Default)]
 pub struct Plugins {
     /// Names, and the SHA-256 of their files.
@@ -26,9 +25,6 @@ impl Plugins {
     /// Loads the plugins that a command line names; also the structures there are with theirs after
     /// `ours`. No name is one of `taken`, or of ours. Their processes are started with `program`;
     /// rows whose process ended get a new one where that is asked for.
-    ///
-    /// # Errors
-    /// [`PluginError`] for the first that cannot be used.
     pub fn load(
         args: &PluginArgs,
         ours: &[Entry],

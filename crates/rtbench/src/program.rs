@@ -23,7 +23,6 @@ pub fn compiler() -> Compiler {
     }
 }
 
-/// The world that this program finds.
 pub fn world() -> SystemWorld {
     SystemWorld { tool: tool(), compiler: compiler() }
 }

@@ -18,7 +18,6 @@ use crate::context::Context;
 /// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplanError {
-    /// A scene or row that the record lacks.
     #[error("the baseline has no {what} '{name}'{hint}; it has: {valid}")]
     Unknown {
         /// `scene` or `row`.
@@ -28,23 +27,18 @@ pub enum ReplanError {
         hint: String,
         valid: String,
     },
-    /// No scene could be measured now.
     #[error("no scene could be measured: there is nothing to compare")]
     NothingMeasured,
-    /// Nothing was finished in it.
     #[error("the baseline has no finished scene: there is nothing to compare with it")]
     Empty,
-    /// A row is of a plugin that is not loaded.
     #[error("row {row} belongs to the plugin {file}; give its file with --plugin")]
     NoPlugin {
         row: String,
         /// The plugin's file, without folders.
         file: String,
     },
-    /// The settings are none of this program.
     #[error("this program does not support the settings of the baseline: {0}")]
     Settings(String),
-    /// Scenes or rows are none of this program.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
@@ -57,15 +51,11 @@ pub struct Restriction<'a> {
     /// Structures, or labels of rows; none means all.
     pub structures: &'a [String],
     pub rounds: Option<u32>,
-    /// Time for all rounds.
     pub time_budget: Option<Duration>,
 }
 
 /// The record without the scenes and rows that are not wanted. The reference always stays, and so
 /// do in all scenes the rows that took its place in any: the order of rows says which of them does.
-///
-/// # Errors
-/// [`ReplanError`] for a name that it lacks, and where nothing is left.
 pub fn restrict(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunRecord, ReplanError> {
     let mut record = record.clone();
     let names: Vec<&str> = record.scenes.iter().map(|s| &*s.name).collect();
@@ -110,9 +100,6 @@ fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> ReplanError {
 }
 
 /// The plan that measures a record's scenes and rows anew, on the same rays.
-///
-/// # Errors
-/// [`ReplanError`] for settings, scenes and structures that this program lacks.
 pub fn plan<'r>(
     record: &RunRecord,
     wanted: &Restriction<'_>,

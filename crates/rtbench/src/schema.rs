@@ -5,7 +5,7 @@
 //! and a test compares them with the files: `RTBENCH_WRITE_SCHEMA=1 cargo test -p rtbench --lib
 //! schema` writes them anew. Those of the formats of others restate what these say of them.
 
-/// Of `results.json` and `--export-json`.
+/// Of `results.json`.
 pub const RUN_RECORD: &str = include_str!("../schema/run-record.schema.json");
 /// Of `--export-github-smaller` and `--export-github-bigger`.
 pub const GITHUB_ACTION_BENCHMARK: &str =

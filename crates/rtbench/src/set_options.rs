@@ -37,15 +37,12 @@ const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
 /// Why the options of a set cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum SetOptionsError {
-    /// An option is not valid.
     #[error("scenes/sets/{set}.json: run: {message}")]
     Invalid {
-        /// Name of the set.
         set: String,
         /// Description of the fault, and valid values.
         message: String,
     },
-    /// An entry of `check` is not valid.
     #[error("scenes/sets/{set}.json: check, entry {entry}: {message}")]
     Threshold {
         set: String,
@@ -53,7 +50,6 @@ pub enum SetOptionsError {
         /// Description of the fault, and valid values.
         message: String,
     },
-    /// It names something that is not there.
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
@@ -67,10 +63,6 @@ struct SetOption {
 
 /// The arguments that the set of a run adds to its command line: the one set that it is a run of,
 /// or that of `--as`.
-///
-/// # Errors
-/// [`PlanError::UnknownName`] for a set of `--as` that has no options,
-/// [`SetOptionsError::Invalid`].
 pub fn added_by_set(
     arguments: &[OsString],
     scenes: &dyn SceneSource,
@@ -134,9 +126,6 @@ fn is_typed(matches: &ArgMatches, id: &str) -> bool {
 }
 
 /// The option that a key with a value stands for, if the command line takes it.
-///
-/// # Errors
-/// What is wrong, and what is valid.
 fn valid_option(
     cli: &Command,
     run: &Command,
@@ -198,12 +187,8 @@ fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, Set
             valid.push(name);
         }
     }
-    Ok(PlanError::UnknownName {
-        what: "set with options of its own",
-        name: set.to_owned(),
-        hint: choice::hint(set, valid.iter().map(String::as_str)),
-        valid: valid.join(", "),
-    })
+    let valid = valid.iter().map(String::as_str);
+    Ok(PlanError::unknown("set with options of its own", set, valid))
 }
 
 #[cfg(test)]
@@ -213,7 +198,6 @@ mod tests {
     use super::*;
     use measurement::scenes::{InstalledScenes, KnownScene, LoadError};
 
-    /// A source with one set that has options.
     struct SingleSet(serde_json::Value);
 
     impl SceneSource for SingleSet {

@@ -7,13 +7,8 @@ use crate::set_options::SetOptionsError;
 use measurement::plan::error::PlanError;
 use measurement::plan::measured_row::select;
 use measurement::scenes::{SceneSource, SetThreshold};
-use measurement::settings::choice;
 
 /// The thresholds of the set that a check names: by `--as`, or as its only scene.
-///
-/// # Errors
-/// [`PlanError::UnknownName`] for a set of `--as` without thresholds,
-/// [`SetOptionsError::Threshold`] for an entry that makes no sense.
 pub fn of_check(
     context: &Context<'_>,
     as_set: Option<&str>,
@@ -83,10 +78,9 @@ fn without_thresholds(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, 
             valid.push(name);
         }
     }
-    Ok(PlanError::UnknownName {
-        what: "set with thresholds of its own",
-        name: set.to_owned(),
-        hint: choice::hint(set, valid.iter().map(String::as_str)),
-        valid: if valid.is_empty() { "none".to_owned() } else { valid.join(", ") },
-    })
+    if valid.is_empty() {
+        valid.push("none".to_owned());
+    }
+    let valid = valid.iter().map(String::as_str);
+    Ok(PlanError::unknown("set with thresholds of its own", set, valid))
 }

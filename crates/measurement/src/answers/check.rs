@@ -23,7 +23,6 @@ const PILOT_SECONDS: f64 = 0.000_3;
 /// Results of checking a row's answers before it is timed.
 #[derive(Debug)]
 pub struct RowCheck {
-    /// Verdict on its answers.
     pub verdict: Verdict,
     pub stats: StatsRecord,
     /// Its way to answer the rays of a batch: one by one or together.
@@ -39,7 +38,6 @@ pub struct RowCheck {
     pub answers_sha256: String,
     /// Seconds that one thread needs for all rays, estimated.
     pub full_pass_s: f64,
-    /// The plugin that it is of.
     pub plugin: Option<PluginRecord>,
 }
 

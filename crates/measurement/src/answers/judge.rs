@@ -27,11 +27,9 @@ const FEW: usize = 16;
 /// counted as wrong.
 const ENOUGH_WRONG: usize = 64;
 
-/// Comparison of the answers to a batch.
 #[derive(Debug, Default)]
 pub struct BatchVerdict {
     pub compared: usize,
-    /// Number of these answered wrongly.
     pub wrong: usize,
     /// Number of these that differ from the expected answer at an edge.
     pub edges: usize,

@@ -47,7 +47,6 @@ pub struct OracleCounts {
     pub example: Option<String>,
 }
 
-/// Opinion of the oracle on one answer.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Opinion {
     Right,

@@ -31,7 +31,6 @@ pub struct CountedCalls {
     pub structure: String,
     /// Settings that differ from the defaults.
     pub settings: String,
-    /// Rays that were asked.
     pub rays: u64,
     /// The call that built it, from 0.
     pub build_call: Option<usize>,

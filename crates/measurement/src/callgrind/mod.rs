@@ -25,16 +25,13 @@ const PHASE: &str = "*::callgrind::counted::counted_phase";
 /// Why nothing was counted.
 #[derive(Debug, thiserror::Error)]
 pub enum CallgrindError {
-    /// There is no valgrind.
     #[error(
         "instruction counts need valgrind, which could not be started ({0}); install it (`apt-get \
          install valgrind`), or leave instruction counts out with --no-instructions"
     )]
     NoValgrind(String),
-    /// The program under valgrind.
     #[error(transparent)]
     Child(#[from] ChildError),
-    /// This program's own file is not known.
     #[error("cannot find the file of this program to start it under valgrind")]
     NoProgram,
     #[error("callgrind's output {}: {source}", path.display())]
@@ -43,10 +40,8 @@ pub enum CallgrindError {
         path: PathBuf,
         source: io::Error,
     },
-    /// Callgrind's files are not as they should be.
     #[error("callgrind's output: {0}")]
     Output(String),
-    /// The program has no names of functions.
     #[error(
         "callgrind counted {found} of {expected} phases: were the symbols of {} stripped?",
         program.display()
@@ -57,7 +52,6 @@ pub enum CallgrindError {
         /// Calls that callgrind saw.
         found: usize,
     },
-    /// The results that counts were asked for are of another commit.
     #[error(
         "{}: made by rtbench at {}, this is {}: instruction counts of different builds are not comparable",
         path.display(), name(was), name(is)
@@ -89,9 +83,7 @@ pub struct CountedRow {
     pub structure: String,
     /// Settings that differ from the defaults.
     pub settings: String,
-    /// Rays that were asked.
     pub rays: u64,
-    /// Instructions of the build.
     pub build: Option<u64>,
     /// Instructions of the traversals of all those rays; none where it was not built.
     pub trace: Option<u64>,

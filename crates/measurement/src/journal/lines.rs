@@ -26,13 +26,11 @@ pub struct Manifest {
     pub program_sha256: Option<String>,
     /// Compiler and flags of the program.
     pub compiler: Compiler,
-    /// The machine it runs on.
     pub machine: Machine,
     pub settings: Settings,
     pub rounds: String,
     /// The scenes, in order.
     pub scenes: Vec<String>,
-    /// The rows of each.
     pub rows: Vec<String>,
     /// The request of the user, by which the run is resumed. Earlier versions kept the arguments.
     #[serde(default)]
@@ -49,7 +47,6 @@ pub struct Manifest {
     pub started_unix_s: u64,
 }
 
-/// A line of a journal.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Line {
@@ -90,10 +87,8 @@ impl Line {
 /// Why a journal cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LineError {
-    /// There is not even a first line.
     #[error("no complete line: the run had not started")]
     Empty,
-    /// A line in the middle is damaged.
     #[error("line {line}: {message}")]
     Damaged {
         /// Counted from 1.
@@ -101,12 +96,10 @@ pub enum LineError {
         /// Description of the fault.
         message: String,
     },
-    /// Another version of the program wrote it.
     #[error("written with schema {found}, expected {SCHEMA_VERSION}")]
     Schema { found: u32 },
 }
 
-/// A scene that is finished.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FinishedScene {
     /// Its line in the journal, counted from 1.
@@ -118,12 +111,9 @@ pub struct FinishedScene {
 /// was begun, if one was.
 pub type DeathCounts = BTreeMap<(usize, Option<String>), usize>;
 
-/// Contents of a journal.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecoveredRun {
-    /// Identity of the run.
     pub manifest: Manifest,
-    /// Seal of its further lines.
     pub seal: Seal,
     /// The finished scenes, by their places among the scenes of the manifest.
     pub finished: BTreeMap<usize, FinishedScene>,
@@ -178,16 +168,10 @@ pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
             n if scene < n => Ok(scene),
             n => Err(damaged(i, &format!("scene {scene} of {n}"))),
         };
-        let died = match line {
-            // the run goes on with a scene: what it had begun before it never ended
-            Line::Scene(_) => begun.take(),
-            Line::Row(_) => None,
-            _ => {
-                begun = None;
-                None
-            }
-        };
-        if let Some(begun) = died {
+        // where the run goes on with a scene, what it had begun before never ended
+        if let (Line::Scene(_), Some(begun)) =
+            (&line, begun.take_if(|_| !matches!(line, Line::Row(_))))
+        {
             *found.deaths.entry(begun).or_default() += 1;
         }
         match line {
@@ -267,15 +251,11 @@ impl Manifest {
         for label in &self.rows {
             *left.entry(label).or_default() += 1;
         }
+        let name = &record.name;
         for label in record.rows.iter().map(RowRecord::label) {
             match left.get_mut(&*label) {
                 Some(count) if *count > 0 => *count -= 1,
-                _ => {
-                    return Err(format!(
-                        "scene {}: the run has no further row {label}",
-                        record.name
-                    ));
-                }
+                _ => return Err(format!("scene {name}: the run has no further row {label}")),
             }
         }
         Ok(())
@@ -299,39 +279,18 @@ pub(crate) fn compare(name: &str, was: &Value, is: &Value, differences: &mut Vec
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::system::world::FixedWorld;
-
     use super::*;
+    use crate::record::made_up;
 
     pub(in crate::journal) fn manifest() -> Manifest {
+        let run = made_up::run(&[]);
         Manifest {
             schema_version: SCHEMA_VERSION,
-            tool: Tool { name: "rtbench".into(), version: "0".into(), git_revision: None },
+            tool: run.tool,
             program_sha256: Some("ab".into()),
-            compiler: Compiler {
-                rustc: None,
-                target: None,
-                target_features: Vec::new(),
-                profile: None,
-                opt_level: None,
-            },
-            machine: FixedWorld::default().machine,
-            settings: Settings {
-                seed: 1,
-                threads: 1,
-                precision: "f32".into(),
-                resolution: [8, 8],
-                max_depth: 5,
-                rays: Vec::new(),
-                reference: "x".into(),
-                quick: true,
-                order: "scanline".into(),
-                lights: "each".into(),
-                view: Default::default(),
-                by_kind: false,
-                processes: 1,
-                timed_by: "processor time".into(),
-            },
+            compiler: run.compiler,
+            machine: run.machine,
+            settings: run.settings,
             rounds: "Fixed(3)".into(),
             scenes: vec!["a".into(), "b".into()],
             rows: vec!["x".into()],

@@ -26,19 +26,14 @@ const MAX_BYTES: u64 = 1 << 30;
 pub enum JournalError {
     #[error("cannot write the journal {}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// No run was begun there.
     #[error("{}: no run with -o was started here; expected the file {NAME}", folder.display())]
     None { folder: PathBuf },
-    /// It is damaged, or of another version.
     #[error("{}: {source}", path.display())]
     Lines { path: PathBuf, source: LineError },
-    /// It is too large to be one.
     #[error("{}: more than {MAX_BYTES} bytes, too large for a journal", path.display())]
     TooLarge { path: PathBuf },
-    /// Another process writes to it.
     #[error("{}: another run is writing to it", path.display())]
     Busy { path: PathBuf },
-    /// A scene that is finished there is not what this run would have measured.
     #[error("{}: line {line}: {message}; start a new run in another folder", path.display())]
     NotOfPlan {
         path: PathBuf,
@@ -47,24 +42,17 @@ pub enum JournalError {
         /// Description of the expected contents.
         message: String,
     },
-    /// The run that is to be resumed is not the one that this program would run.
     #[error(
         "{}: the settings differ from those of the interrupted run: {differences}; start a new run in another folder",
         folder.display()
     )]
-    Differs {
-        folder: PathBuf,
-        /// Each difference, with what was and what is.
-        differences: String,
-    },
-    /// It does not say what was asked for.
+    Differs { folder: PathBuf, differences: String },
     #[error(
         "{}: an earlier version of rtbench started this run and did not record its settings; \
          start a new run in another folder",
         path.display()
     )]
     NotAsked { path: PathBuf },
-    /// A line could not be made.
     #[error(transparent)]
     Format(#[from] FormatError),
 }

@@ -23,10 +23,8 @@ pub struct Seal {
 /// Faults of a sealed line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum SealError {
-    /// It has no checksum.
     #[error("no checksum: the line is damaged, or was written by another version")]
     None,
-    /// It has another checksum.
     #[error("wrong checksum: the line was edited, or belongs to another run")]
     Differs,
 }

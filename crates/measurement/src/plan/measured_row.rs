@@ -16,10 +16,8 @@ use crate::plan::rows::{self, Row};
 use crate::rays::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
 use crate::rays::exactness::Exactness;
 use crate::record::query::Query;
-use crate::settings::choice;
 use crate::system::clock::{Clock, timed};
 
-/// A row of a run.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuredRow<'r> {
     /// Answers rays of all kinds.
@@ -242,9 +240,6 @@ impl<S: Buildable> BuiltRow<'_, S> {
 
 /// The rows that `-s` and `--set` ask for: of structures and of occluders. Each of both registries
 /// sees what names its lines; `all`, or nothing, means all of both.
-///
-/// # Errors
-/// [`PlanError`] naming what is valid.
 #[allow(clippy::type_complexity)]
 pub fn select<'r>(
     registry: &'r [Entry],
@@ -257,9 +252,13 @@ pub fn select<'r>(
     let is_occluder = |text: &&String| {
         name_of(text).is_some_and(|name| occluders.iter().any(|o| o.info.name == name))
     };
+    let known =
+        || registry.iter().map(|e| e.info.name).chain(occluders.iter().map(|e| e.info.name));
     for text in names.iter().filter(|n| *n != "all") {
         let name = name_of(text).unwrap_or_default();
-        check_name(&name, registry, occluders)?;
+        if known().all(|known| known != name) {
+            return Err(PlanError::unknown("structure", &name, known()));
+        }
     }
     let split = |texts: &[String]| -> (Vec<String>, Vec<String>) {
         texts.iter().cloned().partition(|t| is_occluder(&t))
@@ -288,22 +287,4 @@ pub fn select<'r>(
         return Err(rows::override_without_row(occluders, &set_occluders));
     };
     Ok((structures, rows))
-}
-
-/// An error for a name that neither registry has.
-fn check_name(
-    name: &str,
-    registry: &[Entry],
-    occluders: &[occluders::Entry],
-) -> Result<(), PlanError> {
-    let structures = registry.iter().map(|e| e.info.name);
-    let names: Vec<_> = structures.chain(occluders.iter().map(|e| e.info.name)).collect();
-    if names.contains(&name) {
-        return Ok(());
-    }
-    Err(PlanError::UnknownStructure {
-        hint: choice::hint(name, names.iter().copied()),
-        name: name.to_owned(),
-        valid: names.join(", "),
-    })
 }

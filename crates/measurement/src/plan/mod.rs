@@ -24,7 +24,7 @@ use crate::rays::order::Orders;
 use crate::rounds::trial::BuildLimits;
 use crate::scenes::{KnownScene, SceneSource, ViewOptions};
 use crate::settings::shard::PlannedPart;
-use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, choice, duration};
+use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, quantity};
 use crate::system::memory_limit;
 use renderer::{RayKind, RaySettings, ShadowRays};
 
@@ -100,7 +100,6 @@ impl Limits {
     }
 }
 
-/// One of the processes of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct OneProcess {
     /// Its number, from 0.
@@ -134,10 +133,8 @@ pub struct Plan<'r> {
     pub threads: usize,
     /// Seed of everything random.
     pub seed: u64,
-    /// Settings of ray generation.
     pub settings: RaySettings,
     pub precision: Precision,
-    /// Limits of a pass.
     pub limits: Limits,
     /// A first look only.
     pub quick: bool,
@@ -147,7 +144,6 @@ pub struct Plan<'r> {
     pub part: Option<PlannedPart>,
     /// Processes in which each scene is built and timed: this one, and those that it starts.
     pub processes: u32,
-    /// The number of this process.
     pub process: OneProcess,
     /// Where there is but one: a process of a copy of this program times each scene, too, for the
     /// floor below which nothing is claimed.
@@ -178,9 +174,6 @@ impl<'r> Plan<'r> {
     }
 
     /// Validates what a run is asked for; all of it, whatever part the settings name.
-    ///
-    /// # Errors
-    /// [`PlanError`] naming what is valid.
     pub fn new(
         args: &RunSettings,
         registry: &'r [Entry],
@@ -217,9 +210,6 @@ impl<'r> Plan<'r> {
     }
 
     /// A plan over those scenes and rows; the reference is the row at the index `baseline`.
-    ///
-    /// # Errors
-    /// [`PlanError`] naming what is valid.
     pub fn over(
         scenes: Vec<Box<dyn KnownScene>>,
         rows: Vec<Row<'r>>,
@@ -298,8 +288,8 @@ pub fn within(what: &'static str, value: u64, most: u64) -> Result<(), PlanError
 
 /// The same of a time, in seconds.
 pub fn time_within(what: &'static str, time: Option<Duration>) -> Result<(), PlanError> {
-    let most = u64::from(duration::LONGEST);
-    match time.filter(|time| !duration::is_valid(*time)) {
+    let most = u64::from(quantity::LONGEST_DURATION);
+    match time.filter(|time| !quantity::is_duration(*time)) {
         Some(time) => Err(PlanError::OutOfRange { what, value: time.as_secs(), most }),
         None => Ok(()),
     }
@@ -329,9 +319,6 @@ pub fn default_baseline(registry: &[Entry]) -> Result<Row<'_>, PlanError> {
 
 /// Index of the reference row; a row that was asked for and is not there yet is
 /// added.
-///
-/// # Errors
-/// [`PlanError`] naming what is valid.
 pub fn baseline<'r>(
     registry: &'r [Entry],
     rows: &mut Vec<Row<'r>>,
@@ -376,15 +363,9 @@ fn answers<'r>(registry: &'r [Entry]) -> Result<Vec<Row<'r>>, PlanError> {
 fn kinds(names: &[String]) -> Result<Vec<RayKind>, PlanError> {
     let mut kinds = Vec::new();
     for name in names {
-        let kind = RayKind::ALL.iter().find(|k| k.name() == name).ok_or_else(|| {
-            let valid = RayKind::ALL.map(|k| k.name());
-            PlanError::UnknownRays {
-                name: name.clone(),
-                hint: choice::hint(name, valid),
-                valid: valid.join(", "),
-            }
-        })?;
-        kinds.push(*kind);
+        let kind = RayKind::ALL.iter().find(|k| k.name() == name);
+        let unknown = || PlanError::unknown("kind of ray", name, RayKind::ALL.map(|k| k.name()));
+        kinds.push(*kind.ok_or_else(unknown)?);
     }
     // In the order of the tables, without duplicates.
     Ok(RayKind::ALL.into_iter().filter(|k| names.is_empty() || kinds.contains(k)).collect())

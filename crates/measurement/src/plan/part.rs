@@ -14,9 +14,6 @@ use crate::settings::shard::{Matrix, PlannedPart, Shard, ShardRecord};
 
 impl<'r> Plan<'r> {
     /// [`Plan::new`], or the part of it that the settings name.
-    ///
-    /// # Errors
-    /// [`PlanError`] naming what is valid.
     pub fn of_run(
         settings: &RunSettings,
         registry: &'r [Entry],
@@ -30,7 +27,6 @@ impl<'r> Plan<'r> {
         }
     }
 
-    /// The part of the plan that a shard measures.
     pub fn part_of(mut self, shard: Shard) -> Result<Self, PlanError> {
         let matrix =
             Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.baseline };

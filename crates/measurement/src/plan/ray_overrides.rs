@@ -4,7 +4,6 @@ use renderer::RaySettings;
 use renderer::ray_offset::OffsetRule;
 
 use crate::plan::error::PlanError;
-use crate::settings::choice;
 
 /// Name that `--set` takes instead of a structure.
 pub const NAME: &str = "rays";
@@ -20,9 +19,6 @@ pub const RULES: [(&str, OffsetRule); 5] = [
 ];
 
 /// Takes the settings of rays out of those of structures and makes them.
-///
-/// # Errors
-/// [`PlanError`] naming what is valid.
 pub fn apply(overrides: &[String], settings: &mut RaySettings) -> Result<Vec<String>, PlanError> {
     let mut others = Vec::new();
     for text in overrides {
@@ -37,11 +33,8 @@ pub fn apply(overrides: &[String], settings: &mut RaySettings) -> Result<Vec<Str
             return Err(malformed("rays.offset=RULE: rays have no other setting"));
         }
         let rule = RULES.iter().find(|(rule, _)| *rule == value);
-        let (_, rule) = rule.ok_or_else(|| PlanError::UnknownOffset {
-            hint: choice::hint(value, RULES.map(|(rule, _)| rule)),
-            name: value.to_owned(),
-            valid: RULES.map(|(rule, _)| rule).join(", "),
-        })?;
+        let valid = RULES.map(|(rule, _)| rule);
+        let (_, rule) = rule.ok_or_else(|| PlanError::unknown("offset", value, valid))?;
         settings.offset = *rule;
     }
     Ok(others)

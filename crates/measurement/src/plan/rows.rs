@@ -66,9 +66,6 @@ impl<'r, L: RegistryItem> Row<'r, L> {
     }
 
     /// The structure with these settings, later ones before earlier ones.
-    ///
-    /// # Errors
-    /// [`PlanError::Param`] naming what is valid.
     pub fn of(entry: &'r Entry<L>, settings: &[(&str, &str)]) -> Result<Self, PlanError> {
         Self::with(entry, &[], settings)
     }
@@ -86,9 +83,6 @@ impl<'r, L: RegistryItem> Row<'r, L> {
 
     /// Reads `uniform-grid:resolution=woo:density=1`; spaces serve as colons, so that labels of
     /// tables can be given back.
-    ///
-    /// # Errors
-    /// [`PlanError`] naming what is valid.
     pub fn parse(registry: &'r [Entry<L>], text: &str) -> Result<Self, PlanError> {
         Self::parse_over(registry, text, &[])
     }
@@ -107,9 +101,6 @@ impl<'r, L: RegistryItem> Row<'r, L> {
 pub type Assignments<'t> = Vec<(&'t str, &'t str)>;
 
 /// Reads `uniform-grid:resolution=woo:density=1`; the settings are not validated.
-///
-/// # Errors
-/// [`PlanError`] naming the structures there are, or the form.
 pub fn parse_settings<'r, 't, L: RegistryItem>(
     registry: &'r [Entry<L>],
     text: &'t str,
@@ -129,9 +120,6 @@ struct Override<'r, 't, L: RegistryItem> {
 /// The rows that `-s` and `--set` ask for, without duplicates. `-s` entries come first in
 /// precedence, then `--set`, then defaults; a structure that `--set` names is measured at the
 /// settings asked for only, not at its variants.
-///
-/// # Errors
-/// [`PlanError`] naming what is valid.
 pub fn select<'r, L: RegistryItem>(
     registry: &'r [Entry<L>],
     structures: &[String],
@@ -215,20 +203,10 @@ pub fn find<'r, L: RegistryItem>(
     registry: &'r [Entry<L>],
     name: &str,
 ) -> Result<&'r Entry<L>, PlanError> {
-    registry.iter().find(|e| e.info.name == name).ok_or_else(|| {
-        let names: Vec<_> = registry.iter().map(|e| e.info.name).collect();
-        PlanError::UnknownStructure {
-            hint: choice::hint(name, names.iter().copied()),
-            name: name.to_owned(),
-            valid: names.join(", "),
-        }
-    })
+    let unknown = || PlanError::unknown("structure", name, registry.iter().map(|e| e.info.name));
+    registry.iter().find(|e| e.info.name == name).ok_or_else(unknown)
 }
 
-/// The parameter of that name.
-///
-/// # Errors
-/// [`PlanError::Param`] naming those there are.
 pub fn find_param<L: RegistryItem>(
     entry: &Entry<L>,
     name: &str,

@@ -13,7 +13,6 @@ use crate::record::{AnsweredRays, RowRecord, RunRecord, SceneRecord};
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FixedStrides(BTreeMap<(String, String), RowStrides>);
 
-/// The strides of a row in a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct RowStrides {
     checked: Option<usize>,

@@ -17,7 +17,6 @@ use crate::rays::order::{RayOrder, batch_name};
 /// Rays that one thread traces at a time when there are several threads.
 pub const CHUNK: usize = 4096;
 
-/// Answers of a structure to a batch of rays.
 #[derive(Debug, Clone)]
 pub enum Answers<S: Scalar> {
     Hits(Vec<Hit<S>>),
@@ -125,7 +124,6 @@ impl<S: Scalar> Answers<S> {
         }
     }
 
-    /// Number of rays that were answered.
     #[allow(clippy::len_without_is_empty)]
     pub fn len(&self) -> usize {
         match self {
@@ -143,7 +141,6 @@ fn indices<'a>(differ: impl Iterator<Item = bool> + 'a) -> Box<dyn Iterator<Item
 #[derive(Debug, Clone)]
 pub struct Batch<'a, S: Scalar> {
     pub kind: RayKind,
-    /// Order of the rays.
     pub order: RayOrder,
     pub rays: Cow<'a, [Ray<S>]>,
     /// The light that each shadow ray runs to; empty for other kinds.
@@ -152,7 +149,6 @@ pub struct Batch<'a, S: Scalar> {
 }
 
 impl<S: Buildable> Batch<'_, S> {
-    /// Its name in records.
     pub fn name(&self) -> String {
         batch_name(self.kind.name(), self.order)
     }
@@ -201,7 +197,6 @@ impl<S: Buildable> Batch<'_, S> {
         }
     }
 
-    /// The rays at those places.
     pub fn window(&self, places: Range<usize>) -> Batch<'_, S> {
         Batch {
             kind: self.kind,
@@ -257,7 +252,6 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
         BatchSet { stride, batches: self.batches.iter().map(|b| b.thinned(stride)).collect() }
     }
 
-    /// The rays of some kinds.
     pub fn restricted(&self, keep: impl Fn(RayKind) -> bool) -> BatchSet<'_, S> {
         let kept = self.batches.iter().filter(|b| keep(b.kind));
         BatchSet { stride: self.stride, batches: kept.map(Batch::borrowed).collect() }
@@ -268,12 +262,10 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
         self.batches.iter().map(|b| b.rays.len()).sum()
     }
 
-    /// Rays of the longest batch.
     pub fn longest(&self) -> usize {
         self.batches.iter().map(|b| b.rays.len()).max().unwrap_or(0)
     }
 
-    /// Room for the answers to all batches.
     pub fn answers(&self) -> Vec<Answers<S>> {
         self.batches.iter().map(|b| Answers::new(b.kind, b.rays.len())).collect()
     }
@@ -296,7 +288,6 @@ pub fn answer<S: Buildable>(
     answered.collect()
 }
 
-/// Traces a batch in one call.
 pub fn trace<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>], answers: &mut Answers<S>) {
     match answers {
         Answers::Hits(hits) => tracer.closest_hits(rays, hits),

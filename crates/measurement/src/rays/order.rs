@@ -11,7 +11,6 @@ use std::collections::BTreeMap;
 
 use crate::settings::choice::Choice;
 
-/// Suffix of the names of shuffled rays.
 const SUFFIX: &str = "-shuffled";
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -22,7 +21,6 @@ pub enum RayOrder {
     Shuffled,
 }
 
-/// The orders of a run.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Orders {
     /// As the image has them, line by line
@@ -56,7 +54,6 @@ impl Orders {
     }
 }
 
-/// Name in records of the rays of a kind in an order.
 pub fn batch_name(kind: &str, order: RayOrder) -> String {
     match order {
         RayOrder::Scanline => kind.to_owned(),

@@ -12,7 +12,7 @@ use crate::record::{RunRecord, SCHEMA_VERSION, older};
 /// The record's name in the output folder of a run.
 pub const NAME: &str = "results.json";
 
-const WRITTEN_BY: &str = "rtbench run --export-json";
+const WRITTEN_BY: &str = "rtbench run -o DIR";
 
 /// The most bytes that are read: a full run writes about 3 MB.
 const MAX_BYTES: u64 = 1 << 30;
@@ -22,13 +22,10 @@ const MAX_BYTES: u64 = 1 << 30;
 pub enum RecordError {
     #[error("cannot read {}: {source}", path.display())]
     Io { path: PathBuf, source: io::Error },
-    /// It is a folder, a pipe, a socket or a device.
     #[error("cannot read {}: {what}, expected a file", path.display())]
     NotAFile { path: PathBuf, what: &'static str },
-    /// It is too large to be one.
     #[error("{}: more than {MAX_BYTES} bytes, too large for a record", path.display())]
     TooLarge { path: PathBuf },
-    /// It is no JSON, or not of this form.
     #[error("{}: line {line}, column {column}: {message}; expected what `{written_by}` writes",
             path.display())]
     Syntax {
@@ -42,7 +39,6 @@ pub enum RecordError {
         /// The command that writes such files.
         written_by: &'static str,
     },
-    /// Another version of the program wrote it.
     #[error("{}: written with schema {found}, expected {SCHEMA_VERSION}", path.display())]
     Schema { path: PathBuf, found: u32 },
 }
@@ -54,18 +50,12 @@ struct Version {
 }
 
 /// Reads the record in a file, or in the output folder of a run.
-///
-/// # Errors
-/// [`RecordError`], naming the file.
 pub fn read(path: &Path) -> Result<RunRecord, RecordError> {
     let path = path_of(path);
     record(&path, &bytes(&path)?)
 }
 
 /// The record that a file has.
-///
-/// # Errors
-/// [`RecordError`], naming the file.
 pub fn record(path: &Path, text: &[u8]) -> Result<RunRecord, RecordError> {
     let Version { schema_version: found } = parsed(path, text, WRITTEN_BY)?;
     match found {
@@ -84,9 +74,6 @@ pub fn path_of(path: &Path) -> PathBuf {
 }
 
 /// A file of results, unless it is too large to be one.
-///
-/// # Errors
-/// [`RecordError`], naming the file.
 pub fn bytes(path: &Path) -> Result<Vec<u8>, RecordError> {
     let io = |source| RecordError::Io { path: path.to_owned(), source };
     length(path)?;
@@ -133,10 +120,6 @@ fn kind_of(kind: FileType) -> Option<&'static str> {
 }
 
 /// Parses a JSON file.
-///
-/// # Errors
-/// [`RecordError::Syntax`], naming the file, the place in it and the command that writes such
-/// files.
 pub fn parsed<T: DeserializeOwned>(
     path: &Path,
     text: &[u8],

@@ -35,7 +35,7 @@ impl FloorRecord {
     pub fn in_words(&self) -> String {
         let Self { figures, floor, largest, row } = self;
         format!(
-            "A/A floor {:.1}%: 95% of {} figures of a copy of this program differ by less from \
+            "A/A floor {:.1}%: {} figures of a copy of this program differ by less from \
              its own, all by at most {:.1}% ({row}); smaller differences between programs mean \
              nothing.",
             floor * 100.0,

@@ -25,13 +25,11 @@ const SIGNIFICANCE: f64 = 0.05;
 /// Runs that are not the same but for their machines.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MachinesError {
-    /// There is nothing to compare.
     #[error("expected at least two runs, of different machines; found {found}")]
     TooFew {
         /// Runs that were named.
         found: usize,
     },
-    /// It was broken off.
     #[error("{}: {finished} of {scenes} scenes; finish it with `rtbench run --resume`", path.display())]
     Unfinished {
         /// The file or folder.
@@ -41,12 +39,9 @@ pub enum MachinesError {
         /// Scenes that it was to have.
         scenes: usize,
     },
-    /// It is another run than the first.
     #[error("{}: not the same run as {}: {}", path.display(), first.display(), differences.join("; "))]
     Differs {
-        /// The file or folder.
         path: PathBuf,
-        /// The one it differs from.
         first: PathBuf,
         /// What differs: `settings.seed: was 1, is 2`.
         differences: Vec<String>,

@@ -20,16 +20,13 @@ use crate::settings::shard::ShardRecord;
 /// Reasons why parts cannot be merged.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MergeProblem {
-    /// The record of a part cannot be read.
     #[error("{0}")]
     Unreadable(String),
-    /// It is the record of a whole run.
     #[error("{}: not a shard; expected results of `rtbench run --shard I/N`", path.display())]
     NotAPart {
         /// The file or folder.
         path: PathBuf,
     },
-    /// The run was broken off.
     #[error("{}: shard {shard} has {finished} of {scenes} scenes; finish it with `rtbench run \
              --resume`", path.display())]
     Unfinished {
@@ -42,14 +39,12 @@ pub enum MergeProblem {
         /// Scenes that it was to have.
         scenes: usize,
     },
-    /// A part is not there.
     #[error("shard {index}/{count} is missing")]
     Missing {
         /// Number of the part, counted from 1.
         index: u32,
         count: u32,
     },
-    /// A part is there twice.
     #[error("shard {shard} is given twice: {} and {}", first.display(), second.display())]
     Doubled {
         /// The part, like `2/8`.
@@ -58,7 +53,6 @@ pub enum MergeProblem {
         first: PathBuf,
         second: PathBuf,
     },
-    /// Two parts are not of the same run.
     #[error("{}: {difference}, in {}", path.display(), first.display())]
     Differs {
         /// The file or folder.
@@ -68,7 +62,6 @@ pub enum MergeProblem {
         /// The difference: `settings.seed: was 1, is 2`.
         difference: String,
     },
-    /// A part lacks rows that it should have, or has others.
     #[error("{}: scene {scene}: expected the rows {expected}; it has {found}", path.display())]
     Rows {
         /// The file or folder.

@@ -6,7 +6,6 @@
 use crate::plan::error::PlanError;
 use crate::record::ratios::{build_ratios, kind_ratios, series, trace_ratios};
 use crate::record::{RowRecord, SceneRecord, StatsRecord, WorkRecord};
-use crate::settings::choice::hint;
 use statistics::series::Series;
 
 /// A metric of a row.
@@ -111,17 +110,10 @@ impl Metric {
 }
 
 /// The metric of that name.
-///
-/// # Errors
-/// [`PlanError::UnknownName`] with all names.
 pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
     let names = || METRICS.iter().map(|m| m.name);
-    METRICS.iter().find(|m| m.name == name).ok_or_else(|| PlanError::UnknownName {
-        what: "metric",
-        name: name.into(),
-        hint: hint(name, names()),
-        valid: names().collect::<Vec<_>>().join(", "),
-    })
+    let found = METRICS.iter().find(|m| m.name == name);
+    found.ok_or_else(|| PlanError::unknown("metric", name, names()))
 }
 
 /// All metrics, exact ones first.

@@ -4,7 +4,6 @@
 use crate::system::clock::Clock;
 use statistics::random::Random;
 
-/// One visit of a row.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Visit {
     /// Round, from 0.

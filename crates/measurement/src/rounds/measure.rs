@@ -24,7 +24,6 @@ use crate::system::panics::{CaughtPanic, caught};
 /// Most rounds that a time budget buys.
 const MOST_ROUNDS: usize = 10_000;
 
-/// Measurements of a row in all rounds.
 #[derive(Debug, Clone, Default)]
 pub struct RowTimes {
     pub samples: Vec<Sample>,
@@ -78,7 +77,6 @@ struct Schedule {
     baseline: usize,
     /// Stride of the rays of each row of the plan; `None` for rows that are not timed.
     strides: Vec<Option<usize>>,
-    /// The rows that are timed.
     rows: Vec<usize>,
     first_round: usize,
     at_least: usize,
@@ -86,7 +84,6 @@ struct Schedule {
     deadline: Option<Duration>,
 }
 
-/// Measurements of all rows in all rounds.
 struct RoundTimes {
     timed: Vec<RowTimes>,
     /// The reference's seconds on each sample of rays, by round.
@@ -121,7 +118,6 @@ impl Schedule {
         rounds < self.at_least || (rounds < MOST_ROUNDS && has_time())
     }
 
-    /// Builds and times the rows, round by round.
     fn rounds<S: Buildable>(&self, scope: &Scope<'_, '_, S>, log: &dyn RowLog) -> RoundTimes {
         let (plan, first) = (scope.plan, self.first_round);
         let mut subsamples = thinned(scope, &self.strides);
@@ -289,14 +285,12 @@ fn strides(
     own.into_iter().map(|stride| Some(stride?.max(least))).collect()
 }
 
-/// One row in one round.
 struct RowVisit<'a, 'r> {
     row: &'a MeasuredRow<'r>,
     stride: usize,
     is_baseline: bool,
 }
 
-/// Result of one visit.
 struct VisitResult {
     build_s: f64,
     trace_s: Seconds,

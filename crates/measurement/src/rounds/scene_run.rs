@@ -27,7 +27,6 @@ use scene_loading::{Light, Scene};
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-/// Input of the measurement of a scene.
 pub struct SceneInput<'a> {
     pub pools: &'a Pools,
     pub clock: &'a dyn Clock,
@@ -198,7 +197,6 @@ enum RefusalReason {
     Death(String),
 }
 
-/// Parts of the record of a row.
 struct RowParts<'a, 'r> {
     row: &'a MeasuredRow<'r>,
     checked: Option<RowCheck>,

@@ -15,7 +15,6 @@ use glam::DVec3;
 pub struct Scope<'a, 'r, S: Buildable> {
     pub plan: &'a Plan<'r>,
     pub stage: &'a Stage<'a, S>,
-    /// Positions of the lights.
     pub lights: &'a [DVec3],
     /// All rays with the answers expected.
     pub all: &'a BatchSet<'a, S>,

@@ -22,7 +22,6 @@ use presentation::numbers;
 /// Interval at which the memory of a trial is checked.
 const POLL: Duration = Duration::from_millis(10);
 
-/// Limits of a build.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BuildLimits {
     pub seconds: f64,
@@ -35,15 +34,12 @@ pub struct TrialBuild {
     pub scene: String,
     /// View and lights that replace those of the scene: occluders are built for lights.
     pub view: ViewOptions,
-    /// Label of the row.
     pub row: String,
     pub threads: usize,
     pub precision: Precision,
-    /// Limits of the build.
     pub limits: BuildLimits,
 }
 
-/// Result of a trial build.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum TrialOutcome {
     /// It ended within the limits. Whether the structure was built or refused shows when it is
@@ -140,7 +136,6 @@ impl TrialBuild {
 pub enum Event {
     /// The scene is loaded, its primitives are made.
     Loaded,
-    /// The structure is built.
     Built {
         /// Peak memory of the build.
         peak_bytes: Option<u64>,

@@ -6,7 +6,6 @@ pub trait Choice: Copy + PartialEq + 'static {
     /// Each value, as typed, and what it means.
     const ALL: &'static [(Self, &'static str, &'static str)];
 
-    /// The value that is typed so.
     fn typed(text: &str) -> Option<Self> {
         Self::ALL.iter().find(|(_, name, _)| *name == text).map(|(value, ..)| *value)
     }

@@ -1,7 +1,6 @@
 //! Settings of a run, from the command line, a file or an earlier record.
 
 pub mod choice;
-pub mod duration;
 pub mod quantity;
 pub mod shard;
 mod typed;
@@ -56,7 +55,6 @@ impl Precision {
     }
 }
 
-/// Settings of a measurement, independent of what is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct MeasuringSettings {
     /// Kinds of rays; none means all.
@@ -117,7 +115,6 @@ impl Default for MeasuringSettings {
     }
 }
 
-/// Settings of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunSettings {
     /// Scenes, scene sets or scene files; none means the default set.

@@ -1,8 +1,9 @@
-//! Counts as people write them: `5000`, `10k`, `2M`, `1e6`, `1_000`; and bytes: `8GiB`, `500MB`.
-
-use std::ops::RangeInclusive;
+//! Counts as people write them: `5000`, `10k`, `2M`, `1e6`, `1_000`; bytes: `8GiB`, `500MB`; and
+//! durations: `90s`, `2m`.
 
 use parse_size::{ByteSuffix, Config};
+use std::ops::RangeInclusive;
+use std::time::Duration;
 
 /// The suffixes, powers of 1000.
 const SUFFIXES: [(&str, f64); 3] = [("k", 1e3), ("M", 1e6), ("G", 1e9)];
@@ -54,6 +55,29 @@ pub fn bytes(text: &str) -> Result<u64, String> {
     parsed.ok().filter(|bytes| *bytes > 0).ok_or_else(|| expected.to_owned())
 }
 
+const EXPECTED: &str = "expected a number with a unit: 500ms, 60s, 1.5m, 2h30m";
+
+/// The longest duration, seconds.
+pub const LONGEST_DURATION: u32 = 10_000_000;
+
+/// Parses a duration for clap: numbers with units; a number alone is seconds.
+pub fn duration(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
+    let duration = match seconds {
+        Some(duration) => duration,
+        None => humantime::parse_duration(text).map_err(|e| format!("{e}; {EXPECTED}"))?,
+    };
+    if !is_duration(duration) {
+        return Err(format!("out of range; {EXPECTED}"));
+    }
+    Ok(duration)
+}
+
+/// Returns whether a setting may be that long.
+pub fn is_duration(duration: Duration) -> bool {
+    !duration.is_zero() && duration <= Duration::from_secs(LONGEST_DURATION.into())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,5 +126,39 @@ mod tests {
         assert_eq!(parse("10k"), Ok(10_000));
         assert!(parse("11k").unwrap_err().contains("from 1 to 10000"));
         assert!(parse("0").is_err());
+    }
+
+    #[test]
+    fn durations() {
+        for (text, expected) in [
+            ("60s", 60_000),
+            ("60", 60_000),
+            ("1.5m", 90_000),
+            ("500ms", 500),
+            ("2h30m", 9_000_000),
+            ("1m 30s", 90_000),
+            ("1min", 60_000),
+            ("1h0.5s", 3_600_500),
+        ] {
+            assert_eq!(duration(text), Ok(Duration::from_millis(expected)), "{text}");
+        }
+        assert_eq!(duration("0.123456789s"), Ok(Duration::from_nanos(123_456_789)));
+        for bad in [
+            "",
+            "s",
+            "-1s",
+            "0s",
+            "inf",
+            "nans",
+            "1e99s",
+            "5 parsecs",
+            "17w",
+            "2h30",
+            "1..5s",
+            "99999999s",
+        ] {
+            assert!(duration(bad).is_err(), "{bad}");
+        }
+        assert!(duration("5 parsecs").unwrap_err().contains("parsecs"));
     }
 }

@@ -13,10 +13,8 @@ use crate::record::RunRecord;
 /// Why a child gave no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum ChildError {
-    /// It could not be started.
     #[error("cannot start {}: {source}", program.display())]
     Start { program: PathBuf, source: io::Error },
-    /// It knows no such command.
     #[error(
         "{}: this binary is older than `rtbench check`; build it from a newer commit", program.display()
     )]
@@ -29,7 +27,6 @@ pub enum ChildError {
         /// The end of what it said on standard error.
         said: String,
     },
-    /// Its answer is none.
     #[error("{}: cannot read its reply ({message}); is it another version?", program.display())]
     Answer {
         program: PathBuf,
@@ -44,9 +41,6 @@ pub fn arguments(allow_outside: bool) -> &'static [&'static str] {
 }
 
 /// Starts the command with a record, or other settings, on its standard input and reads its answer.
-///
-/// # Errors
-/// [`ChildError`], naming the program.
 pub fn answer<T: DeserializeOwned>(
     command: &mut Command,
     record: &impl Serialize,

@@ -16,9 +16,6 @@ pub struct CreatedFiles {
 
 impl CreatedFiles {
     /// Opens a file for writing, and creates it where there is none. Its content stays.
-    ///
-    /// # Errors
-    /// [`WriteError`] naming the file.
     pub fn file(&mut self, path: &Path) -> Result<File, WriteError> {
         let error = |source| WriteError { path: path.to_owned(), source };
         let was_there = path.exists();
@@ -36,9 +33,6 @@ impl CreatedFiles {
     }
 
     /// Creates a folder and those that it lies in, where there are none.
-    ///
-    /// # Errors
-    /// [`WriteError`] naming the folder.
     pub fn folder(&mut self, path: &Path) -> Result<(), WriteError> {
         let missing: Vec<&Path> =
             path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
@@ -71,9 +65,6 @@ impl Drop for CreatedFiles {
 }
 
 /// Creates the files that are named and written later.
-///
-/// # Errors
-/// [`WriteError`] naming the file.
 pub fn create<'p>(
     paths: impl IntoIterator<Item = &'p Option<PathBuf>>,
 ) -> Result<CreatedFiles, WriteError> {

@@ -10,9 +10,6 @@ use crate::system::created::{CreatedFiles, WriteError};
 use crate::system::interrupt::undisturbed;
 
 /// Writes a finished file in one step, or a pipe or a device.
-///
-/// # Errors
-/// [`WriteError`] naming the file.
 pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
     let mut created = CreatedFiles::default();
     let stream = open(path, &mut created)?;
@@ -26,9 +23,6 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), WriteError> {
 }
 
 /// Creates the file; what is no file, but a pipe or a device, stays open.
-///
-/// # Errors
-/// [`WriteError`] naming the file.
 pub fn open(path: &Path, created: &mut CreatedFiles) -> Result<Option<File>, WriteError> {
     let file = created.file(path)?;
     let error = |source| WriteError { path: path.to_owned(), source };

@@ -45,7 +45,6 @@ pub fn let_rounds_end() {
     HAS_ROUNDS.store(true, SeqCst);
 }
 
-/// The rounds of a scene are over.
 pub fn rounds_ended() {
     HAS_ROUNDS.store(false, SeqCst);
 }
@@ -101,7 +100,6 @@ pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 
 /// Output and journal mark of an interrupted run.
 pub struct InterruptedOutput {
-    /// Mark of the journal, and its folder.
     pub journal: Option<(Mark, PathBuf)>,
     pub scenes: usize,
     /// Number of finished ones.
@@ -186,7 +184,6 @@ pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
     Ok(signalled)
 }
 
-/// Request of a signal.
 #[cfg(any(unix, test))]
 #[derive(Debug, PartialEq, Eq)]
 enum Request {

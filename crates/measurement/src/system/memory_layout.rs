@@ -13,7 +13,6 @@
 use std::hash::{BuildHasher, RandomState};
 use std::hint::black_box;
 
-/// Blocks that are taken.
 const BLOCKS: usize = 96;
 /// Of that many bytes at most, as a power of two; sizes are drawn evenly by their logarithms.
 const LARGEST: f64 = 21.0;

@@ -10,7 +10,6 @@ pub mod memory_layout;
 pub mod memory_limit;
 pub mod panics;
 pub mod pools;
-pub mod pressure;
 pub mod program_copy;
 pub mod progress;
 pub mod world;

@@ -9,7 +9,6 @@ use std::sync::{Mutex, PoisonError};
 /// Where the latest panic was and what it said; kept by the hook of [`keep_quiet`].
 static LATEST: Mutex<Option<String>> = Mutex::new(None);
 
-/// A panic that was caught.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("panicked: {0}")]
 pub struct CaughtPanic(pub String);

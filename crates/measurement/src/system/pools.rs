@@ -20,7 +20,6 @@ impl Pools {
     }
 }
 
-/// A pool of that many threads.
 pub fn pool(threads: usize) -> Result<ThreadPool, MeasureError> {
     started(ThreadPoolBuilder::new(), threads)
 }

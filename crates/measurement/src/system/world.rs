@@ -17,7 +17,6 @@ pub trait World: Sync {
     fn tool(&self) -> Tool;
     /// Compiler and flags of the program.
     fn compiler(&self) -> Compiler;
-    /// The machine it runs on.
     fn machine(&self) -> Machine;
     /// Features of x86-64-v3 that the processor has, by rustc's names.
     fn processor_features(&self) -> Vec<&'static str>;
@@ -92,7 +91,6 @@ impl World for SystemWorld {
 /// A world that is the same everywhere, for tests of what is printed.
 #[derive(Debug)]
 pub struct FixedWorld {
-    /// Description of the machine.
     pub machine: Machine,
     /// Features of x86-64-v3 that its processor has.
     pub processor_features: Vec<&'static str>,
@@ -100,7 +98,6 @@ pub struct FixedWorld {
     pub compiler: Compiler,
     /// What the loads are, one reading after another; the last one stays.
     pub loads: Mutex<VecDeque<Load>>,
-    /// Outcome of trial builds.
     pub trials: fn(&TrialBuild) -> TrialOutcome,
 }
 

@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::args::baseline::FolderArgs;
+use crate::args::measuring::{PluginArgs, ServeArgs};
 use crate::args::parsers::{choice, percent, scene_name};
-use crate::args::plugins::{PluginArgs, ServeArgs};
+use crate::args::results::FolderArgs;
 use crate::gate::thresholds::Thresholds;
 use clap::{Args, Subcommand};
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
@@ -28,7 +28,7 @@ pub struct CheckArgs {
     pub against_plugin: Vec<PathBuf>,
     /// Check these results of an earlier run, and measure nothing
     #[arg(long, value_name = "DIR|FILE", requires = "baseline", conflicts_with_all = ["against",
-          "against_plugin", "plugin", "rounds", "time_budget", "instructions", "output"])]
+          "against_plugin", "plugin", "rounds", "time_budget", "instructions"])]
     pub results: Option<PathBuf>,
     /// Compare row OLD of the baseline or older program with row NEW of this one; the name of a
     /// structure stands for all its rows
@@ -53,7 +53,7 @@ pub struct CheckArgs {
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
     /// Keep measuring until this time has elapsed: 60s, 2m
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::quantity::duration)]
     pub time_budget: Option<Duration>,
     /// Count instructions under valgrind [default: if the baseline has counts]
     #[arg(long, overrides_with = "no_instructions", conflicts_with = "plugin")]
@@ -74,18 +74,9 @@ pub struct CheckArgs {
     /// How to measure without a baseline.
     #[command(flatten)]
     pub measuring: AgainstArgs,
-    /// Write the results to DIR, as `run -o` does
+    /// Write check.json, check.csv and check.md to DIR, and the results as `run -o` does
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write one CSV row per comparison
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    /// Write the tables in Markdown
-    #[arg(long, value_name = "FILE")]
-    pub export_markdown: Option<PathBuf>,
-    /// Write everything as JSON
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
     /// Structures of yours that the baseline has.
     #[command(flatten)]
     pub plugins: PluginArgs,
@@ -104,12 +95,8 @@ pub struct ThresholdArgs {
     /// Probability of at least one false alarm among all times of a check [default: 0.05]
     #[arg(long, value_name = "P")]
     pub significance: Option<f64>,
-    /// Distrust ratios within a run if a thread waited for a processor for more than this share
-    /// of it [default: 20%]
-    #[arg(long, value_name = "PERCENT", value_parser = percent)]
-    pub busiest: Option<f64>,
     /// Ignore times shorter than this [default: 200us]
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::quantity::duration)]
     pub shortest: Option<Duration>,
 }
 
@@ -119,7 +106,7 @@ impl ThresholdArgs {
         Thresholds {
             instructions: self.instruction_threshold.unwrap_or(configured.instructions),
             time: self.time_threshold.unwrap_or(configured.time),
-            busiest: self.busiest.unwrap_or(configured.busiest),
+            busiest: configured.busiest,
             significance: self.significance.unwrap_or(configured.significance),
             shortest: self.shortest.map_or(configured.shortest, |t| t.as_secs_f64()),
             rows: configured.rows,

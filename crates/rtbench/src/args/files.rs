@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::args::measuring::PluginArgs;
 use crate::args::parsers::{choice, scene_name};
-use crate::args::plugins::PluginArgs;
 use clap::{Args, Subcommand};
 use measurement::settings::choice::Choice;
 use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};

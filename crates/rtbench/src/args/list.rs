@@ -102,7 +102,7 @@ pub struct SchemaArgs {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum SchemaOf {
-    /// results.json, what --export-json writes
+    /// results.json
     RunRecord,
     /// Output of --export-github-smaller and --export-github-bigger
     GithubActionBenchmark,

@@ -1,13 +1,18 @@
-//! Options shared by all commands that measure.
-
-use std::time::Duration;
+//! Options that commands share: what is measured, plugins, tables, time series.
 
 use crate::args::parsers::choice;
 use clap::Args;
-use measurement::rays::order::Orders;
-use measurement::settings::{Lights, MeasuringSettings, Precision, quantity};
+use clap::builder::TypedValueParser;
+use measurement::settings::choice::Choice;
+use measurement::settings::{MeasuringSettings, Precision};
+use presentation::text::Screen;
+use regex_lite::Regex;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::time::Duration;
+use studies::run::view::{Columns, Sort, TableColumn, View};
 
-/// Options shared by all commands that measure.
+/// Options of all commands that measure.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Measuring")]
 pub struct MeasuringArgs {
@@ -15,12 +20,9 @@ pub struct MeasuringArgs {
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
     /// Rounds; each measures every row once [default: 5, 3 with --quick]
-    #[arg(long, value_name = "N", conflicts_with = "time_budget",
+    #[arg(long, value_name = "N",
           value_parser = measurement::settings::quantity::count(1..=MeasuringSettings::MOST_ROUNDS))]
     pub rounds: Option<u32>,
-    /// Keep measuring until this time has elapsed, all scenes together: 60s, 1.5m, 2h30m
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
-    pub time_budget: Option<Duration>,
     /// Use small images and few rounds, for a first look
     #[arg(long)]
     pub quick: bool,
@@ -31,10 +33,6 @@ pub struct MeasuringArgs {
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
-    /// Reference row of ratios [default: obvhs-cwbvh, else obvhs-cwbvh adapter=robust, else the
-    /// first row]
-    #[arg(long, value_name = "STRUCTURE")]
-    pub reference: Option<String>,
     /// Floating-point precision of primitives and rays
     #[arg(long, value_parser = choice::<Precision>(),
           default_value = Precision::default().name())]
@@ -49,11 +47,9 @@ impl MeasuringArgs {
         MeasuringSettings {
             rays: self.rays.clone(),
             rounds: self.rounds,
-            time_budget: self.time_budget,
             quick: self.quick,
             threads: self.threads,
             seed: self.seed,
-            reference: self.reference.clone(),
             precision: self.precision,
             size: self.size,
             ..MeasuringSettings::default()
@@ -61,38 +57,126 @@ impl MeasuringArgs {
     }
 }
 
-/// Order and limits of the rays.
+/// Options of commands that measure rows against a reference, for as long as is said.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Measuring")]
-pub struct IssueArgs {
-    /// Order in which rays are issued to rows
-    #[arg(long, value_parser = choice::<Orders>(),
-          default_value = Orders::default().name())]
-    pub order: Orders,
-    /// Lights that get shadow rays
-    #[arg(long, value_parser = choice::<Lights>(),
-          default_value = Lights::default().name())]
-    pub lights: Lights,
-    /// Longest pass over the rays; slower rows are timed on a sample of them [default: 200ms, 30ms
-    /// with --quick]
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::duration::parse)]
-    pub pass_limit: Option<Duration>,
+pub struct RatioArgs {
+    #[command(flatten)]
+    pub measuring: MeasuringArgs,
+    /// Keep measuring until this time has elapsed, all scenes together: 60s, 1.5m, 2h30m
+    #[arg(long, value_name = "TIME", conflicts_with = "rounds",
+          value_parser = measurement::settings::quantity::duration)]
+    pub time_budget: Option<Duration>,
+    /// Reference row of ratios [default: obvhs-cwbvh, else obvhs-cwbvh adapter=robust, else the
+    /// first row]
+    #[arg(long, value_name = "STRUCTURE")]
+    pub reference: Option<String>,
 }
 
-impl IssueArgs {
-    /// These settings, where the others are those.
-    pub fn over(&self, others: MeasuringSettings) -> MeasuringSettings {
-        let Self { order, lights, pass_limit } = *self;
-        MeasuringSettings { order, lights, pass_limit, ..others }
+impl RatioArgs {
+    pub fn settings(&self) -> MeasuringSettings {
+        MeasuringSettings {
+            time_budget: self.time_budget,
+            reference: self.reference.clone(),
+            ..self.measuring.settings()
+        }
     }
 }
 
-/// Memory limit of a structure.
+/// Format of printed tables of a run; files have all columns and the order of the registry.
 #[derive(Debug, Clone, Args)]
-#[command(next_help_heading = "Measuring")]
-pub struct MemoryArgs {
-    /// Memory limit of a structure; rows above it are shown as `out of memory` [default: half of
-    /// the machine's memory, or of the control group's limit if that is less]
-    #[arg(long, value_name = "BYTES", value_parser = quantity::bytes)]
-    pub max_memory: Option<u64>,
+#[command(next_help_heading = "Tables")]
+pub struct TableArgs {
+    /// Order of the printed rows
+    #[arg(long, value_parser = choice::<Sort>(), default_value = Sort::default().as_typed())]
+    pub sort: Sort,
+    /// Print these columns: ratio, build, trace, image, memory, primary, shadow, second, diffuse,
+    /// rays, n_it, ..., verdict [default: those that fit the terminal, or 120 characters]
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',', value_parser = column())]
+    pub columns: Vec<TableColumn>,
+}
+
+fn column() -> impl TypedValueParser<Value = TableColumn> {
+    clap::builder::NonEmptyStringValueParser::new().try_map(|name| TableColumn::named(&name))
+}
+
+impl TableArgs {
+    /// Format of tables on a screen.
+    pub fn view(&self, screen: Screen) -> View {
+        let columns = match &self.columns[..] {
+            [] => Columns::Fitting,
+            named => Columns::Named(named.to_vec()),
+        };
+        View { sort: self.sort, columns, screen }
+    }
+}
+
+/// Files of a run.
+#[derive(Debug, Clone, Default, Args)]
+#[group(id = "exports", multiple = true)]
+#[command(next_help_heading = "Files")]
+pub struct ExportArgs {
+    /// Write results.csv, results.md and results.json to DIR; `run` also writes run.jsonl, to
+    /// resume from
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write times, ratios and counters for github-action-benchmark (customSmallerIsBetter)
+    #[arg(long, value_name = "FILE")]
+    pub export_github_smaller: Option<PathBuf>,
+    /// Write rays per second for github-action-benchmark (customBiggerIsBetter)
+    #[arg(long, value_name = "FILE")]
+    pub export_github_bigger: Option<PathBuf>,
+    /// Write times, ratios, counters and rays per second in Bencher Metric Format
+    #[arg(long, value_name = "FILE")]
+    pub export_bencher: Option<PathBuf>,
+    /// Write to the three formats above only series that this regular expression finds in `SCENE:
+    /// STRUCTURE SETTINGS / NAME`: 'teapot: (kd-tree|wide-bvh) / (build|trace)'
+    #[arg(long, value_name = "REGEX", value_parser = Regex::new)]
+    pub export_select: Option<Regex>,
+}
+
+/// Plugins, and how they run.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Plugins")]
+pub struct PluginArgs {
+    /// Measure a structure from this shared library (see rtbench.h) as an extra row
+    #[arg(long, value_name = "FILE")]
+    pub plugin: Vec<PathBuf>,
+    /// Load plugins in-process (a plugin crash aborts the run)
+    #[arg(long, requires = "plugin")]
+    pub in_process: bool,
+    /// Time limit of a plugin's build, and of each of its calls that answer rays
+    #[arg(long, value_name = "TIME", default_value = "60s", requires = "plugin",
+          value_parser = measurement::settings::quantity::duration)]
+    pub plugin_limit: Duration,
+}
+
+impl PluginArgs {
+    /// Arguments that pass the plugins to another process of this program; empty without plugins.
+    pub fn arguments(&self) -> Vec<OsString> {
+        self.arguments_for(&self.plugin)
+    }
+
+    /// The same settings with other files.
+    pub fn arguments_for(&self, files: &[PathBuf]) -> Vec<OsString> {
+        let files = files.iter().flat_map(|file| ["--plugin".into(), file.clone().into()]);
+        let mut arguments: Vec<OsString> = files.collect();
+        if !arguments.is_empty() {
+            let limit = format!("{}ms", self.plugin_limit.as_millis().max(1));
+            arguments.extend(["--plugin-limit".into(), limit.into()]);
+            arguments.extend(self.in_process.then(|| "--in-process".into()));
+        }
+        arguments
+    }
+}
+
+/// `rtbench child plugin`: what a run starts for each row of a plugin.
+#[derive(Debug, Clone, Args)]
+pub struct ServeArgs {
+    /// Shared library of the plugin
+    #[arg(long)]
+    pub file: PathBuf,
+    /// Address at which the run listens
+    #[arg(long)]
+    pub socket: PathBuf,
 }

@@ -4,23 +4,18 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use scene_loading::ViewOptions;
 use scene_loading::view_options::{CameraOption, LightOption, UpOption};
 
-mod baseline;
 mod check;
 mod files;
 mod list;
 mod measuring;
 mod parsers;
-mod plugins;
 mod render;
 mod results;
 mod run;
 pub mod show;
 mod studies;
 mod sweep;
-mod tables;
-mod verify;
 
-pub use baseline::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
 pub use check::TrialArgs;
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
 pub use files::TraceArgs;
@@ -32,25 +27,26 @@ pub use list::DoctorArgs;
 pub use list::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 pub use list::{Format, ListArgs, ListSubject};
 pub use list::{SceneNames, ScenesAction, ScenesArgs};
+pub use measuring::ExportArgs;
 pub use measuring::MeasuringArgs;
+pub use measuring::TableArgs;
+pub use measuring::{PluginArgs, ServeArgs};
 pub(crate) use parsers::percent;
-pub use plugins::{PluginArgs, ServeArgs};
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 pub use results::HistoryArgs;
 pub use results::MergeArgs;
 pub use results::ReportArgs;
-pub use results::{CompareArgs, CompareFormat, CompareSort};
+pub use results::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
+pub use results::{CompareArgs, CompareFormat};
 pub use run::RunArgs;
 pub use show::ShowArgs;
 pub use studies::AccuracyArgs;
 pub use studies::AnimateArgs;
 pub use studies::CompareTracersArgs;
 pub use studies::ExplainArgs;
+pub use studies::VerifyArgs;
 pub use studies::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 pub use sweep::SweepArgs;
-pub use tables::ExportArgs;
-pub use tables::TableArgs;
-pub use verify::VerifyArgs;
 
 /// The head of options that every command has.
 const GLOBAL: &str = "Every command";
@@ -103,7 +99,7 @@ pub enum Command {
     Run(RunArgs),
     /// Measure one parameter of a structure over its values, or one scene in several sizes
     #[command(
-        after_help = "Examples:\n  rtbench sweep teapot -s uniform-grid -p density --from 0.1 --to 100\n  rtbench sweep tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
+        after_help = "Examples:\n  rtbench sweep teapot -s uniform-grid -p density --values 0.1..100\n  rtbench sweep tree-tess --sizes 1e3..1e6 -s kd-tree,wide-bvh"
     )]
     Sweep(SweepArgs),
     /// Measure a moving scene frame by frame: updates, rays, frames per second
@@ -221,28 +217,26 @@ impl Command {
     }
 }
 
-/// Whether the command line of a run, program first, names structures.
-pub fn names_structures(command_line: &[String]) -> bool {
-    match Cli::try_parse_from(command_line).map(|cli| cli.command) {
-        Ok(Command::Run(args)) => !args.structures.is_empty(),
-        Ok(Command::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. })) => {
-            !args.run.structures.is_empty()
+/// The options of a run in a recorded command line, program first; none of other commands, and of
+/// what this program does not read.
+fn run_in(command_line: &[String]) -> Option<RunArgs> {
+    match Cli::try_parse_from(command_line).ok()?.command {
+        Command::Run(args) => Some(args),
+        Command::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. }) => {
+            Some(args.run)
         }
-        // nothing is known of it
-        _ => true,
+        _ => None,
     }
 }
 
-/// Values of `--set` in the command line of a run, program first; empty for other commands.
+/// Whether the command line of a run names structures, as far as is known.
+pub fn names_structures(command_line: &[String]) -> bool {
+    run_in(command_line).is_none_or(|args| !args.structures.is_empty())
+}
+
+/// Values of `--set` in the command line of a run.
 pub fn overrides_in(command_line: &[String]) -> Vec<String> {
-    match Cli::try_parse_from(command_line).map(|cli| cli.command) {
-        Ok(Command::Run(args)) => args.overrides,
-        Ok(Command::Baseline(args)) => match args.action {
-            BaselineAction::Save(args) => args.run.overrides,
-            _ => Vec::new(),
-        },
-        _ => Vec::new(),
-    }
+    run_in(command_line).map(|args| args.overrides).unwrap_or_default()
 }
 
 /// The view and the lights that scenes are given from the command line, of every command that loads

@@ -1,8 +1,11 @@
 //! `rtbench render` and `rtbench cost`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
+use measurement::settings::{choice, quantity};
+use scene_loading::SampleWishes;
 
 use crate::args::parsers::scene_name;
 
@@ -66,29 +69,82 @@ pub struct CostArgs {
 
 /// The factors of an image's cost beside its pixels. Those of effects that the scene does not call
 /// for change nothing.
-#[derive(Debug, Clone, Copy, Args)]
+#[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Sampling")]
 pub struct SamplingArgs {
     /// Longest chain of rays; eye rays have depth 1
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = clap::value_parser!(u32).range(1..=64))]
     pub depth: u32,
-    /// Eye rays per pixel for antialiasing [default: the scene's, or 1]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
-    pub supersamples: Option<u32>,
-    /// Shadow rays per hit, for each light with a radius [default: the scene's, or 16]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
-    pub shadow_samples: Option<u32>,
-    /// Rays of the first rough mirror of a path [default: the scene's, or 16]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
-    pub glossy_samples: Option<u32>,
-    /// Eye rays per pixel for motion blur [default: the scene's, or 16]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
-    pub temporal_samples: Option<u32>,
-    /// Eye rays per pixel for depth of field [default: the scene's, or 16]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=65536))]
-    pub focal_samples: Option<u32>,
+    /// Samples of an effect, 1 to 65536: supersamples=4,shadow=16,glossy=16,temporal=16,focal=16
+    /// [default: the scene's, or 1 supersample and 16 of the others]
+    #[arg(long, value_name = "EFFECT=N", value_delimiter = ',')]
+    pub samples: Vec<EffectSamples>,
     /// Seed of the sample patterns
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
+}
+
+/// The number of samples of one effect, by its name in scene files.
+#[derive(Debug, Clone, Copy)]
+pub struct EffectSamples {
+    /// Place of the number among the wishes.
+    place: fn(&mut SampleWishes) -> &mut Option<u32>,
+    count: u32,
+}
+
+/// Effects by their names in scene files, with the rays that are counted.
+type NamedEffect = (&'static str, fn(&mut SampleWishes) -> &mut Option<u32>);
+const EFFECTS: [NamedEffect; 5] = [
+    ("supersamples", |wishes| &mut wishes.supersamples),
+    ("shadow", |wishes| &mut wishes.shadow),
+    ("glossy", |wishes| &mut wishes.glossy),
+    ("temporal", |wishes| &mut wishes.temporal),
+    ("focal", |wishes| &mut wishes.focal),
+];
+
+impl FromStr for EffectSamples {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (name, count) = text.split_once('=').unwrap_or((text, ""));
+        let Some((_, place)) = EFFECTS.iter().find(|(known, _)| *known == name) else {
+            let valid = EFFECTS.map(|(name, _)| name);
+            let hint = choice::hint(name, valid);
+            return Err(format!("unknown effect '{name}'{hint}; valid: {}", valid.join(", ")));
+        };
+        let count = quantity::count(1..=65536)(count)?;
+        Ok(Self { place: *place, count })
+    }
+}
+
+impl SamplingArgs {
+    pub fn wishes(&self) -> SampleWishes {
+        let mut wishes = SampleWishes::default();
+        for EffectSamples { place, count } in &self.samples {
+            *place(&mut wishes) = Some(*count);
+        }
+        wishes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn samples_are_counted_by_effect() {
+        let samples: Vec<EffectSamples> =
+            ["glossy=8", "supersamples=2", "glossy=1k"].map(|text| text.parse().unwrap()).into();
+        let wishes = SamplingArgs { depth: 5, samples, seed: 1 }.wishes();
+        assert_eq!(
+            (wishes.supersamples, wishes.glossy, wishes.shadow),
+            (Some(2), Some(1000), None)
+        );
+        for wrong in ["", "glossy", "glossy=0", "glossy=70k", "glosy=8", "8"] {
+            assert!(wrong.parse::<EffectSamples>().is_err(), "{wrong}");
+        }
+        let error = "glosy=8".parse::<EffectSamples>().unwrap_err();
+        assert!(error.contains("did you mean 'glossy'?"), "{error}");
+    }
 }

@@ -1,10 +1,10 @@
-//! Arguments of the commands over results: `compare`, `merge`, `report`, `history`.
+//! Arguments of the commands over results: `compare`, `merge`, `report`, `history`, `baseline`.
 
-use std::path::PathBuf;
-
+use crate::args::measuring::{ExportArgs, TableArgs};
 use crate::args::parsers::percent;
-use crate::args::tables::{ExportArgs, TableArgs};
-use clap::{Args, ValueEnum};
+use crate::args::run::RunArgs;
+use clap::{Args, Subcommand, ValueEnum};
+use std::path::PathBuf;
 
 #[derive(Debug, Clone, Args)]
 pub struct CompareArgs {
@@ -25,31 +25,16 @@ pub struct CompareArgs {
     /// stands for all its rows
     #[arg(long = "match", value_name = "OLD=NEW")]
     pub matches: Vec<String>,
-    /// Print these metrics, equal or not [default: build, trace, ratio, and exact metrics that
-    /// differ]
+    /// Print these metrics, or `all`, equal or not [default: build, trace, ratio, and exact metrics
+    /// that differ]
     #[arg(short, long, value_name = "METRIC", value_delimiter = ',')]
     pub metrics: Vec<String>,
-    /// Print all metrics, equal or not
-    #[arg(long, conflicts_with = "metrics")]
-    pub all_metrics: bool,
     /// Compare results that are not comparable; the reasons are printed with them
     #[arg(long)]
     pub force: bool,
-    /// Order of the rows of a scene
-    #[arg(long, value_enum, default_value_t = CompareSort::Record)]
-    pub sort: CompareSort,
     /// Format of the output
     #[arg(long, value_enum, default_value_t = CompareFormat::Text)]
     pub format: CompareFormat,
-}
-
-/// The order of a scene's rows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum CompareSort {
-    /// As in the results
-    Record,
-    /// The largest change first
-    Change,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -78,8 +63,6 @@ pub struct MergeArgs {
     #[arg(long, conflicts_with_all = ["mixed_machines", "export_github_smaller",
           "export_github_bigger", "export_bencher"])]
     pub machines: bool,
-    #[command(flatten)]
-    pub tables: TableArgs,
     #[command(flatten)]
     pub exports: ExportArgs,
 }
@@ -114,4 +97,63 @@ pub struct HistoryArgs {
     /// subjects
     #[arg(long, value_name = "DIR")]
     pub repository: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct BaselineArgs {
+    #[command(subcommand)]
+    pub action: BaselineAction,
+    #[command(flatten)]
+    pub folder: FolderArgs,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct FolderArgs {
+    /// Folder of the baselines [default: RTBENCH_BASELINES, or .rtbench/baselines]
+    #[arg(long, value_name = "DIR", global = true)]
+    pub baselines: Option<PathBuf>,
+}
+
+#[derive(Debug, Clone, Subcommand)]
+pub enum BaselineAction {
+    /// Save results under a name: those of an earlier run, or of a run made now
+    Save(Box<SaveArgs>),
+    /// List saved baselines
+    List,
+    /// Print the tables of a baseline
+    Show {
+        /// Name of the baseline
+        name: String,
+        #[command(flatten)]
+        tables: TableArgs,
+    },
+    /// Save a copy of a baseline under another name, replacing a baseline of that name
+    Promote {
+        /// Name of the baseline
+        name: String,
+        /// Name of the copy
+        #[arg(value_name = "AS")]
+        to: String,
+    },
+    /// Remove a baseline
+    Remove {
+        /// Name of the baseline
+        name: String,
+    },
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct SaveArgs {
+    /// Name: letters, digits, '.', '-' and '_'
+    pub name: String,
+    /// Save the results of an earlier run: its folder, or its results.json
+    #[arg(long, value_name = "DIR|FILE", conflicts_with_all = ["scenes", "structures",
+          "overrides", "plugin", "rays", "rounds", "processes", "time_budget", "quick", "seed", "reference", "size"])]
+    pub from: Option<PathBuf>,
+    /// Also count instructions under valgrind, so that `check` finds rows that are 1% slower
+    #[arg(long, conflicts_with = "plugin")]
+    pub instructions: bool,
+    /// The run to make [default: 15 rounds]
+    #[command(flatten)]
+    pub run: RunArgs,
 }

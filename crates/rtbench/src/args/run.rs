@@ -2,14 +2,17 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
-use measurement::settings::{MeasuringSettings, RunSettings};
+use std::time::Duration;
 
-use crate::args::measuring::{IssueArgs, MeasuringArgs, MemoryArgs};
-use crate::args::parsers::scene_name;
-use crate::args::plugins::PluginArgs;
-use crate::args::tables::ExportArgs;
-use crate::args::tables::TableArgs;
+use clap::Args;
+use measurement::rays::order::Orders;
+use measurement::settings::{Lights, MeasuringSettings, RunSettings, quantity};
+
+use crate::args::measuring::ExportArgs;
+use crate::args::measuring::PluginArgs;
+use crate::args::measuring::RatioArgs;
+use crate::args::measuring::TableArgs;
+use crate::args::parsers::{choice, scene_name};
 
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
@@ -44,11 +47,23 @@ pub struct RunArgs {
           "size", "shard", "order", "lights", "by_kind", "processes", "pass_limit", "as_set", "max_memory", "output"])]
     pub resume: Option<PathBuf>,
     #[command(flatten)]
-    pub measuring: MeasuringArgs,
-    #[command(flatten)]
-    pub issue: IssueArgs,
-    #[command(flatten)]
-    pub memory: MemoryArgs,
+    pub measuring: RatioArgs,
+    /// Order in which rays are issued to rows
+    #[arg(long, help_heading = "Measuring", value_parser = choice::<Orders>(),
+          default_value = Orders::default().name())]
+    pub order: Orders,
+    /// Lights that get shadow rays
+    #[arg(long, help_heading = "Measuring", value_parser = choice::<Lights>(),
+          default_value = Lights::default().name())]
+    pub lights: Lights,
+    /// Longest pass over the rays; slower rows are timed on a sample of them [default: 200ms, 30ms
+    /// with --quick]
+    #[arg(long, help_heading = "Measuring", value_name = "TIME", value_parser = quantity::duration)]
+    pub pass_limit: Option<Duration>,
+    /// Memory limit of a structure; rows above it are shown as `out of memory` [default: half of
+    /// the machine's memory, or of the control group's limit if that is less]
+    #[arg(long, help_heading = "Measuring", value_name = "BYTES", value_parser = quantity::bytes)]
+    pub max_memory: Option<u64>,
     #[command(flatten)]
     pub plugins: PluginArgs,
     #[command(flatten)]
@@ -65,8 +80,11 @@ impl RunArgs {
             structures: self.structures.clone(),
             overrides: self.overrides.clone(),
             measuring: MeasuringSettings {
-                max_memory: self.memory.max_memory,
-                ..self.issue.over(self.measuring.settings())
+                order: self.order,
+                lights: self.lights,
+                pass_limit: self.pass_limit,
+                max_memory: self.max_memory,
+                ..self.measuring.settings()
             },
             shard: self.shard,
             by_kind: self.by_kind,

@@ -1,12 +1,12 @@
-//! Arguments of the studies: `accuracy`, `animate`, `compare-tracers`, `explain`, `reproduce`.
+//! Arguments of the studies: `accuracy`, `animate`, `compare-tracers`, `explain`, `reproduce`, `verify`.
 
-use std::path::PathBuf;
-
-use crate::args::measuring::{IssueArgs, MeasuringArgs};
+use crate::args::measuring::{MeasuringArgs, PluginArgs, RatioArgs};
 use crate::args::parsers::scene_name;
 use clap::{Args, Subcommand};
 use measurement::settings::RunSettings;
 use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use std::time::Duration;
 use studies::animate::AnimateSettings;
 use studies::explain::ExplainSettings;
 
@@ -56,9 +56,6 @@ pub struct AnimateArgs {
     /// defaults and with every other update method]
     #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Override a default of a structure: uniform-grid.density=4
-    #[arg(long = "set", value_name = "STRUCTURE.PARAM=VALUE")]
-    pub overrides: Vec<String>,
     /// Write animation.json, frames.csv, animate.md, animate.svg and strip.png there, after each
     /// frame anew
     #[arg(short, long, value_name = "DIR")]
@@ -73,7 +70,6 @@ impl AnimateArgs {
         AnimateSettings {
             frames: self.frames,
             structures: self.structures.clone(),
-            overrides: self.overrides.clone(),
             measuring: self.measuring.settings(),
         }
     }
@@ -108,9 +104,6 @@ pub struct CompareTracersArgs {
     /// Samples per pixel of each of the reference's two images [default: 4096; with --quick 1024]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
     pub reference_samples: Option<u32>,
-    /// Structure that rays are traced through [default: wide-bvh, or the first]
-    #[arg(short, long, alias = "structures", value_name = "STRUCTURE")]
-    pub structure: Option<String>,
     /// Structure that gives cones and beams their candidates: brute-force, uniform-grid,
     /// hashed-grid, bricked-grid or kd-tree, with settings if any
     #[arg(long, value_name = "STRUCTURE", default_value = "uniform-grid")]
@@ -118,10 +111,6 @@ pub struct CompareTracersArgs {
     /// Width and height of the images [default: 64; with --quick 32]
     #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(1..=4096))]
     pub size: Option<u32>,
-    /// Longest chain of rays; eye rays have depth 1
-    #[arg(long, value_name = "N", default_value_t = 5,
-          value_parser = clap::value_parser!(u32).range(1..=64))]
-    pub depth: u32,
     /// Rounds; each renders every image once [default: 5; with --quick 3]
     #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=10_000))]
     pub rounds: Option<u32>,
@@ -152,23 +141,11 @@ pub struct ExplainArgs {
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = clap::value_parser!(u32).range(1..=RunSettings::MOST_PROCESSES.into()))]
     pub processes: u32,
-    /// Write one CSV row per scene, kind of ray and row or factor; - is standard output, instead of
-    /// the tables
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
-    /// Write the tables in Markdown; or -
-    #[arg(long, value_name = "FILE")]
-    pub export_markdown: Option<PathBuf>,
-    /// Write everything, raw samples too, as JSON; or -
-    #[arg(long, value_name = "FILE")]
-    pub export_json: Option<PathBuf>,
     /// Write explain.csv, explain.md and results.json to DIR
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
-    pub measuring: MeasuringArgs,
-    #[command(flatten)]
-    pub issue: IssueArgs,
+    pub measuring: RatioArgs,
 }
 
 impl ExplainArgs {
@@ -177,7 +154,7 @@ impl ExplainArgs {
         ExplainSettings {
             scenes: self.scenes.clone(),
             structure: self.structure.clone(),
-            measuring: self.issue.over(self.measuring.settings()),
+            measuring: self.measuring.settings(),
             processes: self.processes,
         }
     }
@@ -207,9 +184,9 @@ pub struct HavranArgs {
     /// Structures as the publication names them, `invariants` among them [default: all]
     #[arg(long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Write one CSV row per figure
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
+    /// Write havran1999.csv to DIR, one row per figure
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
     /// Exit with code 1 if a figure differs for no known reason
     #[arg(long)]
     pub strict: bool,
@@ -224,12 +201,52 @@ pub struct ZachmannArgs {
     /// below each
     #[arg(long)]
     pub as_published: bool,
-    /// Write one CSV row per scene and structure
-    #[arg(long, value_name = "FILE")]
-    pub export_csv: Option<PathBuf>,
+    /// Write zachmann2007.csv to DIR, one row per scene and structure
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
     /// How to measure; the reference is always uniform D=1.
     #[command(flatten)]
     pub measuring: MeasuringArgs,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct VerifyArgs {
+    /// Cases or groups of cases: G1,grid [default: all]
+    #[arg(long, value_name = "CASE|GROUP", value_delimiter = ',')]
+    pub cases: Vec<String>,
+    /// Structures as for `run` [default: all with all their variants, and the negative control]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
+    pub structures: Vec<String>,
+    /// Also check further settings of these structures, which otherwise only tests cover
+    #[arg(long)]
+    pub also_tested: bool,
+    /// Rays per case and precision; the default takes about 5 minutes of processor time
+    #[arg(long, value_name = "N", default_value_t = 5000,
+          value_parser = measurement::settings::quantity::count(1..=100_000_000))]
+    pub rays: u32,
+    /// Seed of scenes and rays
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Number of threads [default: all]
+    #[arg(short = 'j', long, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Stop after this time: results so far are printed and written, marked as incomplete, with
+    /// exit code 5 if nothing is wrong; Ctrl-C does the same, with 130
+    #[arg(long, value_name = "TIME", value_parser = measurement::settings::quantity::duration)]
+    pub time_limit: Option<Duration>,
+    /// Repeat one trial, given by a line that an earlier run printed
+    #[arg(long, value_name = "LINE")]
+    pub replay: Option<String>,
+    /// Reduce the first failure of each structure, case and precision to the fewest triangles and
+    /// one ray, and write it to DIR: OBJ, rays for `trace`, and a C program over rtbench.h
+    #[arg(long, value_name = "DIR")]
+    pub shrink: Option<PathBuf>,
+    /// Write verify.json and verify.csv to DIR, rewritten after each case
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub plugins: PluginArgs,
 }
 
 #[cfg(test)]

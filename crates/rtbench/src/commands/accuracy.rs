@@ -11,13 +11,11 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::occupied::PlannedOutput;
 use crate::gate::GateError;
 use crate::gate::against::{AgainstError, own_program};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
 use measurement::system::child_process::{ChildError, answer, arguments};
-use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
@@ -46,23 +44,10 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 const FIRST: [&str; 3] = ["ratio [95%]", "error", "stands"];
 
 /// Measures and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for what ends the command early: the command line, an output. A scene that does not
-/// serve an axis is reported and costs the others nothing.
 pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
-    let mut created = CreatedFiles::default();
-    if let Some(folder) = &args.output {
-        let wanted = PlannedOutput {
-            names: &["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"],
-            command_line: &context.command_line,
-            manifest: None,
-            overwrite: context.overwrite,
-        };
-        wanted.check(folder)?;
-        created.folder(folder)?;
-    }
+    let names = ["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"];
+    let _created = context.created_folder(args.output.as_ref(), &names)?;
     let rounds = rounds(args);
     let mut record = AccuracyRecord {
         command_line: context.command_line.clone(),
@@ -123,10 +108,6 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
 }
 
 /// Times the variants of an axis in fresh processes, one after the other.
-///
-/// # Errors
-/// [`Error`] of the first process that has no answer, or another; the times of those before it
-/// stay.
 fn in_processes(
     context: &Context<'_>,
     args: &AccuracyArgs,
@@ -148,9 +129,6 @@ fn in_processes(
 
 /// The axes, timed for the process that started this one, which says of those that a scene does not
 /// serve. Trials are made anew: some axes time rays that they draw for them.
-///
-/// # Errors
-/// [`Error`] for axes and scenes that there are not.
 pub fn times(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<Vec<AxisRecord>, Error> {
     let mut study = Study::of(context, args, rounds(args))?;
     study.limits.only_times = true;
@@ -159,7 +137,6 @@ pub fn times(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<Vec<AxisR
     axes.collect()
 }
 
-/// Rounds of each process.
 fn rounds(args: &AccuracyArgs) -> usize {
     args.rounds.map_or(pick(ROUNDS, args.quick), |n| n as usize)
 }

@@ -12,11 +12,9 @@ use crate::commands::scene_pictures::image_of;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
-use crate::exports::occupied::PlannedOutput;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::settings::Precision;
-use measurement::system::created::CreatedFiles;
 use measurement::system::files::write_text;
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
@@ -33,9 +31,6 @@ const NAMES: [&str; 5] = ["animation.json", "frames.csv", "animate.md", "animate
 const PICTURES: (u32, u32) = (8, 160);
 
 /// Measures and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for what ends it early: the command line, a frame that cannot be loaded, an output.
 pub fn run(
     context: &mut Context<'_>,
     args: &AnimateArgs,
@@ -46,17 +41,7 @@ pub fn run(
     let name = scene.name().to_owned();
     let animate = Animate::new(&args.settings(), (&name, scene.frames()), context.registry)?;
     context.warn_of_instructions();
-    let mut created = CreatedFiles::default();
-    if let Some(folder) = &args.output {
-        let wanted = PlannedOutput {
-            names: &NAMES,
-            command_line: &context.command_line,
-            manifest: None,
-            overwrite: context.overwrite,
-        };
-        wanted.check(folder)?;
-        created.folder(folder)?;
-    }
+    let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let [first, last] = animate.frames;
     let start = context.clock.now();
     let mut record = new_record(context, &animate);

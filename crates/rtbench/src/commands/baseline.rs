@@ -13,7 +13,7 @@ use crate::exit_code::SUCCESS;
 use crate::gate::{GateError, ROUNDS};
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::record::{RunRecord, label};
-use measurement::system::pressure::PressureWatch;
+use measurement::system::machine::PressureWatch;
 use presentation::table::Table;
 use presentation::text::Screen;
 use studies::run::conclusions::conclude;
@@ -21,9 +21,6 @@ use studies::run::text;
 use studies::run::view::View;
 
 /// Does what was asked and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for names that are not there or not valid, files, and what measuring may end with.
 pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Result<u8, Error> {
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
     let screen = context.terminal.screen(color);
@@ -50,7 +47,7 @@ fn gate(error: BaselineError) -> Error {
 
 fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8, Error> {
     // what makes no sense is said before anything is measured
-    store.free(&args.name, args.force).map_err(gate)?;
+    store.free(&args.name, context.overwrite).map_err(gate)?;
     if args.run.resume.is_some() {
         return Err(gate(BaselineError::Resume));
     }
@@ -71,7 +68,7 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
         }
         baseline.instructions = Some(counted(context, &baseline.record).map_err(GateError::from)?);
     }
-    let path = store.save(&args.name, &baseline, args.force).map_err(gate)?;
+    let path = store.save(&args.name, &baseline, context.overwrite).map_err(gate)?;
     let rows: usize = baseline.record.scenes.iter().map(|scene| scene.rows.len()).sum();
     context.wrote(&path, format_args!("baseline {}, {rows} rows", args.name));
     Ok(SUCCESS)

@@ -27,9 +27,6 @@ use crate::exit_code::{SUCCESS, WRONG_HITS};
 use crate::foreign_row::merged;
 
 /// Writes rays and triangles.
-///
-/// # Errors
-/// [`Error`] for scenes that are not of triangles, and for files that cannot be written.
 pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Error> {
     let settings = settings_of(&args.scene, args.kind.clone(), args.size, args.seed, args.lights);
     let (plan, loaded, geometry) = prepared(context, &settings)?;
@@ -85,9 +82,6 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
 }
 
 /// Compares answers with ours; returns the exit code.
-///
-/// # Errors
-/// [`Error`] for a file that is not one of hits, or is of other rays.
 pub fn check_hits(
     context: &mut Context<'_>,
     args: &CheckHitsArgs,

@@ -3,24 +3,24 @@
 
 use std::fs::OpenOptions;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::args::{CheckArgs, Color, ExportArgs, names_structures};
 use crate::baselines::{Baseline, Store};
 use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{measure_scenes, warn_of};
 use crate::commands::run_outputs;
+use crate::comparison::differences::{refusals, remarks};
 use crate::comparison::pairing::{MissingRow, Pairing};
 use crate::comparison::renamed::{self, Renaming};
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::outputs::{Outputs, write_file};
+use crate::exports::outputs::Outputs;
 use crate::gate::contest::{self, PairedTimes};
 use crate::gate::report::{FIRST, GLOSSARY, Report};
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
-    Evidence, Finding, GateError, Instructions, ROUNDS, Times, annotations, comparable, export,
-    judge, wall_clock,
+    Evidence, Finding, GateError, Instructions, ROUNDS, Times, export, judge, wall_clock,
 };
 use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
@@ -29,18 +29,18 @@ use measurement::plan::Plan;
 use measurement::plan::measured_row::select;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, file, reference};
 use measurement::system::created::WriteError;
-use measurement::system::created::create;
+use measurement::system::files::write_text;
 use measurement::system::interrupt::undisturbed;
-use measurement::system::pressure::PressureWatch;
+use measurement::system::machine::PressureWatch;
 use presentation::json;
 use presentation::outside::line;
 use statistics::mann_whitney::{least_p, samples_needed};
 use statistics::ratio_of_medians::FEWEST;
 
+/// The files of `-o`, beside those of the run.
+pub const NAMES: [&str; 3] = ["check.json", "check.csv", "check.md"];
+
 /// Checks and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for what cannot be measured or compared.
 pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<u8, Error> {
     let mut default = Thresholds::default();
     if args.takes_turns() {
@@ -50,8 +50,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     let thresholds = args.thresholds.over(default).checked().map_err(GateError::from)?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
-    let exports = [&args.export_csv, &args.export_markdown, &args.export_json];
-    let _created = create(exports)?;
+    let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions || args.results.is_some() => false,
         Some(baseline) if args.instructions && !args.takes_turns() => {
@@ -65,7 +64,9 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         callgrind::version().map_err(GateError::from)?;
     }
     context.warn_of_instructions();
-    let kept = ExportArgs { output: args.output.clone(), ..ExportArgs::default() };
+    let measures = |_: &&PathBuf| args.results.is_none();
+    let kept = args.output.as_ref().filter(measures).cloned();
+    let kept = ExportArgs { output: kept, ..ExportArgs::default() };
     run_outputs::refuse_occupied(context, &kept, None)?;
     let check = Check { args, thresholds, wants_counts, matches, kept };
     let report = match (args.takes_turns(), baseline, &args.results) {
@@ -94,9 +95,12 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     // a script reads the last line
     writeln!(context.out, "{}", line(&report.verdict()))?;
     context.out.flush()?;
-    write_file(args.export_csv.as_deref(), || export::csv(&report))?;
-    write_file(args.export_markdown.as_deref(), || Ok(export::markdown(&report, args.all)))?;
-    write_file(args.export_json.as_deref(), || json::written(&report))?;
+    if let Some(folder) = &args.output {
+        let [json_name, csv_name, markdown_name] = NAMES.map(|name| folder.join(name));
+        write_text(&json_name, &json::written(&report)?)?;
+        write_text(&csv_name, &export::csv(&report)?)?;
+        write_text(&markdown_name, &export::markdown(&report, args.all))?;
+    }
     tell_github(context, &report)?;
     Ok(report.exit_code(args.strict))
 }
@@ -302,7 +306,7 @@ impl Check<'_> {
         } else {
             format!("ratios to {} in the same rounds", reference::in_words(now))
         };
-        let mut remarks = comparable::remarks(base, now);
+        let mut remarks = remarks(base, now);
         let of_rows = self.thresholds.rows.iter();
         remarks.extend(of_rows.map(|own| format!("threshold of {own}")));
         let allowed: Vec<String> =
@@ -372,7 +376,7 @@ fn suspects(findings: &[Finding]) -> Vec<String> {
 
 /// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
 pub(super) fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
-    let reasons = comparable::refusals(base, now);
+    let reasons = refusals(base, now);
     let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
     if reasons.is_empty() || is_wrong { Ok(()) } else { Err(GateError::NotComparable(reasons)) }
 }
@@ -380,7 +384,7 @@ pub(super) fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError>
 /// Annotations and the job's summary, where there is a GitHub to read them.
 fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> {
     if context.environment.github_actions {
-        context.annotations = annotations::of(report);
+        context.annotations = export::annotations(report);
     }
     let Some(path) = &context.environment.github_step_summary else { return Ok(()) };
     let append = || -> io::Result<()> {

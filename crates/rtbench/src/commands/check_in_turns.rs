@@ -9,9 +9,9 @@ use crate::commands::check::{Check, CheckFindings, confirmed, refuse};
 use crate::comparison::pairing::Pairing;
 use crate::context::Context;
 use crate::error::Error;
+use crate::gate::against::TurnPlan;
 use crate::gate::against::{AgainstError, Contest, Program, own_program};
 use crate::gate::contest::PairedTimes;
-use crate::gate::pace::TurnPlan;
 use crate::gate::report::Report;
 use crate::gate::{Evidence, GateError, Instructions, Times, wall_clock};
 use crate::replan::{self, ReplanError, Restriction};
@@ -21,9 +21,6 @@ use measurement::system::progress::Progress;
 
 impl Check<'_> {
     /// Measures the programs in turns and judges the newer one.
-    ///
-    /// # Errors
-    /// [`Error`] for what cannot be measured or compared.
     pub(super) fn in_turns(
         &self,
         context: &mut Context<'_>,

@@ -48,9 +48,6 @@ fn json(e: serde_json::Error) -> FormatError {
 }
 
 /// Does what was asked and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for a record that cannot be read or measured.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = read_request::<RunRecord>;
     let times = matches!(
@@ -146,9 +143,6 @@ fn laps(context: &Context<'_>) -> Result<(), Error> {
 }
 
 /// Builds a row over a scene and says what that took.
-///
-/// # Errors
-/// [`Error`] for a scene that cannot be loaded or a row that there is not.
 fn trial_build(context: &mut Context<'_>, args: &TrialArgs) -> Result<(), Error> {
     end_with_parent();
     let names = [args.row.clone()];

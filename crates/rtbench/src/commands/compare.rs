@@ -2,7 +2,7 @@
 
 use regex_lite::Regex;
 
-use crate::args::{Color, CompareArgs, CompareFormat, CompareSort};
+use crate::args::{Color, CompareArgs, CompareFormat};
 use crate::comparison::{
     CompareError, Comparison, ComparisonSettings, NamedRun, compare, csv, default_metrics, renamed,
     tables,
@@ -15,9 +15,6 @@ use measurement::record::metrics::{self, METRICS};
 use presentation::json;
 
 /// Prints. What changed is no failure: `rtbench check` is the gate.
-///
-/// # Errors
-/// [`Error`] for results that cannot be read or compared, and for unknown metrics.
 pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Result<u8, Error> {
     let choice = choice(args)?;
     let mut runs =
@@ -63,19 +60,18 @@ fn choice(args: &CompareArgs) -> Result<ComparisonSettings, Error> {
         Regex::new(text)
             .map_err(|e| CompareError::Filter { filter: text.clone(), message: e.to_string() })
     };
-    let metrics = match (args.all_metrics, args.metrics.is_empty()) {
-        (true, _) => METRICS.iter().collect(),
-        (_, true) => default_metrics(),
-        _ => args.metrics.iter().map(|name| metrics::named(name)).collect::<Result<_, _>>()?,
+    let metrics = match &args.metrics[..] {
+        [] => default_metrics(),
+        names if names.iter().any(|name| name == "all") => METRICS.iter().collect(),
+        names => names.iter().map(|name| metrics::named(name)).collect::<Result<_, _>>()?,
     };
     Ok(ComparisonSettings {
         metrics,
-        shows_equal: args.all_metrics || !args.metrics.is_empty(),
+        shows_equal: !args.metrics.is_empty(),
         filter: args.filter.as_ref().map(filter).transpose()?,
         margin: args.margin,
         threshold: args.threshold,
         is_forced: args.force,
-        by_change: args.sort == CompareSort::Change,
     })
 }
 

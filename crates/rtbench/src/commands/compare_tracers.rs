@@ -20,12 +20,9 @@ use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
-use crate::exports::occupied::PlannedOutput;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
-use measurement::settings::choice;
-use measurement::system::created::CreatedFiles;
 use measurement::system::created::WriteError;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -36,6 +33,8 @@ use studies::tracer_comparison::report::Report;
 use studies::tracer_comparison::{ComparisonInput, KINDS, compare, without};
 use studies::tracer_comparison::{SampledReference, converged};
 
+/// Longest chain of rays; eye rays have depth 1.
+const MAX_DEPTH: u32 = 5;
 /// Samples per pixel: those of the full comparison, and those of a first look.
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const QUICK_SAMPLES: [u32; 5] = [1, 4, 16, 64, 256];
@@ -46,33 +45,22 @@ pub fn run(
     args: &CompareTracersArgs,
     color: Color,
 ) -> Result<u8, Error> {
-    let row = structure(context.registry, args.structure.as_deref())?;
+    let row = structure(context.registry, None)?;
     let frusta = Row::parse(frustum_queries::REGISTRY, &args.through)?;
     let tracers = tracers(&args.tracers)?;
     let kinds = check_kinds(&args.without, KINDS)?;
     let known = one_scene(context.scenes, &args.scene)?;
-    let mut created = CreatedFiles::default();
-    if let Some(folder) = &args.output {
-        let wanted = PlannedOutput {
-            names: &["tracers.json", "tracers.csv", "tracers.md", "tracers.svg"],
-            command_line: &context.command_line,
-            manifest: None,
-            overwrite: context.overwrite,
-        };
-        wanted.check(folder)?;
-        created.folder(folder)?;
-    }
+    let names = ["tracers.json", "tracers.csv", "tracers.md", "tracers.svg"];
+    let _created = context.created_folder(args.output.as_ref(), &names)?;
     let loaded = known.load()?;
-    for warning in loaded.scene.warnings_in_f32() {
-        context.warn(format_args!("{}: {warning}", known.name()));
-    }
+    context.warn_in_f32(&loaded.scene);
     let scene = without(loaded.scene, &kinds);
     let choice = |given: Option<u32>, full: u32, quick: u32| {
         given.unwrap_or(if args.quick { quick } else { full })
     };
     let frame = SampledReference {
         resolution: [choice(args.size, 64, 32); 2],
-        max_depth: args.depth,
+        max_depth: MAX_DEPTH,
         seed: args.seed,
     };
     let mut samples = args.samples.clone();
@@ -146,9 +134,9 @@ fn tracers(names: &[String]) -> Result<Vec<&'static str>, PlanError> {
     if names.is_empty() {
         return Ok(all);
     }
-    let named = |name: &String| {
-        all.iter().copied().find(|n| n == name).ok_or_else(|| unknown("tracer", name, &all))
-    };
+    let unknown = |name: &str| PlanError::unknown("tracer", name, all.iter().copied());
+    let named =
+        |name: &String| all.iter().copied().find(|n| n == name).ok_or_else(|| unknown(name));
     names.iter().map(named).collect()
 }
 
@@ -159,19 +147,10 @@ fn check_kinds<const N: usize>(
 ) -> Result<Vec<String>, PlanError> {
     for word in words {
         if !valid.contains(&word.as_str()) {
-            return Err(unknown("kind of primitive", word, &valid));
+            return Err(PlanError::unknown("kind of primitive", word, valid));
         }
     }
     Ok(words.to_vec())
-}
-
-fn unknown(what: &'static str, name: &str, valid: &[&'static str]) -> PlanError {
-    PlanError::UnknownName {
-        what,
-        hint: choice::hint(name, valid.iter().copied()),
-        name: name.to_owned(),
-        valid: valid.join(", "),
-    }
 }
 
 /// A pyramid a pixel, with what the ray through the pixel's centre hits.

@@ -248,7 +248,6 @@ const CHECKS: [Check; 9] = [
 ];
 
 impl System {
-    /// The machine of a world.
     pub fn of(world: &dyn World) -> Self {
         let compiled = world.compiler().target_features;
         let unused = world::unused(&world.processor_features(), &compiled);
@@ -298,7 +297,6 @@ mod tests {
         ("/sys/fs/cgroup/cpu.max", ["max 100000", "50000 100000"]),
     ];
 
-    /// Findings of a machine with these files.
     fn findings(files: &[(&str, &str)], unused: Vec<&'static str>) -> Vec<Finding> {
         let folder = tempfile::tempdir().unwrap();
         for (path, text) in files {

@@ -4,8 +4,7 @@ use crate::args::{Color, ExplainArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::occupied::PlannedOutput;
-use crate::exports::outputs::{OutputError, Outputs};
+use crate::exports::outputs::Outputs;
 use measurement::record::file;
 use presentation::json;
 use studies::explain::Explain;
@@ -15,54 +14,23 @@ use studies::explain::table;
 const NAMES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
 
 /// Measures and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for what ends it early: the command line, an output.
 pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Result<u8, Error> {
     let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
-    if let Some(folder) = &args.output {
-        let wanted = PlannedOutput {
-            names: &NAMES,
-            command_line: &context.command_line,
-            manifest: None,
-            overwrite: context.overwrite,
-        };
-        wanted.check(folder)?;
-    }
     let screen = context.terminal.screen(color);
-    let mut outputs = outputs(args, &explain)?;
-    let has_tables = !outputs.are_printed();
+    let at = |name| args.output.as_ref().map(|folder| folder.join(name));
+    let [json_name, csv_name, markdown_name] = NAMES;
+    let mut outputs = Outputs::from(context.created_folder(args.output.as_ref(), &NAMES)?);
+    outputs.add(at(json_name), json::written)?;
+    outputs.add(at(csv_name), |run| table::to_csv(&explain, run))?;
+    outputs.add(at(markdown_name), |run| Ok(table::to_markdown(&explain, run)))?;
     let measured = measure_scenes(context, &explain.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
-        if has_tables {
-            table::write(context.out, &explain, run, scene, screen)?;
-            context.out.flush()?;
-        }
-        Ok(())
+        table::write(context.out, &explain, run, scene, screen)?;
+        Ok(context.out.flush()?)
     })?;
-    if has_tables && !measured.record.scenes.is_empty() {
+    if !measured.record.scenes.is_empty() {
         table::write_glossary(context.out, screen)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))
-}
-
-/// Creates what the command line names.
-fn outputs<'e>(args: &ExplainArgs, explain: &'e Explain<'_>) -> Result<Outputs<'e>, OutputError> {
-    let mut outputs = Outputs::default();
-    let [json_name, csv_name, markdown_name] =
-        NAMES.map(|name| args.output.as_ref().map(|folder| folder.join(name)));
-    if let Some(folder) = &args.output {
-        outputs.folder(folder)?;
-    }
-    for path in [csv_name.as_ref(), args.export_csv.as_ref()] {
-        outputs.add(path, |run| table::to_csv(explain, run))?;
-    }
-    for path in [markdown_name.as_ref(), args.export_markdown.as_ref()] {
-        outputs.add(path, |run| Ok(table::to_markdown(explain, run)))?;
-    }
-    for path in [json_name.as_ref(), args.export_json.as_ref()] {
-        outputs.add(path, json::written)?;
-    }
-    Ok(outputs)
 }

@@ -17,10 +17,6 @@ use statistics::change_points::Sensitivity;
 const SEED: u64 = 1;
 
 /// Reads what is there, writes every page, and says what changed.
-///
-/// # Errors
-/// [`Error`] for results that cannot be read, commits that are not known and files that cannot be
-/// written.
 pub fn run(context: &mut Context<'_>, args: &HistoryArgs) -> Result<(), Error> {
     let visits = visits(&args.folders, args.repository.as_deref())?;
     let index = args.output.join("index.html");

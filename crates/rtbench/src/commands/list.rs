@@ -14,7 +14,6 @@ use crate::args::{Color, Format, ListArgs, ListSubject};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::error::PlanError;
-use measurement::settings::choice;
 use presentation::json;
 use presentation::text::Screen;
 use studies::accuracy::axes::AXES;
@@ -77,24 +76,23 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         Format::Json => {
             out.write_all(json::written(&value)?.as_bytes())?;
         }
-        Format::Text if args.what == ListSubject::Structures => {
-            for e in context.registry.iter().filter(|e| is_asked(e.info.name)) {
-                write_structure(out, screen, e.info)?;
+        Format::Text => match args.what {
+            ListSubject::Structures => {
+                let mut asked = context.registry.iter().filter(|e| is_asked(e.info.name));
+                asked.try_for_each(|e| write_structure(out, screen, e.info))?;
+                writeln!(out, "every structure:")?;
+                COMMON.iter().try_for_each(|p| write_param(out, screen, p))?;
             }
-            writeln!(out, "every structure:")?;
-            COMMON.iter().try_for_each(|p| write_param(out, screen, p))?;
-        }
-        Format::Text if args.what == ListSubject::Occluders => {
-            for e in context.occluders.iter().filter(|e| is_asked(e.info.name)) {
-                write_structure(out, screen, e.info)?;
+            ListSubject::Occluders => {
+                let mut asked = context.occluders.iter().filter(|e| is_asked(e.info.name));
+                asked.try_for_each(|e| write_structure(out, screen, e.info))?;
             }
-        }
-        Format::Text if args.what == ListSubject::Tracers => {
-            for info in TRACERS.iter().filter(|info| is_asked(info.name)) {
-                write_tracer(out, screen, info)?;
+            ListSubject::Tracers => {
+                let mut asked = TRACERS.iter().filter(|info| is_asked(info.name));
+                asked.try_for_each(|info| write_tracer(out, screen, info))?;
             }
-        }
-        Format::Text => write_names(out, screen, &value)?,
+            _ => write_names(out, screen, &value)?,
+        },
     }
     out.flush()?;
     Ok(())
@@ -103,16 +101,9 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
 /// Items requested by name; all without names.
 fn named(mut items: Vec<Value>, args: &ListArgs) -> Result<Vec<Value>, PlanError> {
     let all: Vec<String> = items.iter().map(|item| text(item, "name")).collect();
-    let names = || all.iter().map(String::as_str);
-    for name in &args.names {
-        if !all.contains(name) {
-            return Err(PlanError::UnknownName {
-                what: args.what.singular(),
-                name: name.clone(),
-                hint: choice::hint(name, names()),
-                valid: names().collect::<Vec<_>>().join(", "),
-            });
-        }
+    if let Some(name) = args.names.iter().find(|name| !all.contains(name)) {
+        let names = all.iter().map(String::as_str);
+        return Err(PlanError::unknown(args.what.singular(), name, names));
     }
     if !args.names.is_empty() {
         items.retain(|item| args.names.contains(&text(item, "name")));

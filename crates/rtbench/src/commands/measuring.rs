@@ -6,9 +6,9 @@
 use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration;
 
-use crate::commands::budget::{Budget, progress, steps_of};
 use crate::commands::processes::Processes;
 use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
+use crate::commands::run_state::{Budget, progress, steps_of};
 use crate::commands::run_state::{RunState, is_due, saved, sum_up};
 use crate::context::Context;
 use crate::error::Error;
@@ -34,7 +34,6 @@ use renderer::ShadowRays;
 use studies::run::conclusions::conclude_scene;
 use studies::sweep::sizes::admission;
 
-/// Results of a plan.
 #[derive(Debug)]
 pub struct PlanResults {
     /// Everything about the scenes that could be measured.
@@ -46,9 +45,6 @@ pub struct PlanResults {
 }
 
 /// [`measure_rest`] of a run that keeps nothing beside its outputs.
-///
-/// # Errors
-/// Those of [`measure_rest`].
 pub fn measure_scenes(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
@@ -61,10 +57,6 @@ pub fn measure_scenes(
 
 /// Measures the scenes of the plan that are not finished. After each, the outputs are written anew
 /// and `show` prints it; finished ones are shown in their place.
-///
-/// # Errors
-/// [`Error`] for threads that cannot be started, outputs that cannot be written, and those of
-/// `show`. A scene that fails is reported and costs the others nothing.
 pub fn measure_rest(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
@@ -280,7 +272,6 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         for warning in record.warnings.iter().filter(|_| !plan.is_untimed) {
             context.warn(warning);
         }
-        outputs.print(&record, context.out)?;
         Ok(PlanResults { record, failures, disturbed })
     }
 }

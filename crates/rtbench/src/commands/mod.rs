@@ -3,7 +3,6 @@
 pub mod accuracy;
 pub mod animate;
 pub mod baseline;
-pub mod budget;
 pub mod by_files;
 pub mod check;
 mod check_in_turns;
@@ -28,7 +27,7 @@ mod resumable;
 pub mod row_deaths;
 pub mod run;
 mod run_outputs;
-mod run_state;
+pub mod run_state;
 pub mod scene_pictures;
 pub mod scenes;
 pub mod show;

@@ -2,53 +2,35 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::args::{BaselineAction, Command, ExportArgs, Publication, RaysAction, RaysArgs};
-use crate::commands::{cost, printed, run_outputs};
+use crate::args::{BaselineAction, Command, RaysAction, RaysArgs};
+use crate::commands::{check, cost, printed, run_outputs};
 use measurement::record::file;
 
-/// The files that a command is asked for by name, `-` among them; what folders are filled with is
-/// asked for by the commands that fill them. A run that is resumed writes files of its own.
+/// The files that a command is asked for by name; what folders are filled with is asked for by the
+/// commands that fill them. A run that is resumed writes files of its own.
 pub fn named_files(command: &Command) -> Vec<PathBuf> {
     let within = |folder: &Option<PathBuf>, names: &[String]| match folder {
-        Some(folder) => names.iter().map(|name| Some(folder.join(name))).collect(),
+        Some(folder) => names.iter().map(|name| folder.join(name)).collect(),
         None => Vec::new(),
     };
-    let named: Vec<Option<PathBuf>> = match command {
-        Command::Run(args) if args.resume.is_none() => exports(&args.exports),
-        Command::Merge(args) => exports(&args.exports),
+    let one = |file: &Option<PathBuf>| file.iter().cloned().collect();
+    match command {
+        Command::Run(args) if args.resume.is_none() => run_outputs::named(&args.exports),
+        Command::Merge(args) => run_outputs::named(&args.exports),
         Command::Baseline(args) => match &args.action {
-            BaselineAction::Save(args) => exports(&args.run.exports),
+            BaselineAction::Save(args) => run_outputs::named(&args.run.exports),
             _ => Vec::new(),
         },
-        Command::Sweep(args) => cloned(&[
-            &args.export_csv,
-            &args.export_slopes,
-            &args.export_svg,
-            &args.export_markdown,
-            &args.export_json,
-        ]),
-        Command::Explain(args) => {
-            cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
-        }
-        Command::Check(args) => {
-            cloned(&[&args.export_csv, &args.export_markdown, &args.export_json])
-        }
-        Command::Verify(args) => cloned(&[&args.export_csv, &args.export_json]),
-        Command::Reproduce(args) => match &args.publication {
-            Publication::Havran1999(args) => cloned(&[&args.export_csv]),
-            Publication::Zachmann2007(args) => cloned(&[&args.export_csv]),
-        },
         Command::Rays(RaysArgs { action: RaysAction::Export(args) }) => {
-            cloned(&[&args.output, &args.triangles])
+            args.output.iter().chain(&args.triangles).cloned().collect()
         }
-        Command::Render(args) => cloned(&[&args.output]),
-        Command::Trace(args) => cloned(&[&args.output]),
-        Command::Show(args) => cloned(&[&args.output]),
+        Command::Render(args) => one(&args.output),
+        Command::Trace(args) => one(&args.output),
+        Command::Show(args) => one(&args.output),
         Command::Cost(args) => within(&args.heat_maps, &cost::MAPS.map(str::to_owned)),
         Command::Man(args) => within(&args.output, &printed::page_names()),
         _ => Vec::new(),
-    };
-    named.into_iter().flatten().collect()
+    }
 }
 
 /// Files that a command writes and that [`named_files`] leaves out: those in the folder of `-o`,
@@ -57,7 +39,7 @@ pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
     let folder = match command {
         Command::Run(args) => args.resume.as_ref().or(args.exports.output.as_ref()),
         Command::Merge(args) if !args.machines => args.exports.output.as_ref(),
-        Command::Check(args) => args.output.as_ref(),
+        Command::Check(args) if args.results.is_none() => args.output.as_ref(),
         Command::Baseline(args) => match &args.action {
             BaselineAction::Save(args) => args.run.exports.output.as_ref(),
             _ => None,
@@ -68,7 +50,11 @@ pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
     if let Command::Run(args) = command
         && args.resume.is_some()
     {
-        files.extend(exports(&args.exports).into_iter().flatten());
+        files.extend(run_outputs::named(&args.exports));
+    }
+    if let Command::Check(args) = command {
+        let folder = args.output.iter();
+        files.extend(folder.flat_map(|folder| check::NAMES.map(|name| folder.join(name))));
     }
     if let Command::Report(args) = command {
         files.extend(args.output.clone());
@@ -91,29 +77,4 @@ pub fn files_read(command: &Command) -> Vec<PathBuf> {
         _ => Vec::new(),
     };
     read.into_iter().map(file::path_of).collect()
-}
-
-fn cloned(paths: &[&Option<PathBuf>]) -> Vec<Option<PathBuf>> {
-    paths.iter().map(|path| (*path).clone()).collect()
-}
-
-fn exports(args: &ExportArgs) -> Vec<Option<PathBuf>> {
-    let ExportArgs {
-        export_csv,
-        export_markdown,
-        export_json,
-        export_github_smaller,
-        export_github_bigger,
-        export_bencher,
-        export_select: _,
-        output: _,
-    } = args;
-    cloned(&[
-        export_csv,
-        export_markdown,
-        export_json,
-        export_github_smaller,
-        export_github_bigger,
-        export_bencher,
-    ])
 }

@@ -8,7 +8,6 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::schema;
 use measurement::plan::error::PlanError;
-use measurement::settings::choice;
 use measurement::system::created::WriteError;
 
 pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error> {
@@ -22,7 +21,6 @@ pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error>
     Ok(context.out.flush()?)
 }
 
-/// Prints completions of commands and options.
 pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Error> {
     // the library takes no error of its writer
     let mut text = Vec::new();
@@ -64,13 +62,8 @@ pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
     let page = match &args.command {
         None => &cli,
         Some(name) => cli.find_subcommand(name).ok_or_else(|| {
-            let names: Vec<&str> = cli.get_subcommands().map(clap::Command::get_name).collect();
-            PlanError::UnknownName {
-                what: "command",
-                name: name.clone(),
-                hint: choice::hint(name, names.iter().copied()),
-                valid: names.join(", "),
-            }
+            let names = cli.get_subcommands().map(clap::Command::get_name);
+            PlanError::unknown("command", name, names)
         })?,
     };
     Man::new(page.clone()).render(context.out)?;

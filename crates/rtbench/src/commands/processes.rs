@@ -44,9 +44,6 @@ pub struct Processes {
 
 impl Processes {
     /// None where the plan has a single process.
-    ///
-    /// # Errors
-    /// [`Error`] where this program's file is not known or cannot be copied.
     pub fn of(context: &Context<'_>, plan: &Plan<'_>) -> Result<Option<Self>, Error> {
         let program = context.environment.program.as_ref();
         if plan.processes < 2 && (!plan.has_copy || program.is_none()) {
@@ -64,10 +61,6 @@ impl Processes {
     /// is from the program. What this process did before (other scenes, all answers) is in no
     /// other: builds take up to a third less in one whose allocator has kept memory, so that only
     /// fresh processes are compared with one another.
-    ///
-    /// # Errors
-    /// [`ChildError`] of the first process that gives no answer; the samples of those before it
-    /// stay, or the one of this process.
     pub fn measure(
         &mut self,
         plan: &Plan<'_>,
@@ -113,7 +106,6 @@ impl Processes {
         ended
     }
 
-    /// The record of one process.
     fn measure_in_process(
         &self,
         run: &RunRecord,

@@ -16,7 +16,6 @@ use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
 use measurement::rounds::scene_run::light_positions;
 use measurement::scenes::{KnownScene, SceneSource};
-use measurement::settings::choice;
 use measurement::system::created::CreatedFiles;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -28,7 +27,7 @@ use renderer::{
     Effect, EffectPlan, Geometry, ImageFormat, RayCounts, RenderSettings, render_plan,
     render_watched,
 };
-use scene_loading::{SampleWishes, Scene};
+use scene_loading::Scene;
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
 use studies::run::lines::seconds;
@@ -51,9 +50,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     }
     let name = scene.name();
     let loaded = context.load(&*scene)?;
-    for warning in loaded.scene.warnings_in_f32() {
-        context.warn(format_args!("{name}: {warning}"));
-    }
+    context.warn_in_f32(&loaded.scene);
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
     let settings = settings(args.size, &args.sampling);
     let plan = plan_of(&loaded.scene, &settings)?;
@@ -101,7 +98,6 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     Ok(())
 }
 
-/// The structure that was named, or the default one.
 pub fn structure<'r>(registry: &'r [Entry], named: Option<&str>) -> Result<Row<'r>, PlanError> {
     match named {
         Some(text) => Row::parse(registry, text),
@@ -124,7 +120,6 @@ pub fn one_scene(scenes: &dyn SceneSource, name: &str) -> Result<Box<dyn KnownSc
     }
 }
 
-/// The format of an image file.
 fn format_of(path: &Path) -> Result<ImageFormat, PlanError> {
     ImageFormat::of(path).ok_or_else(|| PlanError::Malformed {
         text: path.display().to_string(),
@@ -137,13 +132,7 @@ pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
     RenderSettings {
         resolution: [size; 2],
         max_depth: sampling.depth,
-        samples: SampleWishes {
-            supersamples: sampling.supersamples,
-            shadow: sampling.shadow_samples,
-            glossy: sampling.glossy_samples,
-            temporal: sampling.temporal_samples,
-            focal: sampling.focal_samples,
-        },
+        samples: sampling.wishes(),
         seed: sampling.seed,
     }
 }
@@ -157,14 +146,9 @@ fn shadows<'r>(
         return Ok(None);
     }
     Row::parse(context.occluders, text).map(Some).map_err(|error| match error {
-        PlanError::UnknownStructure { name, .. } => {
+        PlanError::UnknownName { what, name, .. } => {
             let occluders = context.occluders.iter().map(|e| e.info.name);
-            let names: Vec<_> = std::iter::once(STRUCTURE_SHADOWS).chain(occluders).collect();
-            PlanError::UnknownStructure {
-                hint: choice::hint(&name, names.iter().copied()),
-                name,
-                valid: names.join(", "),
-            }
+            PlanError::unknown(what, &name, std::iter::once(STRUCTURE_SHADOWS).chain(occluders))
         }
         other => other,
     })

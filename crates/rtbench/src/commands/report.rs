@@ -22,9 +22,6 @@ const NAME: &str = "report.html";
 const BEGINNING: u64 = 1024;
 
 /// Reads what is there and writes the page and, where asked for, its plots.
-///
-/// # Errors
-/// [`Error`] for results that cannot be read and files that cannot be written.
 pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let read = |folder: &PathBuf| Material::read(&file::path_of(folder));
     let mut runs = args.folders.iter().map(read).collect::<Result<Vec<_>, _>>()?;

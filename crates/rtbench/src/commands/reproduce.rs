@@ -5,12 +5,13 @@ use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::outputs::{Outputs, write_file};
+use crate::exports::outputs::Outputs;
 use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::record::{RunRecord, Verdict as RowVerdict};
 use measurement::settings::MeasuringSettings;
-use measurement::system::created::create;
+use measurement::system::files::write_text;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::csv;
 use presentation::json::FormatError;
@@ -23,12 +24,9 @@ use studies::reproduce::lecture::{
 };
 use studies::reproduce::published::{SCENES, figures};
 use studies::reproduce::verdict::Verdict;
-use studies::reproduce::{ReproduceError, ReproducedRow, UnknownName, reproduce_scene, structures};
+use studies::reproduce::{ReproduceError, ReproducedRow, reproduce_scene, structures};
 
 /// Reproduces the publication and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.
 pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error> {
     match &args.publication {
         Publication::Havran1999(args) => havran(context, args),
@@ -36,14 +34,18 @@ pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error>
     }
 }
 
+/// The files of `-o`, by publication.
+pub const HAVRAN: &str = "havran1999.csv";
+pub const ZACHMANN: &str = "zachmann2007.csv";
+
 /// The names asked for, in the publication's order; all when none is.
 fn chosen<'v>(
+    what: &'static str,
     asked: &[String],
     valid: &[&'v str],
-    unknown: fn(UnknownName) -> ReproduceError,
-) -> Result<Vec<&'v str>, ReproduceError> {
+) -> Result<Vec<&'v str>, PlanError> {
     if let Some(name) = asked.iter().find(|name| !valid.contains(&name.as_str())) {
-        return Err(unknown(UnknownName::new(name, valid)));
+        return Err(PlanError::unknown(what, name, valid.iter().copied()));
     }
     Ok(valid
         .iter()
@@ -54,13 +56,10 @@ fn chosen<'v>(
 
 /// Reproduces scene after scene, prints the table of a scene as soon as it is done, and the
 /// sums; with `--strict` an unexplained difference is a failure.
-///
-/// # Errors
-/// [`Error`] for unknown names, unwritable files and scenes that cannot be traced.
 fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
-    let scenes = chosen(&args.scenes, &SCENES, ReproduceError::UnknownScene)?;
-    let structures = chosen(&args.structures, &structures(), ReproduceError::UnknownStructure)?;
-    let _created = create([&args.export_csv])?;
+    let scenes = chosen("scene of the publication", &args.scenes, &SCENES)?;
+    let structures = chosen("published structure", &args.structures, &structures())?;
+    let _created = context.created_folder(args.output.as_ref(), &[HAVRAN])?;
     let figures = figures().map_err(ReproduceError::from)?;
     let mut rows = Vec::new();
     let screen = context.terminal.screen(Color::Never);
@@ -73,14 +72,14 @@ fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     }
     screen.write_line(context.out, &sums(&rows))?;
     context.out.flush()?;
-    write_file(args.export_csv.as_deref(), || {
-        csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))
-    })?;
+    if let Some(folder) = &args.output {
+        let text = csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))?;
+        write_text(&folder.join(HAVRAN), &text)?;
+    }
     let unexplained = rows.iter().any(|r| r.verdict == Verdict::Unexplained);
     Ok(if args.strict && unexplained { FAILURE } else { SUCCESS })
 }
 
-/// The figures of a scene.
 fn figures_table(scene: &str, rows: &[ReproducedRow]) -> Table {
     let cells = rows.iter().map(|row| {
         let decimals = if row.ours.fract() == 0.0 { 0 } else { 3 };
@@ -114,30 +113,24 @@ fn sums(rows: &[ReproducedRow]) -> String {
 }
 
 /// Measures the lecture's structures, prints one table per scene and all verdicts at the end.
-///
-/// # Errors
-/// [`Error`] for unknown names, unwritable files and scenes that cannot be measured.
 fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error> {
-    let scenes = chosen(&args.scenes, &lecture::SCENES, ReproduceError::NotInLecture)?;
+    let scenes = chosen("scene of the lecture", &args.scenes, &lecture::SCENES)?;
     let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
-    let mut outputs = Outputs::default();
-    outputs.add(args.export_csv.as_ref(), |run| csv_text(&comparisons(run, &published)))?;
-    let has_tables = !outputs.are_printed();
+    let mut outputs = Outputs::from(context.created_folder(args.output.as_ref(), &[ZACHMANN])?);
+    let path = args.output.as_ref().map(|folder| folder.join(ZACHMANN));
+    outputs.add(path, |run| csv_text(&comparisons(run, &published)))?;
     let screen = context.terminal.screen(Color::Never);
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
-        if has_tables && !args.as_published {
-            screen.write_fitted(
-                context.out,
-                &table(&Comparison::new(scene, &published)),
-                &["ours"],
-            )?;
+        if !args.as_published {
+            let table = table(&Comparison::new(scene, &published));
+            screen.write_fitted(context.out, &table, &["ours"])?;
             context.out.flush()?;
         }
         Ok(())
     })?;
-    if args.as_published && has_tables {
+    if args.as_published {
         // an interrupted run has the first of them
         let scenes: Vec<&str> = scenes.into_iter().take(measured.record.scenes.len()).collect();
         for symbol in SYMBOLS {
@@ -150,7 +143,7 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
         }
     }
     let sentences = comparisons(&measured.record, &published);
-    for comparison in sentences.iter().filter(|_| has_tables) {
+    for comparison in &sentences {
         screen.write_line(context.out, &comparison.sentence())?;
     }
     Ok(exit_code(&measured))
@@ -182,9 +175,6 @@ fn plan<'r>(
     mut args: MeasuringSettings,
     scenes: &[&str],
 ) -> Result<Plan<'r>, Error> {
-    if args.reference.is_some() {
-        return Err(ReproduceError::FixedReference(STRUCTURES[0].0).into());
-    }
     if args.rays.is_empty() {
         let kinds = RayKind::ALL.into_iter().filter(|k| *k != RayKind::Diffuse);
         args.rays = kinds.map(|k| k.name().to_owned()).collect();

@@ -24,9 +24,6 @@ pub struct ResumedRun<'f> {
 }
 
 /// Remaining work of an interrupted run, and its record, continued in `record`.
-///
-/// # Errors
-/// [`JournalError::Differs`] where the plan is not that of the run.
 pub fn go_on(
     context: &mut Context<'_>,
     begun: ResumedRun<'_>,
@@ -72,9 +69,6 @@ pub fn go_on(
 }
 
 /// From here on a signal marks the run's journal and ends the process.
-///
-/// # Errors
-/// [`Error::Signals`], the journal's.
 pub fn watch(
     context: &Context<'_>,
     kept: &RunState,

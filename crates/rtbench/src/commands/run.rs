@@ -15,13 +15,11 @@ use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::settings::RunSettings;
+use scene_loading::source_names::name_of_path;
 use studies::run::text;
 use studies::run::view::View;
 
 /// Runs and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for what ends the run early: the command line, a scene, an output.
 pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
@@ -33,7 +31,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
     let mut kept = RunState::default();
     let manifest = Manifest {
         asked: Some(settings),
-        exports: run_outputs::named(&args.exports),
+        exports: names(&args.exports),
         ..manifest(context, &plan, &record)
     };
     run_outputs::refuse_unselected(&args.exports, &plan)?;
@@ -77,7 +75,7 @@ fn resume(
     if let Some(name) = kept.finished.values().find_map(|s| context.plugins.changed_since(s)) {
         return Err(differs(format!("plugin {name}: its file has changed")).into());
     }
-    let written = run_outputs::named(exports);
+    let written = names(exports);
     // what they hold is older than what the run goes on to find
     for path in named.iter().filter(|path| !written.contains(path)) {
         context.warn(format_args!(
@@ -87,6 +85,12 @@ fn resume(
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
     measure(context, &tables.view(context.terminal.screen(color)), &plan, outputs, kept, record)
+}
+
+/// The files that a run is begun with, beside those in its folder.
+fn names(exports: &ExportArgs) -> Vec<String> {
+    let named = run_outputs::named(exports);
+    named.iter().map(|path| name_of_path(path.as_os_str())).collect()
 }
 
 /// Plan of the run, including plugin rows. No plugin judges answers.
@@ -110,17 +114,13 @@ fn measure(
     record: RunRecord,
 ) -> Result<u8, Error> {
     context.warn_of_instructions();
-    let has_tables = !outputs.are_printed();
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);
-            if has_tables {
-                text::write_scene(context.out, record, scene, view)?;
-                context.out.flush()?;
-            }
-            Ok(())
+            text::write_scene(context.out, record, scene, view)?;
+            Ok(context.out.flush()?)
         })?;
-    if has_tables && !measured.record.summary.is_empty() {
+    if !measured.record.summary.is_empty() {
         text::write_end(context.out, &measured.record, view)?;
         context.out.flush()?;
     }

@@ -1,17 +1,19 @@
-//! What a run keeps while it goes on: its journal, its outputs, and what the disk does not take.
-
-use std::collections::BTreeMap;
-use std::sync::Arc;
-use std::sync::atomic::AtomicUsize;
+//! What a run keeps while it goes on: its journal, its outputs, what the disk does not take, and how
+//! much of its time budget each scene has.
 
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::elsewhere;
-use crate::exports::outputs::Outputs;
+use crate::exports::outputs::{Outputs, keep_elsewhere};
 use measurement::journal::Journal;
 use measurement::journal::lines::{DeathCounts, Line};
+use measurement::plan::{Plan, Rounds};
 use measurement::record::summary::summarize;
 use measurement::record::{RunRecord, SceneRecord};
+use measurement::system::progress::Progress;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
+use std::time::Duration;
 use studies::run::conclusions::conclude_run;
 use studies::sweep::sizes::quantities;
 
@@ -94,18 +96,68 @@ pub fn saved(
     };
     if outputs.are_files() && !record.scenes.is_empty() {
         let scenes = record.scenes.len();
-        match elsewhere::keep(context.environment.temporary.as_deref(), record) {
+        match keep_elsewhere(context.environment.temporary.as_deref(), record) {
             Ok(path) => context.error(format_args!(
                 "results so far ({scenes} scene(s)) are saved in {}",
                 path.display()
             )),
-            Err(why) => {
-                outputs.print(record, context.out)?;
-                context.error(format_args!(
-                    "results so far ({scenes} scene(s)) are only printed: {why}"
-                ));
-            }
+            Err(why) => context
+                .error(format_args!("results so far ({scenes} scene(s)) are only printed: {why}")),
         }
     }
     Err(error)
+}
+
+/// The time budget of a run, if it has one.
+pub struct Budget {
+    total: Option<Duration>,
+    /// When this part of the run began.
+    start: Duration,
+    /// Shares of the scenes in earlier parts of the run.
+    before: Duration,
+}
+
+impl Budget {
+    /// Budget of a run whose part begins `now`, with this many scenes finished before.
+    pub fn new(plan: &Plan<'_>, now: Duration, finished: usize) -> Self {
+        let (total, before) = match plan.rounds {
+            Rounds::Budget { total, .. } => {
+                let share = finished as f64 / plan.scenes.len().max(1) as f64;
+                (Some(total), total.mul_f64(share))
+            }
+            Rounds::Fixed(_) => (None, Duration::ZERO),
+        };
+        Self { total, start: now, before }
+    }
+
+    /// When the rounds of the next scene end: what is left of the budget, shared by the scenes
+    /// left.
+    pub fn deadline(&self, now: Duration, left: usize) -> Option<Duration> {
+        Some(now + self.share(now, left)?)
+    }
+
+    /// Share of the budget for the next scene.
+    pub fn share(&self, now: Duration, left: usize) -> Option<Duration> {
+        let spent = now.saturating_sub(self.start) + self.before;
+        let left = u32::try_from(left.max(1)).unwrap_or(u32::MAX);
+        Some(self.total?.saturating_sub(spent) / left)
+    }
+}
+
+/// Steps of the bar for the scene at that place: each row is checked, timed in each round,
+/// rendered.
+pub fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
+    let rounds = match plan.rounds {
+        Rounds::Fixed(n) => n,
+        Rounds::Budget { at_least, .. } => at_least,
+    };
+    (plan.rows_in(scene) * (rounds * plan.processes as usize + 2)) as u64
+}
+
+pub fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
+    let budget = match plan.rounds {
+        Rounds::Budget { total, .. } => Some(total),
+        Rounds::Fixed(_) => None,
+    };
+    Progress::new(context.shows_progress(), steps, budget)
 }

@@ -24,9 +24,6 @@ const LARGEST: u64 = 300_000;
 /// Renders the scenes that have no picture yet. Only what is known by its name is loaded, never a
 /// file that a record names; and only the very scene that was measured is shown. What cannot be is
 /// left out.
-///
-/// # Errors
-/// [`Error`] where there are no threads.
 pub fn scene_pictures(
     context: &Context<'_>,
     run: &RunRecord,

@@ -20,7 +20,6 @@ pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error
     }
 }
 
-/// The scenes named, or all.
 fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownScene>>, Error> {
     if names.names.is_empty() {
         let all: Vec<String> = context.scenes.scenes()?.into_iter().map(|(name, _)| name).collect();

@@ -51,9 +51,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         created.file(path)?;
     }
     let loaded = context.load(&*scene)?.scene;
-    for warning in loaded.warnings_in_f32() {
-        context.warn(format_args!("{}: {warning}", loaded.name));
-    }
+    context.warn_in_f32(&loaded);
     let geometry = Geometry::<f32>::of(&loaded)?;
     let ray = args.ray.map(|at| ray_at(at, &loaded));
     let bounds = args.window.map_or_else(

@@ -9,7 +9,7 @@ use crate::commands::run_state::RunState;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
-use measurement::record::RunRecord;
+use measurement::record::{RunRecord, file};
 use presentation::json;
 use presentation::text::Screen;
 use studies::sweep::sizes::targets::Sizes;
@@ -17,9 +17,6 @@ use studies::sweep::sizes::{self, SizeSweep};
 use studies::sweep::{Sweep, plot, table};
 
 /// Sweeps and returns the exit code.
-///
-/// # Errors
-/// [`Error`] for what ends the sweep early: the command line, an output.
 pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
     let screen = context.terminal.screen(color);
     let measured = match &args.sizes {
@@ -36,25 +33,40 @@ fn over_values(
 ) -> Result<PlanResults, Error> {
     let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
     context.warn_of_instructions();
-    let mut outputs = Outputs::default();
-    outputs.add(args.export_csv.as_ref(), |run| table::to_csv(&sweep, run))?;
-    outputs.add(args.export_svg.as_ref(), |run| Ok(plot::to_svg(&sweep, run)))?;
-    outputs.add(args.export_markdown.as_ref(), |run| Ok(table::to_markdown(&sweep, run)))?;
-    outputs.add(args.export_json.as_ref(), json::written)?;
-    let has_tables = !outputs.are_printed();
+    let at = |name| args.output.as_ref().map(|folder| folder.join(name));
+    let mut outputs = outputs(context, args, &[])?;
+    outputs.add(at(CSV), |run| table::to_csv(&sweep, run))?;
+    outputs.add(at(MARKDOWN), |run| Ok(table::to_markdown(&sweep, run)))?;
+    outputs.add(at(SVG), |run| Ok(plot::to_svg(&sweep, run)))?;
     let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
-        if has_tables {
-            table::write(context.out, &sweep, run, scene, screen)?;
-            context.out.flush()?;
-        }
-        Ok(())
+        table::write(context.out, &sweep, run, scene, screen)?;
+        Ok(context.out.flush()?)
     })?;
-    if has_tables && !measured.record.scenes.is_empty() {
+    if !measured.record.scenes.is_empty() {
         table::write_glossary(context.out, screen)?;
         context.out.flush()?;
     }
     Ok(measured)
+}
+
+/// The files of `-o`, beside the record.
+const CSV: &str = "sweep.csv";
+const MARKDOWN: &str = "sweep.md";
+const SVG: &str = "sweep.svg";
+const SLOPES: &str = "slopes.csv";
+
+/// The record in the folder of `-o`, which must not hold other results in these files.
+fn outputs<'a>(
+    context: &Context<'_>,
+    args: &SweepArgs,
+    more: &[&str],
+) -> Result<Outputs<'a>, Error> {
+    let names = [&[file::NAME, CSV, MARKDOWN, SVG][..], more].concat();
+    let mut outputs = Outputs::from(context.created_folder(args.output.as_ref(), &names)?);
+    let record = args.output.as_ref().map(|folder| folder.join(file::NAME));
+    outputs.add(record, json::written)?;
+    Ok(outputs)
 }
 
 fn over_sizes(
@@ -66,28 +78,24 @@ fn over_sizes(
     let settings = args.size_settings(asked)?;
     let sweep = SizeSweep::new(&settings, context.registry, context.occluders, context.scenes)?;
     context.warn_of_instructions();
-    let mut outputs = Outputs::default();
-    outputs.add(args.export_csv.as_ref(), sizes::table::sizes_csv)?;
-    outputs.add(args.export_slopes.as_ref(), sizes::table::slopes_csv)?;
-    outputs.add(args.export_svg.as_ref(), |run| Ok(sizes::plot::to_svg(run)))?;
-    outputs.add(args.export_markdown.as_ref(), |run| Ok(sizes::table::to_markdown(run)))?;
-    outputs.add(args.export_json.as_ref(), json::written)?;
-    let has_tables = !outputs.are_printed();
+    let at = |name| args.output.as_ref().map(|folder| folder.join(name));
+    let mut outputs = outputs(context, args, &[SLOPES])?;
+    outputs.add(at(CSV), sizes::table::sizes_csv)?;
+    outputs.add(at(SLOPES), sizes::table::slopes_csv)?;
+    outputs.add(at(MARKDOWN), |run| Ok(sizes::table::to_markdown(run)))?;
+    outputs.add(at(SVG), |run| Ok(sizes::plot::to_svg(run)))?;
     let record = RunRecord {
         scale: Some(sweep.record.clone()),
         ..begin(context.world, &context.command_line, &sweep.plan)
     };
     let show = |context: &mut Context<'_>, run: &RunRecord, scene: &_| {
         warn_of(context, scene);
-        if has_tables {
-            sizes::table::write_size(context.out, run, scene, screen)?;
-            context.out.flush()?;
-        }
-        Ok(())
+        sizes::table::write_size(context.out, run, scene, screen)?;
+        Ok(context.out.flush()?)
     };
     let kept = RunState::default();
     let measured = measure_rest(context, &sweep.plan, &mut outputs, kept, record, show)?;
-    if has_tables && !measured.record.scenes.is_empty() {
+    if !measured.record.scenes.is_empty() {
         sizes::table::write_slopes(context.out, &measured.record, screen)?;
         context.out.flush()?;
     }
@@ -119,7 +127,7 @@ mod tests {
 
     #[test]
     fn values_default_rules_and_reference_are_rows_of_one_plan() {
-        let s = sweep("-s uniform-grid -p density --values 4,1.0 --set mailbox=hash").unwrap();
+        let s = sweep("-s uniform-grid:mailbox=hash -p density --values 4,1.0").unwrap();
         assert_eq!(s.lines.len(), s.plan.rows.len());
         assert_eq!(
             labels(&s)[..4],
@@ -151,7 +159,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_are_swept_without_rules() {
-        let s = sweep("-s kd-tree -p max-depth --from 1 --to 16 --steps 5").unwrap();
+        let s = sweep("-s kd-tree -p max-depth --values 1..16 --steps 5").unwrap();
         let values: Vec<_> = s.lines.iter().filter(|l| l.is_swept).map(|l| &l.value).collect();
         assert_eq!(values.len(), 5);
         assert!(s.lines.iter().all(|l| l.rules.is_empty()));
@@ -182,7 +190,7 @@ mod tests {
         let expected = [1, 2, 3, 4, 5].map(|n| format!("balls-tess:{n}"));
         assert_eq!(names, expected);
         assert_eq!(s.record.sizes[3].primitives, 1_417_154);
-        let s = sizes("balls --sizes 1e3..1e4 --per-decade 4 -s uniform-grid").unwrap();
+        let s = sizes("balls --sizes 1k,1778,3162,5623,10k -s uniform-grid").unwrap();
         let asked: Vec<usize> = s.record.sizes.iter().map(|size| size.asked.len()).collect();
         assert_eq!((s.record.sizes[0].name.as_str(), asked), ("balls:3", vec![2, 3]));
         assert_eq!(
@@ -198,7 +206,7 @@ mod tests {
         let labels: Vec<String> = s.plan.rows.iter().map(|row| row.label()).collect();
         assert_eq!(labels.len(), REGISTRY.len() + occluders::REGISTRY.len());
         assert!(REGISTRY.iter().all(|e| labels.iter().any(|l| l == e.info.name)), "{labels:?}");
-        let s = sizes("tetra --sizes 64 --set uniform-grid.density=4 --rays primary").unwrap();
+        let s = sizes("tetra --sizes 64 -s all,uniform-grid:density=4 --rays primary").unwrap();
         assert!(s.plan.rows.iter().any(|row| row.label() == "uniform-grid density=4"));
         assert_eq!(s.plan.rows.len(), REGISTRY.len(), "no shadow rays, no occluder");
     }
@@ -218,7 +226,6 @@ mod tests {
             ("hare --sizes 1e3..1e9", "its sizes go from 8 to 19996488"),
             ("balls --sizes 1", "the nearest size of balls has 11 primitives"),
             ("hare --sizes 1e6..1e3", "is not below"),
-            ("hare --sizes 1e3..1e6 --per-decade 0", "per-decade"),
             ("hare --sizes 1e3 --max-memory 8", "8GiB"),
             ("hare --sizes 1e3 -s unifrom-grid", "did you mean 'uniform-grid'?"),
         ] {

@@ -27,10 +27,6 @@ use crate::error::Error;
 type AskedRays = Vec<(RayKind, Vec<Ray<f64>>)>;
 
 /// Traces the rays, and prints the hits or writes them.
-///
-/// # Errors
-/// [`Error`] for what is not there, for files that are none of rays, and for structures that refuse
-/// the scene.
 pub fn run(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Error> {
     let mut structures = args.structures.clone();
     if structures.is_empty() {

@@ -9,10 +9,9 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
 use crate::exports::occupied::refuse_files;
-use crate::exports::outputs::write_file;
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
-use measurement::system::created::{CreatedFiles, create};
+use measurement::system::created::CreatedFiles;
 use measurement::system::files::write_text;
 use measurement::system::interrupt;
 use measurement::system::machine;
@@ -26,11 +25,11 @@ use studies::verify::report::{Report, StopReason};
 use studies::verify::shrink::shrink;
 use studies::verify::subject::Subject;
 
+/// The files of `-o`.
+const NAMES: [&str; 2] = ["verify.json", "verify.csv"];
+
 /// Verifies, or repeats one trial, and returns the exit code: for wrong hits 4, though a signal's
 /// comes first; out of time without any, 5.
-///
-/// # Errors
-/// [`Error`] for what is asked and not there, and for outputs that cannot be written.
 pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result<u8, Error> {
     if let Some(line) = &args.replay {
         return repeat(context, args, &Replay::parse(line)?);
@@ -46,7 +45,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     };
     // before the files are there: a signal would leave them empty
     let signal = interrupt::flag().map_err(Error::Signals)?;
-    let _created = create([&args.export_csv, &args.export_json])?;
+    let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let report = checked(context, args, &plan, signal)?;
     let screen = context.terminal.screen(color);
     screen.write_table(context.out, &report.table())?;
@@ -121,8 +120,12 @@ fn checked(
 
 /// Writes what is done so far.
 fn save(args: &VerifyArgs, report: &Report) -> Result<(), Error> {
-    write_file(args.export_csv.as_deref(), || report.to_csv())?;
-    Ok(write_file(args.export_json.as_deref(), || report.to_json())?)
+    if let Some(folder) = &args.output {
+        let [json_name, csv_name] = NAMES.map(|name| folder.join(name));
+        write_text(&json_name, &report.to_json()?)?;
+        write_text(&csv_name, &report.to_csv()?)?;
+    }
+    Ok(())
 }
 
 /// Reduces a failure, prints it, and writes its files.

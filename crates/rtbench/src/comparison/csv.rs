@@ -25,10 +25,6 @@ pub const COLUMNS: [&str; 14] = [
     "outcome",
 ];
 
-/// All comparisons.
-///
-/// # Errors
-/// [`FormatError`].
 pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
     written(|writer| {
         writer.write_record(COLUMNS)?;

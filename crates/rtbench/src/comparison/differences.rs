@@ -6,12 +6,11 @@
 //! run, which is why they are taken. Another reference makes those another question; in a single
 //! scene too, where another row took its place.
 
-use std::collections::BTreeMap;
-
+use crate::comparison::entry::{ComparisonSettings, NamedRun};
 use crate::comparison::pairing::Pairing;
 use measurement::record::metrics::DifferenceScope;
-use measurement::record::reference;
-use measurement::record::{Machine, RunRecord, SceneRecord};
+use measurement::record::{Machine, RunRecord, SceneRecord, reference};
+use std::collections::BTreeMap;
 
 /// Something that two runs do not have in common.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -148,6 +147,87 @@ impl DifferenceList {
             &come,
         );
     }
+}
+
+/// Reasons why `now` cannot be compared with `base`: all differences that make runs incomparable,
+/// except for seconds, which no stage uses, and references, which are compared by scene.
+pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
+    let refuses = |d: &Difference| d.concerns == DifferenceScope::Everything;
+    differences(base, now).into_iter().filter(refuses).map(|d| d.what).collect()
+}
+
+/// Remarks that do not prevent a comparison.
+pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if let Some(processors) = other_processor(&base.machine, &now.machine) {
+        remarks.push(format!(
+            "Another processor than the baseline's ({processors}): counters and instruction \
+             counts are judged as on the same; times only with --across-processors."
+        ));
+    }
+    let (was, is) = (&base.settings.timed_by, &now.settings.timed_by);
+    if was != is {
+        remarks.push(format!(
+            "Times of the baseline are {was}, now {is}: only one of them includes time taken by other programs."
+        ));
+    }
+    if base.compiler.rustc != now.compiler.rustc {
+        let of = |r: &RunRecord| r.compiler.rustc.clone().unwrap_or_else(|| "unknown".into());
+        remarks.push(format!(
+            "Another compiler than the baseline's ({}; was {}): it may change instruction counts.",
+            of(now),
+            of(base)
+        ));
+    }
+    remarks
+}
+
+/// Caveats of comparing two runs.
+pub fn notes(
+    old: NamedRun<'_>,
+    new: NamedRun<'_>,
+    pairing: &Pairing<'_>,
+    choice: &ComparisonSettings,
+    differing: &[Difference],
+) -> Vec<String> {
+    let mut said = Vec::new();
+    for Difference { what, concerns } in differing {
+        let consequence = match (concerns, choice.is_forced) {
+            (DifferenceScope::Nothing, _) => "",
+            (_, true) => "; compared by --force",
+            (DifferenceScope::Seconds, _) => {
+                "; times in seconds are not compared (except with --force), ratios and counters are"
+            }
+            (DifferenceScope::Ratios, _) => {
+                "; ratios to the reference are not compared (except with --force)"
+            }
+            (DifferenceScope::Everything, false) => "",
+        };
+        said.push(format!("{what}{consequence}"));
+    }
+    for scenes in pairing.scenes.iter().map(|pair| pair.scenes) {
+        let Some([a, b]) = other_reference(scenes) else { continue };
+        let what = if choice.is_forced { "compared by --force" } else { "not compared" };
+        let (in_a, in_b, scene) = (old.letter, new.letter, &scenes[0].name);
+        said.push(format!("scene {scene}: ratios to {a} in {in_a}, to {b} in {in_b}, {what}"));
+    }
+    for NamedRun { letter, run, .. } in [old, new] {
+        if !run.complete || run.scenes.len() < run.planned.len() {
+            let (finished, all) = (run.scenes.len(), run.planned.len());
+            said.push(format!("{letter} is incomplete: {finished} of {all} scenes"));
+        }
+        if run.settings.quick {
+            said.push(format!("{letter} is a quick run: few rounds, a first look"));
+        }
+        said.extend(run.warnings.iter().map(|warning| format!("{letter}: {warning}")));
+    }
+    for (named, scenes) in [old, new].into_iter().zip(&pairing.only) {
+        if !scenes.is_empty() {
+            let names: Vec<&str> = scenes.iter().map(|s| s.name.as_str()).collect();
+            said.push(format!("only in {}: {}", named.letter, names.join(", ")));
+        }
+    }
+    said
 }
 
 #[cfg(test)]

@@ -1,10 +1,10 @@
 //! One metric of one row in two runs.
 
-use serde::Serialize;
-
 use crate::comparison::pairing::RowPair;
-use measurement::record::label;
 use measurement::record::metrics::Metric;
+use measurement::record::{RunRecord, label};
+use regex_lite::Regex;
+use serde::Serialize;
 use statistics::estimate::Estimate;
 use statistics::verdict::{Change, Rule, Verdict};
 
@@ -15,7 +15,6 @@ pub const SIGNIFICANCE: f64 = 0.05;
 /// memory happen to lie, and what `check` lets pass.
 pub const MARGIN: f64 = 0.05;
 
-/// Outcome of a comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparisonOutcome {
@@ -35,7 +34,6 @@ pub enum ComparisonOutcome {
 }
 
 impl ComparisonOutcome {
-    /// Outcome for an exact metric.
     pub fn of_exact(old: f64, new: f64) -> Self {
         match new.total_cmp(&old) {
             std::cmp::Ordering::Less => Self::Less,
@@ -85,7 +83,6 @@ pub struct Entry {
     /// Values or medians, their ratio (of exact metrics without width), the probability of chance.
     #[serde(flatten)]
     pub change: Change,
-    /// Outcome of the comparison.
     pub outcome: ComparisonOutcome,
 }
 
@@ -132,21 +129,53 @@ impl Entry {
     }
 }
 
-/// By how much the larger of both is more than the smaller, as a share; of what rose from nothing
-/// infinite.
-pub fn size_of(ratio: Option<Estimate>) -> f64 {
-    ratio.map_or(f64::INFINITY, |r| r.median.max(1.0 / r.median) - 1.0)
-}
-
-/// A change beyond that share.
+/// A change beyond that share of the smaller value; what rose from nothing is beyond any.
 pub fn exceeds(ratio: Option<Estimate>, outcome: ComparisonOutcome, share: f64) -> bool {
-    outcome.is_change() && size_of(ratio) > share
+    let size = ratio.map_or(f64::INFINITY, |r| r.median.max(1.0 / r.median) - 1.0);
+    outcome.is_change() && size > share
 }
 
 /// The ratio of two exact values, an interval without width; none where it has no meaning.
 pub fn exact_ratio(old: f64, new: f64) -> Option<Estimate> {
     let ratio = if old == new { 1.0 } else { new / old };
     (ratio.is_finite()).then_some(Estimate { median: ratio, low: ratio, high: ratio })
+}
+
+/// Records to compare, and the parts to show.
+#[derive(Debug)]
+pub struct ComparisonSettings {
+    pub metrics: Vec<&'static Metric>,
+    /// Exact metrics that are equal are shown, not only counted.
+    pub shows_equal: bool,
+    pub filter: Option<Regex>,
+    /// The share by which a ratio may differ from 1 and be called no difference.
+    pub margin: f64,
+    /// The share of change that is shown from.
+    pub threshold: Option<f64>,
+    pub is_forced: bool,
+}
+
+impl ComparisonSettings {
+    /// Returns whether the filter, if there is one, finds a metric of a row.
+    pub fn finds(&self, scene: &str, label: &str, metric: &str) -> bool {
+        let found = |filter: &Regex| filter.is_match(&format!("{scene}/{label}/{metric}"));
+        self.filter.as_ref().is_none_or(found)
+    }
+
+    /// Returns whether what came of a comparison is shown.
+    pub fn shows(&self, ratio: Option<Estimate>, outcome: ComparisonOutcome) -> bool {
+        (outcome != ComparisonOutcome::Equal || self.shows_equal)
+            && self.threshold.is_none_or(|share| exceeds(ratio, outcome, share))
+    }
+}
+
+/// A run with the name it is given in tables.
+#[derive(Debug, Clone, Copy)]
+pub struct NamedRun<'r> {
+    /// `A`, `B`, ...
+    pub letter: &'r str,
+    pub path: &'r str,
+    pub run: &'r RunRecord,
 }
 
 #[cfg(test)]

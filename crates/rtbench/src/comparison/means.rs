@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 
-use crate::comparison::choice::ComparisonSettings;
 use crate::comparison::differences::other_reference;
+use crate::comparison::entry::ComparisonSettings;
 use crate::comparison::entry::{ComparisonOutcome, exact_ratio};
 use crate::comparison::pairing::RowPair;
 use measurement::record::RowRecord;
@@ -19,12 +19,10 @@ pub struct Mean {
     /// Settings that differ from the defaults.
     pub settings: String,
     pub metric: &'static str,
-    /// Scenes it is over.
     pub scenes: u64,
     pub ratio: Option<Estimate>,
     /// The probability of chance, corrected for all means; none of exact metrics.
     pub p: Option<f64>,
-    /// Outcome of the comparison.
     pub outcome: ComparisonOutcome,
 }
 

@@ -1,23 +1,21 @@
 //! Two runs side by side: scene by scene, row by row, metric by metric.
 
-pub mod choice;
 pub mod csv;
 pub mod differences;
 pub mod entry;
 pub mod means;
-pub mod notes;
 pub mod pairing;
 pub mod renamed;
 pub mod tables;
 
 use serde::Serialize;
 
-pub use choice::{ComparisonSettings, NamedRun};
+pub use entry::{ComparisonSettings, NamedRun};
 
+use crate::comparison::differences::notes;
 use crate::comparison::differences::{Difference, differences, other_reference};
-use crate::comparison::entry::{ComparisonOutcome, Entry, SIGNIFICANCE, size_of};
+use crate::comparison::entry::{ComparisonOutcome, Entry, SIGNIFICANCE};
 use crate::comparison::means::{Mean, means};
-use crate::comparison::notes::notes;
 use crate::comparison::pairing::{Pairing, RowPair, ScenePair};
 use measurement::record::metrics::DifferenceScope;
 use measurement::record::metrics::{METRICS, Metric};
@@ -28,14 +26,8 @@ use statistics::verdict::{Rule, correct};
 /// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
-    /// They answer other questions.
     #[error("cannot be compared ({names}): {}; compare anyway with --force", reasons.join("; "))]
-    Incomparable {
-        names: String,
-        /// Every reason, with what was and what is.
-        reasons: Vec<String>,
-    },
-    /// They have no row in common.
+    Incomparable { names: String, reasons: Vec<String> },
     #[error(
         "{names}: no row in common: {old}, then {new}; use --match OLD=NEW if a row was renamed"
     )]
@@ -46,7 +38,6 @@ pub enum CompareError {
         /// Rows of the second.
         new: String,
     },
-    /// They have no scene in common.
     #[error("{names}: no scene in common: {old}, then {new}")]
     NoCommonScene {
         names: String,
@@ -55,7 +46,6 @@ pub enum CompareError {
         /// Scenes of the second.
         new: String,
     },
-    /// A row that is to be matched with another is not there, or may be read in two ways.
     #[error(
         "--match '{text}': {message}; expected OLD=NEW, rows of the first results and of the others: \
              'hug=hug density=4'"
@@ -65,14 +55,12 @@ pub enum CompareError {
         /// Description of the fault.
         message: String,
     },
-    /// The filter is no regular expression.
     #[error("--filter '{filter}': {message}")]
     Filter {
         filter: String,
         /// Description of the fault.
         message: String,
     },
-    /// The filter finds nothing.
     #[error(
         "--filter '{filter}' matches nothing among {among}, as SCENE/STRUCTURE SETTINGS/METRIC"
     )]
@@ -85,12 +73,10 @@ pub fn default_metrics() -> Vec<&'static Metric> {
     METRICS.iter().filter(is_default).collect()
 }
 
-/// Description of one side.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Side {
     /// `A`, `B`, ...
     pub letter: String,
-    /// Path it was read from.
     pub path: String,
     /// Commit of the program.
     pub git_revision: Option<String>,
@@ -135,9 +121,6 @@ pub struct SkippedRow {
 }
 
 /// Compares a run with another.
-///
-/// # Errors
-/// [`CompareError`].
 pub fn compare(
     old: NamedRun<'_>,
     new: NamedRun<'_>,
@@ -348,10 +331,6 @@ impl Comparison {
             self.equal += equal as u64;
             self.below_threshold += (hidden.len() - equal) as u64;
             scene.entries = shown;
-            if choice.by_change {
-                let size = |entry: &Entry| size_of(entry.change.ratio);
-                scene.entries.sort_by(|a, b| size(b).total_cmp(&size(a)));
-            }
         }
     }
 }

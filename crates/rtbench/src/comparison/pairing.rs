@@ -7,16 +7,13 @@ use measurement::record::{RowRecord, RunRecord, SceneRecord};
 /// A row of both records, the older first.
 #[derive(Debug, Clone, Copy)]
 pub struct RowPair<'r> {
-    /// Its scene in both.
     pub scenes: [&'r SceneRecord; 2],
-    /// The row in both.
     pub rows: [&'r RowRecord; 2],
 }
 
 /// A scene of both records, the older first.
 #[derive(Debug, Clone)]
 pub struct ScenePair<'r> {
-    /// The scene in both.
     pub scenes: [&'r SceneRecord; 2],
     /// Rows of both, in the order of the newer.
     pub rows: Vec<RowPair<'r>>,

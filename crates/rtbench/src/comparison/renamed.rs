@@ -17,11 +17,7 @@ pub struct Renaming {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Name {
-    Row {
-        structure: String,
-        settings: String,
-    },
-    /// All rows of a structure.
+    Row { structure: String, settings: String },
     Structure(String),
 }
 
@@ -42,9 +38,6 @@ impl fmt::Display for Renaming {
 }
 
 /// Parses a text about the first run and the others.
-///
-/// # Errors
-/// [`CompareError::Match`] where it names no rows, or may be read in two ways.
 pub fn matched(
     text: &str,
     old: &RunRecord,
@@ -79,9 +72,6 @@ pub fn matched(
 }
 
 /// The same of two programs, of which the newer knows the new name.
-///
-/// # Errors
-/// [`CompareError::Match`] where it names no row of the newer, or may be read in two ways.
 pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Renaming, CompareError> {
     let name = |text: &str| {
         let label = text.trim().replace(':', " ");

@@ -31,10 +31,6 @@ pub const GLOSSARY: &[&str] = &[
      The reference's own ratio is 1 by definition and not shown.",
 ];
 
-/// Prints comparisons.
-///
-/// # Errors
-/// Those of the writer.
 pub fn write(out: &mut dyn Write, comparisons: &[Comparison], screen: Screen) -> io::Result<()> {
     for comparison in comparisons {
         let facts = facts(comparison);
@@ -76,7 +72,7 @@ fn facts(comparison: &Comparison) -> Vec<String> {
     lines.extend(comparison.notes.iter().cloned());
     let (equal, below) = (comparison.equal, comparison.below_threshold);
     if equal > 0 {
-        lines.push(format!("equal exact figures: {equal}, not shown (use --all-metrics)"));
+        lines.push(format!("equal exact figures: {equal}, not shown (use -m all)"));
     }
     if below > 0 {
         lines.push(format!("figures that did not change beyond the threshold: {below}, not shown"));

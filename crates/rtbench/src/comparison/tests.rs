@@ -26,7 +26,6 @@ fn choice() -> ComparisonSettings {
         margin: entry::MARGIN,
         threshold: None,
         is_forced: false,
-        by_change: false,
     }
 }
 
@@ -282,16 +281,6 @@ fn the_floor_of_either_run_is_noise() {
     let comparison = compared(&old, &new, &choice()).unwrap();
     assert_eq!(outcome(&comparison, "tetra/uniform-grid/trace"), ComparisonOutcome::Inconclusive);
     assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/trace"), ComparisonOutcome::NoDifference);
-}
-
-#[test]
-fn the_largest_change_comes_first_where_that_is_asked_for() {
-    let (old, new) = (record(2.0, 3.0), record(2.2, 1.5));
-    let sorted = compared(&old, &new, &ComparisonSettings { by_change: true, ..choice() }).unwrap();
-    let first = &sorted.scenes[0].entries[0];
-    assert_eq!(first.structure, "kd-tree");
-    let in_order = compared(&old, &new, &choice()).unwrap();
-    assert_ne!(in_order.scenes[0].entries[0].structure, "kd-tree");
 }
 
 #[test]

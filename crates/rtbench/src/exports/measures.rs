@@ -9,7 +9,11 @@ use measurement::rays::order::batch_name;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::record::ratios::series;
 use measurement::record::{RowRecord, RunRecord, reference};
+use presentation::json;
+use presentation::json::FormatError;
 use regex_lite::Regex;
+use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// A number of a row of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -113,4 +117,55 @@ pub fn series_of(plan: &Plan<'_>) -> Vec<String> {
 
 fn name_of(scene: &str, row: &RowRecord) -> String {
     format!("{scene}: {}", row.label())
+}
+
+#[derive(Debug, Serialize)]
+struct Metric {
+    value: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lower_value: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    upper_value: Option<f64>,
+}
+
+/// Times, ratios, counters and rays per second.
+pub fn bencher(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
+    let mut benchmarks: BTreeMap<String, BTreeMap<String, Metric>> = BTreeMap::new();
+    for m in costs(run, select).into_iter().chain(rates(run, select)) {
+        let [lower_value, upper_value] = [m.interval.map(|i| i[0]), m.interval.map(|i| i[1])];
+        let metric = Metric { value: m.value, lower_value, upper_value };
+        benchmarks.entry(m.row).or_default().insert(m.name, metric);
+    }
+    json::written(&benchmarks)
+}
+
+/// One number over time.
+#[derive(Debug, Serialize)]
+struct Entry {
+    name: String,
+    unit: &'static str,
+    value: f64,
+    /// Shown behind the value as it is.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    range: Option<String>,
+}
+
+/// Times, ratios and counters.
+pub fn smaller(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
+    json::written(&entries(costs(run, select)))
+}
+
+/// Rays per second.
+pub fn bigger(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
+    json::written(&entries(rates(run, select)))
+}
+
+fn entries(measures: Vec<Measure>) -> Vec<Entry> {
+    let entry = |m: Measure| Entry {
+        name: m.series(),
+        unit: m.unit,
+        value: m.value,
+        range: m.interval.map(|[low, high]| format!("{low:.4e} to {high:.4e}")),
+    };
+    measures.into_iter().map(entry).collect()
 }

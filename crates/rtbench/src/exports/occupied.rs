@@ -14,7 +14,6 @@ use serde::de::IgnoredAny;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OccupiedError {
-    /// A run of another plan was begun there.
     #[error(
         "{}: holds results of `{there}`; this would be `{here}`, which differs in {differences}; name \
          another folder, or replace them with --overwrite",
@@ -26,10 +25,8 @@ pub enum OccupiedError {
         there: String,
         /// The command line of what would take its place.
         here: String,
-        /// The names of what differs.
         differences: String,
     },
-    /// This very run was begun there.
     #[error(
         "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; resume with \
          `rtbench run --resume {}`, or start again with --overwrite",
@@ -39,11 +36,9 @@ pub enum OccupiedError {
         folder: PathBuf,
         /// The command line of what is there.
         there: String,
-        /// Scenes that are finished.
         finished: usize,
         scenes: usize,
     },
-    /// Results are there that cannot be resumed.
     #[error(
         "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or \
          use --overwrite",
@@ -56,24 +51,20 @@ pub enum OccupiedError {
         /// The command line of what would take its place.
         here: String,
     },
-    /// Something is there, and it does not say what it is.
     #[error(
         "{}: exists, and does not name its run; name another folder, or replace it with \
          --overwrite",
         path.display()
     )]
     Unknown { path: PathBuf },
-    /// A file is there.
     #[error("{}: exists; name another file, or replace it with --overwrite", path.display())]
     File { path: PathBuf },
-    /// A journal is there that cannot be read.
     #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
     Journal {
         path: PathBuf,
         /// Description of the fault.
         source: LineError,
     },
-    /// It cannot be read, or is no file.
     #[error(transparent)]
     Record(#[from] RecordError),
 }
@@ -85,9 +76,6 @@ fn is_absent(error: &io::Error) -> bool {
 
 /// Refuses files that are there and hold something. What is no file, a pipe or a device, is written
 /// to.
-///
-/// # Errors
-/// [`OccupiedError::File`] naming the first.
 pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OccupiedError> {
     let holds_something = |path: &PathBuf| {
         path.as_os_str() != "-" && fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0)
@@ -98,7 +86,6 @@ pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), Occu
     }
 }
 
-/// Output planned for a folder.
 pub struct PlannedOutput<'a> {
     /// The names of the files, the record first.
     pub names: &'a [&'a str],

@@ -1,45 +1,39 @@
 //! The output files: created before anything is measured, written anew after each scene, so that an
 //! unwritable path is found at once and a killed run keeps what it finished. A run that is refused
-//! leaves none that was not there.
+//! leaves none that was not there. Two outputs to one file, and one onto an input, are refused.
 
-use std::fs::File;
+use crate::exports::occupied::OccupiedError;
+use measurement::record::{RunRecord, file};
+use measurement::system::created::{CreatedFiles, WriteError};
+use measurement::system::files;
+use measurement::system::files::{open, put, replace, write_text};
+use measurement::system::interrupt::undisturbed;
+use presentation::json;
+use presentation::json::FormatError;
+use std::collections::BTreeSet;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-
-use measurement::record::RunRecord;
-use measurement::system::created::CreatedFiles;
-use measurement::system::created::WriteError;
-use measurement::system::files::{open, replace, write_text};
-use measurement::system::interrupt::undisturbed;
-use presentation::json::FormatError;
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// A file cannot be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// They could not be turned into text.
+    #[error(transparent)]
+    Occupied(#[from] OccupiedError),
     #[error(transparent)]
     Format(#[from] FormatError),
-    /// Two outputs would be mixed up.
-    #[error("only one output can go to standard output (-); name files for the others")]
-    OneStdout,
-    /// One would overwrite the other.
     #[error("{}: two outputs would be written to this file; choose another file for one of them", .0.display())]
     SameFile(PathBuf),
-    /// An output would overwrite an input.
     #[error("{}: the command also reads this file; write to another one", .0.display())]
     IsRead(PathBuf),
-    /// The pattern of `--export-select`, and the name of a series that there is.
     #[error(
         "--export-select '{0}' matches no series; their names are SCENE: STRUCTURE SETTINGS / NAME, \
          like '{1}'"
     )]
     NothingSelected(String, String),
-    #[error("cannot write to standard output: {0}")]
-    Stdout(#[from] io::Error),
 }
 
 /// Makes a file's text of what is finished so far.
@@ -56,62 +50,35 @@ struct Output<'a> {
 #[derive(Default)]
 pub struct Outputs<'a> {
     outputs: Vec<Output<'a>>,
-    /// Format printed to standard output instead of the tables.
-    printed: Option<Formatter<'a>>,
     created: CreatedFiles,
+}
+
+impl From<CreatedFiles> for Outputs<'_> {
+    fn from(created: CreatedFiles) -> Self {
+        Self { outputs: Vec::new(), created }
+    }
 }
 
 impl<'a> Outputs<'a> {
     /// Creates the folder of `-o`.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`] naming the folder.
     pub fn folder(&mut self, path: &Path) -> Result<(), OutputError> {
         Ok(self.created.folder(path)?)
     }
 
-    /// Returns whether standard output is taken, so that no tables may be printed.
-    pub fn are_printed(&self) -> bool {
-        self.printed.is_some()
-    }
-
-    /// Writes what goes to standard output, once the run is over.
-    ///
-    /// # Errors
-    /// Those of the format and of the writer.
-    pub fn print(&self, run: &RunRecord, out: &mut dyn Write) -> Result<(), OutputError> {
-        if let Some(format) = &self.printed {
-            out.write_all(format(run)?.as_bytes())?;
-            out.flush()?;
-        }
-        Ok(())
-    }
-
-    /// Creates one more file, if one is named; `-` is standard output.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`] naming the file, [`OutputError::OneStdout`].
+    /// Creates one more file, if one is named.
     pub fn add(
         &mut self,
-        path: Option<&PathBuf>,
+        path: Option<PathBuf>,
         format: impl Fn(&RunRecord) -> Result<String, FormatError> + 'a,
     ) -> Result<(), OutputError> {
-        if path.is_some_and(|path| path.as_os_str() == "-") {
-            if self.printed.is_some() {
-                return Err(OutputError::OneStdout);
-            }
-            self.printed = Some(Box::new(format));
-        } else if let Some(path) = path {
-            let stream = open(path, &mut self.created)?;
-            self.outputs.push(Output { path: path.clone(), format: Box::new(format), stream });
+        if let Some(path) = path {
+            let stream = open(&path, &mut self.created)?;
+            self.outputs.push(Output { path, format: Box::new(format), stream });
         }
         Ok(())
     }
 
     /// Makes the files, and their folders, that were removed since. Whether there were any.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`] naming the file or folder.
     pub fn restore(&mut self) -> Result<bool, OutputError> {
         let is_gone = |output: &&Output<'_>| output.stream.is_none() && !output.path.exists();
         let gone: Vec<&Output<'_>> = self.outputs.iter().filter(is_gone).collect();
@@ -130,9 +97,6 @@ impl<'a> Outputs<'a> {
     }
 
     /// Writes what is finished so far; streams only when the run is `over`.
-    ///
-    /// # Errors
-    /// [`OutputError::Write`] naming the file, [`OutputError::Format`].
     pub fn write(&mut self, run: &RunRecord, over: bool) -> Result<(), OutputError> {
         for output in &mut self.outputs {
             let text = (output.format)(run)?;
@@ -153,13 +117,88 @@ impl<'a> Outputs<'a> {
 }
 
 /// Writes a file, if one is named.
-///
-/// # Errors
-/// [`OutputError::Write`] naming the file, or that of `text`.
 pub fn write_file(
     path: Option<&Path>,
     text: impl FnOnce() -> Result<String, FormatError>,
 ) -> Result<(), OutputError> {
     let Some(path) = path else { return Ok(()) };
     Ok(write_text(path, &text()?)?)
+}
+
+/// Writes the record to a new folder in `within`, and says where.
+pub fn keep_elsewhere(within: Option<&Path>, record: &RunRecord) -> io::Result<PathBuf> {
+    let text = json::written(record).map_err(io::Error::other)?;
+    let folder = files::create(within.ok_or(io::ErrorKind::NotFound)?)?;
+    let path = folder.join(file::NAME);
+    undisturbed(|| put(&path, text.as_bytes())).inspect_err(|_| {
+        let _ = fs::remove_dir(&folder);
+    })?;
+    Ok(path)
+}
+
+/// Refuses outputs of which two are the same file, or one is an input.
+pub fn refuse_shared(outputs: &[PathBuf], inputs: &[PathBuf]) -> Result<(), OutputError> {
+    let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| place(path)).collect();
+    let mut written = BTreeSet::new();
+    for path in outputs {
+        let Some(place) = place(path) else { continue };
+        if read.contains(&place) {
+            return Err(OutputError::IsRead(path.clone()));
+        }
+        if !written.insert(place) {
+            return Err(OutputError::SameFile(path.clone()));
+        }
+    }
+    Ok(())
+}
+
+/// The identity of a file under any of its names; of one that does not exist yet, the path it will
+/// have. None for standard output, pipes and devices, which hold nothing to destroy.
+fn place(path: &Path) -> Option<PathBuf> {
+    if path.as_os_str() == "-" || path.metadata().is_ok_and(|found| !found.is_file()) {
+        return None;
+    }
+    if let Some(file) = identity(path) {
+        return Some(file);
+    }
+    let absolute = std::path::absolute(path).ok()?;
+    let mut behind = Vec::new();
+    let mut folder = absolute.as_path();
+    while let (Some(name), Some(parent)) = (folder.file_name(), folder.parent()) {
+        behind.push(name);
+        folder = parent;
+        if let Ok(real) = folder.canonicalize() {
+            return Some(behind.iter().rev().fold(real, |place, name| place.join(name)));
+        }
+    }
+    Some(absolute)
+}
+
+/// Device and inode: equal for all links to one file.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<PathBuf> {
+    use std::os::unix::fs::MetadataExt;
+    let found = path.metadata().ok()?;
+    Some(format!("{}:{}", found.dev(), found.ino()).into())
+}
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use measurement::record::made_up;
+
+    #[test]
+    fn rescued_records_get_separate_folders() {
+        let within = tempfile::tempdir().unwrap();
+        let record = made_up::run(&[]);
+        let paths = [0, 1].map(|_| keep_elsewhere(Some(within.path()), &record).unwrap());
+        assert_ne!(paths[0], paths[1]);
+        assert_eq!(file::read(&paths[1]).unwrap(), record);
+        assert!(keep_elsewhere(Some(&within.path().join("none")), &record).is_err());
+    }
 }

@@ -1,18 +1,17 @@
 //! Two binaries of rtbench, or one with two builds of a plugin, and a copy of the newer, as
-//! contenders: the same rows and rays for each.
-
-use std::collections::BTreeSet;
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::process::Command;
+//! contenders: the same rows and rays for each, and how many processes take turns.
 
 use crate::comparison::pairing::Pairing;
 use crate::comparison::renamed::Renaming;
-use crate::gate::pace::TurnPlan;
 use crate::gate::thresholds::Thresholds;
 use measurement::answers::check::stride_for;
 use measurement::record::RunRecord;
 use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::Duration;
 
 /// Seconds that the rays of a kind may take in a lap, about; more are thinned. On a busy machine
 /// a thread is interrupted every few milliseconds: most laps that are shorter are spared, and the
@@ -26,7 +25,6 @@ pub enum AgainstError {
     Old(ChildError),
     #[error(transparent)]
     New(ChildError),
-    /// This program's own file is not known.
     #[error("cannot find the file of this program to run it in turns with the other")]
     NoProgram,
 }
@@ -65,9 +63,6 @@ pub struct Contest {
 impl Contest {
     /// The old program's record of the same rows and rays, all answers checked, rows named as the
     /// newer does. Rows that it does not know are left out.
-    ///
-    /// # Errors
-    /// [`AgainstError`].
     pub fn record_of_old(&self) -> Result<RunRecord, AgainstError> {
         let [old, ..] = &self.programs;
         let mut command = Command::new(&old.path);
@@ -118,9 +113,65 @@ impl Contest {
 }
 
 /// The file of this program, as the environment has it.
-///
-/// # Errors
-/// [`AgainstError::NoProgram`].
 pub fn own_program(program: Option<&PathBuf>) -> Result<&Path, AgainstError> {
     program.map(PathBuf::as_path).ok_or(AgainstError::NoProgram)
+}
+
+/// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
+/// be significant among thousands of rows; that of the 5 of `run` cannot even be among ten.
+pub const ROUNDS: u32 = 15;
+
+/// Processes within a time budget, at the least: fewer could not be significant.
+const FEWEST: u32 = 5;
+/// Processes after which the laps so far are looked at, if more are to come.
+const LOOKS: [u32; 6] = [5, 9, 15, 25, 40, 60];
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct TurnPlan {
+    /// Processes of each program; none asks for the default.
+    pub rounds: Option<u32>,
+    /// Time for all of them, where no number is said.
+    pub time_budget: Option<Duration>,
+    pub seed: u64,
+}
+
+impl TurnPlan {
+    /// Processes of each program at the most, as far as is known.
+    pub fn expected(&self) -> u32 {
+        self.rounds.unwrap_or(ROUNDS)
+    }
+
+    /// Returns whether that process, from 0, is started so long after the first.
+    pub fn goes_on(&self, process: u32, elapsed: Duration) -> bool {
+        match self.time_budget {
+            Some(budget) => process < FEWEST || elapsed < budget,
+            None => process < self.expected(),
+        }
+    }
+
+    /// How often laps are looked at, the end included.
+    pub fn max_looks(&self) -> u32 {
+        let is_before = |look: &&u32| self.time_budget.is_some() || **look < self.expected();
+        1 + LOOKS.iter().filter(is_before).count() as u32
+    }
+}
+
+/// Returns whether laps are looked at before that process, from 0, is started.
+pub fn is_look(process: u32) -> bool {
+    LOOKS.contains(&process)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn looks_at_the_results_are_counted() {
+        let looks = |rounds, seconds| {
+            let time_budget = Option::<u64>::map(seconds, Duration::from_secs);
+            TurnPlan { rounds, time_budget, seed: 1 }.max_looks()
+        };
+        assert_eq!([looks(Some(2), None), looks(Some(9), None), looks(None, None)], [1, 2, 3]);
+        assert_eq!(looks(None, Some(60)), 7);
+    }
 }

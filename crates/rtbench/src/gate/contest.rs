@@ -17,9 +17,9 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use crate::comparison::pairing::RowPair;
+use crate::gate::against::is_look;
 use crate::gate::against::{Contest, Program};
 use crate::gate::lap::{Lap, Runner};
-use crate::gate::pace::is_look;
 use measurement::record::{FloorRecord, RunRecord};
 use measurement::rounds::interleaved::round_order;
 use measurement::system::child_process::ChildError;
@@ -49,14 +49,12 @@ impl Key {
     }
 }
 
-/// The times of all laps.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct PairedTimes {
     #[serde(flatten)]
     pub key: Key,
     /// Seconds of the old program, the new one, and the new one's copy, a lap each.
     pub times: Vec<[f64; 3]>,
-    /// The process that each lap is of.
     pub processes: Vec<u32>,
 }
 
@@ -83,9 +81,6 @@ fn laps(like: &RunRecord) -> u32 {
 impl Contest {
     /// Build and trace times of the rows that all programs have. `undecided` says, of the laps so
     /// far, what is not decided.
-    ///
-    /// # Errors
-    /// [`ChildError`] of the first process that gives no answer, and whose it is.
     pub fn times(
         &self,
         clock: &dyn Clock,

@@ -11,10 +11,8 @@ use measurement::callgrind::CallgrindError;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GateError {
-    /// The baseline says nothing that could be measured anew.
     #[error(transparent)]
     Like(#[from] ReplanError),
-    /// The folder of baselines.
     #[error(transparent)]
     Baseline(#[from] BaselineError),
     #[error(transparent)]
@@ -23,13 +21,10 @@ pub enum GateError {
     Against(#[from] AgainstError),
     #[error(transparent)]
     Threshold(#[from] ThresholdError),
-    /// Another machine's target, other settings, other scenes.
     #[error("this cannot be compared with the baseline: {}", .0.join("; "))]
     NotComparable(Vec<String>),
-    /// No row is in both.
     #[error("nothing was compared: no row is in both; {}", in_words(.0).join("; "))]
     NothingCompared(Vec<MissingRow>),
-    /// Instruction counts were asked for, and the baseline has none.
     #[error(
         "the baseline has no instruction counts; save one that has them: `rtbench baseline save \
          NAME --instructions ...`"

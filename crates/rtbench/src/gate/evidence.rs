@@ -16,7 +16,6 @@ pub enum GateOutcome {
     Improved,
     /// Equal, or certainly within the threshold.
     Unchanged,
-    /// There is nothing to judge it by.
     NotJudged,
     /// Neither a regression nor an improvement, nor certainly unchanged.
     Inconclusive,
@@ -42,7 +41,6 @@ impl GateOutcome {
 /// One thing that was judged.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// The stage that judged it.
     #[serde(rename = "stage")]
     pub stage: &'static str,
     pub scene: String,
@@ -56,7 +54,6 @@ pub struct Finding {
     pub change: Option<Estimate>,
     /// The probability of such times without any difference, corrected for all that were tested.
     pub p: Option<f64>,
-    /// Outcome of the check.
     pub outcome: GateOutcome,
     /// Free-form note, may be empty.
     pub note: String,
@@ -117,7 +114,6 @@ pub enum Times<'a> {
     },
     /// Two programs measured in turns: ratios within each turn.
     Paired {
-        /// The times of all turns.
         pairs: &'a [PairedTimes],
         /// Number of looks at the results, the last one included.
         looks: u32,

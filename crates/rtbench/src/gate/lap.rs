@@ -15,7 +15,6 @@ use measurement::system::child_process::{ChildError, arguments, ended_early, wit
 /// A build of a row and a pass over its rays.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Lap {
-    /// Seconds of the build.
     pub build_s: f64,
     /// Seconds of each kind of rays.
     pub trace_s: BTreeMap<String, f64>,
@@ -31,9 +30,6 @@ pub struct Runner {
 
 impl Runner {
     /// Starts a program with the rows of a record; it gets ready while others start.
-    ///
-    /// # Errors
-    /// [`ChildError`], naming the program.
     pub fn start(
         program: &Program,
         like: &RunRecord,
@@ -65,9 +61,6 @@ impl Runner {
     }
 
     /// One lap of a row; none where the row is not timed.
-    ///
-    /// # Errors
-    /// [`ChildError`], naming the program.
     pub fn lap(&mut self, row: &str) -> Result<Option<Lap>, ChildError> {
         self.say(row)?;
         let mut line = String::new();
@@ -81,9 +74,6 @@ impl Runner {
     }
 
     /// Lets it end.
-    ///
-    /// # Errors
-    /// [`ChildError::Failed`] where it ends otherwise than it should.
     pub fn end(mut self) -> Result<(), ChildError> {
         self.input = None;
         match self.child.wait() {

@@ -4,10 +4,7 @@
 //! takes a file and a line in [`STAGES`].
 
 pub mod against;
-pub mod annotations;
 pub mod answers;
-mod columns;
-pub mod comparable;
 // programs by their places, rows by theirs
 #[allow(clippy::indexing_slicing)]
 pub mod contest;
@@ -17,20 +14,18 @@ mod evidence;
 pub mod export;
 pub mod instructions;
 pub mod lap;
-pub mod pace;
 pub mod report;
 pub mod thresholds;
 pub mod wall_clock;
 
+pub use against::ROUNDS;
 pub use error::GateError;
 pub use evidence::{Evidence, Finding, GateOutcome, Instructions, Stage, Times};
-pub use pace::ROUNDS;
 
 /// All stages, in the order in which they are printed: the surest first.
 pub static STAGES: &[Stage] =
     &[answers::STAGE, counters::STAGE, instructions::STAGE, wall_clock::STAGE];
 
-/// Findings of all stages.
 pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     STAGES.iter().flat_map(|stage| (stage.judge)(evidence)).collect()
 }

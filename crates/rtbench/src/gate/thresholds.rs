@@ -15,7 +15,6 @@ use serde::Serialize;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::settings::choice;
 
-/// Thresholds of a check.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Thresholds {
@@ -60,10 +59,6 @@ fn quantities() -> impl Iterator<Item = &'static str> {
     OF_ALL.into_iter().chain(kinds)
 }
 
-/// The time of that name.
-///
-/// # Errors
-/// What is valid.
 pub fn quantity_named(name: &str) -> Result<&'static str, String> {
     quantities().find(|known| *known == name).ok_or_else(|| {
         let hint = choice::hint(name, quantities());
@@ -86,7 +81,6 @@ impl fmt::Display for RowThreshold {
 }
 
 impl RowThreshold {
-    /// The kind of rays that it is of.
     pub fn kind(&self) -> Option<&'static str> {
         self.of.filter(|of| !OF_ALL.contains(of))
     }
@@ -121,7 +115,6 @@ impl Default for Thresholds {
     }
 }
 
-/// A threshold out of range.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{name}: {value} is out of range; expected {expected}")]
 pub struct ThresholdError {
@@ -153,9 +146,6 @@ impl Thresholds {
     }
 
     /// These, where each is in its range.
-    ///
-    /// # Errors
-    /// [`ThresholdError`] naming what is valid.
     pub fn checked(self) -> Result<Self, ThresholdError> {
         let share = "a share from 0 to 10";
         let is_share = |x: f64| (0.0..=10.0).contains(&x);

@@ -210,8 +210,7 @@ pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
             finding.note = format!("found again in a second measurement: {}", seen.trim_end());
         } else {
             finding.outcome = GateOutcome::Inconclusive;
-            finding.note =
-                format!("not found found again in a second measurement: {}", seen.trim_end());
+            finding.note = format!("not found again in a second measurement: {}", seen.trim_end());
         }
     }
 }

@@ -10,7 +10,6 @@ use statistics::change_points::{Sensitivity, change_points};
 use statistics::estimate::Estimate;
 use statistics::verdict;
 
-/// Quantity of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Quantity {
     /// The trace time of all rays.
@@ -44,7 +43,6 @@ impl Quantity {
 /// A machine and settings: figures of two of them never stand in one line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MachineSetup {
-    /// The first of its runs.
     first: usize,
     pub words: String,
 }
@@ -58,7 +56,6 @@ pub struct Point {
     pub ratio: Estimate,
 }
 
-/// Change point of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Change {
     /// The first point that is different.
@@ -87,7 +84,6 @@ pub struct Key {
     pub scene: String,
     pub structure: String,
     pub quantity: Quantity,
-    /// Settings of the structure.
     pub settings: String,
 }
 
@@ -98,7 +94,6 @@ pub struct History {
     pub benches: Vec<MachineSetup>,
     /// Index of the machine setup of each run.
     pub bench_of: Vec<usize>,
-    /// The lines of each row.
     pub lines: BTreeMap<Key, Vec<Line>>,
 }
 
@@ -172,7 +167,6 @@ fn is_measured(row: &RowRecord) -> bool {
     row.verdict.is_timed() && !row.is_reference
 }
 
-/// The ratios of a row.
 fn figures(row: &RowRecord) -> Vec<(Quantity, Estimate)> {
     let kinds = METRICS.iter().filter_map(|metric| match metric.reading {
         Reading::RatioOf(kind) => {

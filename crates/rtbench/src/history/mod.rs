@@ -6,17 +6,15 @@
 //! its settings; nothing is ever joined across two. Changes are found by E-divisive
 //! ([`statistics::change_points`]) on the logarithms of the ratios.
 
-mod error;
 mod index_page;
 mod lines;
 mod names;
 mod row_page;
-mod scene_page;
 mod shell;
 mod visit;
 
-pub use error::HistoryError;
 pub use lines::{Change, History, Key, Line, MachineSetup, Point, Quantity};
+pub use visit::HistoryError;
 pub use visit::{Visit, visits};
 
 use crate::history::names::Names;
@@ -26,7 +24,7 @@ pub fn site(history: &History) -> Vec<(String, String)> {
     let names = Names::new(history);
     let mut files = vec![(names::INDEX.to_owned(), index_page::page(history, &names))];
     for (scene, path) in names.scenes() {
-        files.push((path.clone(), scene_page::page(history, &names, scene)));
+        files.push((path.clone(), row_page::scene_page(history, &names, scene)));
     }
     for (page, path) in names.pages() {
         files.push((path.clone(), row_page::page(history, &names, page)));

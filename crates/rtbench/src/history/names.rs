@@ -17,7 +17,6 @@ pub struct Names {
     pages: BTreeMap<PageKey, String>,
 }
 
-/// The page that a row is on.
 pub fn page_of(key: &Key) -> PageKey {
     (key.scene.clone(), key.structure.clone(), key.quantity)
 }
@@ -55,7 +54,6 @@ impl Names {
         Self { scenes: scenes.collect(), pages }
     }
 
-    /// Scenes and their pages.
     pub fn scenes(&self) -> impl Iterator<Item = (&String, &String)> {
         self.scenes.iter()
     }

@@ -1,21 +1,20 @@
-//! One page per scene, a structure and a kind of ray: each of its settings with its line, changes
-//! and points.
+//! Pages of a scene: every row with its latest ratios and what changed last, and a page per structure
+//! and kind of ray, with the line of each setting, its changes and points.
 
-use std::collections::BTreeSet;
-
-use crate::history::lines::{Change, History, Key, Line};
+use crate::history::lines::{Change, History, Key, Line, Quantity};
 use crate::history::names::{INDEX, Names, PageKey, anchor, page_of};
 use crate::history::shell::{
     bench_name, class_of, from_below, in_words, section, start_page, verdict,
 };
-use crate::report::utc;
+use crate::report::{file_name, utc};
 use measurement::record::label;
 use presentation::html::Html;
 use presentation::numbers::{ratio, short};
 use presentation::page::tables::{self, TableStyle};
 use presentation::page::{figure, finished};
 use presentation::svg_plot::{Axis, Mark, Plot, Point as PlotPoint, Ring, Scale, Series};
-use presentation::table::{Cell, Style, Table};
+use presentation::table::{Cell, Style, Table, dash};
+use std::collections::BTreeSet;
 
 pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
     let (scene, structure, quantity) = own;
@@ -162,4 +161,58 @@ fn points(history: &History, lines: &[Line]) -> (Table, Vec<Vec<String>>) {
         Table { title: "All runs, the newest first".to_owned(), header, rows, notes: Vec::new() },
         links,
     )
+}
+
+pub fn scene_page(history: &History, names: &Names, scene: &str) -> String {
+    let intro = "The latest ratio of each row to the reference of its run; figures link to their histories. A change is \
+                 the last one that was found, newer figures over older ones.";
+    let mut html = start_page(scene, intro, &[("All scenes", from_below(INDEX))]);
+    let keys = || history.lines.keys().filter(|key| key.scene == scene);
+    let quantities: BTreeSet<Quantity> = keys().map(|key| key.quantity).collect();
+    let rows: BTreeSet<(&str, &str)> =
+        keys().map(|key| (key.structure.as_str(), key.settings.as_str())).collect();
+    let mut header = vec!["structure"];
+    header.extend(quantities.iter().map(|quantity| quantity.head()));
+    let (mut cells, mut links, mut ids) = (Vec::new(), Vec::new(), Vec::new());
+    for (structure, settings) in rows {
+        let name = label(structure, settings);
+        ids.push(file_name(&name));
+        let mut own: Vec<Cell> = vec![name.into()];
+        let mut targets = vec![String::new()];
+        for quantity in &quantities {
+            let key = Key {
+                scene: scene.to_owned(),
+                structure: structure.to_owned(),
+                quantity: *quantity,
+                settings: settings.to_owned(),
+            };
+            let lines = history.lines.get(&key);
+            own.push(lines.map_or_else(dash, |lines| cell(lines)));
+            targets.push(lines.map_or(String::new(), |_| from_below(&names.row(&key))));
+        }
+        cells.push(own);
+        links.push(targets);
+    }
+    let title = "latest ratios [95%]".to_owned();
+    let table = Table { title, header, rows: cells, notes: Vec::new() };
+    let look = TableStyle { links: &links, ids: &ids, is_open: true, ..TableStyle::default() };
+    tables::write(&mut html, &table, look);
+    finished(html)
+}
+
+/// The newest point, and the last change.
+fn cell(lines: &[Line]) -> Cell {
+    let newest = lines.iter().filter_map(|line| line.points.last());
+    let Some(point) = newest.max_by_key(|point| point.visit) else { return dash() };
+    let text = ratio(&point.ratio).trim_end().to_owned();
+    let changes = lines.iter().flat_map(|line| {
+        line.changes.iter().filter_map(|c| Some((line.around(c)?.last()?.visit, c.times)))
+    });
+    match changes.max_by_key(|(visit, _)| *visit) {
+        None => text.into(),
+        Some((_, times)) => Cell {
+            text: format!("{text}, changed {} x", short(times.median)),
+            style: if times.low > 1.0 { Style::Bad } else { Style::Best },
+        },
+    }
 }

@@ -40,7 +40,6 @@ pub fn from_below(path: &str) -> String {
     format!("../{path}")
 }
 
-/// Verdict on the change of times.
 pub fn verdict(times: &Estimate) -> &'static str {
     match times {
         t if t.low > 1.0 => "slower",
@@ -49,7 +48,6 @@ pub fn verdict(times: &Estimate) -> &'static str {
     }
 }
 
-/// The colour of that: a class.
 pub fn class_of(times: &Estimate) -> &'static str {
     match verdict(times) {
         "slower" => "bad",

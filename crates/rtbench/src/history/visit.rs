@@ -1,11 +1,10 @@
 //! The runs of a history: records in folders, in the order of their commits.
 
-use std::path::{Path, PathBuf};
-
 use crate::git::{self, Commit, Git, GitError};
-use crate::history::error::HistoryError;
-use measurement::record::RunRecord;
-use measurement::record::file;
+use measurement::record::file::RecordError;
+use measurement::record::{RunRecord, file};
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// A run that was kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,9 +37,6 @@ impl Visit {
 
 /// The runs of all folders, each of which has a record or folders with records, in the order of
 /// their commits where a repository says when these were made, else of their own beginnings.
-///
-/// # Errors
-/// [`HistoryError`], naming the file or folder.
 pub fn visits(folders: &[PathBuf], repository: Option<&Path>) -> Result<Vec<Visit>, HistoryError> {
     let git = repository.map(Git::at).transpose()?;
     let mut visits = Vec::new();
@@ -88,4 +84,22 @@ fn records(folders: &[PathBuf]) -> Result<Vec<PathBuf>, HistoryError> {
     records.sort();
     records.dedup();
     Ok(records)
+}
+
+/// Why no history can be made.
+#[derive(Debug, thiserror::Error)]
+pub enum HistoryError {
+    #[error(transparent)]
+    Record(#[from] RecordError),
+    #[error("cannot read {}: {source}", folder.display())]
+    Folder { folder: PathBuf, source: io::Error },
+    #[error(
+        "{}: no results.json in it, nor in a folder in it; expected what `rtbench run -o DIR` writes",
+        folder.display()
+    )]
+    NoRecords { folder: PathBuf },
+    #[error(transparent)]
+    Git(#[from] GitError),
+    #[error("{}: {source}", record.display())]
+    UnknownCommit { record: PathBuf, source: GitError },
 }

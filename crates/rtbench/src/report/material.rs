@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use crate::report::date::utc;
+use crate::report::page::utc;
 use measurement::record::file::{self, RecordError};
 use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
@@ -23,13 +23,10 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// Why a page cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// A record cannot be read.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// A folder cannot be looked into.
     #[error("cannot read {}: {source}", path.display())]
     Folder { path: PathBuf, source: io::Error },
-    /// It is no CSV, or has other columns.
     #[error("{}: {message}; expected what `{written_by}` writes", path.display())]
     Csv {
         path: PathBuf,
@@ -38,10 +35,8 @@ pub enum ReportError {
         /// The command that writes such files.
         written_by: &'static str,
     },
-    /// It is no plot.
-    #[error("{}: not an SVG plot; expected what `rtbench sweep --export-svg` draws", path.display())]
+    #[error("{}: not an SVG plot; expected what `rtbench sweep -o DIR` draws", path.display())]
     NotAPlot { path: PathBuf },
-    /// It is no picture.
     #[error("{}: not a PNG image; expected what `{written_by}` draws", path.display())]
     NotAPicture {
         path: PathBuf,
@@ -90,18 +85,13 @@ pub struct HeatMap {
     pub png: Vec<u8>,
 }
 
-/// A plot that a sweep drew.
 pub struct SweepPlot {
-    /// The file's name without its extension.
     pub name: String,
     pub svg: Vec<u8>,
 }
 
 impl Material {
     /// Reads a record and what lies beside it.
-    ///
-    /// # Errors
-    /// [`ReportError`], naming the file. What is not there is no error.
     pub fn read(record: &Path) -> Result<Self, ReportError> {
         let text = file::bytes(record)?;
         let mut run = file::record(record, &text)?;
@@ -127,13 +117,10 @@ impl Material {
             tracers,
             heat_maps: heat_maps(&folder.join("heat-maps"))?,
             sweeps: sweeps(&folder)?,
-            counters: csv(
-                &folder.join("havran1999.csv"),
-                "rtbench reproduce havran1999 --export-csv FILE",
-            )?,
+            counters: csv(&folder.join("havran1999.csv"), "rtbench reproduce havran1999 -o DIR")?,
             lecture: csv(
                 &folder.join("zachmann2007.csv"),
-                "rtbench reproduce zachmann2007 --export-csv FILE",
+                "rtbench reproduce zachmann2007 -o DIR",
             )?,
             pictures: pictures(&folder.join("pictures"))?,
             profiles: run.scenes.iter().map(profiles).collect(),
@@ -243,12 +230,12 @@ fn text(part: Option<&std::ffi::OsStr>) -> String {
     part.unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The plots of sweeps in a folder: `sweep-*.svg`.
+/// The plots of sweeps: `sweep-*/sweep.svg`.
 fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
     let mut plots = Vec::new();
-    for path in entries(folder)? {
-        let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        if name.starts_with("sweep-") && path.extension().is_some_and(|e| e == "svg") {
+    for sweep in folders(folder)? {
+        let (name, path) = (text(sweep.file_name()), sweep.join("sweep.svg"));
+        if name.starts_with("sweep-") && path.exists() {
             let svg = file::bytes(&path)?;
             if !svg.starts_with(b"<svg ") {
                 return Err(ReportError::NotAPlot { path });
@@ -268,7 +255,7 @@ fn size_of_png(bytes: &[u8]) -> Option<[u32; 2]> {
     Some([number(8)?, number(12)?])
 }
 
-/// A figure as `rtbench reproduce havran1999 --export-csv` writes it.
+/// A figure as `rtbench reproduce havran1999 -o` writes it.
 #[derive(Debug, Clone, Deserialize)]
 pub struct ReproducedFigure {
     pub(super) scene: String,
@@ -280,7 +267,7 @@ pub struct ReproducedFigure {
     pub(super) verdict: String,
 }
 
-/// A row as `rtbench reproduce zachmann2007 --export-csv` writes it.
+/// A row as `rtbench reproduce zachmann2007 -o` writes it.
 #[derive(Debug, Clone, Deserialize)]
 pub struct LectureRow {
     pub(super) scene: String,

@@ -3,7 +3,6 @@
 //! A section is a function and a line in [`SECTIONS`]. One that the folder has nothing for is left
 //! out; the end of the page names the command that makes it.
 
-mod date;
 mod glossary;
 pub mod material;
 pub mod page;
@@ -11,8 +10,8 @@ mod plots;
 mod sections;
 mod side_by_side;
 
-pub use date::utc;
 pub use material::ReportError;
+pub use page::utc;
 pub use page::{Page, SectionOutcome, file_name};
 
 use crate::report::material::Material;
@@ -56,13 +55,13 @@ pub static SECTIONS: &[Section] = &[
     section(
         "counters",
         "Counters of 1999 against now",
-        "rtbench reproduce havran1999 --export-csv DIR/havran1999.csv",
+        "rtbench reproduce havran1999 -o DIR",
         sections::counters::write,
     ),
     section(
         "lecture",
         "Zachmann 2007 against now",
-        "rtbench reproduce zachmann2007 --export-csv DIR/zachmann2007.csv",
+        "rtbench reproduce zachmann2007 -o DIR",
         sections::studies::lecture,
     ),
     section(
@@ -80,10 +79,10 @@ pub static SECTIONS: &[Section] = &[
     section(
         "sweeps",
         "Parameters over their values",
-        "rtbench sweep SCENE -s STRUCTURE -p PARAM --from A --to B --export-svg DIR/sweep-PARAM.svg",
+        "rtbench sweep SCENE -s STRUCTURE -p PARAM --values A..B -o DIR/sweep-PARAM",
         sections::studies::sweeps,
     ),
-    section("warnings", "Warnings and outliers", BY_RUN, sections::warnings::write),
+    section("warnings", "Warnings and outliers", BY_RUN, sections::machine::write_warnings),
     section("machine", "How to repeat it", BY_RUN, sections::machine::write),
     section("glossary", "What the symbols mean", BY_RUN, glossary::glossary),
 ];
@@ -246,7 +245,6 @@ fn missing(html: &mut Html, parts: &[ReportSection], page: &Page) {
     html.close();
 }
 
-/// Title of the page.
 fn title(runs: &[Material]) -> String {
     match runs {
         [run] => scenes_in_words(run),

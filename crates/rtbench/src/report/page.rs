@@ -1,4 +1,4 @@
-//! Page that sections write to.
+//! Page that sections write to, and a moment as people write it there.
 
 use measurement::system::progress::Progress;
 use presentation::html::Html;
@@ -14,7 +14,6 @@ pub enum SectionOutcome {
     Missing,
 }
 
-/// Page that sections write to.
 #[derive(Default)]
 pub struct Page {
     pub(super) html: Html,
@@ -35,7 +34,6 @@ impl Page {
         self.plots.push((format!("{}.svg", file_name(&name)), svg));
     }
 
-    /// Anchor of a part of the page.
     pub(super) fn anchor(&self, name: &str) -> String {
         file_name(&format!("{}{name}", self.prefix))
     }
@@ -56,6 +54,20 @@ pub fn file_name(name: &str) -> String {
     file
 }
 
+/// `2026-11-22 01:30 UTC` of seconds since 1970.
+pub fn utc(unix_s: u64) -> String {
+    let (days, seconds) = ((unix_s / 86_400) as i64, unix_s % 86_400);
+    // Julian day number of 1970-01-01: 2440588
+    let julian = days.saturating_add(2_440_588);
+    let f = julian + 1401 + (((4 * julian + 274_277) / 146_097) * 3) / 4 - 38;
+    let e = 4 * f + 3;
+    let h = 5 * ((e % 1461) / 4) + 2;
+    let (day, month) = ((h % 153) / 5 + 1, (h / 153 + 2) % 12 + 1);
+    let year = e / 1461 - 4716 + (14 - month) / 12;
+    let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
+    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,5 +79,14 @@ mod tests {
         let files = names.each_ref().map(|name| file_name(name));
         assert_eq!(files[0], names[0]);
         assert!(files.iter().all(|file| file.len() == LONGEST) && files[1] != files[2]);
+    }
+
+    #[test]
+    fn known_moments() {
+        assert_eq!(utc(0), "1970-01-01 00:00 UTC");
+        assert_eq!(utc(951_827_696), "2000-02-29 12:34 UTC");
+        assert_eq!(utc(1_795_280_839), "2026-11-21 17:07 UTC");
+        assert_eq!(utc(4_107_542_399), "2100-02-28 23:59 UTC");
+        assert_eq!(utc(4_107_542_400), "2100-03-01 00:00 UTC");
     }
 }

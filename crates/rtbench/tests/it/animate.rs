@@ -109,7 +109,7 @@ fn invalid_animation_requests_are_errors_with_reasons() {
         ("marbles:0", 2, "marbles"),
         ("marbles:1 --frames 3..99999", 2, "numbered from 0"),
         ("marbles:1 --frames 4..3", 2, "expected the first and the last frame"),
-        ("marbles:1 --time-budget 3s", 2, "--time-budget is not available for animations"),
+        ("marbles:1 --time-budget 3s", 2, "--time-budget"),
         ("marbles:1 -s unifrom-grid", 2, "did you mean 'uniform-grid'?"),
         ("marbles:1 -s kd-tree:update=refit", 2, "kd-tree has no parameter 'update'"),
         ("nowhere/frame%03d.obj", 1, "nowhere"),

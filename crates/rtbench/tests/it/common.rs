@@ -21,7 +21,7 @@ use measurement::record::{RowRecord, RunRecord};
 use measurement::scenes::{InstalledScenes, SceneSource};
 use measurement::system::clock::{Clock, SteppingClock, SystemClock};
 use measurement::system::world::{FixedWorld, World};
-use rtbench::context::{Context, Environment, Terminal, Verbosity};
+use rtbench::context::{Context, Terminal};
 
 /// Brute force that forgets the first primitive, which the camera sees in the scenes of these
 /// tests: the wrong structure that must be found out. (One that no ray meets could not be.)
@@ -302,20 +302,9 @@ fn run_in_terminal(
 ) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let mut context = Context {
-        registry,
         occluders,
-        scenes,
-        clock,
-        world,
-        out: &mut out,
-        err: &mut err,
-        command_line: vec!["rtbench".into()],
         terminal,
-        verbosity: Verbosity::Normal,
-        overwrite: false,
-        environment: Environment::default(),
-        annotations: Vec::new(),
-        plugins: Default::default(),
+        ..Context::new(registry, scenes, clock, world, &mut out, &mut err)
     };
     let arguments = std::iter::once("rtbench").chain(arguments.split_whitespace());
     let code = rtbench::run(&mut context, arguments);
@@ -355,7 +344,11 @@ impl Folder {
     }
 
     pub fn csv(&self) -> Vec<std::collections::HashMap<String, String>> {
-        csv::Reader::from_reader(self.text("results.csv").as_bytes())
+        self.csv_of("results.csv")
+    }
+
+    pub fn csv_of(&self, name: &str) -> Vec<std::collections::HashMap<String, String>> {
+        csv::Reader::from_reader(self.text(name).as_bytes())
             .deserialize()
             .collect::<Result<_, _>>()
             .expect("CSV that parses back")

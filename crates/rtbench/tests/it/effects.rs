@@ -14,10 +14,12 @@ fn plans_name_what_calls_for_each_effect() {
         assert!(line.contains(" 0  nothing"), "{line}");
     }
     // dials of effects that are not called for change nothing; the others do
-    assert_eq!(run("render effect-gloss --plan --focal-samples 64").out, ended.out);
-    assert_ne!(run("render effect-gloss --plan --glossy-samples 64").out, ended.out);
+    assert_eq!(run("render effect-gloss --plan --samples focal=64").out, ended.out);
+    assert_ne!(run("render effect-gloss --plan --samples glossy=64").out, ended.out);
     assert!(
-        run("render effect-gloss --plan --supersamples 4").out.contains("the command line asks")
+        run("render effect-gloss --plan --samples supersamples=4")
+            .out
+            .contains("the command line asks")
     );
 }
 
@@ -46,11 +48,11 @@ fn invalid_options_of_render_are_usage_errors() {
     for (arguments, said) in [
         (format!("render effect-all -o {}/image.jpg", folder.path()), ".png or .exr"),
         ("render effect-all".to_owned(), "--output"),
-        ("render effect-all --plan --supersamples 0".to_owned(), "--supersamples"),
-        ("render effect-all --plan --shadow-samples 70000".to_owned(), "--shadow-samples"),
+        ("render effect-all --plan --samples supersamples=0".to_owned(), "--samples"),
+        ("render effect-all --plan --samples shadow=70000".to_owned(), "--samples"),
         ("render effect-all --plan --depth 0".to_owned(), "--depth"),
         (
-            "render effect-all --plan --glossy-samples 65536 --shadow-samples 65536".to_owned(),
+            "render effect-all --plan --samples glossy=65536,shadow=65536".to_owned(),
             "at most 4194304",
         ),
         ("render effect-al --plan".to_owned(), "did you mean `effect-all`?"),

@@ -57,14 +57,14 @@ fn c1_numbers_that_make_no_sense() {
         "run tetra:2 -s uniform-grid:max-cells=0",
         "run tetra:2 -s light-buffer:resolution=0",
         "render tetra:2 -o /dev/null --size 0",
-        "render tetra:2 -o /dev/null --supersamples 0",
-        "render tetra:2 -o /dev/null --shadow-samples 0",
-        "render tetra:2 -o /dev/null --glossy-samples 0",
+        "render tetra:2 -o /dev/null --samples supersamples=0",
+        "render tetra:2 -o /dev/null --samples shadow=0",
+        "render tetra:2 -o /dev/null --samples glossy=0",
         "render tetra:2 -o /dev/null --depth 0",
         "render tetra:2 -o /dev/null --size 2147483648",
         "cost tetra:2 --size 0",
         "verify --rays 0",
-        "sweep tetra:2 -s uniform-grid -p density --from 0 --to 0",
+        "sweep tetra:2 -s uniform-grid -p density --values 0..0",
         "sweep tetra:2 -s uniform-grid -p density --values 0",
     ] {
         let (code, out, err) = run(arguments);

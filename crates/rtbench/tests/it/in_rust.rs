@@ -67,7 +67,10 @@ fn impossible_settings_are_refused() {
     // a structure that this registry does not have
     let row = base.row(&find("kd-tree").unwrap().defaults());
     let error = rtbench::measure(&PLANTED, &row).unwrap_err();
-    assert!(matches!(error, Error::Plan(PlanError::UnknownStructure { .. })), "{error}");
+    assert!(
+        matches!(error, Error::Plan(PlanError::UnknownName { what: "structure", .. })),
+        "{error}"
+    );
     let error = rtbench::measure(&PLANTED, &RunSettings::default().scene("nowhere")).unwrap_err();
     assert!(error.to_string().contains("nowhere"), "{error}");
     assert!(uniform_grid::INFO.defaults().set("density", "dense").is_err());

@@ -248,7 +248,7 @@ fn results_of_other_commands_are_shown() {
     }
     let ended = run_stepping(&format!(
         "sweep tetra:1 -s uniform-grid -p density --values 1,4 --size 8 --rounds 2 \
-         --export-svg {dir}/sweep-density.svg"
+         -o {dir}/sweep-density"
     ));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let png: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x40\0\0\0\x20";

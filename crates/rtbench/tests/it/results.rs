@@ -72,13 +72,13 @@ fn mailboxes_and_building_on_demand_are_reported() {
 #[test]
 fn the_lecture_is_put_beside_today() {
     let folder = Folder::new();
-    let file = format!("{}/lecture.csv", folder.path());
     let ended = run_real(&format!(
-        "reproduce zachmann2007 --scenes tetra --quick --size 16 --export-csv {file}"
+        "reproduce zachmann2007 --scenes tetra --quick --size 16 -o {}",
+        folder.path()
     ));
     assert_eq!(ended.code, 0, "{}", ended.err);
     assert!(ended.out.contains("tetra: then uniform D=20.0 won, 1.44 times"), "{}", ended.out);
-    let text = folder.text("lecture.csv");
+    let text = folder.text("zachmann2007.csv");
     assert_eq!(text.lines().count(), 7);
     assert!(text.contains("tetra,recursive,recursive-grid,ok,3.615384615,"), "{text}");
     let ended = run_real(

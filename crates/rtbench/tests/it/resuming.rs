@@ -7,7 +7,6 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use accel_core::occluders;
 use accel_core::structures::{Entry, REGISTRY};
 use measurement::journal::lines::{RecoveredRun, read};
 use measurement::journal::seal::Seal;
@@ -15,7 +14,7 @@ use measurement::journal::{Journal, NAME};
 use measurement::record::RunRecord;
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SteppingClock;
-use rtbench::context::{Context, Environment, Terminal, Verbosity};
+use rtbench::context::Context;
 
 /// Runs the program over that registry: exit code, standard output, standard error.
 pub fn run_in(
@@ -23,22 +22,8 @@ pub fn run_in(
     arguments: impl IntoIterator<Item = OsString>,
 ) -> (u8, String, String) {
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut context = Context {
-        registry,
-        occluders: occluders::REGISTRY,
-        scenes: &InstalledScenes,
-        clock: &SteppingClock::new(Duration::from_millis(1)),
-        world: &rtbench::program::world(),
-        out: &mut out,
-        err: &mut err,
-        command_line: vec!["rtbench".into()],
-        terminal: Terminal::default(),
-        verbosity: Verbosity::Normal,
-        overwrite: false,
-        environment: Environment::default(),
-        annotations: Vec::new(),
-        plugins: Default::default(),
-    };
+    let (clock, world) = (SteppingClock::new(Duration::from_millis(1)), rtbench::program::world());
+    let mut context = Context::new(registry, &InstalledScenes, &clock, &world, &mut out, &mut err);
     let arguments = std::iter::once(OsString::from("rtbench")).chain(arguments);
     let code = rtbench::run(&mut context, arguments);
     let text = |bytes| String::from_utf8(bytes).unwrap();

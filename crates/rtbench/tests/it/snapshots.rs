@@ -71,11 +71,11 @@ const SNAPSHOTS: &[Snapshot] = &[
     of("explain-mixed", "explain balls:2 --size 16 --rounds 3 -s wide-bvh:query=batch"),
     of("planted-explain", "explain tetra:2 --size 16 --rounds 3 -s dropper"),
     Snapshot {
-        files: &["sizes.csv", "slopes.csv"],
+        files: &["sweep.csv", "slopes.csv"],
         ..of(
             "sweep-sizes",
             "sweep tetra --sizes 16,60,250 -s uniform-grid,obvhs-cwbvh --size 16 --rounds 2 \
-             --export-csv DIR/sizes.csv --export-slopes DIR/slopes.csv",
+             -o DIR",
         )
     },
     of(

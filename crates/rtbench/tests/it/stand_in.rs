@@ -158,8 +158,9 @@ fn tables_files_and_the_page_name_the_row_that_stands_in() {
 
 #[test]
 fn a_time_series_of_ratios_has_one_reference() {
-    let ended = run(REFUSING, &format!("{RUN} --export-github-smaller -"));
-    let all: Vec<Value> = serde_json::from_str(&ended.out).unwrap();
+    let folder = Folder::new();
+    run(REFUSING, &format!("{RUN} --export-github-smaller {}/smaller.json", folder.path()));
+    let all: Vec<Value> = serde_json::from_str(&folder.text("smaller.json")).unwrap();
     let units = |scene: &str| -> Vec<&str> {
         let own = all.iter().filter(|m| m["name"].as_str().unwrap().starts_with(scene));
         own.map(|m| m["unit"].as_str().unwrap()).collect()
@@ -228,7 +229,7 @@ fn runs_are_not_compared_where_their_references_differ() {
     let (built, refused) = (results(&PLANTED, 0), results(REFUSING, 1));
     let compare = |options: &str| {
         let paths = format!("{} {}", built.path(), refused.path());
-        let ended = run(&PLANTED, &format!("compare {paths} --all-metrics {options}"));
+        let ended = run(&PLANTED, &format!("compare {paths} -m all {options}"));
         assert_eq!(ended.code, 0, "{}", ended.err);
         ended.out
     };

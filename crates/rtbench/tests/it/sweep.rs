@@ -15,14 +15,6 @@ fn csv(folder: &Folder) -> Vec<Row> {
         .expect("CSV that parses back")
 }
 
-fn outputs(folder: &Folder) -> String {
-    let path = folder.path();
-    format!(
-        "--export-csv {path}/sweep.csv --export-svg {path}/sweep.svg \
-         --export-markdown {path}/sweep.md --export-json {path}/results.json"
-    )
-}
-
 /// All texts of the plot, which must be well-formed XML.
 fn svg_texts(folder: &Folder) -> Vec<String> {
     let svg = folder.text("sweep.svg");
@@ -34,8 +26,8 @@ fn svg_texts(folder: &Folder) -> Vec<String> {
 #[test]
 fn density_is_swept_with_the_rules_of_thumb_beside_it() {
     let folder = Folder::new();
-    let arguments = "sweep tetra:2 balls:1 -s uniform-grid -p density --from 0.5 --to 8 --steps 3";
-    let ended = run_stepping(&format!("{arguments} --quick {}", outputs(&folder)));
+    let arguments = "sweep tetra:2 balls:1 -s uniform-grid -p density --values 0.5..8 --steps 3";
+    let ended = run_stepping(&format!("{arguments} --quick -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let rows = csv(&folder);
     // Three values, of which 2 is the default; six rules of thumb; the reference.
@@ -72,9 +64,9 @@ fn density_is_swept_with_the_rules_of_thumb_beside_it() {
 #[test]
 fn words_are_swept_as_typed_and_the_default_is_added() {
     let folder = Folder::new();
-    let arguments = "sweep tetra:2 -s uniform-grid:resolution=woo -p mailbox --set density=4 \
+    let arguments = "sweep tetra:2 -s uniform-grid:resolution=woo:density=4 -p mailbox \
                      --values hash,array --rays primary";
-    let ended = run_stepping(&format!("{arguments} --quick {}", outputs(&folder)));
+    let ended = run_stepping(&format!("{arguments} --quick -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let rows = csv(&folder);
     let values: Vec<&str> = rows.iter().map(|r| r["value"].as_str()).collect();
@@ -87,11 +79,11 @@ fn words_are_swept_as_typed_and_the_default_is_added() {
 }
 
 #[test]
-fn whole_numbers_are_distinct_and_linear_when_asked_for() {
+fn whole_numbers_of_a_range_are_distinct() {
     let folder = Folder::new();
-    let arguments = "sweep tetra:2 -s uniform-grid -p mailbox-slots --set mailbox=hash --from 2 \
-                     --to 4 --steps 9 --linear --rays primary";
-    let ended = run_stepping(&format!("{arguments} --quick {}", outputs(&folder)));
+    let arguments = "sweep tetra:2 -s uniform-grid:mailbox=hash -p mailbox-slots --values 2..4 \
+                     --steps 9 --rays primary";
+    let ended = run_stepping(&format!("{arguments} --quick -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let rows = csv(&folder);
     let swept: Vec<&str> =
@@ -101,7 +93,7 @@ fn whole_numbers_are_distinct_and_linear_when_asked_for() {
 
 #[test]
 fn invalid_sweeps_are_usage_errors_that_name_valid_values() {
-    let range = "--from 1 --to 4";
+    let range = "--values 1..4";
     for (arguments, said) in [
         (format!("tetra:2 -s unifrom-grid -p density {range}"), "did you mean 'uniform-grid'?"),
         (format!("tetra:2 -s uniform-grid -p densty {range}"), "did you mean 'density'?"),
@@ -109,24 +101,23 @@ fn invalid_sweeps_are_usage_errors_that_name_valid_values() {
         (format!("tetrra -s uniform-grid -p density {range}"), "tetra"),
         (format!("tetra:2 -s uniform-grid -p mailbox {range}"), "one of none"),
         (format!("tetra:2 -s uniform-grid -p resolution {range}"), "--values"),
-        (format!("tetra:2 -s uniform-grid -p density {range} --set density=2"), "is swept"),
         (format!("tetra:2 -s uniform-grid:density=3 -p density {range}"), "is swept"),
-        (format!("tetra:2 -s uniform-grid -p density {range} --set mailbox"), "PARAM=VALUE"),
-        (format!("tetra:2 -s uniform-grid -p density {range} --set mailbox=x"), "one of none"),
-        (format!("tetra:2 -s uniform-grid -p density {range} --set mailbix=x"), "'mailbox'?"),
-        (format!("tetra:2 -s uniform-grid -p density {range} --values 1"), "cannot be used"),
+        (format!("tetra:2 -s uniform-grid:mailbox -p density {range}"), "PARAM=VALUE"),
+        (format!("tetra:2 -s uniform-grid:mailbox=x -p density {range}"), "one of none"),
+        (format!("tetra:2 -s uniform-grid:mailbix=x -p density {range}"), "'mailbox'?"),
+        ("tetra:2 -s uniform-grid -p density --values 1,2 --steps 3".into(), "a range of --values"),
         (format!("tetra:2 -s uniform-grid -p density {range} --steps 1"), "--steps"),
         (format!("tetra:2 -s uniform-grid -p density {range} --reference x"), "unknown structure"),
         (format!("tetra:2 -s uniform-grid -p density {range} --rays primery"), "'primary'?"),
         (format!("-s uniform-grid -p density {range}"), "SCENE"),
-        ("tetra:2 -s uniform-grid -p density --from 4 --to 4".into(), "must be below"),
-        ("tetra:2 -s uniform-grid -p density --from 0 --to 4".into(), "a number from"),
-        ("tetra:2 -s uniform-grid -p density --from nan --to 4".into(), "a number from"),
-        ("tetra:2 -s uniform-grid -p density --from 1".into(), "--to"),
-        ("tetra:2 -s uniform-grid -p density".into(), "--from"),
+        ("tetra:2 -s uniform-grid -p density --values 4..4".into(), "must be below"),
+        ("tetra:2 -s uniform-grid -p density --values 0..4".into(), "a number from"),
+        ("tetra:2 -s uniform-grid -p density --values nan..4".into(), "a number from"),
+        ("tetra:2 -s uniform-grid -p density --values 1..".into(), "a number from"),
+        ("tetra:2 -s uniform-grid -p density".into(), "--values"),
         ("tetra:2 -s uniform-grid -p density --values 1,many".into(), "a number from"),
         ("tetra:2 -s uniform-grid -p mailbox --values none,".into(), "one of none"),
-        ("tetra:2 -s uniform-grid -p max-cells --from 1.5 --to 9".into(), "a whole number from"),
+        ("tetra:2 -s uniform-grid -p max-cells --values 1.5..9".into(), "a whole number from"),
     ] {
         let ended = run(&format!("sweep {arguments}"));
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);
@@ -137,30 +128,29 @@ fn invalid_sweeps_are_usage_errors_that_name_valid_values() {
 
 #[test]
 fn equal_ratios_need_a_start_above_zero() {
-    let arguments = "sweep tetra:2 -s planted -p depth --to 4 --from";
-    for (from, code) in [("0", 2), ("-1", 2), ("1", 4), ("0 --linear", 4)] {
+    let arguments = "sweep tetra:2 -s planted -p depth --values";
+    for (values, code) in [("0..4", 2), ("-1..4", 2), ("1..4", 4), ("0,2,4", 4)] {
         let ended = run_with(
             WRONG_SWEPT,
             &InstalledScenes,
             &SystemClock::default(),
-            &format!("{arguments} {from} --quick --rounds 1"),
+            &format!("{arguments}={values} --quick --rounds 1"),
         );
-        assert_eq!(ended.code, code, "{from}: {}", ended.err);
-        assert_eq!(ended.err.contains("--linear"), from == "0", "{}", ended.err);
+        assert_eq!(ended.code, code, "{values}: {}", ended.err);
+        let is_told = ended.err.contains("list the values");
+        assert_eq!(is_told, values == "0..4", "{}", ended.err);
     }
 }
 
 #[test]
-fn an_unwritable_plot_is_found_before_measuring() {
+fn an_unwritable_folder_is_found_before_measuring() {
     let folder = Folder::new();
     let file = format!("{}/file", folder.path());
     std::fs::write(&file, "").unwrap();
-    for option in ["--export-svg", "--export-csv", "--export-markdown", "--export-json"] {
-        let arguments = "sweep balls:7 -s uniform-grid -p density --values 1,2";
-        let ended = run(&format!("{arguments} {option} {file}/below"));
-        assert_eq!(ended.code, 1, "{}", ended.err);
-        assert!(ended.err.contains("cannot write"), "{}", ended.err);
-    }
+    let arguments = "sweep balls:7 -s uniform-grid -p density --values 1,2";
+    let ended = run(&format!("{arguments} -o {file}/below"));
+    assert_eq!(ended.code, 1, "{}", ended.err);
+    assert!(ended.err.contains("cannot write"), "{}", ended.err);
 }
 
 /// Right at depth 1, wrong at any other.
@@ -213,7 +203,7 @@ fn a_wrong_value_is_shown_as_wrong_and_never_best() {
     let folder = Folder::new();
     let arguments = "sweep tetra:2 -s planted -p depth --values 1,2,3 --quick --rounds 1";
     let clock = SystemClock::default();
-    let command = format!("{arguments} {}", outputs(&folder));
+    let command = format!("{arguments} -o {}", folder.path());
     let ended = run_with(WRONG_SWEPT, &InstalledScenes, &clock, &command);
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     let rows = csv(&folder);

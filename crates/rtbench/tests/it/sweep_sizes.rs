@@ -21,18 +21,9 @@ use measurement::system::clock::{Clock, SteppingClock};
 use measurement::system::world::FixedWorld;
 
 /// Three sizes of 16, 64 and 256 triangles, on few rays.
-const SIZES: &str = "sweep tetra --sizes 16..256 --per-decade 2 --size 16 --rounds 2";
+const SIZES: &str = "sweep tetra --sizes 16,64,256 --size 16 --rounds 2";
 
 type Row = HashMap<String, String>;
-
-/// The options that write all files.
-fn exports(folder: &Folder) -> String {
-    let path = folder.path();
-    format!(
-        "--export-csv {path}/sizes.csv --export-slopes {path}/slopes.csv --export-svg \
-         {path}/sizes.svg --export-markdown {path}/sizes.md --export-json {path}/results.json"
-    )
-}
 
 fn csv(folder: &Folder, name: &str) -> Vec<Row> {
     csv::Reader::from_reader(folder.text(name).as_bytes())
@@ -57,10 +48,10 @@ fn slope(record: &RunRecord, row: &str, quantity: &str) -> Option<(f64, Option<[
 #[test]
 fn sizes_become_rows_slopes_and_plots() {
     let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
+    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
     let ended = run_stepping(&command);
     assert_eq!(ended.code, 0, "{}", ended.err);
-    let rows = csv(&folder, "sizes.csv");
+    let rows = csv(&folder, "sweep.csv");
     let of = |column: &str| rows.iter().map(|r| r[column].clone()).collect::<Vec<_>>();
     assert_eq!(of("scene"), ["tetra:2", "tetra:2", "tetra:3", "tetra:3", "tetra:4", "tetra:4"]);
     assert_eq!(of("asked_primitives")[2..5], ["64", "64", "256"]);
@@ -84,14 +75,14 @@ fn sizes_become_rows_slopes_and_plots() {
     let memory = slope(&record, "uniform-grid", "memory").unwrap().0;
     assert!((0.5..1.5).contains(&memory), "{memory}");
     assert_eq!(csv(&folder, "slopes.csv").len(), 2 * 4);
-    let svg = folder.text("sizes.svg");
+    let svg = folder.text("sweep.svg");
     let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
     let texts: Vec<&str> = tree.descendants().filter_map(|n| n.text()).collect();
     for text in ["tetra: build time (s)", "uniform-grid (0.00)", "primitives"] {
         assert!(texts.contains(&text), "{text}: {texts:?}");
     }
     for text in ["tetra: slopes over", "[95%]", "tetra:4: 256 primitives"] {
-        assert!(ended.out.contains(text) && folder.text("sizes.md").contains(text), "{text}");
+        assert!(ended.out.contains(text) && folder.text("sweep.md").contains(text), "{text}");
     }
 }
 
@@ -138,7 +129,7 @@ impl Clock for WorkClock {
 fn a_quadratic_build_has_the_slope_two() {
     let folder = Folder::new();
     let clock = WorkClock(SteppingClock::new(Duration::from_micros(1)));
-    let command = format!("{SIZES} --rays primary -s quadratic {}", exports(&folder));
+    let command = format!("{SIZES} --rays primary -s quadratic -o {}", folder.path());
     let ended = run_with(SLOW, &InstalledScenes, &clock, &command);
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
@@ -153,13 +144,13 @@ fn wrong_answers_are_shown_as_such_and_have_no_slope() {
     let folder = Folder::new();
     // of more triangles, so few rays do not meet the first
     let few = "sweep tetra --sizes 16,64 --size 16 --rounds 2";
-    let ended = run_stepping(&format!("{few} -s dropper,uniform-grid {}", exports(&folder)));
+    let ended = run_stepping(&format!("{few} -s dropper,uniform-grid -o {}", folder.path()));
     assert_eq!(ended.code, 4, "{}", ended.out);
     let record = folder.record();
     assert_eq!(verdicts(&record, "dropper"), [Verdict::Wrong; 2]);
     assert_eq!(slope(&record, "dropper", "build"), None);
     assert!(slope(&record, "uniform-grid", "build").is_some());
-    let rows = csv(&folder, "sizes.csv");
+    let rows = csv(&folder, "sweep.csv");
     let wrong = rows.iter().filter(|row| row["structure"] == "dropper");
     assert!(wrong.clone().all(|row| row["build_s"].is_empty() && row["verdict"] == "wrong"));
     assert!(ended.out.contains("wrong: "), "{}", ended.out);
@@ -182,7 +173,7 @@ fn rows_over_a_limit_are_named_and_not_retried() {
         _ => TrialOutcome::Ended { peak_bytes: None },
     };
     let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
+    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
     let ended = run_tried(trials, &command);
     assert_eq!(ended.code, 0, "a limit is no failure: {}", ended.err);
     let record = folder.record();
@@ -190,7 +181,7 @@ fn rows_over_a_limit_are_named_and_not_retried() {
     assert_eq!(verdicts(&record, "uniform-grid"), [ok, over, over]);
     assert_eq!(verdicts(&record, "obvhs-cwbvh"), [ok; 3]);
     let reasons: Vec<String> =
-        csv(&folder, "sizes.csv").into_iter().map(|mut r| r.remove("reason").unwrap()).collect();
+        csv(&folder, "sweep.csv").into_iter().map(|mut r| r.remove("reason").unwrap()).collect();
     assert_eq!(reasons[2], "building took more than 60 s");
     assert_eq!(
         reasons[4],
@@ -199,7 +190,7 @@ fn rows_over_a_limit_are_named_and_not_retried() {
     assert!(ended.out.contains(&reasons[2]) && ended.out.contains(&reasons[4]), "{}", ended.out);
     assert_eq!(slope(&record, "uniform-grid", "build"), None, "one size");
     assert_eq!(slope(&record, "obvhs-cwbvh", "peak"), None, "no peak is known");
-    let svg = folder.text("sizes.svg");
+    let svg = folder.text("sweep.svg");
     assert!(svg.contains("not ok at some size: uniform-grid"));
     assert!(!svg.contains("peak memory"), "a panel without points is left out");
 }
@@ -211,7 +202,7 @@ fn a_size_without_a_row_is_not_loaded() {
         _ => TrialOutcome::OverLimit("loading the scene took more than 1 MiB of memory".into()),
     };
     let folder = Folder::new();
-    let ended = run_tried(trials, &format!("{SIZES} -s obvhs-cwbvh {}", exports(&folder)));
+    let ended = run_tried(trials, &format!("{SIZES} -s obvhs-cwbvh -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let record = folder.record();
     assert_eq!((record.scenes[2].primitives, record.scenes[2].rays.len()), (256, 0));
@@ -227,7 +218,7 @@ fn a_trial_that_dies_loses_its_row_and_fails() {
         _ => TrialOutcome::Ended { peak_bytes: None },
     };
     let folder = Folder::new();
-    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh {}", exports(&folder));
+    let command = format!("{SIZES} -s uniform-grid,obvhs-cwbvh -o {}", folder.path());
     let ended = run_tried(trials, &command);
     assert_eq!(ended.code, 1, "{}", ended.err);
     assert_eq!(verdicts(&folder.record(), "uniform-grid"), [Verdict::Panicked; 3]);
@@ -236,14 +227,15 @@ fn a_trial_that_dies_loses_its_row_and_fails() {
 
 /// The program as a process, which starts others.
 fn process(arguments: &str) -> RunRecord {
+    let folder = Folder::new();
     let ended = Command::new(env!("CARGO_BIN_EXE_rtbench"))
         .args(arguments.split_whitespace())
-        .args(["--quick", "--rounds", "1", "--export-json", "-"])
+        .args(["--quick", "--rounds", "1", "-o", &folder.path()])
         .output()
         .expect("the program starts");
     let said = String::from_utf8_lossy(&ended.stderr);
     assert!(ended.status.success(), "{arguments}: {said}");
-    serde_json::from_slice(&ended.stdout).expect("a record")
+    folder.record()
 }
 
 #[test]

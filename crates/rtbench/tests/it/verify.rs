@@ -10,7 +10,7 @@ use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 use renderer::ray_offset::OffsetRule;
-use rtbench::context::{Context, Environment, Terminal, Verbosity};
+use rtbench::context::Context;
 use statistics::random::Random;
 use studies::verify::cases::secondary::draws;
 use studies::verify::judge::{Judge, RoundVerdict};
@@ -102,22 +102,8 @@ fn verify(registry: &[Entry], arguments: &str) -> Ended {
 
 fn replay(registry: &[Entry], line: &str) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
-    let mut context = Context {
-        registry,
-        occluders: accel_core::occluders::REGISTRY,
-        scenes: &InstalledScenes,
-        clock: &SystemClock::default(),
-        world: &rtbench::program::world(),
-        out: &mut out,
-        err: &mut err,
-        command_line: vec!["rtbench".into()],
-        terminal: Terminal::default(),
-        verbosity: Verbosity::Normal,
-        overwrite: false,
-        environment: Environment::default(),
-        annotations: Vec::new(),
-        plugins: Default::default(),
-    };
+    let (clock, world) = (SystemClock::default(), rtbench::program::world());
+    let mut context = Context::new(registry, &InstalledScenes, &clock, &world, &mut out, &mut err);
     let code = rtbench::run(&mut context, ["rtbench", "verify", "--replay", line]);
     let text = |bytes| String::from_utf8(bytes).unwrap();
     Ended { code, out: text(out), err: text(err) }
@@ -178,8 +164,7 @@ fn the_negative_control_misses_where_watertight_triangles_do_not() {
 #[test]
 fn a_dropped_reference_is_caught_and_its_line_replays() {
     let folder = Folder::new();
-    let file = format!("{}/results.csv", folder.path());
-    let arguments = format!("--cases geometry -s dropper --rays 300 --export-csv {file}");
+    let arguments = format!("--cases geometry -s dropper --rays 300 -o {}", folder.path());
     let ended = verify(&PLANTED, &arguments);
     assert_eq!(ended.code, 4, "{}", ended.out);
     let line = offered(&ended.out);
@@ -188,7 +173,7 @@ fn a_dropped_reference_is_caught_and_its_line_replays() {
     assert!(again.out.contains("dropper: said"), "{}", again.out);
     let right = replay(&PLANTED, &line.replace("dropper", "brute-force"));
     assert!(right.code == 0 && right.out.contains("brute-force: right"), "{}", right.out);
-    let rows = folder.csv();
+    let rows = folder.csv_of("verify.csv");
     assert!(rows.iter().any(|r| r["case"] == "G1" && r["mismatches"] != "0"));
 }
 

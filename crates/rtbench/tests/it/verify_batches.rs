@@ -62,16 +62,16 @@ static FAULTS: &[Entry] = &[
 #[test]
 fn finds_errors_only_coherent_batches_show() {
     let folder = Folder::new();
-    let check = "verify --cases G1,R8 -s one-for-eight --rays 1000 --export-csv";
+    let check = "verify --cases G1,R8 -s one-for-eight --rays 1000 -o";
     let ended = run_with(
         FAULTS,
         &InstalledScenes,
         &SystemClock::default(),
-        &format!("{check} {}/results.csv", folder.path()),
+        &format!("{check} {}", folder.path()),
     );
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
     assert!(ended.out.contains("in a coherent batch"), "{}", ended.out);
-    let rows = folder.csv();
+    let rows = folder.csv_of("verify.csv");
     assert_eq!(rows.len(), 4);
     for row in rows {
         assert_ne!(row["mismatches"], "0", "{row:?}");

@@ -215,9 +215,9 @@ fn verify(arguments: &str) -> Ended {
 /// The rows of the CSV file of a check with exit code `code`.
 fn rows(code: u8, arguments: &str) -> Vec<std::collections::HashMap<String, String>> {
     let folder = Folder::new();
-    let ended = verify(&format!("{arguments} --export-csv {}/results.csv", folder.path()));
+    let ended = verify(&format!("{arguments} -o {}", folder.path()));
     assert_eq!(ended.code, code, "{arguments}: {}{}", ended.out, ended.err);
-    folder.csv()
+    folder.csv_of("verify.csv")
 }
 
 #[test]
@@ -286,7 +286,7 @@ fn out_of_time_prints_and_keeps_what_is_done() {
     let check = |limit: &str| {
         let arguments = format!(
             "verify -j 1 --cases R1,R2,R3 -s brute-force --rays 2000 --time-limit {limit} \
-             --overwrite --export-csv {0}/results.csv --export-json {0}/verify.json",
+             --overwrite -o {}",
             folder.path()
         );
         run_with(FAULTS, &InstalledScenes, &clock, &arguments)
@@ -295,7 +295,7 @@ fn out_of_time_prints_and_keeps_what_is_done() {
     let ended = check("14ms");
     assert_eq!(ended.code, 5, "{}", ended.err);
     assert!(ended.out.contains("INCOMPLETE (out of time after "), "{}", ended.out);
-    let rows = folder.csv();
+    let rows = folder.csv_of("verify.csv");
     assert!(rows[0]["case"] == "R1" && rows[0]["rounds"] == "4", "{rows:?}");
     assert!(!rows.is_empty() && rows.len() < 6, "{rows:?}");
     let record: serde_json::Value = serde_json::from_str(&folder.text("verify.json")).unwrap();
@@ -303,7 +303,7 @@ fn out_of_time_prints_and_keeps_what_is_done() {
     assert!(record["rounds_asked"].as_u64() < record["rounds"].as_u64());
     let ended = check("1h");
     assert!(ended.code == 0 && !ended.out.contains("INCOMPLETE"), "{}", ended.out);
-    assert_eq!(folder.csv().len(), 6);
+    assert_eq!(folder.csv_of("verify.csv").len(), 6);
 }
 
 #[test]
@@ -323,10 +323,10 @@ fn further_settings_are_checked_on_request() {
 #[cfg(unix)]
 fn long_check(folder: &Folder, out: std::process::Stdio) -> std::process::Child {
     use std::process::{Command, Stdio};
-    let file = format!("{}/results.csv", folder.path());
+    let file = format!("{}/verify.csv", folder.path());
     let mut command = Command::new(env!("CARGO_BIN_EXE_rtbench"));
-    let arguments = "verify -j 1 --cases R1,R2 -s uniform-grid --rays 30000000 --export-csv";
-    command.args(arguments.split(' ')).arg(&file).stdout(out).stderr(Stdio::piped());
+    let arguments = "verify -j 1 --cases R1,R2 -s uniform-grid --rays 30000000 -o";
+    command.args(arguments.split(' ')).arg(folder.path()).stdout(out).stderr(Stdio::piped());
     let child = command.spawn().unwrap();
     // signals are watched before the file is there
     while !std::path::Path::new(&file).exists() {
@@ -366,7 +366,7 @@ fn an_interrupted_check_prints_and_keeps_what_is_done() {
         let out = String::from_utf8(output.stdout).unwrap();
         assert_eq!(output.status.code(), Some(130), "{times} times: {out}");
         assert!(out.contains("INCOMPLETE (interrupted by signal 2 after "), "{times} times: {out}");
-        let rows = folder.csv();
+        let rows = folder.csv_of("verify.csv");
         assert!(rows.iter().all(|row| row["case"] == "R1"), "{rows:?}");
     }
 }

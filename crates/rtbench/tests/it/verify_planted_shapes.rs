@@ -153,10 +153,10 @@ fn catches_each(faulty: &[(&str, &str, u32)]) {
     for (case, structure, rays) in faulty {
         let folder = Folder::new();
         let check = format!("verify --cases {case} -s {structure},brute-force --rays {rays}");
-        let check = format!("{check} --export-csv {}/results.csv", folder.path());
+        let check = format!("{check} -o {}", folder.path());
         let ended = run_with(FAULTS, &InstalledScenes, &SystemClock::default(), &check);
         assert_eq!(ended.code, 4, "{check}: {}{}", ended.out, ended.err);
-        for row in folder.csv() {
+        for row in folder.csv_of("verify.csv") {
             let of = (row["structure"].as_str(), row["mismatches"].as_str());
             assert_eq!(of.1 == "0", of.0 == "brute-force", "{case} {structure} {row:?}");
         }

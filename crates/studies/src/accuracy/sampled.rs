@@ -130,7 +130,7 @@ impl SampledEffect<'_> {
                 also: vec![("samples", f64::from(n))],
                 ..Variant::new(
                     format!("{n} samples"),
-                    format!("render {}={n}", self.option),
+                    format!("render --samples {}={n}", self.option),
                     error,
                     work,
                 )

@@ -44,9 +44,6 @@ pub enum AnimateError {
         /// Frames that the animation has.
         frames: u32,
     },
-    /// Options of runs that mean nothing here.
-    #[error("{0} is not available for animations")]
-    NotHere(&'static str),
     #[error(transparent)]
     Plan(#[from] PlanError),
 }
@@ -58,8 +55,6 @@ pub struct AnimateSettings {
     /// Structures, each with its settings if any; none means each at its defaults and with each of
     /// its updates.
     pub structures: Vec<String>,
-    /// Overrides of defaults: `uniform-grid.density=4`.
-    pub overrides: Vec<String>,
     pub measuring: MeasuringSettings,
 }
 
@@ -87,12 +82,6 @@ impl<'r> Animate<'r> {
             return Err(AnimateError::NoSuchFrames { scene: scene.into(), first, last, frames });
         }
         let mut measuring = args.measuring.clone();
-        if measuring.time_budget.is_some() {
-            return Err(AnimateError::NotHere("--time-budget"));
-        }
-        if measuring.reference.is_some() {
-            return Err(AnimateError::NotHere("--reference"));
-        }
         let pick = |of: [u32; 2]| if measuring.quick { of[0] } else { of[1] };
         let rounds = measuring.rounds.unwrap_or(pick(ROUNDS));
         measuring.size.get_or_insert(pick(SIZE));
@@ -105,7 +94,7 @@ impl<'r> Animate<'r> {
         } else {
             args.structures.clone()
         };
-        let rows = select(registry, &structures, &args.overrides)?;
+        let rows = select(registry, &structures, &[])?;
         let mut plan = Plan::over(Vec::new(), rows, 0, &measuring, registry)?;
         plan.limits.oracle_tests = plan.limits.oracle_tests.min(ORACLE_TESTS);
         let mut threads = vec![1, plan.threads];

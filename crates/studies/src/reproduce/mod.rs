@@ -18,7 +18,7 @@ pub mod published;
 mod setting;
 pub mod verdict;
 
-pub use setting::{PublishedScene, ReproduceError, UnknownName};
+pub use setting::{PublishedScene, ReproduceError};
 
 /// The structures of both tables as the paper names them, one line each.
 static STRUCTURES: &[(&str, Count)] = &[

@@ -12,39 +12,10 @@ use renderer::{Geometry, GeometryError, RayBatches, RayKind, RaySettings, genera
 use scene_loading::Scene;
 use scene_loading::procedural::{SpecError, generate_as_printed};
 
-use measurement::settings::choice::hint;
-/// A name that is not among those that are valid.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct UnknownName {
-    name: String,
-    hint: String,
-    valid: String,
-}
-
-impl UnknownName {
-    /// A name as typed, where these are valid.
-    pub fn new(name: &str, valid: &[&str]) -> Self {
-        let hint = hint(name, valid.iter().copied());
-        Self { name: name.to_owned(), hint, valid: valid.join(", ") }
-    }
-}
-
 /// Why a reproduction could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproduceError {
-    /// No such scene in the paper.
-    #[error("scene '{}' is not both in the paper and here{}; valid: {}", .0.name, .0.hint, .0.valid)]
-    UnknownScene(UnknownName),
-    /// No such scene in the lecture.
-    #[error("scene '{}' is not in the lecture{}; valid: {}", .0.name, .0.hint, .0.valid)]
-    NotInLecture(UnknownName),
-    /// The lecture's ratios have one reference.
-    #[error("--reference: the ratios of the lecture refer to {0}")]
-    FixedReference(&'static str),
-    /// No such structure among those reproduced.
-    #[error("no published figures for structure '{}'{}; valid: {}", .0.name, .0.hint, .0.valid)]
-    UnknownStructure(UnknownName),
     /// A published setting that has no counterpart here.
     #[error("no counterpart for the published setting '{0}'")]
     UnknownSetting(String),

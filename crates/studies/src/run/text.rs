@@ -72,7 +72,7 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
     notes.extend(batch.then(|| query::NOTE.to_owned()));
     notes.extend(tables::glossary_of(&heads).map(|text| few::text(run, text)));
     if !left_out.is_empty() {
-        notes.push(format!("Columns left out: {}; --wide shows all.", left_out.join(", ")));
+        notes.push(format!("Columns left out: {}; --columns chooses.", left_out.join(", ")));
     }
     let notes: Vec<&str> = notes.iter().map(String::as_str).collect();
     view.screen.write_notes(out, &notes)?;

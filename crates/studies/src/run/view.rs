@@ -3,7 +3,6 @@
 use measurement::plan::error::PlanError;
 use measurement::record::{AnsweredRays, RowRecord, SummaryRow};
 use measurement::settings::choice::Choice;
-use measurement::settings::choice::hint;
 use presentation::fitted::{fitted, with_columns};
 use presentation::table::Table;
 use presentation::text::Screen;
@@ -90,12 +89,8 @@ const ALWAYS: [&str; 2] = ["query", "scenes"];
 impl TableColumn {
     pub fn named(name: &str) -> Result<Self, PlanError> {
         let names = || COLUMNS.iter().map(|c| c.name);
-        COLUMNS.iter().find(|c| c.name == name).copied().ok_or_else(|| PlanError::UnknownName {
-            what: "column",
-            name: name.into(),
-            hint: hint(name, names()),
-            valid: names().collect::<Vec<_>>().join(", "),
-        })
+        let found = COLUMNS.iter().find(|c| c.name == name).copied();
+        found.ok_or_else(|| PlanError::unknown("column", name, names()))
     }
 }
 
@@ -111,6 +106,11 @@ pub fn by_weight(table: &Table) -> Table {
 }
 
 impl View {
+    /// The columns that fit a screen, the fastest rows first.
+    pub fn on(screen: Screen) -> Self {
+        Self { columns: Columns::Fitting, screen, ..Self::fastest_first() }
+    }
+
     /// All columns, the fastest rows first.
     pub fn fastest_first() -> Self {
         Self { sort: Sort::Trace, columns: Columns::All, screen: Screen::UNLIMITED }

@@ -26,14 +26,16 @@ use measurement::settings::MeasuringSettings;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SweepError {
-    /// `--from` and `--to` for words.
+    /// A range of words.
     #[error("{structure}.{parameter} has no range; give some of {valid} with --values")]
     NoRange { structure: &'static str, parameter: &'static str, valid: String },
     /// Nothing lies between the ends.
-    #[error("--from {from} must be below --to {to}")]
+    #[error("--values {from}..{to}: the first must be below the last")]
     EmptyRange { from: f64, to: f64 },
     /// Equal ratios from zero or less.
-    #[error("equal ratios cannot start at --from {from}: it must be above 0, or use --linear")]
+    #[error(
+        "--values: equal ratios cannot start at {from}: it must be above 0; or list the values"
+    )]
     NotPositive { from: f64 },
     /// The swept parameter is given a value.
     #[error("{parameter} is swept and cannot be set to a value at the same time")]
@@ -52,14 +54,10 @@ pub struct SweepSettings {
     pub structure: String,
     pub parameter: String,
     pub values: Vec<String>,
-    /// In their place its first value, a number.
-    pub from: Option<f64>,
-    pub to: Option<f64>,
+    /// In their place the first value and the last, equal ratios between them.
+    pub range: Option<[f64; 2]>,
+    /// Values of a range.
     pub steps: u16,
-    /// Equal steps between values, not equal ratios.
-    pub linear: bool,
-    /// Settings of other parameters: `resolution=woo`.
-    pub settings: Vec<String>,
     pub measuring: MeasuringSettings,
 }
 
@@ -108,7 +106,7 @@ impl<'r> Sweep<'r> {
     ) -> Result<Self, SweepError> {
         let swept = SweptParameter::new(args, registry)?;
         let values = swept.values(args)?;
-        let abscissa = swept.abscissa(&values, args.linear);
+        let abscissa = swept.abscissa(&values);
         let mut lines = Lines::default();
         for value in values {
             let line = lines.of(swept.row(&value)?);
@@ -153,14 +151,8 @@ struct SweptParameter<'r, 't> {
 
 impl<'r, 't> SweptParameter<'r, 't> {
     fn new(args: &'t SweepSettings, registry: &'r [Entry]) -> Result<Self, SweepError> {
-        let (entry, mut settings) = rows::parse_settings(registry, &args.structure)?;
+        let (entry, settings) = rows::parse_settings(registry, &args.structure)?;
         let parameter = rows::find_param(entry, &args.parameter)?;
-        for text in &args.settings {
-            settings.push(text.split_once('=').ok_or_else(|| PlanError::Malformed {
-                text: text.clone(),
-                expected: "PARAM=VALUE, like resolution=woo",
-            })?);
-        }
         Row::of(entry, &settings)?;
         if settings.iter().any(|(name, _)| *name == parameter.name) {
             return Err(SweepError::SetsSwept { parameter: parameter.name });
@@ -176,7 +168,7 @@ impl<'r, 't> SweptParameter<'r, 't> {
 
     /// The values that the command line names or spans, in ascending order where they are numbers.
     fn values(&self, args: &SweepSettings) -> Result<Vec<String>, SweepError> {
-        let (Some(from), Some(to)) = (args.from, args.to) else {
+        let Some([from, to]) = args.range else {
             for value in &args.values {
                 self.row(value)?;
             }
@@ -199,20 +191,20 @@ impl<'r, 't> SweptParameter<'r, 't> {
         if from >= to {
             return Err(SweepError::EmptyRange { from, to });
         }
-        if from <= 0.0 && !args.linear {
+        if from <= 0.0 {
             return Err(SweepError::NotPositive { from });
         }
-        let range = Range { from, to, steps: usize::from(args.steps), is_linear: args.linear };
+        let range = Range { from, to, steps: usize::from(args.steps) };
         Ok(if is_whole { range.whole_numbers() } else { range.real_numbers() })
     }
 
-    fn abscissa(&self, values: &[String], is_linear: bool) -> Abscissa {
+    fn abscissa(&self, values: &[String]) -> Abscissa {
         if rules::apply_to(self.entry, self.parameter) {
             return Abscissa::CellsPerPrimitive;
         }
         match self.parameter.kind {
             ParamKind::Integer { .. } | ParamKind::Real { .. } => {
-                Abscissa::Number { is_log: !is_linear && values::spread_by_ratios(values) }
+                Abscissa::Number { is_log: values::spread_by_ratios(values) }
             }
             ParamKind::Choice(_) | ParamKind::Resolution => Abscissa::Words,
         }

@@ -9,14 +9,12 @@ const MOST_DIGITS: usize = 17;
 /// From this ratio of the largest to the smallest value on, a logarithmic axis shows them better.
 const WIDE: f64 = 8.0;
 
-/// Numbers from one to another, both included.
+/// Numbers from one to another, both included, at equal ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
     pub from: f64,
     pub to: f64,
     pub steps: usize,
-    /// Equal steps; else equal ratios.
-    pub is_linear: bool,
 }
 
 impl Range {
@@ -48,11 +46,7 @@ impl Range {
         let last = self.steps.saturating_sub(1).max(1);
         let between = |i: usize| {
             let t = i as f64 / last as f64;
-            if self.is_linear {
-                self.from + t * (self.to - self.from)
-            } else {
-                (self.from.ln() + t * (self.to.ln() - self.from.ln())).exp()
-            }
+            (self.from.ln() + t * (self.to.ln() - self.from.ln())).exp()
         };
         let inner = (1..last).map(between);
         std::iter::once(self.from).chain(inner).chain([self.to]).collect()
@@ -97,36 +91,30 @@ pub fn spread_by_ratios(values: &[String]) -> bool {
 mod tests {
     use super::*;
 
-    fn range(from: f64, to: f64, steps: usize, is_linear: bool) -> Range {
-        Range { from, to, steps, is_linear }
+    fn range(from: f64, to: f64, steps: usize) -> Range {
+        Range { from, to, steps }
     }
 
     #[test]
     fn equal_ratios_are_the_default_and_are_rounded() {
-        assert_eq!(range(0.1, 100.0, 4, false).real_numbers(), ["0.1", "1", "10", "100"]);
-        assert_eq!(range(1.0, 10.0, 3, false).real_numbers(), ["1", "3.16", "10"]);
-        assert_eq!(range(0.1, 100.0, 13, false).real_numbers().len(), 13);
-    }
-
-    #[test]
-    fn equal_steps() {
-        assert_eq!(range(-1.0, 1.0, 5, true).real_numbers(), ["-1", "-0.5", "0", "0.5", "1"]);
-        assert_eq!(range(0.0, 10.0, 3, true).whole_numbers(), ["0", "5", "10"]);
+        assert_eq!(range(0.1, 100.0, 4).real_numbers(), ["0.1", "1", "10", "100"]);
+        assert_eq!(range(1.0, 10.0, 3).real_numbers(), ["1", "3.16", "10"]);
+        assert_eq!(range(0.1, 100.0, 13).real_numbers().len(), 13);
     }
 
     #[test]
     fn ends_are_exact_and_near_values_stay_apart() {
-        let values = range(1.000_01, 1.000_05, 5, false).real_numbers();
+        let values = range(1.000_01, 1.000_05, 5).real_numbers();
         assert_eq!((values[0].as_str(), values[4].as_str()), ("1.00001", "1.00005"));
         assert!(ascends(&numbers(&values)) && values.len() == 5, "{values:?}");
-        let values = range(0.123_456, 0.2, 2, false).real_numbers();
+        let values = range(0.123_456, 0.2, 2).real_numbers();
         assert_eq!(values, ["0.123456", "0.2"]);
     }
 
     #[test]
     fn whole_numbers_are_distinct() {
-        assert_eq!(range(1.0, 8.0, 4, false).whole_numbers(), ["1", "2", "4", "8"]);
-        assert_eq!(range(1.0, 4.0, 20, false).whole_numbers(), ["1", "2", "3", "4"]);
+        assert_eq!(range(1.0, 8.0, 4).whole_numbers(), ["1", "2", "4", "8"]);
+        assert_eq!(range(1.0, 4.0, 20).whole_numbers(), ["1", "2", "3", "4"]);
     }
 
     #[test]

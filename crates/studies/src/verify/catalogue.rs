@@ -9,7 +9,6 @@ use super::cases::{
 };
 use super::round::Round;
 use measurement::plan::error::PlanError;
-use measurement::settings::choice;
 use statistics::random::Random;
 
 /// Draws a round of at most so many rays.
@@ -275,10 +274,5 @@ pub fn find(id: &str) -> Result<CatalogueEntry, PlanError> {
 }
 
 fn unknown(name: &str) -> PlanError {
-    let valid: Vec<&str> = GROUPS.iter().map(|g| g.name).chain(all().map(|(_, c)| c.id)).collect();
-    PlanError::UnknownCase {
-        hint: choice::hint(name, valid.iter().copied()),
-        name: name.to_owned(),
-        valid: valid.join(", "),
-    }
+    PlanError::unknown("case", name, GROUPS.iter().map(|g| g.name).chain(all().map(|(_, c)| c.id)))
 }

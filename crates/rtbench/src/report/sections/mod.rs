@@ -5,7 +5,6 @@ pub mod counters;
 pub mod machine;
 pub mod run;
 pub mod studies;
-pub mod warnings;
 
 /// The places of rows among all, from 1: their numbers, however they are sorted.
 fn places<R>(all: &[R], shown: &[&R]) -> Vec<usize> {

@@ -56,7 +56,6 @@ pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
     SectionOutcome::Yes
 }
 
-/// Captions of the pictures.
 static CAPTIONS: &[(&str, &str)] = &[
     ("tests", "intersection tests of each pixel"),
     ("steps", "traversal steps of each pixel"),

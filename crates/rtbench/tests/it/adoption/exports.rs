@@ -1,9 +1,9 @@
-//! The exporters, standard output among their targets, and the schemas of what they write.
+//! The exporters, and the schemas of what they write.
 
 use jsonschema::Validator;
 use serde_json::Value;
 
-use crate::common::{Ended, Folder, run_stepping};
+use crate::common::{Folder, run_stepping};
 
 const RUN: &str = "run tetra:2 --size 12 --rounds 2 -s uniform-grid,light-buffer,obvhs-cwbvh";
 
@@ -18,8 +18,16 @@ fn errors(validator: &Validator, value: &Value) -> Vec<String> {
     validator.iter_errors(value).map(|e| format!("{}: {e}", e.instance_path())).collect()
 }
 
-fn json(ended: &Ended) -> Value {
-    serde_json::from_str(&ended.out).unwrap_or_else(|e| panic!("{e}: {}", ended.out))
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}: {text}"))
+}
+
+/// What such a run writes to the file of its last option.
+fn exported(run: &str, code: u8) -> Value {
+    let folder = Folder::new();
+    let ended = run_stepping(&format!("{run} {}/file", folder.path()));
+    assert_eq!(ended.code, code, "{}", ended.err);
+    json(&folder.text("file"))
 }
 
 #[test]
@@ -28,9 +36,9 @@ fn a_process_records_what_to_type_and_no_folder_of_its_machine() {
     let program = env!("CARGO_BIN_EXE_rtbench");
     let output = format!("{}/out", folder.path());
     let typed = ["run", "tetra:1", "--quick", "--rounds", "1", "--size", "4", "-s", "obvhs-cwbvh"];
-    let csv = format!("--export-csv={output}.csv");
+    let series = format!("--export-bencher={output}.json");
     let ended =
-        std::process::Command::new(program).args(typed).args([&csv, "-o", &output]).output();
+        std::process::Command::new(program).args(typed).args([&series, "-o", &output]).output();
     let ended = ended.unwrap();
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
     let record: Value = serde_json::from_str(&folder.text("out/results.json")).unwrap();
@@ -38,7 +46,7 @@ fn a_process_records_what_to_type_and_no_folder_of_its_machine() {
         record["command_line"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
     assert_eq!(
         line,
-        [&["rtbench"][..], &typed[..], &["--export-csv=out.csv", "-o", "out"]].concat()
+        [&["rtbench"][..], &typed[..], &["--export-bencher=out.json", "-o", "out"]].concat()
     );
     for file in ["out/results.json", "out/results.md", "out/results.csv"] {
         let text = folder.text(file);
@@ -65,7 +73,9 @@ fn records_are_of_their_schema() {
 #[test]
 fn invalid_records_are_caught() {
     let validator = validator("run-record");
-    let whole = json(&run_stepping(&format!("{RUN} --export-json -")));
+    let folder = Folder::new();
+    assert_eq!(run_stepping(&format!("{RUN} -o {}", folder.path())).code, 0);
+    let whole = json(&folder.text("results.json"));
     assert_eq!(errors(&validator, &whole), Vec::<String>::new());
     let planted = |place: &str, value: Option<Value>| {
         let mut record = whole.clone();
@@ -96,7 +106,7 @@ fn invalid_records_are_caught() {
 #[test]
 fn foreign_formats_follow_their_schemas() {
     let action = validator("github-action-benchmark");
-    let smaller = json(&run_stepping(&format!("{RUN} --export-github-smaller -")));
+    let smaller = exported(&format!("{RUN} --export-github-smaller"), 0);
     assert_eq!(errors(&action, &smaller), Vec::<String>::new());
     let named = |entries: &Value, name: &str| {
         let found = entries.as_array().unwrap().iter().find(|e| e["name"] == name);
@@ -110,13 +120,13 @@ fn foreign_formats_follow_their_schemas() {
     assert!(counter.get("range").is_none());
     assert_eq!(named(&smaller, "tetra:2: obvhs-cwbvh / ratio")["value"], 1.0);
 
-    let bigger = json(&run_stepping(&format!("{RUN} --export-github-bigger -")));
+    let bigger = exported(&format!("{RUN} --export-github-bigger"), 0);
     assert_eq!(errors(&action, &bigger), Vec::<String>::new());
     let primary = named(&bigger, "tetra:2: uniform-grid / mrays-primary");
     assert_eq!(primary["unit"], "Mrays/s");
     assert!((primary["value"].as_f64().unwrap() - 12.0 * 12.0 / 1e-3 / 1e6).abs() < 1e-9);
 
-    let bencher = json(&run_stepping(&format!("{RUN} --export-bencher -")));
+    let bencher = exported(&format!("{RUN} --export-bencher"), 0);
     assert_eq!(errors(&validator("bencher-metric-format"), &bencher), Vec::<String>::new());
     let build = &bencher["tetra:2: uniform-grid"]["build"];
     assert_eq!(build["value"], 0.001);
@@ -132,48 +142,27 @@ fn foreign_formats_follow_their_schemas() {
 #[test]
 fn series_are_selected_and_each_is_of_its_direction() {
     let names = |options: &str| -> Vec<String> {
-        let entries = json(&run_stepping(&format!("{RUN} {options}")));
+        let entries = exported(&format!("{RUN} {options}"), 0);
         let name = |entry: &Value| entry["name"].as_str().unwrap().to_owned();
         entries.as_array().unwrap().iter().map(name).collect()
     };
-    let all = names("--export-github-smaller -");
+    let all = names("--export-github-smaller");
     assert!(all.iter().any(|name| name.ends_with("/ n_ets")), "{all:?}");
     for neither in ["saved", "n_ev", "n_eets"] {
         assert!(!all.iter().any(|name| name.ends_with(&format!("/ {neither}"))), "{neither}");
     }
-    let select = "--export-select uniform-grid./.(build|trace)$ --export-github-smaller -";
+    let select = "--export-select uniform-grid./.(build|trace)$ --export-github-smaller";
     let selected = names(select);
     assert_eq!(selected, ["tetra:2: uniform-grid / build", "tetra:2: uniform-grid / trace"]);
-    let bigger = names("--export-select light-buffer --export-github-bigger -");
+    let bigger = names("--export-select light-buffer --export-github-bigger");
     assert_eq!(bigger, ["tetra:2: light-buffer / mrays-shadow"]);
-    let bad = run_stepping(&format!("{RUN} --export-select ( --export-github-smaller -"));
+    let bad = run_stepping(&format!("{RUN} --export-select ( --export-github-smaller no-file"));
     assert!(bad.code == 2 && bad.err.contains("--export-select"), "{}", bad.err);
 }
 
 #[test]
 fn rows_that_are_wrong_are_left_out_of_time_series() {
-    let run = "run tetra:2 --size 12 --quick -s dropper,obvhs-cwbvh --export-bencher -";
-    let ended = run_stepping(run);
-    assert_eq!(ended.code, 4, "{}", ended.err);
-    let names: Vec<_> = json(&ended).as_object().unwrap().keys().cloned().collect();
+    let run = "run tetra:2 --size 12 --quick -s dropper,obvhs-cwbvh --export-bencher";
+    let names: Vec<_> = exported(run, 4).as_object().unwrap().keys().cloned().collect();
     assert_eq!(names, ["tetra:2: obvhs-cwbvh"]);
-}
-
-#[test]
-fn only_one_output_can_use_standard_output() {
-    let csv = run_stepping(&format!("{RUN} --export-csv -"));
-    assert_eq!(csv.code, 0, "{}", csv.err);
-    assert!(
-        csv.out.starts_with("scene,primitives,") && csv.out.lines().count() == 4,
-        "{}",
-        csv.out
-    );
-    let both = run_stepping(&format!("{RUN} --export-csv - --export-json -"));
-    assert_eq!((both.code, both.out.as_str()), (2, ""));
-    assert!(both.err.contains("only one output can go to standard output"), "{}", both.err);
-    let sweep = "sweep tetra:2 -s uniform-grid -p density --values 1,2 --size 12 --quick";
-    let svg = run_stepping(&format!("{sweep} --export-svg -"));
-    assert_eq!(svg.code, 0, "{}", svg.err);
-    assert!(svg.out.starts_with("<svg") && svg.out.trim_end().ends_with("</svg>"), "{}", svg.out);
-    assert!(!std::path::Path::new("-").exists());
 }

@@ -53,8 +53,9 @@ fn scenes_and_options_are_those_of_the_set_file() {
     let line = record.command_line.join(" ");
     assert!(line.ends_with("--rounds=2 --size=8 --structures=obvhs-cwbvh"), "{line}");
     // what is typed goes before
-    let typed = place.rtbench("run mine --rounds 3 --export-json -");
-    let record: measurement::record::RunRecord = serde_json::from_slice(&typed.stdout).unwrap();
+    place.rtbench("run mine --rounds 3 -o typed");
+    let json = fs::read_to_string(place.path("typed/results.json")).unwrap();
+    let record: measurement::record::RunRecord = serde_json::from_str(&json).unwrap();
     assert_eq!(record.scenes[0].rows[0].samples.len(), 3);
 
     let sets = text(&place.rtbench("list sets").stdout);
@@ -147,10 +148,9 @@ fn rows_and_kinds_of_rays_have_the_thresholds_of_the_set_file() {
     // two programs in turns
     place.write_set("mine", &format!("{MINE}, \"check\": [{wide}]"));
     let line = format!("check mine --against {} --rounds 2", env!("CARGO_BIN_EXE_rtbench"));
-    let ended =
-        place.rtbench(&format!("{line} --size 8 --shortest 1us {ROWS} --export-json out.json"));
+    let ended = place.rtbench(&format!("{line} --size 8 --shortest 1us {ROWS} -o out"));
     let both = text(&ended.stdout) + &text(&ended.stderr);
-    let json = fs::read_to_string(place.path("out.json")).expect(&both);
+    let json = fs::read_to_string(place.path("out/check.json")).expect(&both);
     let report: serde_json::Value = serde_json::from_str(&json).unwrap();
     let findings = report["findings"].as_array().unwrap();
     let is_shadow = |f: &&serde_json::Value| f["quantity"] == "shadow";

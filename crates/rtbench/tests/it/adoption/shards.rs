@@ -144,9 +144,10 @@ fn shards_of_different_runs_are_not_merged() {
     record["machine"]["cpu"] = "another".into();
     write(b, &record);
     refused(&all, &["machine.cpu"]);
-    let mixed = run_stepping(&format!("merge {all} --mixed-machines --export-json -"));
-    assert_eq!(mixed.code, 0, "{}", mixed.err);
-    let mixed: Value = serde_json::from_str(&mixed.out).unwrap();
+    let joined = Folder::new();
+    let ended = run_stepping(&format!("merge {all} --mixed-machines -o {}", joined.path()));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+    let mixed: Value = serde_json::from_str(&joined.text("results.json")).unwrap();
     assert!(mixed["machine"]["cpu"].as_str().unwrap().ends_with("; another"), "{mixed}");
     assert_eq!(mixed["parts"][1]["machine"]["cpu"], "another");
     // nothing was harmed by all that

@@ -34,15 +34,6 @@ fn text_fits_80_and_120_columns() {
 }
 
 #[test]
-fn wide_tables_alone_exceed_the_width() {
-    let command = "run tetra:2 --size 16 --rounds 2 -s uniform-grid,obvhs-cwbvh --wide";
-    let text = run_within(80, command).out;
-    // the head of the table and a line for each row
-    assert_eq!(too_wide(&text, 80).len(), 3, "{text}");
-    assert!(text.contains("N_EETS"), "{text}");
-}
-
-#[test]
 fn tables_of_all_commands_that_judge_fit() {
     let folder = Folder::new();
     let path = folder.path();
@@ -61,7 +52,7 @@ fn tables_of_all_commands_that_judge_fit() {
             ["ns/ray", "ratio [95%]", "verdict", "trace [95%]"],
         ),
         (
-            format!("compare {path}/a {path}/b --all-metrics"),
+            format!("compare {path}/a {path}/b -m all"),
             ["metric", "ratio [95%]", "outcome", "All scenes"],
         ),
         (

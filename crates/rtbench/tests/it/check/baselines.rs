@@ -30,7 +30,7 @@ fn invalid_baseline_requests_fail_before_measuring() {
     let path = folder.path();
     saved(&path, "main");
     for (arguments, code, said) in [
-        ("baseline save main tetra:2", 2, "--force"),
+        ("baseline save main tetra:2", 2, "--overwrite"),
         ("baseline save ../main tetra:2", 2, "letters"),
         ("baseline show mian", 2, "did you mean 'main'?"),
         ("baseline remove other", 2, "there are: main"),
@@ -71,7 +71,7 @@ fn an_earlier_run_can_be_kept_and_half_a_run_cannot() {
     assert_eq!(run(&check).code, 0, "{}", run(&check).err);
     let half = runs.text("results.json").replace("\"complete\": true", "\"complete\": false");
     std::fs::write(format!("{}/results.json", runs.path()), half).unwrap();
-    let refused = run(&format!("{save} --force"));
+    let refused = run(&format!("{save} --overwrite"));
     assert!(refused.code == 1 && refused.err.contains("--resume"), "{}", refused.err);
     std::fs::write(format!("{}/main.json", folder.path()), "{\"schema_version\": 1").unwrap();
     let damaged = run("baseline list");

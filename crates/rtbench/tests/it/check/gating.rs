@@ -40,16 +40,15 @@ fn an_unchanged_program_passes_and_what_changed_ends_with_3() {
         rows.for_each(|work| work.traversal_steps -= 1);
     });
     let out = Folder::new();
-    let files = ["csv", "json", "markdown"].map(|f| format!("--export-{f} {}/x.{f}", out.path()));
-    let failed = check(&folder, &files.join(" "));
+    let failed = check(&folder, &format!("-o {}", out.path()));
     assert_eq!(failed.code, 3, "{}{}", failed.out, failed.err);
     assert!(failed.out.contains("n_ts"), "{}", failed.out);
-    let csv = out.text("x.csv");
+    let csv = out.text("check.csv");
     assert!(csv.contains("counters,tetra:2,uniform-grid,n_ts,"), "{csv}");
-    let json: serde_json::Value = serde_json::from_str(&out.text("x.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&out.text("check.json")).unwrap();
     assert_eq!(json["outcome"], "regression");
     assert_eq!(json["findings"].as_array().unwrap().len() + 1, csv.lines().count());
-    assert!(out.text("x.markdown").starts_with("# rtbench check: regression"));
+    assert!(out.text("check.md").starts_with("# rtbench check: regression"));
     // only what is asked for
     assert_eq!(check(&folder, "-s obvhs-cwbvh").code, 3);
 }
@@ -219,14 +218,14 @@ fn two_binaries_are_measured_in_turns() {
     let program = env!("CARGO_BIN_EXE_rtbench");
     let arguments = format!(
         "check tetra:2 --against {program} --rounds 2 --quick --size 16 --all -t 900% \
-         -s uniform-grid,obvhs-cwbvh --export-json {}/x.json",
+         -s uniform-grid,obvhs-cwbvh -o {}",
         folder.path()
     );
     let clock = SystemClock::default();
     let ended = run_timed(&PLANTED, with_program(&folder.path()), &clock, &arguments);
     assert_eq!(ended.code, 0, "{}{}", ended.out, ended.err);
     assert!(ended.out.contains("check against binary "), "{}", ended.out);
-    let json: serde_json::Value = serde_json::from_str(&folder.text("x.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&folder.text("check.json")).unwrap();
     let pairs = json["pairs"].as_array().unwrap();
     // build and trace of two rows
     assert_eq!(pairs.len(), 4);

@@ -2,12 +2,11 @@
 
 use measurement::callgrind::CountedRow;
 use measurement::record::{FloorRecord, RunRecord, Verdict};
+use rtbench::comparison::differences;
 use rtbench::gate::contest::{Key, PairedTimes};
 use rtbench::gate::report::Report;
 use rtbench::gate::thresholds::Thresholds;
-use rtbench::gate::{
-    Evidence, Finding, GateOutcome, Instructions, Times, comparable, judge, wall_clock,
-};
+use rtbench::gate::{Evidence, Finding, GateOutcome, Instructions, Times, judge, wall_clock};
 
 use super::planted::{REFERENCE, ROW, record, row, timed};
 
@@ -211,14 +210,14 @@ fn times_of_another_processor_are_judged_on_request() {
     now.machine.memory_bytes = now.machine.memory_bytes.map(|bytes| bytes + 4096);
     now.machine.os += "-2";
     assert_eq!(of(&now, false), GateOutcome::Regression);
-    assert_eq!(comparable::remarks(&base, &now), Vec::<String>::new());
+    assert_eq!(differences::remarks(&base, &now), Vec::<String>::new());
     now.machine.batches_by_avx512 = Some(!base.machine.batches_by_avx512.unwrap_or_default());
     now.machine.threads += 1;
     assert_eq!(
         [of(&now, false), of(&now, true)],
         [GateOutcome::NotJudged, GateOutcome::Regression]
     );
-    let remark = &comparable::remarks(&base, &now)[0];
+    let remark = &differences::remarks(&base, &now)[0];
     let known = base.machine.batches_by_avx512.is_some();
     assert!(remark.contains("threads of the machine") && remark.contains("AVX-512") == known);
     // counters are judged on any machine
@@ -339,24 +338,24 @@ fn each_difference_that_forbids_comparing_is_named() {
         ("scene tetra:2: sha256", |r| r.scenes[0].sha256 = "0".repeat(64)),
         ("scene tetra:2: rays", |r| *r.scenes[0].rays.get_mut("primary").unwrap() += 1),
     ];
-    assert_eq!(comparable::refusals(&record(), &record()), Vec::<String>::new());
+    assert_eq!(differences::refusals(&record(), &record()), Vec::<String>::new());
     let mut all = record();
     for (said, fault) in &faults {
         let mut now = record();
         fault(&mut now);
         fault(&mut all);
-        let reasons = comparable::refusals(&record(), &now);
+        let reasons = differences::refusals(&record(), &now);
         assert!(reasons.len() == 1 && reasons[0].contains(said), "{said}: {reasons:?}");
     }
-    assert_eq!(comparable::refusals(&record(), &all).len(), faults.len());
+    assert_eq!(differences::refusals(&record(), &all).len(), faults.len());
     let mut elsewhere = record();
     elsewhere.machine.cpu = Some("another".into());
-    assert_eq!(comparable::refusals(&record(), &elsewhere), Vec::<String>::new());
-    let remark = &comparable::remarks(&record(), &elsewhere)[0];
+    assert_eq!(differences::refusals(&record(), &elsewhere), Vec::<String>::new());
+    let remark = &differences::remarks(&record(), &elsewhere)[0];
     assert!(remark.contains("Another processor") && remark.contains(", then another"), "{remark}");
     let mut by_day = record();
     by_day.settings.timed_by = "time of day, planted".into();
-    let remarks = comparable::remarks(&by_day, &record());
+    let remarks = differences::remarks(&by_day, &record());
     assert!(
         remarks[0].starts_with("Times of the baseline are time of day, planted, now "),
         "{remarks:?}"

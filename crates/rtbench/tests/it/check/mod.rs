@@ -13,7 +13,7 @@ use crate::common::{Ended, PLANTED};
 use accel_core::structures::Entry;
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::{Clock, SteppingClock};
-use rtbench::context::{Context, Environment, Terminal, Verbosity};
+use rtbench::context::{Context, Environment};
 
 /// A run over that registry in that environment, each interval of time a millisecond.
 fn run_in(registry: &[Entry], environment: Environment, arguments: &str) -> Ended {
@@ -28,21 +28,11 @@ pub(crate) fn run_timed(
 ) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let words = || std::iter::once("rtbench").chain(arguments.split_whitespace());
+    let world = rtbench::program::world();
     let mut context = Context {
-        registry,
-        occluders: accel_core::occluders::REGISTRY,
-        scenes: &InstalledScenes,
-        clock,
-        world: &rtbench::program::world(),
-        out: &mut out,
-        err: &mut err,
         command_line: words().map(str::to_owned).collect(),
-        terminal: Terminal::default(),
-        verbosity: Verbosity::Normal,
-        overwrite: false,
         environment,
-        annotations: Vec::new(),
-        plugins: Default::default(),
+        ..Context::new(registry, &InstalledScenes, clock, &world, &mut out, &mut err)
     };
     let code = rtbench::run(&mut context, words());
     let text = |bytes| String::from_utf8(bytes).unwrap();

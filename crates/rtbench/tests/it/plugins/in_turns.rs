@@ -10,8 +10,8 @@ fn two_builds_of_a_plugin_are_compared() {
     let Some(old) = minimal(&older) else { return };
     let source = "peers/minimal-cpp/minimal.cpp";
     let Some(new) = compiled(&newer, source, &["-pthread", "-DNDEBUG"]) else { return };
-    let check = |new: &std::path::Path, json: &str| {
-        let json = format!("{}/{json}", out.path());
+    let check = |new: &std::path::Path, name: &str| {
+        let folder = format!("{}/{name}", out.path());
         let ended = rtbench(&[
             "check",
             "tetra:4",
@@ -26,16 +26,16 @@ fn two_builds_of_a_plugin_are_compared() {
             old.to_str().unwrap(),
             "--rounds",
             "2",
-            "--export-json",
-            &json,
+            "-o",
+            &folder,
         ]);
         let said = [ended.stdout, ended.stderr].concat();
         (ended.status.code().unwrap(), String::from_utf8_lossy(&said).into_owned())
     };
-    let (code, said) = check(&new, "same.json");
+    let (code, said) = check(&new, "same");
     assert_eq!(code, 0, "{said}");
     assert!(said.contains("check against plugin ") && said.contains("minimal.so"), "{said}");
-    let report: serde_json::Value = serde_json::from_str(&out.text("same.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_str(&out.text("same/check.json")).unwrap();
     let rows: Vec<&str> =
         report["pairs"].as_array().unwrap().iter().map(|p| p["row"].as_str().unwrap()).collect();
     assert!(rows.contains(&"minimal-cpp"), "{rows:?}");
@@ -46,6 +46,6 @@ fn two_builds_of_a_plugin_are_compared() {
     let file = std::path::Path::new(&wrong.path()).join("minimal.cpp");
     std::fs::write(&file, dropping).unwrap();
     let Some(bad) = compiled(&wrong, file.to_str().unwrap(), &["-pthread"]) else { return };
-    let (code, said) = check(&bad, "wrong.json");
+    let (code, said) = check(&bad, "wrong");
     assert!(code == 4 && said.contains("wrong hits"), "{code}: {said}");
 }

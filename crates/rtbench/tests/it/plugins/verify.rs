@@ -19,13 +19,13 @@ fn verify(
     more: &[&str],
 ) -> (i32, HashMap<String, u64>, String) {
     let folder = Folder::new();
-    let (plugin, csv) = (plugin.to_str().unwrap(), format!("{}/results.csv", folder.path()));
+    let (plugin, output) = (plugin.to_str().unwrap(), folder.path());
     let arguments = ["verify", "--cases", cases, "--rays", "300", "-j", "2", "-s", row];
-    let files = ["--plugin", plugin, "--export-csv", &csv];
+    let files = ["--plugin", plugin, "-o", &output];
     let ended = rtbench(&[&arguments[..], &files, more].concat());
     let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
     let names = ["trials", "mismatches", "last_bits", "at_edges", "lost", "invented", "wrong_id"];
-    let rows = folder.csv();
+    let rows = folder.csv_of("verify.csv");
     let mut counts = HashMap::new();
     for (row, name) in rows.iter().flat_map(|row| names.map(|name| (row, name))) {
         for key in [name.to_owned(), format!("{name} {}", row["precision"])] {

@@ -7,7 +7,7 @@ use measurement::record::file;
 use measurement::scenes::{InstalledScenes, KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::SystemClock;
 use measurement::system::world::FixedWorld;
-use rtbench::context::{Context, Environment, Terminal, Verbosity};
+use rtbench::context::{Context, Environment};
 
 use crate::common::{Ended, Folder, run};
 use crate::resuming::{journal, record, run as run_here, show};
@@ -61,24 +61,14 @@ const RUN: &str = "run tetra:1 tetra:2 --size 4 --rounds 1 -s obvhs-cwbvh,unifor
 fn sabotaged(folder: &Path, temporary: &str, act: fn(&Path)) -> Ended {
     let (mut out, mut err) = (Vec::new(), Vec::new());
     let parent = folder.join("parent");
+    let scenes = Sabotage { folder: parent.clone(), act };
+    let (clock, world) = (SystemClock::default(), FixedWorld::default());
     let mut context = Context {
-        registry: REGISTRY,
-        occluders: accel_core::occluders::REGISTRY,
-        scenes: &Sabotage { folder: parent.clone(), act },
-        clock: &SystemClock::default(),
-        world: &FixedWorld::default(),
-        out: &mut out,
-        err: &mut err,
-        command_line: vec!["rtbench".into()],
-        terminal: Terminal::default(),
-        verbosity: Verbosity::Normal,
-        overwrite: false,
         environment: Environment {
             temporary: Some(folder.join(temporary)),
             ..Environment::default()
         },
-        annotations: Vec::new(),
-        plugins: Default::default(),
+        ..Context::new(REGISTRY, &scenes, &clock, &world, &mut out, &mut err)
     };
     let arguments = format!("rtbench {RUN} -o {}", show(&parent.join("out")));
     let code = rtbench::run(&mut context, arguments.split_whitespace());

@@ -61,13 +61,10 @@ fn names_of_files_are_text() {
     printed(1, &["run", "--resume", &missing]);
     printed(1, &["run", "tetra:2", "-o", &out]);
     for format in ["text", "markdown", "csv", "json"] {
-        let told = printed(0, &["compare", &out, &out, "--all-metrics", "--format", format]);
+        let told = printed(0, &["compare", &out, &out, "-m", "all", "--format", format]);
         assert!(!told.contains("<img") || ["text", "csv", "json"].contains(&format), "{told}");
     }
     printed(0, &["report", &out, "-o", "-"]);
-    for format in ["--export-csv", "--export-json", "--export-markdown", "--export-bencher"] {
-        printed(0, &[&["run", format, "-"], &paths[..], &SMALL].concat());
-    }
     // and in files
     let text = |name: &str| std::fs::read_to_string(Path::new(&out).join(name)).unwrap();
     for name in ["results.csv", "results.md"] {
@@ -115,7 +112,7 @@ fn words_of_records_are_text() {
     std::fs::create_dir(&planted).unwrap();
     std::fs::write(planted.join("results.json"), serde_json::to_string(&record).unwrap()).unwrap();
     for format in ["text", "markdown", "csv", "json"] {
-        printed(0, &["compare", &at("b"), &at("b"), "--all-metrics", "--format", format]);
+        printed(0, &["compare", &at("b"), &at("b"), "-m", "all", "--format", format]);
     }
     printed(0, &["report", &at("b"), "-o", "-"]);
     printed(0, &["baseline", "save", "x", "--from", &at("b"), "--baselines", &at("c")]);

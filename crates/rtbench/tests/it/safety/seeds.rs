@@ -28,7 +28,7 @@ fn records() {
     for seed in seeds("records") {
         let seed = seed.display();
         for command in [
-            format!("compare {seed} {seed} --all-metrics --force"),
+            format!("compare {seed} {seed} -m all --force"),
             format!("report {seed} -o -"),
             format!("merge {seed} {seed}"),
         ] {

@@ -9,12 +9,12 @@ fn two_outputs_to_one_file_are_refused_before_measuring() {
     let path = folder.path();
     let run = "run tetra:1 --size 8 -s obvhs-cwbvh";
     for outputs in [
-        "--export-csv DIR/x --export-json DIR/x",
-        "--export-csv DIR/x --export-json DIR/./x",
-        "--export-csv DIR/new/x --export-github-smaller DIR/new/x",
-        "-o DIR/out --export-csv DIR/out/results.json",
-        "-o DIR/out --export-json DIR/out/results.json",
-        "-o DIR/out --export-markdown DIR/out/run.jsonl",
+        "--export-bencher DIR/x --export-github-bigger DIR/x",
+        "--export-bencher DIR/x --export-github-bigger DIR/./x",
+        "--export-bencher DIR/new/x --export-github-smaller DIR/new/x",
+        "-o DIR/out --export-bencher DIR/out/results.json",
+        "-o DIR/out --export-github-bigger DIR/out/results.json",
+        "-o DIR/out --export-bencher DIR/out/run.jsonl",
     ] {
         for more in ["", " --overwrite"] {
             let ended = run_stepping(&format!("{run} {}{more}", outputs.replace("DIR", &path)));
@@ -23,7 +23,8 @@ fn two_outputs_to_one_file_are_refused_before_measuring() {
             assert_eq!(std::fs::read_dir(&path).unwrap().count(), 0, "{outputs}");
         }
     }
-    let devices = run_stepping(&format!("{run} --export-csv /dev/null --export-json /dev/null"));
+    let null = "--export-bencher /dev/null --export-github-bigger /dev/null";
+    let devices = run_stepping(&format!("{run} {null}"));
     assert_eq!(devices.code, 0, "{}", devices.err);
 }
 
@@ -37,22 +38,30 @@ fn no_output_destroys_a_record() {
         assert_eq!(ended.code, 0, "{}", ended.err);
     }
     let record = folder.text("a/results.json");
+    std::fs::create_dir(format!("{path}/c")).unwrap();
+    std::fs::write(format!("{path}/c/check.json"), &record).unwrap();
     #[cfg(unix)]
-    std::os::unix::fs::symlink("a/results.json", format!("{path}/link")).unwrap();
+    {
+        std::fs::create_dir(format!("{path}/linked")).unwrap();
+        std::os::unix::fs::symlink("../a/results.json", format!("{path}/linked/check.json"))
+            .unwrap();
+    }
     let mut refused = vec![
-        "run --resume DIR/a --export-csv DIR/a/results.json",
+        "run --resume DIR/a --export-bencher DIR/a/results.json",
         "report DIR/a -o DIR/a/results.json",
-        "check --baseline DIR/b/results.json --results DIR/a --export-json DIR/a/results.json",
-        "check --baseline DIR/a --results DIR/b --export-csv DIR/a/results.json",
+        "check --baseline DIR/c/check.json --results DIR/a -o DIR/c",
+        "check --baseline DIR/a --results DIR/c/check.json -o DIR/c",
     ];
     if cfg!(unix) {
-        refused.push("check -b DIR/b --results DIR/a --export-json DIR/link");
+        refused.push("check -b DIR/b --results DIR/a -o DIR/linked");
     }
     for arguments in refused {
         let ended = of(&format!("{arguments} --overwrite"));
         assert_eq!(ended.code, 2, "{arguments}: {}", ended.err);
         assert!(ended.err.contains("this file"), "{arguments}: {}", ended.err);
-        assert_eq!(folder.text("a/results.json"), record, "{arguments}");
+        for name in ["a/results.json", "c/check.json"] {
+            assert_eq!(folder.text(name), record, "{arguments}");
+        }
     }
 }
 

@@ -23,7 +23,7 @@ pub static AXIS: Axis = Axis {
     reference: "mean of two images of many samples with other seeds; its error is half their \
                 distance",
     scenes: &["tetra:4", "balls:3", "pavilion"],
-    setting: "compare-tracers; render --supersamples",
+    setting: "compare-tracers; render --samples supersamples",
     measure: Measure::Whole(measure),
 };
 
@@ -40,7 +40,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         tracer: &*tracer,
         max_depth: DEPTH,
         wish: |samples, n| samples.supersamples = Some(n),
-        option: "--supersamples",
+        option: "supersamples",
         without: None,
     };
     let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;

@@ -17,24 +17,24 @@ const REFERENCE: &str = "mean of two images of many samples with other seeds; it
 pub static SOFT_SHADOWS: Axis = Axis {
     summary: "shadow rays per hit and light",
     scenes: &["teapot", "balls:3", "pavilion"],
-    ..sampled("soft-shadows", "render --shadow-samples", |stage| SOFT.measure(stage))
+    ..sampled("soft-shadows", "render --samples shadow", |stage| SOFT.measure(stage))
 };
 
 pub static GLOSS: Axis = Axis {
     summary: "rays of the first rough mirror of a path",
-    ..sampled("gloss", "render --glossy-samples", |stage| ROUGH.measure(stage))
+    ..sampled("gloss", "render --samples glossy", |stage| ROUGH.measure(stage))
 };
 
 pub static MOTION: Axis = Axis {
     summary: "eye rays per pixel for the time the shutter is open",
     scenes: &["balls:3", "gears:2", "pavilion"],
-    ..sampled("motion", "render --temporal-samples", |stage| MOVING.measure(stage))
+    ..sampled("motion", "render --samples temporal", |stage| MOVING.measure(stage))
 };
 
 pub static FOCUS: Axis = Axis {
     summary: "eye rays per pixel for the area of the lens",
     paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",
-    ..sampled("focus", "render --focal-samples", |stage| BLURRED.measure(stage))
+    ..sampled("focus", "render --samples focal", |stage| BLURRED.measure(stage))
 };
 
 /// Shared definition of the axes of this file.
@@ -78,7 +78,7 @@ const SOFT: EffectSetup = EffectSetup {
         }
     },
     wish: |samples, n| samples.shadow = Some(n),
-    option: "--shadow-samples",
+    option: "shadow",
     max_depth: 1,
 };
 
@@ -96,7 +96,7 @@ const ROUGH: EffectSetup = EffectSetup {
     },
     off: |scene| scene.materials.iter_mut().for_each(|material| material.roughness = 0.0),
     wish: |samples, n| samples.glossy = Some(n),
-    option: "--glossy-samples",
+    option: "glossy",
     max_depth: 2,
 };
 
@@ -112,7 +112,7 @@ const MOVING: EffectSetup = EffectSetup {
         scene.camera.shutter = 0.0;
     },
     wish: |samples, n| samples.temporal = Some(n),
-    option: "--temporal-samples",
+    option: "temporal",
     max_depth: 1,
 };
 
@@ -120,7 +120,7 @@ const BLURRED: EffectSetup = EffectSetup {
     on: |scene| scene.camera.aperture = 0.01 * diagonal(scene),
     off: |scene| scene.camera.aperture = 0.0,
     wish: |samples, n| samples.focal = Some(n),
-    option: "--focal-samples",
+    option: "focal",
     max_depth: 1,
 };
 

@@ -21,7 +21,6 @@ pub mod voxel_traversal;
 
 use crate::accuracy::axis::Axis;
 use measurement::plan::error::PlanError;
-use measurement::settings::choice;
 
 /// Every axis: one line each.
 pub static AXES: &[&Axis] = &[
@@ -47,12 +46,7 @@ pub static AXES: &[&Axis] = &[
 /// The axes of these names, each once; all when there are none.
 pub fn select(names: &[String]) -> Result<Vec<&'static Axis>, PlanError> {
     if let Some(name) = names.iter().find(|name| AXES.iter().all(|axis| axis.name != *name)) {
-        let valid: Vec<&str> = AXES.iter().map(|axis| axis.name).collect();
-        return Err(PlanError::UnknownAxis {
-            hint: choice::hint(name, valid.iter().copied()),
-            name: name.clone(),
-            valid: valid.join(", "),
-        });
+        return Err(PlanError::unknown("axis", name, AXES.iter().map(|axis| axis.name)));
     }
     let is_asked = |axis: &&&Axis| names.is_empty() || names.iter().any(|n| n == axis.name);
     Ok(AXES.iter().filter(is_asked).copied().collect())

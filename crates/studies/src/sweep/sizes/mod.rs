@@ -44,12 +44,8 @@ pub struct SizeSettings {
     pub scene: String,
     /// Numbers of primitives; the nearest size of the scene stands for each.
     pub sizes: Sizes,
-    /// Number of sizes per factor of ten, for a range of sizes.
-    pub per_decade: u32,
     /// Structures and occluders, each with its settings if any; none means each at its defaults.
     pub structures: Vec<String>,
-    /// Overrides of defaults: `uniform-grid.density=4`.
-    pub overrides: Vec<String>,
     /// How to measure; `max_memory` is that of the process that loads the scene and builds.
     pub measuring: MeasuringSettings,
     /// Longest build, without loading.
@@ -111,7 +107,7 @@ impl<'r> SizeSweep<'r> {
             scenes: sizes.iter().map(|size| size.name.clone()).collect(),
             by_kind: false,
             structures,
-            overrides: args.overrides.clone(),
+            overrides: Vec::new(),
             measuring: measuring(&args.measuring),
             shard: None,
             processes: 1,
@@ -137,7 +133,7 @@ impl<'r> SizeSweep<'r> {
 fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, SizesError> {
     let sizes = scenes.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
-    for asked in args.sizes.targets(args.per_decade) {
+    for asked in args.sizes.targets() {
         let (name, primitives) = sizes.nearest(asked);
         let off = primitives.max(1) as f64 / asked as f64;
         if off.max(off.recip()) > FAR {

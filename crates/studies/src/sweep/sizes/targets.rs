@@ -32,15 +32,15 @@ impl Sizes {
         Ok(Self::List(list))
     }
 
-    /// Each of them, ascending: of a range `per_decade` for each factor of ten, or as near to that
-    /// as equal ratios between its ends allow.
-    pub fn targets(&self, per_decade: u32) -> Vec<u64> {
+    /// Each of them, ascending: of a range one for each factor of ten, or as near to that as equal
+    /// ratios between its ends allow.
+    pub fn targets(&self) -> Vec<u64> {
         match self {
             Self::List(list) => list.clone(),
             Self::Range { from, to } => {
                 let (from, to) = (*from as f64, *to as f64);
-                let steps = ((to / from).log10() * f64::from(per_decade)).round().max(1.0);
-                let range = Range { from, to, steps: steps as usize + 1, is_linear: false };
+                let steps = (to / from).log10().round().max(1.0);
+                let range = Range { from, to, steps: steps as usize + 1 };
                 range.whole_numbers().iter().filter_map(|n| n.parse().ok()).collect()
             }
         }
@@ -53,12 +53,12 @@ mod tests {
 
     #[test]
     fn ranges_and_lists() {
-        let targets = |text, per_decade| Sizes::parse(text).unwrap().targets(per_decade);
-        assert_eq!(targets("1e3..1e6", 1), [1000, 10_000, 100_000, 1_000_000]);
-        assert_eq!(targets("1k..100k", 2), [1000, 3162, 10_000, 31_623, 100_000]);
-        assert_eq!(targets("1000..2k", 1), [1000, 2000], "both ends at least");
-        assert_eq!(targets("10M,1k,1e3", 1), [1000, 10_000_000]);
-        assert_eq!(targets("64", 5), [64]);
+        let targets = |text| Sizes::parse(text).unwrap().targets();
+        assert_eq!(targets("1e3..1e6"), [1000, 10_000, 100_000, 1_000_000]);
+        assert_eq!(targets("1k..50k"), [1000, 7071, 50_000], "equal ratios");
+        assert_eq!(targets("1000..2k"), [1000, 2000], "both ends at least");
+        assert_eq!(targets("10M,1k,1e3"), [1000, 10_000_000]);
+        assert_eq!(targets("64"), [64]);
     }
 
     #[test]
