@@ -24,7 +24,7 @@ use studies::accuracy::axis::Axis;
 use studies::accuracy::processes::join;
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
 use studies::accuracy::stage::{PreparedScene, Stage};
-use studies::accuracy::{columns, effect_prices, parts, pictures, plot, summary, tables};
+use studies::accuracy::{effect_prices, parts, pictures, plot, summary, tables};
 use studies::error::StudyError;
 
 /// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
@@ -319,7 +319,7 @@ fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
         let path = folder.join(name);
         fs::write(&path, text).map_err(|source| WriteError { path, source })
     };
-    write("accuracy.csv", columns::to_csv(record)?)?;
+    write("accuracy.csv", tables::to_csv(record)?)?;
     write("accuracy.md", tables::to_markdown(record))?;
     let mut page = summary::to_markdown(record);
     page.push_str(&pictures::captions());
