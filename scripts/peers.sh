@@ -3,7 +3,8 @@
 # usage: scripts/peers.sh [NAME...]: all where none is named. Fails where one that has all it needs does not
 # compile. TINYBVH, BVH_V2 and NANORT are folders with the sources of these; EMBREE4_LIBRARY and EMBREE3_LIBRARY
 # are needed when those two run, if the system does not find them. CXX, CC, CXXFLAGS and CFLAGS are passed on.
-# cargo fetches the crates that `rust` needs.
+# cargo fetches the crates that `rust` and `wgpu` need. On a machine with a GPU: peers/wgpu/README.md has the command
+# of a run.
 set -uo pipefail
 for variable in TINYBVH BVH_V2 NANORT; do
     [ -z "${!variable:-}" ] || export "$variable=$(realpath "${!variable}")"
@@ -44,7 +45,7 @@ for name in "${names[@]}"; do
     tinybvh) needs TINYBVH tiny_bvh.h || continue ;;
     bvh-v2) needs BVH_V2 src/bvh/v2/bvh.h || continue ;;
     nanort) needs NANORT nanort.h || continue ;;
-    rust) needs_crates || continue ;;
+    rust | wgpu) needs_crates || continue ;;
     esac
     if make -s -C "$name"; then
         for library in "$name"/*.so; do echo "$name: peers/$library"; done

@@ -33,6 +33,7 @@ extern "C" {
 #define RTBENCH_MIXED 8u         /* reserved: other primitives */
 #define RTBENCH_REFIT 16u        /* reserved: vertices that move */
 #define RTBENCH_INDICES 32u      /* asks for rtbench_scene.vertices and .indices, which else are NULL */
+#define RTBENCH_DEVICE 64u       /* computes on a device: its calls are timed by time of day, and have whole batches with any -j */
 
 /* How a plugin answers many rays in one call: rtbench_plugin.query. */
 #define RTBENCH_ONE_RAY 0u /* each is traced to its end before the next one begins */
@@ -147,6 +148,8 @@ typedef struct rtbench_stats {
     uint64_t references;          /* N_OIV: triangle references in leaves */
     uint64_t intersection_tests;  /* N_IT: over all rays since the build, while counting */
     uint64_t traversal_steps;     /* N_TS: nodes visited, likewise */
+    char note[256];               /* one line for the notes of the row, asked for after its answers were checked; an
+                                   * rtbench from before it has a smaller struct: see `size` */
 } rtbench_stats;
 
 /* What a plugin is. */

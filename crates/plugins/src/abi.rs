@@ -22,6 +22,9 @@ pub const OCCLUSION: u32 = 2;
 pub const TRIANGLES_F64: u32 = 4;
 /// Bit of `answers`: the plugin reads [`Scene::vertices`] and [`Scene::indices`].
 pub const INDICES: u32 = 32;
+/// Bit of `answers`: the plugin computes on a device. Its calls are timed by time of day, and have
+/// whole batches.
+pub const DEVICE: u32 = 64;
 /// Value of `query`: each ray is traced to its end before the next one.
 pub const ONE_RAY: u32 = 0;
 /// Value of `query`: several rays are in flight, or are sorted.
@@ -172,7 +175,7 @@ pub type Intersect<T = f32> =
 
 /// Figures of what was built; zero where unknown.
 #[repr(C)]
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub struct Stats {
     /// Bytes of this struct.
     pub size: u32,
@@ -192,6 +195,18 @@ pub struct Stats {
     pub intersection_tests: u64,
     /// N_TS since the build: nodes visited.
     pub traversal_steps: u64,
+    /// One line for the notes of the row, up to the first zero.
+    pub note: [u8; 256],
+}
+
+// SAFETY: numbers, all of which may be zero
+unsafe impl Zeroable for Stats {}
+
+impl Stats {
+    /// What a plugin is asked with.
+    pub fn empty() -> Self {
+        Self { size: size_of::<Self>() as u32, ..Self::zeroed() }
+    }
 }
 
 /// Builds a structure: `rtbench_plugin.build`.

@@ -24,6 +24,9 @@ pub struct Description {
     pub answers_batches: bool,
     /// Its own triangle test decides; else rtbench's.
     pub has_own_test: bool,
+    /// It computes on a device: calls are timed by time of day, and have whole batches.
+    #[serde(default)]
+    pub on_device: bool,
     /// It answers in f64, too.
     pub has_f64: bool,
     /// Settings that users can change.
@@ -106,6 +109,7 @@ impl Description {
             has_occlusion,
             answers_batches: plugin.query == abi::BATCH,
             has_own_test: plugin.test != abi::HOST_TEST,
+            on_device: plugin.answers & abi::DEVICE != 0,
             has_f64,
             settings: settings.collect::<Result<_, _>>()?,
         })
@@ -278,7 +282,9 @@ mod tests {
         ];
         let said = read(&plugin(&settings)).unwrap();
         assert_eq!((said.name.as_str(), said.has_own_test), ("mine-2", true));
-        assert!(!said.has_f64);
+        assert!(!said.has_f64 && !said.on_device);
+        let other = abi::Plugin { answers: abi::TRIANGLES_F32 | abi::DEVICE, ..plugin(&[]) };
+        assert!(read(&other).unwrap().on_device);
         let both = abi::Plugin { answers: abi::TRIANGLES_F32 | abi::TRIANGLES_F64, ..plugin(&[]) };
         assert!(read(&both).unwrap().has_f64);
         assert_eq!(said.settings[0].kind, SettingKind::Integer(1, 8));

@@ -24,7 +24,7 @@ pub enum Query {
 }
 
 /// Statistics reported by the plugin.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stats {
     /// Bytes of the structure.
     pub bytes: u64,
@@ -32,6 +32,8 @@ pub struct Stats {
     pub cells: [u64; 4],
     /// N_IT and N_TS so far, where it counts.
     pub work: Option<[u64; 2]>,
+    /// A line for the notes of its row, or nothing.
+    pub note: String,
 }
 
 /// Coordinates that plugins are asked with: `f32` or `f64`.
@@ -43,7 +45,10 @@ impl<S: Scalar + abi::Real> PluginScalar for S {}
 pub struct Instance<S: PluginScalar, H> {
     library: Arc<Library>,
     built: *mut c_void,
-    threads: usize,
+    /// Calls are divided among the threads of the current pool.
+    in_chunks: bool,
+    /// Calls are timed by processor time.
+    by_processor: bool,
     transmissive: Vec<u8>,
     // what the scene points to
     _set: H,
@@ -104,7 +109,9 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
         };
         let mut message = [0u8; 512];
         let mut built = std::ptr::null_mut();
-        let start = Stopwatch::start(threads);
+        let on_device = library.description.on_device;
+        let (in_chunks, by_processor) = (threads > 1 && !on_device, threads == 1 && !on_device);
+        let start = Stopwatch::start(by_processor);
         // SAFETY: by rtbench.h; the message is as long as is said
         let code = unsafe {
             build(&raw const *scene, &raw mut built, message.as_mut_ptr().cast(), message.len())
@@ -123,7 +130,8 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
             Self {
                 library,
                 built,
-                threads,
+                in_chunks,
+                by_processor,
                 transmissive,
                 _set,
                 _indexed,
@@ -137,8 +145,8 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
 
     /// Writes the closest hits; returns what that took. Slices are of one length.
     pub fn closest(&self, rays: &[abi::Ray<S>], hits: &mut [abi::Hit<S>]) -> CallTime {
-        let start = Stopwatch::start(self.threads);
-        if self.threads > 1 {
+        let start = Stopwatch::start(self.by_processor);
+        if self.in_chunks {
             let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
             chunks.for_each(|(rays, hits)| self.hits(rays, hits));
         } else {
@@ -149,8 +157,8 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
 
     /// Writes 1 for blocked rays and 0 for others; returns what that took.
     pub fn occluded(&self, rays: &[abi::Ray<S>], blocked: &mut [u8]) -> CallTime {
-        let start = Stopwatch::start(self.threads);
-        if self.threads > 1 {
+        let start = Stopwatch::start(self.by_processor);
+        if self.in_chunks {
             let chunks = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
             chunks.for_each(|(rays, blocked)| self.blocked(rays, blocked));
         } else {
@@ -208,8 +216,7 @@ impl<S: PluginScalar, H> Instance<S, H> {
     }
 
     pub fn stats(&self) -> Stats {
-        let mut stats =
-            abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };
+        let mut stats = abi::Stats::empty();
         if let Some(ask) = self.functions().stats {
             // SAFETY: by rtbench.h
             unsafe { ask(self.built, &raw mut stats) };
@@ -219,6 +226,7 @@ impl<S: PluginScalar, H> Instance<S, H> {
             cells: [stats.inner_nodes, stats.leaves, stats.empty_leaves, stats.references],
             work: (stats.has_counters != 0 && self.functions().count.is_some())
                 .then_some([stats.intersection_tests, stats.traversal_steps]),
+            note: line_of(&stats.note),
         }
     }
 
@@ -238,6 +246,12 @@ impl<S: PluginScalar, H> Drop for Instance<S, H> {
             unsafe { destroy(self.built) };
         }
     }
+}
+
+/// Text up to the first zero, in one line.
+fn line_of(bytes: &[u8]) -> String {
+    let text = bytes.split(|byte| *byte == 0).next().unwrap_or_default();
+    String::from_utf8_lossy(text).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Data that the host keeps in a plugin's `rtbench_prepared`.
@@ -349,6 +363,13 @@ impl<S: Scalar> From<&abi::Ray<S>> for Ray<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn notes_are_one_line() {
+        assert_eq!(line_of(b"  two\nlines\0and a rest"), "two lines");
+        assert_eq!(line_of(b"\xff without an end"), "\u{fffd} without an end");
+        assert_eq!(line_of(&abi::Stats::empty().note), "");
+    }
 
     #[test]
     fn shared_vertices_are_one() {

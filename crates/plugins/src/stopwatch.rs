@@ -4,7 +4,8 @@
 //! processor does not count. A plugin may have threads of its own whatever it was asked for; its
 //! time is the processor time of the whole process, in which nothing else has work. What threads
 //! other than the one that called had of it is kept apart: threads that only wait for work, and
-//! spin, make a library look slow.
+//! spin, make a library look slow. A device is no processor of ours: where it computes, time is the
+//! time of day.
 
 use std::ops::AddAssign;
 use std::time::Duration;
@@ -34,9 +35,9 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts: for one thread by processor time where the system tells it, else by time of day.
-    pub fn start(threads: usize) -> Self {
-        let by_processor = cfg!(unix) && threads == 1;
+    /// Starts: by processor time if asked to, and where the system tells it; else by time of day.
+    pub fn start(by_processor: bool) -> Self {
+        let by_processor = cfg!(unix) && by_processor;
         let [start, own] = read(by_processor);
         Self { by_processor, start, own }
     }
@@ -85,12 +86,12 @@ mod tests {
     #[test]
     fn waiting_is_not_counted_and_other_threads_are() {
         let sleep = || std::thread::sleep(Duration::from_millis(30));
-        let by_day = Stopwatch::start(2);
+        let by_day = Stopwatch::start(false);
         sleep();
         let took = by_day.took();
         assert!(took.seconds >= 0.03 && took.by_others == 0.0, "{took:?}");
         let spin = || (0..3_000_000u64).fold(1, |a: u64, b| std::hint::black_box(a ^ b));
-        let by_processor = Stopwatch::start(1);
+        let by_processor = Stopwatch::start(true);
         std::thread::spawn(spin).join().unwrap();
         let took = by_processor.took();
         assert!(took.seconds > 1e-4, "work of another thread counts");

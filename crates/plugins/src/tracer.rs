@@ -188,18 +188,19 @@ impl<S: PluginScalar> State<'_, S> {
     }
 
     fn work(&mut self) -> [u64; 2] {
+        self.stats().work.unwrap_or_default()
+    }
+
+    fn stats(&mut self) -> Stats {
         let stats = match &mut self.place {
             Host::Here(instance) => Ok(instance.stats()),
             Host::Elsewhere(Some(remote)) => remote.stats(),
             Host::Elsewhere(None) => Ok(Stats::default()),
         };
-        match stats {
-            Ok(stats) => stats.work.unwrap_or_default(),
-            Err(how) => {
-                self.took(Err(how));
-                [0; 2]
-            }
-        }
+        stats.unwrap_or_else(|how| {
+            self.took(Err(how));
+            Stats::default()
+        })
     }
 }
 
@@ -283,6 +284,14 @@ impl<S: PluginScalar> Foreign for PluginTracer<'_, S> {
     fn share_of_other_threads(&self) -> f64 {
         let CallTime { seconds, by_others } = self.state().all;
         if seconds > 0.0 { by_others / seconds } else { 0.0 }
+    }
+
+    fn note(&self) -> Option<String> {
+        let note = self.state().stats().note;
+        let on_device = self.plugin.description.on_device;
+        let parts = [if on_device { "timed by time of day" } else { "" }, &note];
+        let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
     }
 
     fn failure(&self) -> Option<String> {

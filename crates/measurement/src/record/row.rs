@@ -315,6 +315,9 @@ pub struct PluginRecord {
     pub other_threads: f64,
     /// Rays that were answered otherwise than expected where rounding decides, of the checked ones.
     pub edge_mismatches: u64,
+    /// Its own remark on how it answers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub note: Option<String>,
 }
 
 impl PluginRecord {
@@ -330,6 +333,7 @@ impl PluginRecord {
             empty_call_s: origin.empty_call_s,
             other_threads: foreign.share_of_other_threads(),
             edge_mismatches,
+            note: foreign.note(),
         }
     }
 }

@@ -240,6 +240,9 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
         let (edges, checked) = (plugin.edge_mismatches, row.checked_rays);
         note += &format!(": {edges} of {checked} answers differ at edges");
     }
+    if let Some(remark) = &plugin.note {
+        note += &format!("; {remark}");
+    }
     Some(note)
 }
 

@@ -1,6 +1,7 @@
 //! The functions of a plugin.
 
 use std::ffi::{c_char, c_int, c_void};
+use std::mem::MaybeUninit;
 
 use crate::abi::{self, Hit, Ray, Real};
 use crate::scene::{Scene, Triangle};
@@ -108,12 +109,10 @@ pub(crate) unsafe extern "C" fn closest<P: Peer<T>, T: Real>(
     count: usize,
 ) {
     // SAFETY: by the contract
-    let (all, rays) = unsafe { (&(*built.cast::<Built<P>>()).all, rays_of(rays, count)) };
-    for (i, ray) in rays.iter().enumerate() {
-        let hit = all.closest(ray).unwrap_or(Hit::new(ray.t_max, abi::MISS));
-        // SAFETY: there are as many hits; nothing is read of them
-        unsafe { hits.add(i).write(hit) };
-    }
+    let (all, rays, hits) = unsafe {
+        (&(*built.cast::<Built<P>>()).all, slice_of(rays, count), slice_to_write(hits, count))
+    };
+    all.closest_all(rays, hits);
 }
 
 /// `rtbench_plugin.occluded`. A panic ends the process.
@@ -127,22 +126,29 @@ pub(crate) unsafe extern "C" fn occluded<P: Peer<T>, T: Real>(
     count: usize,
 ) {
     // SAFETY: by the contract
-    let (built, rays) = unsafe { (&*built.cast::<Built<P>>(), rays_of(rays, count)) };
-    let asked = built.opaque.as_ref().unwrap_or(&built.all);
-    for (i, ray) in rays.iter().enumerate() {
-        let is_blocked = u8::from(asked.occluded(ray));
-        // SAFETY: there are as many answers
-        unsafe { blocked.add(i).write(is_blocked) };
-    }
+    let (built, rays, blocked) = unsafe {
+        (&*built.cast::<Built<P>>(), slice_of(rays, count), slice_to_write(blocked, count))
+    };
+    built.opaque.as_ref().unwrap_or(&built.all).occluded_all(rays, blocked);
 }
 
 /// # Safety
 /// There are that many.
-unsafe fn rays_of<'a, T>(rays: *const Ray<T>, count: usize) -> &'a [Ray<T>] {
+unsafe fn slice_of<'a, T>(first: *const T, count: usize) -> &'a [T] {
     match count {
         0 => &[],
         // SAFETY: by the contract
-        _ => unsafe { std::slice::from_raw_parts(rays, count) },
+        _ => unsafe { std::slice::from_raw_parts(first, count) },
+    }
+}
+
+/// # Safety
+/// There is room for that many, and nobody else has it.
+unsafe fn slice_to_write<'a, T>(first: *mut T, count: usize) -> &'a mut [MaybeUninit<T>] {
+    match count {
+        0 => &mut [],
+        // SAFETY: by the contract
+        _ => unsafe { std::slice::from_raw_parts_mut(first.cast(), count) },
     }
 }
 
@@ -152,11 +158,16 @@ unsafe fn rays_of<'a, T>(rays: *const Ray<T>, count: usize) -> &'a [Ray<T>] {
 /// As rtbench.h says.
 pub(crate) unsafe extern "C" fn stats<P: Peer<T>, T: Real>(built: *mut c_void, stats: *mut Stats) {
     // SAFETY: by the contract
-    let (built, stats) = unsafe { (&*built.cast::<Built<P>>(), &mut *stats) };
-    stats.bytes = built.bytes;
+    let (built, room) = unsafe { (&*built.cast::<Built<P>>(), (*stats).size as usize) };
+    let mut known = Stats { bytes: built.bytes, ..Stats::empty() };
     for part in std::iter::once(&built.all).chain(&built.opaque) {
-        part.stats(stats);
+        part.stats(&mut known);
     }
+    // an rtbench from before the note has a smaller one
+    let bytes = size_of::<Stats>().min(room);
+    known.size = bytes as u32;
+    // SAFETY: there is room for so many, and nothing of the struct is padding
+    unsafe { std::ptr::copy_nonoverlapping((&raw const known).cast::<u8>(), stats.cast(), bytes) };
 }
 
 /// `rtbench_plugin.destroy`.

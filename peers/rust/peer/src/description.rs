@@ -72,6 +72,7 @@ fn described<P: Peer>(in_f64: abi::Functions<f64>) -> Described {
     for (is_there, bit) in [
         (P::SHADOWS != Shadows::None, abi::OCCLUSION),
         (P::ASKS_INDICES, abi::INDICES),
+        (P::ON_DEVICE, abi::DEVICE),
         (in_f64.build.is_some(), abi::TRIANGLES_F64),
     ] {
         answers |= if is_there { bit } else { 0 };
@@ -80,10 +81,10 @@ fn described<P: Peer>(in_f64: abi::Functions<f64>) -> Described {
         abi_version: abi::VERSION,
         size: size_of::<abi::Plugin>() as u32,
         name: text(name),
-        version: text(locked_version(library).unwrap_or("unknown")),
+        version: text(locked_version(P::LOCK, library).unwrap_or("unknown")),
         summary: text(summary),
         answers,
-        query: abi::ONE_RAY,
+        query: if P::ANSWERS_BATCHES { abi::BATCH } else { abi::ONE_RAY },
         test: abi::OWN_TEST,
         settings_count: settings.len() as u32,
         settings: settings.as_ptr(),
@@ -124,9 +125,8 @@ fn text(text: &str) -> *const c_char {
     CString::new(text).unwrap_or_default().into_raw()
 }
 
-/// The version of a crate that `Cargo.lock` names, by which all of this workspace is compiled.
-pub fn locked_version(library: &str) -> Option<&'static str> {
-    let lock = include_str!("../../Cargo.lock");
+/// The version of a crate that a `Cargo.lock` names.
+pub fn locked_version<'a>(lock: &'a str, library: &str) -> Option<&'a str> {
     let (_, rest) = lock.split_once(&format!("\nname = \"{library}\"\nversion = \""))?;
     rest.split_once('"').map(|(version, _)| version)
 }
@@ -137,14 +137,15 @@ mod tests {
 
     #[test]
     fn versions_are_those_of_the_lock_file() {
-        assert_eq!(locked_version("peer"), Some(env!("CARGO_PKG_VERSION")));
-        assert_eq!(locked_version("no-such-crate"), None);
+        let lock = include_str!("../../Cargo.lock");
+        assert_eq!(locked_version(lock, "peer"), Some(env!("CARGO_PKG_VERSION")));
+        assert_eq!(locked_version(lock, "no-such-crate"), None);
         for library in ["bvh", "obvhs", "parry3d", "rtbvh"] {
-            let version = locked_version(library).unwrap();
+            let version = locked_version(lock, library).unwrap();
             assert!(version.starts_with("0.") && version.matches('.').count() == 2, "{version}");
             // one of each, or the version of a row could be that of another
             let entry = format!("\nname = \"{library}\"\n");
-            assert_eq!(include_str!("../../Cargo.lock").matches(&entry).count(), 1);
+            assert_eq!(lock.matches(&entry).count(), 1);
             let told = format!("[`{library}`](https://crates.io/crates/{library}) | {version} |");
             assert!(include_str!("../../README.md").contains(&told), "README.md: no {told}");
         }

@@ -15,6 +15,8 @@ mod threads;
 pub mod trial;
 pub mod triangle;
 
+use std::mem::MaybeUninit;
+
 pub use abi::{Hit, Ray, Real, Stats};
 pub use description::{
     Described, Description, Kind, Setting, describe, describe_both, locked_version,
@@ -41,6 +43,13 @@ pub trait Peer<T: Real = f32>: Sized + Send + Sync + 'static {
     const SHADOWS: Shadows;
     /// Whether it wants [`Scene::indexed`].
     const ASKS_INDICES: bool = false;
+    /// Whether it has several rays of a call in flight: then it has [`Peer::closest_all`] and [`Peer::occluded_all`]
+    /// of its own.
+    const ANSWERS_BATCHES: bool = false;
+    /// Whether it computes on a device: see `RTBENCH_DEVICE`.
+    const ON_DEVICE: bool = false;
+    /// The `Cargo.lock` by which it is compiled.
+    const LOCK: &'static str = include_str!("../../Cargo.lock");
     /// Whether it builds with rayon: then in a pool of as many threads as it may use.
     const USES_RAYON: bool;
 
@@ -58,7 +67,23 @@ pub trait Peer<T: Real = f32>: Sized + Send + Sync + 'static {
         self.closest(ray).is_some()
     }
 
-    /// Adds nodes and references.
+    /// Writes the closest hit of each ray; of a miss `t` is not read.
+    #[inline(always)]
+    fn closest_all(&self, rays: &[Ray<T>], hits: &mut [MaybeUninit<Hit<T>>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            hit.write(self.closest(ray).unwrap_or(Hit::new(ray.t_max, abi::MISS)));
+        }
+    }
+
+    /// Writes 1 for each ray with something in the way, else 0. Not asked with [`Shadows::None`].
+    #[inline(always)]
+    fn occluded_all(&self, rays: &[Ray<T>], blocked: &mut [MaybeUninit<u8>]) {
+        for (ray, blocked) in rays.iter().zip(blocked) {
+            blocked.write(u8::from(self.occluded(ray)));
+        }
+    }
+
+    /// Adds nodes and references; bytes are those that the process has allocated, or what this sets.
     fn stats(&self, stats: &mut Stats);
 }
 

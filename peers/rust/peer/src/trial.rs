@@ -117,8 +117,7 @@ impl<'a, T: Number> Trial<'a, T> {
 
     /// What was built.
     pub fn stats(&self) -> abi::Stats {
-        let mut stats =
-            abi::Stats { size: size_of::<abi::Stats>() as u32, ..abi::Stats::default() };
+        let mut stats = abi::Stats::empty();
         let ask = T::functions(self.plugin).stats.expect("every peer has these");
         // SAFETY: as rtbench.h says
         unsafe { ask(self.built, &raw mut stats) };
@@ -257,6 +256,43 @@ pub fn rays(count: usize) -> Vec<Ray> {
             Ray { origin, t_min, direction, t_max }
         })
         .collect()
+}
+
+/// A closed surface of triangles around a point, and rays from within to its corners, along its edges and
+/// parallel to axes: all hit it.
+pub fn closed_surface(center: [f32; 3], radius: f32) -> (Vec<Triangle>, Vec<Ray>) {
+    const STEPS: usize = 24;
+    let corner = |i: usize, j: usize| -> [f32; 3] {
+        // both poles, and the seam, are one point each
+        let [down, around] = [i * 12, (j % STEPS) * 24].map(|k| k as f32 / 288.0 * 3.141_592_7);
+        let ring = if i.is_multiple_of(STEPS) { 0.0 } else { down.sin() };
+        let at = [ring * around.cos(), down.cos(), ring * around.sin()];
+        std::array::from_fn(|k| center[k] + radius * at[k])
+    };
+    let (mut surface, mut rays) = (Vec::new(), Vec::new());
+    let mut ray = |origin, direction| {
+        rays.push(Ray { origin, t_min: 0.0, direction, t_max: f32::INFINITY });
+    };
+    for n in 0..STEPS * STEPS {
+        let (i, j) = (n / STEPS, n % STEPS);
+        let [a, b, c, d] =
+            [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(i, j)| corner(i, j));
+        surface.extend([[a, b, c], [a, c, d]]);
+        for step in 0..10 {
+            let turn = |k: usize| ((n * 10 + step + 7 * k) as f32 * 0.618).fract() - 0.5;
+            let origin: [f32; 3] = std::array::from_fn(|k| center[k] + 0.5 * radius * turn(k));
+            let (to, part) = (if step < 5 { b } else { c }, (step % 5) as f32 / 4.0);
+            let direction = std::array::from_fn(|k| a[k] + part * (to[k] - a[k]) - origin[k]);
+            ray(origin, direction);
+        }
+        let axis = n % 3;
+        let origin = std::array::from_fn(|k| if k == axis { center[k] } else { b[k] });
+        let is_within = (0..3).map(|k| (origin[k] - center[k]).powi(2)).sum::<f32>().sqrt();
+        if is_within < 0.9 * radius {
+            ray(origin, std::array::from_fn(|k| f32::from(u8::from(k == axis))));
+        }
+    }
+    (surface, rays)
 }
 
 /// The points of a sequence that fills the unit cube evenly.

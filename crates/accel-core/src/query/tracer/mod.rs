@@ -166,6 +166,8 @@ pub trait Foreign: Sync {
     fn take_seconds(&self) -> f64;
     /// Share of the time of all ray queries spent by threads other than the caller; 0 if unknown.
     fn share_of_other_threads(&self) -> f64;
+    /// Remark of its own for the notes of its row, in one line.
+    fn note(&self) -> Option<String>;
     /// Why nothing that it answers counts: how its process ended.
     fn failure(&self) -> Option<String>;
     /// Returns whether it counts its work.

@@ -47,6 +47,39 @@ fn time_of_extra_threads_is_reported() {
 }
 
 #[test]
+fn devices_are_timed_by_time_of_day_and_get_whole_batches() {
+    let folder = Folder::new();
+    let source = "crates/rtbench/tests/it/plugins/device.c";
+    let waits = |more: &[&str]| {
+        let plugin = compiled(&folder, source, more)?;
+        let (code, record, said) = run(&plugin, "device", &[]);
+        assert_eq!(code, 0, "{said}");
+        let note = row(&record, "device").plugin.as_ref().unwrap().note.clone().unwrap();
+        Some((row(&record, "device").trace_s.unwrap().median, note))
+    };
+    // it sleeps, which processor time does not show
+    let Some((device, note)) = waits(&[]) else { return };
+    assert!(note.starts_with("timed by time of day; its largest call had "), "{note}");
+    let (processor, note) = waits(&["-DPROCESSOR"]).unwrap();
+    assert!(note.starts_with("its largest call had "), "{note}");
+    assert!(processor < device, "{processor} {device}");
+    // more rays than threads get at a time
+    let more = ["-j", "2", "--size", "96", "--rays", "primary"];
+    for (variant, is_whole) in [(&[][..], true), (&["-DPROCESSOR"], false)] {
+        let Some(plugin) = compiled(&folder, source, variant) else { return };
+        for place in [&[][..], &["--in-process"]] {
+            let (code, record, said) = run(&plugin, "device", &[&more[..], place].concat());
+            assert_eq!(code, 0, "{said}");
+            let checked = row(&record, "device").checked_rays;
+            assert!(checked > 4096, "{checked}");
+            let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+            let whole = format!("its largest call had {checked} rays");
+            assert_eq!(words.contains(&whole), is_whole, "{said}");
+        }
+    }
+}
+
+#[test]
 fn baselines_have_rows_of_plugins() {
     let folder = Folder::new();
     let Some(plugin) = minimal(&folder) else { return };
