@@ -59,7 +59,7 @@ impl CheckPlan<'_> {
         precision: Precision,
         watch: &CheckWatch<'_>,
     ) -> Result<(Vec<Line>, u64), PlanError> {
-        let subjects = Subject::select_for_case(case, &self.subjects, self.registry)?;
+        let subjects = Subject::select_for_case(case.rows, &self.subjects, self.registry)?;
         let sizes = self.rounds(case);
         if subjects.is_empty() {
             sizes.iter().for_each(|_| watch.round());

@@ -10,7 +10,6 @@ use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, find};
 use accel_core::update::moved;
 
-use super::catalogue::Case;
 use super::model::Model;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{Row, select};
@@ -63,13 +62,13 @@ impl<'r> Subject<'r> {
         Ok(subjects)
     }
 
-    /// Selects the `subjects` of a case, with the settings that it requires.
+    /// Selects the `subjects` of a case; `rows`: its own, as labels.
     pub fn select_for_case(
-        case: &Case,
+        rows: &[&str],
         subjects: &[Subject<'r>],
         registry: &'r [Entry],
     ) -> Result<Vec<Self>, PlanError> {
-        if case.rows.is_empty() {
+        if rows.is_empty() {
             let answers = |s: &&Self| !matches!(s, Self::Occluder(_));
             return Ok(subjects.iter().filter(answers).cloned().collect());
         }
@@ -81,7 +80,7 @@ impl<'r> Subject<'r> {
             })
         };
         let name = |label: &&&str| label.split(' ').next().is_some_and(is_asked);
-        case.rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
+        rows.iter().filter(name).map(|label| Self::parse(registry, label)).collect()
     }
 
     pub fn parse(registry: &'r [Entry], label: &str) -> Result<Self, PlanError> {
