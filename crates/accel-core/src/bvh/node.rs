@@ -99,8 +99,8 @@ pub(super) const LARGE: f32 = 1e37;
 /// By so many epsilons, and so many of the origin's largest coordinate, origins are shifted. 24 of
 /// a scene's largest coordinate, below 2, for weights; of a hit's distance, below that and the
 /// origin's, 2.5 for corners and the slope, 4.5 for the parameter; and the slab's own roundings. A
-/// ray in f64, which is rounded to f32 for boxes, needs less (`proofs/node_entry.gappa`). Packets are
-/// given it once for all their rays (`proofs/packet.gappa`).
+/// ray in f64, which is rounded to f32 for boxes, needs less (`proofs/node_entry.gappa`,
+/// `packet.gappa`).
 pub(super) const SHIFT: [f32; 2] = [50.0, 10.0];
 /// Rounding error of the product with a ray's origin, and of the sum with it
 /// (`proofs/node_exit.gappa`).

@@ -14,7 +14,7 @@
 use crate::bvh::WideBvh;
 use crate::bvh::box_ray::{BoxParameters, BoxRayLanes};
 use crate::bvh::collapse::{LEAF, WIDTH};
-use crate::bvh::node::{EPSILON, LARGE, LEAST_PART, NodeRay, SHIFT};
+use crate::bvh::node::{EPSILON, LARGE, LEAST_PART, NodeRay};
 use crate::bvh::node_ray_lanes::NodeRayLanes;
 use crate::bvh::traverse::Stack;
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
@@ -82,8 +82,8 @@ impl Packet {
         if apart > ALIKE || turned > ALIKE * longest {
             return None;
         }
-        // what is added to single rays, and the rounding of both (`proofs/packet.gappa`)
-        let slack = (SHIFT[0] + SHIFT[1] * far) * EPSILON;
+        // `SHIFT`, which is added to single rays, and the rounding of both (`proofs/packet.gappa`)
+        let slack = (58.0 + 16.0 * far) * EPSILON;
         let (mut inverse, mut offset, mut octant) = ([[0.0; 3]; 2], [[0.0; 3]; 2], 0);
         for k in 0..3 {
             let is_negative = negative[k] != 0;
@@ -91,7 +91,7 @@ impl Packet {
             // where boxes are left nothing is added to single rays, but for the rounding of
             // products
             let is_tight = is_exact && least[k + 3] >= longest * LEAST_PART;
-            let behind = if is_tight { 2.0 * far * EPSILON } else { slack };
+            let behind = if is_tight { 4.0 * far * EPSILON } else { slack };
             let (front, back) = if is_negative {
                 (least[k] - slack, most[k] + behind)
             } else {
