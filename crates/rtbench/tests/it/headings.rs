@@ -4,29 +4,35 @@ use clap::{Args, Command, CommandFactory, Parser};
 use rtbench::args::Cli;
 
 /// Structs that name a heading. Options of all others stand under "Options".
-const HEADINGS: [(&str, &str); 8] = [
+const HEADINGS: [(&str, &str); 6] = [
     ("ViewArgs", "View and lights"),
     ("MeasuringArgs", "Measuring"),
-    ("IssueArgs", "Measuring"),
-    ("MemoryArgs", "Measuring"),
     ("SamplingArgs", "Sampling"),
     ("PluginArgs", "Plugins"),
     ("TableArgs", "Tables"),
     ("exports", "Files"),
 ];
 
+/// Options of structs into which `MeasuringArgs` is flattened.
+const BESIDE_MEASURING: [&str; 6] =
+    ["time_budget", "reference", "order", "lights", "pass_limit", "max_memory"];
+
 /// Options of a command and of those below it that stand under a heading of another struct. The
 /// groups that clap derives from structs have members where nothing is flattened into them: the
 /// options of all others are expected under no heading.
 fn misplaced(command: &Command) -> Vec<String> {
     let mut found: Vec<String> = command.get_subcommands().flat_map(misplaced).collect();
+    let is_any_of = |name: &str| command.get_groups().any(|group| group.get_id() == name);
     for arg in command.get_arguments().filter(|arg| !arg.is_positional()) {
         let is_of = |name: &str| {
             let mut groups = command.get_groups().filter(|group| group.get_id() == name);
             groups.any(|group| group.get_args().any(|id| id == arg.get_id()))
         };
         let named = HEADINGS.iter().find(|(name, _)| is_of(name));
-        let expected = named.map(|(_, heading)| *heading);
+        let is_nested =
+            is_any_of("MeasuringArgs") && BESIDE_MEASURING.contains(&arg.get_id().as_str());
+        let nested = is_nested.then_some("Measuring");
+        let expected = named.map(|(_, heading)| *heading).or(nested);
         let is_of_all = arg.is_global_set() && arg.get_help_heading() == Some("Every command");
         if arg.get_help_heading() != expected && !is_of_all {
             let (name, heading) = (command.get_name(), arg.get_help_heading());

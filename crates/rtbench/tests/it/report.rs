@@ -300,7 +300,7 @@ fn unreadable_files_are_errors_that_name_them() {
         ("tracers/tetra/tracers.json", "[", "rtbench compare-tracers"),
         ("havran1999.csv", "scene,nothing\nballs,1\n", "rtbench reproduce havran1999"),
         ("zachmann2007.csv", "scene\nballs\n", "rtbench reproduce zachmann2007"),
-        ("sweep-density.svg", "<html>", "not an SVG"),
+        ("sweep-density/sweep.svg", "<html>", "not an SVG"),
         ("heat-maps/tetra/time.png", "GIF89a", "not a PNG"),
         ("pictures/tetra.png", "GIF89a", "rtbench render"),
     ] {

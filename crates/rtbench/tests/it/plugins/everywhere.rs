@@ -64,7 +64,8 @@ fn devices_are_timed_by_time_of_day_and_get_whole_batches() {
     assert!(note.starts_with("its largest call had "), "{note}");
     assert!(processor < device, "{processor} {device}");
     // more rays than threads get at a time
-    let more = ["-j", "2", "--size", "96", "--rays", "primary"];
+    // all of them, though a call takes long
+    let more = ["-j", "2", "--size", "96", "--rays", "primary", "--pass-limit", "600s"];
     for (variant, is_whole) in [(&[][..], true), (&["-DPROCESSOR"], false)] {
         let Some(plugin) = compiled(&folder, source, variant) else { return };
         for place in [&[][..], &["--in-process"]] {
