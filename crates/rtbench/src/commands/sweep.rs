@@ -206,8 +206,9 @@ mod tests {
         let labels: Vec<String> = s.plan.rows.iter().map(|row| row.label()).collect();
         assert_eq!(labels.len(), REGISTRY.len() + occluders::REGISTRY.len());
         assert!(REGISTRY.iter().all(|e| labels.iter().any(|l| l == e.info.name)), "{labels:?}");
-        let s = sizes("tetra --sizes 64 -s all,uniform-grid:density=4 --rays primary").unwrap();
+        let s = sizes("tetra --sizes 64 -s uniform-grid:density=4").unwrap();
         assert!(s.plan.rows.iter().any(|row| row.label() == "uniform-grid density=4"));
+        let s = sizes("tetra --sizes 64 --rays primary").unwrap();
         assert_eq!(s.plan.rows.len(), REGISTRY.len(), "no shadow rays, no occluder");
     }
 
