@@ -16,36 +16,29 @@ pub mod show;
 mod studies;
 mod sweep;
 
-pub use check::TrialArgs;
-pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs};
+pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs, TrialArgs};
 pub use files::TraceArgs;
 pub use files::{
     CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
     settings_of,
 };
-pub use list::DoctorArgs;
-pub use list::{CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
-pub use list::{Format, ListArgs, ListSubject};
-pub use list::{SceneNames, ScenesAction, ScenesArgs};
-pub use measuring::ExportArgs;
-pub use measuring::MeasuringArgs;
-pub use measuring::TableArgs;
-pub use measuring::{PluginArgs, ServeArgs};
+pub use list::{
+    CompletionsArgs, DoctorArgs, Format, ListArgs, ListSubject, ManArgs, SceneNames, ScenesAction,
+    ScenesArgs, SchemaArgs, SchemaOf,
+};
+pub use measuring::{ExportArgs, MeasuringArgs, PluginArgs, ServeArgs, TableArgs};
 pub(crate) use parsers::percent;
 pub use render::{CostArgs, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
-pub use results::HistoryArgs;
-pub use results::MergeArgs;
-pub use results::ReportArgs;
-pub use results::{BaselineAction, BaselineArgs, FolderArgs, SaveArgs};
-pub use results::{CompareArgs, CompareFormat};
+pub use results::{
+    BaselineAction, BaselineArgs, CompareArgs, CompareFormat, FolderArgs, HistoryArgs, MergeArgs,
+    ReportArgs, SaveArgs,
+};
 pub use run::RunArgs;
 pub use show::ShowArgs;
-pub use studies::AccuracyArgs;
-pub use studies::AnimateArgs;
-pub use studies::CompareTracersArgs;
-pub use studies::ExplainArgs;
-pub use studies::VerifyArgs;
-pub use studies::{HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
+pub use studies::{
+    AccuracyArgs, AnimateArgs, CompareTracersArgs, ExplainArgs, HavranArgs, Publication,
+    ReproduceArgs, VerifyArgs, ZachmannArgs,
+};
 pub use sweep::SweepArgs;
 
 /// The head of options that every command has.

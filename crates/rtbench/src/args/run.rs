@@ -8,10 +8,7 @@ use clap::Args;
 use measurement::rays::order::Orders;
 use measurement::settings::{Lights, MeasuringSettings, RunSettings, quantity};
 
-use crate::args::measuring::ExportArgs;
-use crate::args::measuring::PluginArgs;
-use crate::args::measuring::RatioArgs;
-use crate::args::measuring::TableArgs;
+use crate::args::measuring::{ExportArgs, PluginArgs, RatioArgs, TableArgs};
 use crate::args::parsers::{choice, scene_name};
 
 #[derive(Debug, Clone, Args)]

@@ -46,8 +46,11 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     // before the files are there: a signal would leave them empty
     let signal = interrupt::flag().map_err(Error::Signals)?;
     let mut created = context.created_folder(args.output.as_ref(), &NAMES)?;
-    for name in NAMES {
-        args.output.as_ref().map(|folder| created.file(&folder.join(name))).transpose()?;
+    if let Some(folder) = &args.output {
+        // so that it can be watched
+        for name in NAMES {
+            created.file(&folder.join(name))?;
+        }
     }
     let report = checked(context, args, &plan, signal)?;
     let screen = context.terminal.screen(color);
