@@ -8,9 +8,10 @@
 use glam::{DVec2, dvec2};
 
 use crate::geometry::ray::MISS;
-use crate::geometry::scalar::Scalar;
+use crate::geometry::scalar::{Scalar, Vec3};
 use crate::memory::prefetch;
 use crate::occluders::light_buffer::cell_part::{CellPoint, CellRegion, SPOT_BITS};
+use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::margins::Margins;
 
 /// An entry of a list.
@@ -39,6 +40,10 @@ pub(super) const LONG: u32 = MISS - 2;
 
 /// Marks a cell that is divided.
 pub(super) const DIVIDED: u32 = 1 << 31;
+/// The most cells or records whose index fits into a cell's word.
+pub(super) const INDEX_LIMIT: u128 = DIVIDED as u128;
+/// The most primitives; higher numbers mean something else in lists.
+pub(super) const ID_LIMIT: u128 = LONG as u128;
 /// Two bits of u and of v a level.
 pub(super) const LEVEL_BITS: u32 = 2;
 
@@ -55,6 +60,12 @@ pub(super) struct Face<S> {
     shift: u32,
     /// Bits of the coarse grid.
     pub(super) bits: u32,
+}
+
+/// A light and what it sees.
+pub(super) struct Cube<S: Scalar> {
+    pub(super) position: Vec3<S>,
+    pub(super) faces: [Face<S>; FACES],
 }
 
 /// Result of looking up a direction on a face.
@@ -179,6 +190,11 @@ pub(super) struct Cells<S> {
 impl<S: Scalar> Cells<S> {
     pub(super) fn new() -> Self {
         Self { cells: Vec::new(), records: vec![Record::end()], tally: BuildCounts::default() }
+    }
+
+    /// Largest index that must fit into a cell's word.
+    pub(super) fn largest_index(&self) -> u128 {
+        self.cells.len().max(self.records.len()) as u128
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -1,31 +1,25 @@
 //! How the cells of a face are made: a coarse grid, and in its cells divisions where lists are
 //! long and become shorter by it.
 //!
-//! What lies behind something that hides the whole cell, a primitive or a layer of them, is left
-//! out first; a division is judged by what then remains.
+//! What lies behind a primitive that hides the whole cell is left out first; a division is judged
+//! by what then remains.
 
-use glam::{DVec2, dvec2};
+use glam::{DVec2, DVec3, dvec2};
 use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
-use crate::occluders::light_buffer::batches::FaceCells;
-use crate::occluders::light_buffer::bodies::FaceView;
 use crate::occluders::light_buffer::cell_part::{OutlineClipper, SPOT_BITS};
+use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::face_tree::{
     COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record,
 };
-use crate::occluders::light_buffer::layers::Layers;
 use crate::occluders::light_buffer::margins::Margins;
+use crate::occluders::light_buffer::projected::{Bodies, FaceCells};
 
 /// Subcells of a cell.
 const FAN: usize = 16;
 /// References that the cells of a coarse grid may have for each primitive, about.
 const COARSE_GROWTH: f64 = 8.0;
-/// Layers are looked for in lists longer than the first and no longer than the second: shorter
-/// ones gain little, and a layer of more has edges in the cell.
-const LAYER_LISTS: [usize; 2] = [6, 512];
-/// One in so many of a list must lie behind what may be a layer.
-const LAYER_PART: usize = 3;
 /// In lists no longer than this it is not looked for what a division hides, if it only pays then.
 const SHORT: usize = 48;
 /// Rows of the coarse grid that are kept apart at once.
@@ -47,10 +41,20 @@ pub(super) struct Limits {
     pub(super) cut_off: bool,
 }
 
+/// The six faces around a light.
+pub(super) fn faces<S: Scalar>(
+    bodies: &Bodies,
+    light: DVec3,
+    limits: Limits,
+    margins: &Margins,
+    out: &mut Cells<S>,
+) -> [Face<S>; FACES] {
+    FaceCells::around(bodies, light, margins).map(|shown| fill_face(&shown, limits, margins, out))
+}
+
 /// Makes the cells of a face.
-pub(super) fn fill_face<S: Scalar>(
+fn fill_face<S: Scalar>(
     shown: &FaceCells,
-    sight: &FaceView<'_>,
     limits: Limits,
     margins: &Margins,
     out: &mut Cells<S>,
@@ -66,7 +70,7 @@ pub(super) fn fill_face<S: Scalar>(
     let (face, low, step) = Face::over(low, high, margins, [bits + shift, bits], first);
     out.cells.resize(out.cells.len() + (1 << (2 * bits)), 0);
     out.tally.inner += 1;
-    let plan = FillPlan { shown, sight, limits, margins, low, step, shift, bits };
+    let plan = FillPlan { shown, limits, margins, low, step, shift, bits };
     plan.coarse(first, out);
     face
 }
@@ -74,7 +78,6 @@ pub(super) fn fill_face<S: Scalar>(
 /// Input of all cells of a face.
 struct FillPlan<'a> {
     shown: &'a FaceCells,
-    sight: &'a FaceView<'a>,
     limits: Limits,
     margins: &'a Margins,
     low: DVec2,
@@ -200,28 +203,21 @@ struct CellFiller<'a, S> {
     plan: &'a FillPlan<'a>,
     out: Cells<S>,
     clip: OutlineClipper,
-    layers: Layers,
     entries: Vec<(f64, u32)>,
 }
 
 impl<'a, S: Scalar> CellFiller<'a, S> {
     fn new(plan: &'a FillPlan<'a>) -> Self {
-        let (clip, layers) = (OutlineClipper::default(), Layers::default());
-        Self { plan, out: Cells::new(), clip, layers, entries: Vec::new() }
+        Self { plan, out: Cells::new(), clip: OutlineClipper::default(), entries: Vec::new() }
     }
 
     /// Leaves out of a cell's list what is hidden everywhere in it; says from which depth on
     /// everything is.
-    fn prune(&mut self, list: &mut Vec<u32>, center: DVec2, half: DVec2) -> Option<f64> {
+    fn prune(&self, list: &mut Vec<u32>, center: DVec2, half: DVec2) -> Option<f64> {
         let FillPlan { limits, margins, .. } = self.plan;
         if !(limits.cut_off && margins.can_multiply) {
             return None;
         }
-        let leave = |list: &mut Vec<u32>, far: f64| {
-            let far = far * (1.0 + margins.depth);
-            list.retain(|&i| self.plan.near(i, center, half) <= far);
-            far
-        };
         // directions that rounding brings into the cell are covered too
         let grown = half + margins.direction * 2.0;
         let far = |&i: &u32| {
@@ -230,37 +226,9 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
             let plane = print.footprint.spans(center, half * 0.99).then(|| print.plane())??;
             plane.covers(print.edges(plane), center, grown)
         };
-        let mut cover = list.iter().filter_map(far).min_by(f64::total_cmp);
-        cover = cover.map(|far| leave(list, far));
-        if let Some(far) = self.layer(list, center, half, grown)
-            && cover.is_none_or(|cover| far < cover)
-        {
-            cover = Some(leave(list, far));
-        }
-        cover
-    }
-
-    /// The depth at which a layer ends that hides the cell, where one can be worth looking for.
-    fn layer(&mut self, list: &[u32], center: DVec2, half: DVec2, grown: DVec2) -> Option<f64> {
-        let plan = self.plan;
-        let [above, most] = LAYER_LISTS;
-        if !plan.sight.is_tight() || list.len() <= above || list.len() > most {
-            return None;
-        }
-        // no layer ends before the nearest thing in the middle does
-        let at_middle = |i: &&u32| {
-            let print = plan.shown.print(**i);
-            print.footprint.overlaps(print.sides(), center, DVec2::ZERO)
-        };
-        let first = list.iter().filter(at_middle).map(|&i| plan.near(i, center, DVec2::ZERO));
-        let first = first.min_by(f64::total_cmp)?;
-        let behind = list.iter().filter(|&&i| plan.near(i, center, half) > first).count();
-        if behind * LAYER_PART < list.len() {
-            return None;
-        }
-        let triangle = |&i: &u32| plan.sight.triangle(plan.shown.print(i).footprint.body);
-        let triangles = list.iter().filter_map(triangle);
-        self.layers.hidden_beyond(triangles, center, grown, plan.margins)
+        let far = list.iter().filter_map(far).min_by(f64::total_cmp)? * (1.0 + margins.depth);
+        list.retain(|&i| self.plan.near(i, center, half) <= far);
+        Some(far)
     }
 
     /// Makes a cell of the footprints in `list`, dividing it where that pays. The first of

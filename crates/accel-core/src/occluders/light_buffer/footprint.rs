@@ -27,8 +27,6 @@ pub(super) struct HalfPlane {
 #[derive(Debug, Clone)]
 pub(super) struct Footprint {
     pub(super) id: u32,
-    /// The body it was made from.
-    pub(super) body: u32,
     /// Its lower and upper bounds on the face.
     pub(super) low: DVec2,
     pub(super) high: DVec2,
@@ -181,7 +179,7 @@ impl Projection<'_> {
         }
         *self.normals = normals;
         let sides = first..self.sides.len() as u32;
-        Some(Footprint { id, body: 0, low, high, sides, near: seen.least_depth(), plane: None })
+        Some(Footprint { id, low, high, sides, near: seen.least_depth(), plane: None })
     }
 }
 

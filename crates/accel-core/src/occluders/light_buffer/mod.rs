@@ -6,53 +6,45 @@
 //!
 //! Deviations: a face is not one grid but covers only what it shows, and its cells divide into
 //! 4 x 4 where lists are long, down to the resolution asked for (a flat cube fails on scenes whose
-//! detail is clustered); lists that remain long are left to a structure; a cell that one primitive
-//! covers, or triangles that share their edges do together (`layers.rs`), lists nothing behind
-//! them; records say in which part of a cell a primitive is seen (`cell_part.rs`), so that few are
-//! tested; depths are lengths along the axis of the face, which order as distances do. Everything
-//! is conservative (see `margins.rs`), so that answers are those of every structure.
+//! detail is clustered); lists that remain long are left to a structure; records say in which part
+//! of a cell a primitive is seen (`cell_part.rs`), so that few are tested; depths are lengths along
+//! the axis of the face, which order as distances do. Everything is conservative (see
+//! `margins.rs`), so that answers are those of every structure.
+//!
+//! To be read in this order: `direction_cube.rs`; `projected.rs`, with `footprint.rs` and
+//! `facing.rs`; `filling.rs`, whose result is in `face_tree.rs`; `answer.rs`.
 
-mod batches;
-mod bodies;
+mod answer;
 mod cell_part;
 mod direction_cube;
 mod face_tree;
 mod facing;
-mod fill;
 mod filling;
 mod footprint;
-mod in_stages;
-#[cfg(test)]
-mod layer_tests;
-mod layers;
 mod margins;
 mod on_demand;
+mod projected;
 mod remainder;
 #[cfg(test)]
 mod tests;
 
 use glam::DVec3;
 
-use self::bodies::Bodies;
-use self::direction_cube::{CubePoint, FACES};
-use self::face_tree::{COVERED, Cells, Face, FaceLookup, LONG, Record};
-use self::fill::{ID_LIMIT, INDEX_LIMIT, largest_index};
+use self::face_tree::{Cells, Cube, ID_LIMIT, INDEX_LIMIT};
 use self::filling::Limits;
-use self::margins::Margins;
+use self::margins::{LightRays, Margins};
 use self::on_demand::LazyBuffer;
+use self::projected::Bodies;
 use self::remainder::Remainder;
-use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::occluders::{BoxedOccluder, Occluder};
+use crate::occluders::BoxedOccluder;
+use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
-use crate::primitives::PrimsRef;
-use crate::query::counters::{Counters, NoCounters, WorkCounters};
+use crate::primitives::{PrimSet, PrimsRef};
 use crate::registry::Buildable;
-use crate::structure::{Batches, BuildError, StructureInfo, StructureStats, no_defect};
-use margins::LightRays;
+use crate::structure::{BuildError, StructureInfo, no_defect};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "light-buffer",
@@ -104,12 +96,6 @@ pub static INFO: StructureInfo = StructureInfo {
     known_defect: no_defect,
     sampled: false,
 };
-
-/// A light and what it sees.
-struct Cube<S: Scalar> {
-    position: Vec3<S>,
-    faces: [Face<S>; FACES],
-}
 
 /// A built light buffer with its primitives.
 struct LightBuffer<'a, S: Scalar, P> {
@@ -224,14 +210,6 @@ fn checked<S: Scalar, P: PrimSet<S>>(
     Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
 }
 
-/// Answer of the buffer for a ray.
-enum Answer {
-    Free,
-    Blocked,
-    /// The remainder has to be asked.
-    Unknown,
-}
-
 impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
     fn new(
         prims: &'a P,
@@ -247,8 +225,8 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         for &light in lights {
             let position = Vec3::<S>::from_dvec3(light);
             let before = cells.extent();
-            let faces = fill::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
-            let needed = largest_index(&cells);
+            let faces = filling::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
+            let needed = cells.largest_index();
             is_below("number of cells or references", needed, INDEX_LIMIT, settings.structure())?;
             if cells.bytes() > most_bytes {
                 cells.cut(before);
@@ -263,129 +241,5 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
             remainder.make()?;
         }
         Ok(Self { prims, cubes, cells, aim: LightRays::new(prims, &margins), remainder, is_batch })
-    }
-
-    /// Origin of a ray relative to its light; `None` if the buffer has no answer.
-    #[inline(always)]
-    fn place(&self, ray: &Ray<S>, light: u32) -> Option<(CubePoint<S>, &Face<S>)> {
-        let cube = self.cubes.get(light as usize)?;
-        let place = self.aim.place(ray, cube.position)?;
-        Some((place, cube.faces.get(place.face)?))
-    }
-
-    #[inline(always)]
-    fn answer<C: Counters>(&self, ray: &Ray<S>, light: u32, counters: &mut C) -> Answer {
-        let Some((place, face)) = self.place(ray, light) else { return Answer::Unknown };
-        let Some(found) = face.find(&self.cells.cells, place.at) else {
-            counters.elementary_step(true);
-            return Answer::Free;
-        };
-        if C::ENABLED {
-            (1..found.levels).for_each(|_| counters.inner_step());
-            counters.elementary_step(found.first == 0);
-        }
-        self.in_list(ray, &place, &found, counters)
-    }
-
-    /// Candidates of the list that was found, nearest first; or the answer, if an occluder covers
-    /// the cell.
-    #[inline(always)]
-    fn candidates(
-        &self,
-        ray: &Ray<S>,
-        place: &CubePoint<S>,
-        found: &FaceLookup,
-    ) -> Result<impl Iterator<Item = &Record<S>>, Answer> {
-        let mut list = self.cells.records.get(found.first as usize..).ok_or(Answer::Unknown)?;
-        if let [head, rest @ ..] = list
-            && head.id == COVERED
-        {
-            if place.depth > head.near {
-                // what covers the cell is hit at a parameter of at least t_min
-                let room = (place.depth - head.near) * ray.t_max;
-                let certain = room > ray.t_min * place.depth * S::from_f64(1.001);
-                return Err(if certain { Answer::Blocked } else { Answer::Unknown });
-            }
-            list = rest;
-        }
-        let (depth, spot) = (place.depth, found.spot);
-        let before = list.iter().take_while(move |record| record.near <= depth);
-        Ok(before.filter(move |record| record.part.holds(spot)))
-    }
-
-    /// One ray, whose list was found.
-    #[inline(always)]
-    fn in_list<C: Counters>(
-        &self,
-        ray: &Ray<S>,
-        place: &CubePoint<S>,
-        found: &FaceLookup,
-        counters: &mut C,
-    ) -> Answer {
-        let candidates = match self.candidates(ray, place, found) {
-            Ok(candidates) => candidates,
-            Err(answer) => return answer,
-        };
-        let mut setup = None;
-        for record in candidates {
-            if record.id >= LONG {
-                return Answer::Unknown;
-            }
-            counters.intersection_tests(1);
-            let setup = setup.get_or_insert_with(|| self.prims.setup(ray));
-            if self.prims.intersect(record.id, ray, setup, ray.t_max).is_some() {
-                return Answer::Blocked;
-            }
-        }
-        Answer::Free
-    }
-}
-
-impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
-    fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]) {
-        if self.is_batch {
-            return self.occlusions_in_stages(rays, lights, blocked);
-        }
-        for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
-            *blocked = match self.answer(ray, light, &mut NoCounters) {
-                Answer::Free => false,
-                Answer::Blocked => true,
-                Answer::Unknown => self.remainder.is_blocked(ray),
-            };
-        }
-    }
-
-    fn count_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        lights: &[u32],
-        blocked: &mut [bool],
-    ) -> WorkCounters {
-        let mut work = WorkCounters::default();
-        for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
-            *blocked = match self.answer(ray, light, &mut work) {
-                Answer::Free => false,
-                Answer::Blocked => true,
-                Answer::Unknown => self.remainder.count_blocked(ray, &mut work),
-            };
-        }
-        work
-    }
-
-    fn stats(&self) -> StructureStats {
-        let (cells, tally) = (&self.cells, &self.cells.tally);
-        let bytes = cells.bytes() + size_of_val(self.cubes.as_slice());
-        StructureStats {
-            inner_cells: tally.inner,
-            cells: tally.leaves,
-            empty_cells: tally.empty,
-            references: tally.references,
-            bytes: bytes as u64 + self.remainder.bytes(),
-            ..StructureStats::default()
-        }
-    }
-
-    fn batches(&self) -> Batches {
-        if self.is_batch { Batches::Together } else { Batches::RayByRay }
     }
 }

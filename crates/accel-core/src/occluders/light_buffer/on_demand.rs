@@ -15,28 +15,21 @@ use glam::DVec3;
 use crate::geometry::ray::{MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::occluders::Occluder;
-use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
-use crate::occluders::light_buffer::face_tree::Face;
+use crate::occluders::light_buffer::direction_cube::in_frame;
+use crate::occluders::light_buffer::face_tree::{Cube, Face};
 use crate::occluders::light_buffer::footprint::{ProjectedBody, Projection};
-use crate::occluders::light_buffer::margins::LightRays;
-use crate::occluders::light_buffer::margins::Margins;
+use crate::occluders::light_buffer::margins::{LightRays, Margins};
 use crate::occluders::light_buffer::remainder::Remainder;
-use crate::primitives::PrimsRef;
-use crate::primitives::{Ball, PrimSet};
+use crate::primitives::{Ball, PrimSet, PrimsRef};
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
 use crate::structure::{BuildError, StructureStats};
 
-/// A light, and the faces of its cube, each one flat grid over what shows the scene.
-struct FlatCube<S: Scalar> {
-    position: Vec3<S>,
-    faces: [Face<S>; FACES],
-}
-
 /// A buffer filled on demand, with its primitives.
 pub(super) struct LazyBuffer<'a, S: Scalar, P> {
     prims: &'a P,
-    cubes: Vec<FlatCube<S>>,
+    /// The faces of each are flat grids over what shows the scene.
+    cubes: Vec<Cube<S>>,
     /// The last occluder found in each cell, or [`MISS`].
     cells: Vec<AtomicU32>,
     aim: LightRays<S>,
@@ -71,9 +64,9 @@ impl<'a, S: Buildable, P: PrimSet<S>> LazyBuffer<'a, S, P> {
                     Face::over(low, high, margins, [bits, bits], first as u32).0
                 }
             });
-            FlatCube { position, faces }
+            Cube { position, faces }
         };
-        let cubes: Vec<FlatCube<S>> = lights.iter().map(cube).collect();
+        let cubes: Vec<Cube<S>> = lights.iter().map(cube).collect();
         let cells = (0..count).map(|_| AtomicU32::new(MISS)).collect();
         Ok(Self { prims, cubes, cells, aim: LightRays::new(prims, margins), remainder })
     }

@@ -2,11 +2,14 @@
 
 use glam::{DVec3, dvec3};
 
-use crate::occluders::find;
+use crate::geometry::ray::Ray;
+use crate::occluders::light_buffer::answer::Answer;
 use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG};
 use crate::occluders::light_buffer::*;
+use crate::occluders::{Occluder, find};
 use crate::params::config::Settings;
 use crate::primitives::{MixedSet, MixedSetBuilder};
+use crate::query::counters::NoCounters;
 use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
 
 fn settings() -> impl Iterator<Item = &'static str> {

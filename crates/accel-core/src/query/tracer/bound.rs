@@ -38,6 +38,9 @@ pub struct Bound<'a, S, P, T, const COMPILED: bool> {
 impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
     Bound<'a, S, P, T, COMPILED>
 {
+    /// Whether queries with a mailbox are compiled: not for tests that are only compared.
+    const HAS_COMPILED_MAILBOX: bool = T::DUPLICATES && !P::HAS_OTHER_TESTS;
+
     /// Joins a structure with the primitives it was built over.
     pub fn new(prims: &'a P, structure: T) -> Self {
         let reach = far_ray::reach(prims.magnitude());
@@ -246,7 +249,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         {
             return self.closest_by_blocks(blocks, rays, hits);
         }
-        if T::DUPLICATES && !P::HAS_OTHER_TESTS && self.mailbox.is_used() {
+        if Self::HAS_COMPILED_MAILBOX && self.mailbox.is_used() {
             return self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
         }
         match self.structure.batches(self.prims, None) {
@@ -279,7 +282,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         {
             return self.occlusions_by_blocks(blocks, rays, blocked);
         }
-        if T::DUPLICATES && !P::HAS_OTHER_TESTS && self.mailbox.is_used() {
+        if Self::HAS_COMPILED_MAILBOX && self.mailbox.is_used() {
             return self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
         }
         match self.structure.batches(self.prims, None) {

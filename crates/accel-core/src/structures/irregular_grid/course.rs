@@ -102,7 +102,8 @@ impl<S: Scalar> LatticeRayState<S> {
         let moves = (inverse * zero).at_most(zero);
         let (low, high) = ((zero - origin) * inverse, (place.size - origin) * inverse);
         let near = low.lesser(high).where_set(moves, zero - infinity);
-        // rounded up by two ulps, so that rounding never loses the lattice (Ize 2013)
+        // later by two ulps (Ize 2013); that no hit is lost is due to the padding of the boxes that
+        // the lattice spans
         let padding = splat(exit_factor());
         let far = (low.greater(high) * padding).where_set(moves, infinity);
         let [near, far] = [near.to_array(), far.to_array()];

@@ -1,0 +1,191 @@
+//! Filling beforehand, its first half: every opaque primitive is projected onto the faces of a
+//! light's cube (`filling.rs` makes the cells).
+//!
+//! In parallel, by runs of primitives whose length does not depend on the number of threads, so
+//! that neither do the cells.
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use crate::geometry::scalar::Scalar;
+use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
+use crate::occluders::light_buffer::facing::FacingPlane;
+use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedBody, Projection};
+use crate::occluders::light_buffer::margins::Margins;
+use crate::primitives::{Ball, PrimSet, PrimitiveKind};
+
+/// An opaque primitive.
+#[derive(Debug, Clone, Copy)]
+struct Body {
+    id: u32,
+    /// The end of its balls.
+    last: u32,
+    is_outline: bool,
+}
+
+/// The opaque primitives of a set as balls; what the cubes of all lights are filled from.
+pub(super) struct Bodies {
+    bodies: Vec<Body>,
+    balls: Vec<Ball>,
+}
+
+impl Bodies {
+    /// Balls around all opaque primitives, grown by `margin`.
+    pub(super) fn of<S: Scalar, P: PrimSet<S>>(prims: &P, margin: f64) -> Self {
+        let mut this = Self { bodies: Vec::with_capacity(prims.len()), balls: Vec::new() };
+        for id in (0..prims.len() as u32).filter(|&id| prims.is_opaque(id)) {
+            prims.hull(id, &mut this.balls);
+            let is_flat =
+                matches!(prims.kind(id), PrimitiveKind::Triangle | PrimitiveKind::Polygon);
+            let is_outline = is_flat && !prims.moves(id);
+            this.bodies.push(Body { id, last: this.balls.len() as u32, is_outline });
+        }
+        for ball in &mut this.balls {
+            ball.radius += margin;
+        }
+        this
+    }
+
+    fn own(&self, body: usize) -> &[Ball] {
+        let first = body.checked_sub(1).map_or(0, |before| self.bodies[before].last);
+        &self.balls[first as usize..self.bodies[body].last as usize]
+    }
+}
+
+/// Primitives of a batch, at most.
+const BATCH: usize = 1 << BATCH_BITS;
+const BATCH_BITS: u32 = 12;
+
+/// Footprints of up to [`BATCH`] primitives on a face.
+#[derive(Debug, Default)]
+pub(super) struct Batch {
+    /// One for each primitive that is seen.
+    pub(super) footprints: Vec<Footprint>,
+    pub(super) sides: Vec<HalfPlane>,
+    pub(super) planes: Vec<FacingPlane>,
+    /// The planes through the light and the edges of those.
+    pub(super) edges: Vec<DVec3>,
+}
+
+/// A footprint with what it refers to.
+#[derive(Clone, Copy)]
+pub(super) struct Print<'a> {
+    pub(super) footprint: &'a Footprint,
+    batch: &'a Batch,
+}
+
+impl<'a> Print<'a> {
+    pub(super) fn sides(self) -> &'a [HalfPlane] {
+        let own = &self.footprint.sides;
+        &self.batch.sides[own.start as usize..own.end as usize]
+    }
+
+    pub(super) fn plane(self) -> Option<&'a FacingPlane> {
+        self.batch.planes.get(self.footprint.plane? as usize)
+    }
+
+    /// The planes of its edges.
+    pub(super) fn edges(self, plane: &FacingPlane) -> &'a [DVec3] {
+        &self.batch.edges[plane.edges.start as usize..plane.edges.end as usize]
+    }
+}
+
+/// All that a face shows.
+#[derive(Debug, Default)]
+pub(super) struct FaceCells {
+    batches: Vec<Batch>,
+}
+
+impl FaceCells {
+    /// What each face around a light shows.
+    pub(super) fn around(bodies: &Bodies, light: DVec3, margins: &Margins) -> [Self; FACES] {
+        let batches: Vec<[Batch; FACES]> = (0..bodies.bodies.len().div_ceil(BATCH))
+            .into_par_iter()
+            .map(|i| batches(bodies, light, i * BATCH, margins))
+            .collect();
+        let mut shown: [Self; FACES] = std::array::from_fn(|_| Self::default());
+        for six in batches {
+            shown.iter_mut().zip(six).for_each(|(all, batch)| all.batches.push(batch));
+        }
+        shown
+    }
+
+    pub(super) fn batches(&self) -> &[Batch] {
+        &self.batches
+    }
+
+    pub(super) fn footprints(&self) -> impl Iterator<Item = &Footprint> {
+        self.batches.iter().flat_map(|s| &s.footprints)
+    }
+
+    /// The number by which a footprint of a batch is known.
+    pub(super) fn number(batch: usize, footprint: usize) -> u32 {
+        (batch as u32) << BATCH_BITS | footprint as u32
+    }
+
+    /// The footprint of that number.
+    #[inline(always)]
+    pub(super) fn print(&self, number: u32) -> Print<'_> {
+        let batch = &self.batches[(number >> BATCH_BITS) as usize];
+        Print { footprint: &batch.footprints[number as usize & (BATCH - 1)], batch }
+    }
+}
+
+/// Footprints of [`BATCH`] bodies on all faces.
+fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Batch; FACES] {
+    let mut out: [Batch; FACES] = std::array::from_fn(|_| Batch::default());
+    let (mut seen, mut normals) = (ProjectedBody::default(), Vec::new());
+    let run = bodies.bodies.iter().enumerate().skip(first).take(BATCH);
+    for (i, body) in run {
+        let own = bodies.own(i);
+        let extent = Extent::of(own, light);
+        for (face, batch) in out.iter_mut().enumerate() {
+            if !extent.may_show(face) {
+                continue;
+            }
+            seen.balls.clear();
+            let local = |b: &Ball| Ball { center: in_frame(face, b.center - light), ..*b };
+            seen.balls.extend(own.iter().map(local));
+            seen.is_outline = body.is_outline;
+            let mut projection =
+                Projection { margins, sides: &mut batch.sides, normals: &mut normals };
+            let Some(mut footprint) = projection.of(body.id, &seen) else { continue };
+            if let Some(plane) = FacingPlane::of(&seen, margins, &mut batch.edges) {
+                footprint.plane = Some(batch.planes.len() as u32);
+                batch.planes.push(plane);
+            }
+            batch.footprints.push(footprint);
+        }
+    }
+    out
+}
+
+/// Bounds of a body around the light: most faces are told from these not to show it.
+struct Extent {
+    low: DVec3,
+    high: DVec3,
+}
+
+impl Extent {
+    fn of(balls: &[Ball], light: DVec3) -> Self {
+        let mut this = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+        for ball in balls {
+            let center = ball.center - light;
+            // what is beyond a side of the pyramid is so by a radius times the root of 2
+            this.low = this.low.min(center - ball.radius);
+            this.high = this.high.max(center + ball.radius);
+        }
+        this
+    }
+
+    /// False only for a face that shows nothing of it.
+    fn may_show(&self, face: usize) -> bool {
+        let (a, b) = (in_frame(face, self.low), in_frame(face, self.high));
+        let (low, high) = (a.min(b), a.max(b));
+        high.z >= 0.0
+            && low.x <= high.z
+            && low.y <= high.z
+            && -high.x <= high.z
+            && -high.y <= high.z
+    }
+}
