@@ -12,11 +12,9 @@ use renderer::{Geometry, Image, RaySettings, render};
 use scene_loading::{Camera, Light, Material, Scene};
 
 use crate::accuracy::axes::voxel_traversal::LatticeRay;
-use crate::accuracy::stage::TRACER;
+use crate::accuracy::stage::{TRACER, build};
 use crate::error::{StudyError, UnsavedImage};
 use crate::verify::meshes::icosphere;
-use measurement::plan::rows::Row;
-use measurement::rounds::error::MeasureError;
 
 /// A picture: its file, what it shows, and how it is made.
 struct Picture {
@@ -94,13 +92,8 @@ fn over<R>(
     scene: &Scene,
     ask: impl FnOnce(&dyn Tracer<f32>) -> R,
 ) -> Result<R, StudyError> {
-    let row = Row::parse(registry, label)?;
     let geometry = Geometry::<f32>::of(scene)?;
-    let tracer = row
-        .entry
-        .build(geometry.prims(), &row.params)
-        .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
-    Ok(ask(&*tracer))
+    Ok(ask(&*build(registry, label, &scene.name, &geometry)?))
 }
 
 fn leak(registry: &[Entry]) -> Result<Image, StudyError> {

@@ -201,7 +201,7 @@ impl ErrorOf {
     /// The number that is plotted: wrong answers in a million, or the difference itself.
     pub fn value(self) -> f64 {
         match self {
-            Self::Counted { wrong, trials } => wrong as f64 / trials.max(1) as f64 * 1e6,
+            Self::Counted { wrong, trials } => in_a_million(wrong, trials),
             Self::Rmse { rmse } => rmse,
         }
     }
@@ -213,6 +213,10 @@ impl ErrorOf {
             _ => None,
         }
     }
+}
+
+pub fn in_a_million(n: u64, of: u64) -> f64 {
+    n as f64 / of.max(1) as f64 * 1e6
 }
 
 #[derive(Debug, Clone, Copy, Default)]

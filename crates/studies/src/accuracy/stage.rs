@@ -4,12 +4,13 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::accuracy::record::TrialCounts;
 use crate::error::StudyError;
+use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::Entry;
-use accel_core::{Hit, Ray, Scalar, occluders};
+use accel_core::{Aabb, Hit, Ray, Scalar, occluders};
 use measurement::plan::rows::Row;
 use measurement::rays::batches::{Answers, trace};
 use measurement::rounds::error::MeasureError;
@@ -38,15 +39,23 @@ impl PreparedScene {
         settings: &RaySettings,
     ) -> Result<Self, StudyError> {
         let geometry = Geometry::<f32>::of(&scene)?;
-        let row = Row::parse(registry, TRACER)?;
-        let tracer = row
-            .entry
-            .build(geometry.prims(), &row.params)
-            .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
+        let tracer = build(registry, TRACER, &scene.name, &geometry)?;
         let rays = generate_rays(&scene, &*tracer, settings);
         drop(tracer);
         Ok(Self { scene, geometry, rays })
     }
+}
+
+/// The structure of that label over the primitives of a scene of that name.
+pub fn build<'g, S: Buildable>(
+    registry: &[Entry],
+    label: &str,
+    scene: &str,
+    geometry: &'g Geometry<S>,
+) -> Result<Box<dyn Tracer<S> + 'g>, StudyError> {
+    let row = Row::parse(registry, label)?;
+    let built = row.entry.build(geometry.prims(), &row.params);
+    Ok(built.map_err(|source| MeasureError::Build { scene: scene.to_owned(), source })?)
 }
 
 /// Context of an axis on one scene.
@@ -121,8 +130,11 @@ impl<'a> Stage<'a> {
         })
     }
 
-    pub fn built_all(&self, labels: &[&str]) -> Result<Vec<StagedStructure<'a>>, StudyError> {
-        labels.iter().map(|label| self.built(label)).collect()
+    pub fn built_all(
+        &self,
+        labels: &[impl AsRef<str>],
+    ) -> Result<Vec<StagedStructure<'a>>, StudyError> {
+        labels.iter().map(|label| self.built(label.as_ref())).collect()
     }
 
     /// The structure of that label over other primitives than those of the scene.
@@ -131,8 +143,7 @@ impl<'a> Stage<'a> {
         label: &str,
         geometry: &'g Geometry<S>,
     ) -> Result<Box<dyn Tracer<S> + 'g>, StudyError> {
-        let row = Row::parse(self.registry, label)?;
-        row.entry.build(geometry.prims(), &row.params).map_err(|e| self.refused(e))
+        build(self.registry, label, self.name, geometry)
     }
 
     /// The error for a structure that refuses the scene.
@@ -143,6 +154,14 @@ impl<'a> Stage<'a> {
     /// The error for a scene that has nothing the axis is about.
     pub fn unfit(&self, reason: &'static str) -> StudyError {
         StudyError::UnfitScene { axis: self.axis, scene: self.name.to_owned(), reason }
+    }
+
+    /// The box of its primitives.
+    pub fn bounds(&self) -> Aabb<f32> {
+        match self.prepared.geometry.prims() {
+            PrimsRef::Watertight(set) => set.scene_bounds(),
+            PrimsRef::Mixed(set) => set.scene_bounds(),
+        }
     }
 
     /// The rays that are timed: of the kinds that `keep` says, evenly thinned.
@@ -174,6 +193,26 @@ pub fn batches<S: Buildable>(
 
 pub fn count<S: Scalar>(batches: &Batches<S>) -> usize {
     batches.iter().map(|(_, rays)| rays.len()).sum()
+}
+
+/// The same rays in double precision.
+pub fn widened(batches: &Batches<f32>) -> Batches<f64> {
+    let wide = |rays: &Vec<Ray<f32>>| rays.iter().map(Ray::widened).collect();
+    batches.iter().map(|(kind, rays)| (*kind, wide(rays))).collect()
+}
+
+/// Diagonal of the scene's box, world units.
+pub fn diagonal(scene: &Scene) -> f64 {
+    scene.bounds().size().length()
+}
+
+pub fn mebibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 20)
+}
+
+/// The columns of what a structure takes beside time.
+pub fn build_columns(bytes: u64, build_s: f64) -> [(&'static str, f64); 2] {
+    [("MiB", mebibytes(bytes)), ("build ms", build_s * 1e3)]
 }
 
 pub struct Replay<'a, S: Scalar> {
@@ -217,6 +256,14 @@ impl<'a, S: Buildable> Replay<'a, S> {
         }
         total
     }
+}
+
+/// The rays through each of the structures, each kind timed by itself.
+pub fn replays<'r>(
+    built: &'r [StagedStructure<'_>],
+    batches: &'r Batches<f32>,
+) -> Vec<Replay<'r, f32>> {
+    built.iter().map(|built| Replay::new(&*built.tracer, batches).by_kind()).collect()
 }
 
 impl<S: Buildable> Work for Replay<'_, S> {

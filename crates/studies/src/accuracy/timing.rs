@@ -75,6 +75,12 @@ pub struct AxisReport {
     pub pixels: u32,
 }
 
+impl AxisReport {
+    pub fn new(timed: impl Into<String>, judged: impl Into<String>) -> Self {
+        Self { timed: timed.into(), judged: judged.into(), ..Self::default() }
+    }
+}
+
 /// Seconds of a timed pass, about: shorter work is repeated within it.
 const PASS: f64 = 0.004;
 
@@ -83,7 +89,12 @@ fn repeats(seconds: f64) -> u32 {
 }
 
 /// Times the variants and says where each stands.
-pub fn timed(stage: &Stage<'_>, said: AxisReport, mut variants: Vec<Variant<'_>>) -> SceneOutcome {
+pub fn timed<'v>(
+    stage: &Stage<'_>,
+    said: AxisReport,
+    variants: impl IntoIterator<Item = Variant<'v>>,
+) -> SceneOutcome {
+    let mut variants: Vec<Variant<'v>> = variants.into_iter().collect();
     let mut faults = said.faults;
     let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
     let mut parts: Vec<Parts> = variants.iter().map(|v| Parts::of(&*v.work)).collect();

@@ -34,7 +34,7 @@ const SHARE: usize = 40;
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = TESTS.map(|(name, _)| format!("bounding-volumes:group=4:box-test={name}"));
-    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let built = stage.built_all(&labels)?;
     let most = (stage.timed_rays / SHARE).max(50);
     let batches = stage.batches(most, |kind| kind != RayKind::Shadow);
     let rays = count(&batches);
@@ -63,12 +63,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(name, built, lost.error(), replay)
         }
     });
-    let said = AxisReport {
-        timed: format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
-        judged: format!("{} rays at corners, edges and faces of boxes", aims.len()),
-        ..AxisReport::default()
-    };
-    let variants = variants.collect();
+    let said = AxisReport::new(
+        format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
+        format!("{} rays at corners, edges and faces of boxes", aims.len()),
+    );
     Ok(timed(stage, said, variants))
 }
 

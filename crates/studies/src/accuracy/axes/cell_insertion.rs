@@ -34,11 +34,10 @@ const INSERTIONS: [&str; 4] = ["box", "padded-box", "exact", "padded-exact"];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = INSERTIONS.map(|i| format!("uniform-grid:density=8:insertion={i}"));
-    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let built = stage.built_all(&labels)?;
     let batches = stage.all_batches();
     let rays = count(&batches);
-    let replays: Vec<_> =
-        built.iter().map(|b| Replay::new(&*b.tracer, &batches).by_kind()).collect();
+    let replays = replays(&built, &batches);
     let primitives = stage.prepared.geometry.len().max(1) as f64;
     let mut variants = Vec::new();
     for (((built, replay), insertion), label) in
@@ -49,21 +48,18 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             PrimsRef::Mixed(set) => judged(stage, set, label),
         }?;
         let stats = built.stats();
+        let mut also = vec![("references a primitive", stats.references as f64 / primitives)];
+        also.extend(build_columns(stats.bytes, built.build_s));
         variants.push(Variant {
             is_reference: insertion == "padded-box",
-            also: vec![
-                ("references a primitive", stats.references as f64 / primitives),
-                ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
-                ("build ms", built.build_s * 1e3),
-            ],
+            also,
             ..Variant::built(insertion, built, tally.error(), replay)
         });
     }
-    let said = AxisReport {
-        timed: format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
-        judged: format!("{} points that lie on primitives", stage.trials()),
-        ..AxisReport::default()
-    };
+    let said = AxisReport::new(
+        format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
+        format!("{} points that lie on primitives", stage.trials()),
+    );
     Ok(timed(stage, said, variants))
 }
 

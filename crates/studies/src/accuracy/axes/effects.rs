@@ -124,10 +124,6 @@ const BLURRED: EffectSetup = EffectSetup {
     max_depth: 1,
 };
 
-fn diagonal(scene: &Scene) -> f64 {
-    scene.bounds().size().length()
-}
-
 impl EffectSetup {
     fn measure(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let mut scene = stage.scene().clone();
@@ -191,10 +187,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         Variant { is_reference, ..Variant::new(name, setting, error, work) }
     });
     let said = AxisReport {
-        timed: format!("the image of {size} x {size} pixels, one thread"),
-        judged: "the same image".into(),
         pixels: size * size,
-        ..AxisReport::default()
+        ..AxisReport::new(
+            format!("the image of {size} x {size} pixels, one thread"),
+            "the same image",
+        )
     };
-    Ok(timed(stage, said, variants.into_iter().collect()))
+    Ok(timed(stage, said, variants))
 }

@@ -36,7 +36,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let start = stage.clock.now();
         let occluder = build(prims, &positions).map_err(|e| stage.refused(e))?;
         let build_s = stage.clock.seconds_since(start);
-        let stats = occluder.stats();
+        let bytes = occluder.stats().bytes;
         let mut work = OccluderQuery::new(occluder, &batches, &positions);
         work.prepare();
         work.run();
@@ -44,10 +44,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let wrong = pairs.map(|(a, b)| a.differing(b).count() as u64).sum();
         variants.push(Variant {
             known_defect: row.known_defect(),
-            also: vec![
-                ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
-                ("build ms", build_s * 1e3),
-            ],
+            also: build_columns(bytes, build_s).into(),
             ..Variant::new(
                 format!("{resolution}^2"),
                 format!("run -s {}", row.label().replace(' ', ":")),
@@ -56,13 +53,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             )
         });
     }
-    let stats = structure.stats();
     variants.push(Variant {
         is_reference: true,
-        also: vec![
-            ("MiB", stats.bytes as f64 / f64::from(1 << 20)),
-            ("build ms", structure.build_s * 1e3),
-        ],
+        also: build_columns(structure.stats().bytes, structure.build_s).into(),
         ..Variant::new(
             TRACER,
             structure.setting(),
@@ -70,12 +63,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             reference,
         )
     });
-    let said = AxisReport {
-        timed: format!("{rays} shadow rays of the scene to {} lights", positions.len()),
-        judged: "the same rays".into(),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants))
+    let work = format!("{rays} shadow rays of the scene to {} lights", positions.len());
+    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
 }
 
 struct OccluderQuery<'a> {

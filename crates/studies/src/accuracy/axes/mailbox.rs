@@ -26,8 +26,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built_all(&VARIANTS.map(|(_, label)| label))?;
     let batches = stage.all_batches();
     let rays = count(&batches);
-    let replays: Vec<_> =
-        built.iter().map(|b| Replay::new(&*b.tracer, &batches).by_kind()).collect();
+    let replays = replays(&built, &batches);
     let errors: Vec<ErrorOf> = replays
         .iter()
         .map(|r| {
@@ -48,10 +47,6 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(name, built, error, replay)
         }
     });
-    let said = AxisReport {
-        timed: format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive"),
-        judged: "the same rays".into(),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants.collect()))
+    let work = format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive");
+    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
 }

@@ -1,6 +1,6 @@
 //! Single against double precision, of the same rays to the last digit.
 
-use accel_core::{Ray, Scalar};
+use accel_core::Scalar;
 use measurement::rays::batches::Answers;
 use renderer::Geometry;
 
@@ -26,10 +26,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let mixed = stage.built(&format!("{TRACER}:triangle-test=f64:sphere-test=f64"))?;
     let batches = stage.all_batches();
     let rays = count(&batches);
-    let wide_batches: Batches<f64> = batches
-        .iter()
-        .map(|(kind, rays)| (*kind, rays.iter().map(Ray::widened).collect()))
-        .collect();
+    let wide_batches = widened(&batches);
     let geometry = Geometry::<f64>::of(stage.scene())?;
     let double = stage.over(TRACER, &geometry)?;
     let reference = Replay::new(&*double, &wide_batches).by_kind();
@@ -37,7 +34,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
         let replay = Replay::new(&*built.tracer, &batches).by_kind();
         variants.push(Variant {
-            also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes()))],
+            also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes() as u64))],
             ..Variant::built(
                 name,
                 built,
@@ -48,7 +45,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     }
     variants.push(Variant {
         is_reference: true,
-        also: vec![("MiB of primitives", mebibytes(geometry.bytes()))],
+        also: vec![("MiB of primitives", mebibytes(geometry.bytes() as u64))],
         ..Variant::new(
             "f64",
             format!("run -s {TRACER} --precision f64"),
@@ -56,16 +53,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             reference,
         )
     });
-    let said = AxisReport {
-        timed: format!("{rays} rays of the scene through {TRACER}"),
-        judged: "the same rays".into(),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants))
-}
-
-fn mebibytes(bytes: usize) -> f64 {
-    bytes as f64 / f64::from(1 << 20)
+    let work = format!("{rays} rays of the scene through {TRACER}");
+    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
 }
 
 fn compared<S: Scalar>(answers: &[Answers<S>], exact: &[Answers<f64>]) -> TrialCounts {

@@ -1,7 +1,10 @@
 //! What an axis is written with.
 
 pub(super) use crate::accuracy::axis::{Axis, Measure};
-pub(super) use crate::accuracy::record::{ErrorOf, SceneOutcome, TrialCounts};
-pub(super) use crate::accuracy::stage::{Batches, Replay, Stage, TRACER, Work, count};
+pub(super) use crate::accuracy::record::{ErrorOf, SceneOutcome, TrialCounts, in_a_million};
+pub(super) use crate::accuracy::stage::{
+    Batches, Replay, Stage, TRACER, Work, build_columns, count, diagonal, mebibytes, replays,
+    widened,
+};
 pub(super) use crate::accuracy::timing::{AxisReport, Variant, timed};
 pub(super) use crate::error::StudyError;

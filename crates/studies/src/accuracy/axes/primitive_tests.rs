@@ -15,7 +15,7 @@ use scene_loading::Scene;
 use statistics::estimate::median;
 
 use super::prelude::*;
-use super::triangle_aims::{AimedRay, SharedFeatures};
+use super::triangle_aims::{AimedRay, SharedFeatures, triangles};
 use crate::accuracy::stage::{PreparedScene, StagedStructure};
 use crate::verify::draw::{direction, unit};
 
@@ -52,13 +52,10 @@ const TRIANGLE_TESTS: [(&str, TriangleChoice); 6] = [
 fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
     let prims = stage.prepared.geometry.prims();
     let labels = TRIANGLE_TESTS.map(|(name, _)| format!("{subject}:triangle-test={name}"));
-    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let built = stage.built_all(&labels)?;
     let batches = stage.all_batches();
     let rays = count(&batches);
-    let aims = match prims {
-        PrimsRef::Watertight(set) => aims(stage, set),
-        PrimsRef::Mixed(set) => aims(stage, set),
-    };
+    let aims = aims(stage, prims);
     if aims.is_empty() {
         return Err(stage.unfit("no edge or corner of it is surrounded by triangles"));
     }
@@ -71,31 +68,18 @@ fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, Stud
         let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
         variant(name, built, &batches, answers)
     });
-    let said = AxisReport {
-        timed: format!("{rays} rays of the scene through {subject}"),
-        judged: format!("{} rays at corners and edges within the mesh", aims.len()),
-        ..AxisReport::default()
-    };
-    let variants = variants.collect();
+    let said = AxisReport::new(
+        format!("{rays} rays of the scene through {subject}"),
+        format!("{} rays at corners and edges within the mesh", aims.len()),
+    );
     Ok(timed(stage, said, variants))
 }
 
 /// Rays at the corners and edges of the scene's meshes.
-fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<AimedRay> {
-    let mut balls = Vec::new();
-    let corners = |id: u32| {
-        balls.clear();
-        set.hull(id, &mut balls);
-        match (set.kind(id), balls.as_slice()) {
-            (PrimitiveKind::Triangle, [a, b, c]) => {
-                Some((id, [a, b, c].map(|p| p.center.as_vec3().to_array())))
-            }
-            _ => None,
-        }
-    };
-    let triangles: Vec<_> = (0..set.len() as u32).filter_map(corners).collect();
+fn aims(stage: &Stage<'_>, prims: PrimsRef<'_, f32>) -> Vec<AimedRay> {
+    let triangles = triangles(prims);
     let shared = SharedFeatures::new(&triangles);
-    let bounds = set.scene_bounds();
+    let bounds = stage.bounds();
     let (centre, reach) = ((bounds.min + bounds.max) * 0.5, bounds.size().length());
     let mut random = stage.random("aims");
     // some of what is drawn is an outline or open
@@ -157,7 +141,7 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
         return Err(stage.unfit("it has no spheres"));
     };
     let labels = SPHERE_TESTS.map(|(name, _)| format!("{TRACER}:sphere-test={name}"));
-    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let built = stage.built_all(&labels)?;
     let batches = stage.all_batches();
     let rays = count(&batches);
     let spheres: Vec<u32> =
@@ -195,12 +179,10 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
         let answers = answers.map(|((t, exact), is_met)| (t, *exact, t.is_some() != *is_met));
         variant(name, built, &batches, answers)
     });
-    let said = AxisReport {
-        timed: format!("{rays} rays of {what} through {TRACER}"),
-        judged: format!("{} rays beside and through spheres of {what}", aims.len()),
-        ..AxisReport::default()
-    };
-    let variants = variants.collect();
+    let said = AxisReport::new(
+        format!("{rays} rays of {what} through {TRACER}"),
+        format!("{} rays beside and through spheres of {what}", aims.len()),
+    );
     Ok(timed(stage, said, variants))
 }
 

@@ -14,7 +14,7 @@ use scene_loading::Scene;
 
 use super::prelude::*;
 use super::refracted_shift::GlassEntries;
-use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, diagonal, height, in_a_million};
+use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, height};
 use super::shadow_terminator::LitPoints;
 use super::smallest_offset::SmallestOffsets;
 
@@ -64,16 +64,15 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         });
     }
     let rays = here.departures.len();
-    let said = AxisReport {
-        timed: format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
-        judged: format!(
+    let said = AxisReport::new(
+        format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
+        format!(
             "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above; {}; {}; {}",
             smallest.words(),
             glass.words(),
             lit.words()
         ),
-        ..AxisReport::default()
-    };
+    );
     Ok(timed(stage, said, variants))
 }
 

@@ -13,7 +13,7 @@ use renderer::ray_offset::OffsetRule;
 use renderer::surface::{SurfacePoint, refract};
 
 use super::prelude::*;
-use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, in_a_million, quantile};
+use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, quantile};
 
 const INDEX: f64 = 1.5;
 

@@ -16,7 +16,7 @@ use renderer::{Geometry, RayKind};
 
 use super::prelude::*;
 use super::secondary_rays::{GAP, SecondaryRays, height};
-use super::triangle_aims::{KnownHit, known_hits, wrong};
+use super::triangle_aims::{KnownHit, judged, known_hits};
 use crate::accuracy::parts::OFFSET_RAYS;
 use crate::accuracy::stage::fingerprint;
 
@@ -118,60 +118,44 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         };
         let precision = if step.is_double { " --precision f64" } else { "" };
         let rule = if step.offset == PLAIN { " --set rays.offset=scene-relative" } else { "" };
+        let mut all_kinds = TrialCounts::default();
+        found.iter().for_each(|counts| all_kinds.add_counts(*counts));
         variants.push(Variant {
             name: step.adds.into(),
             setting: format!("run -s {label}{precision}{rule}"),
             known_defect,
             is_without: false,
             is_reference: step.is_double,
-            error: found.error(),
-            also: found.also(),
+            error: all_kinds.error(),
+            also: WRONG.into_iter().zip(found.map(|counts| counts.error().value())).collect(),
             work,
         });
     }
     let (all, left) = (count(&batches), secondary.departures.len());
     let said = AxisReport {
-        timed: format!(
-            "{all} rays of the scene and {} that leave surfaces, made and traced",
-            left.min(stage.timed_rays / KINDS)
-        ),
-        judged: format!(
-            "{} rays at corners and edges, {} along axes and from close by, {} off surfaces",
-            aims[0].len(),
-            aims[1].len(),
-            left.min(most)
-        ),
         is_stepwise: true,
-        ..AxisReport::default()
+        ..AxisReport::new(
+            format!(
+                "{all} rays of the scene and {} that leave surfaces, made and traced",
+                left.min(stage.timed_rays / KINDS)
+            ),
+            format!(
+                "{} rays at corners and edges, {} along axes and from close by, {} off surfaces",
+                aims[0].len(),
+                aims[1].len(),
+                left.min(most)
+            ),
+        )
     };
     Ok(timed(stage, said, variants))
 }
 
-fn widened(batches: &Batches<f32>) -> Batches<f64> {
-    let wide = |rays: &Vec<Ray<f32>>| rays.iter().map(Ray::widened).collect();
-    batches.iter().map(|(kind, rays)| (*kind, wide(rays))).collect()
-}
-
-/// Wrong answers by kind of trial, and trials.
-struct WrongCounts([(u64, u64); KINDS]);
-
-impl WrongCounts {
-    fn error(&self) -> ErrorOf {
-        let mut tally = TrialCounts::default();
-        self.0.iter().for_each(|(wrong, trials)| tally.add_all(*wrong, *trials));
-        tally.error()
-    }
-
-    fn also(&self) -> Vec<(&'static str, f64)> {
-        let names = [
-            "wrong in 10^6 at corners and edges",
-            "wrong in 10^6 along axes and from close by",
-            "wrong in 10^6 off surfaces",
-        ];
-        let share = |(wrong, trials): (u64, u64)| wrong as f64 / trials.max(1) as f64 * 1e6;
-        names.into_iter().zip(self.0.map(share)).collect()
-    }
-}
+/// Columns of the wrong answers by kind of trial.
+const WRONG: [&str; KINDS] = [
+    "wrong in 10^6 at corners and edges",
+    "wrong in 10^6 along axes and from close by",
+    "wrong in 10^6 off surfaces",
+];
 
 struct Judge<'j, 'a> {
     stage: &'j Stage<'j>,
@@ -187,15 +171,14 @@ impl<'a> Judge<'_, 'a> {
         tracer: Box<dyn Tracer<S> + 'a>,
         batches: Batches<S>,
         offset: RayOffset,
-    ) -> (WrongCounts, Box<dyn Work + 'a>) {
+    ) -> ([TrialCounts; KINDS], Box<dyn Work + 'a>) {
         let of_aims = |known: &Vec<KnownHit>| {
             let rays: Vec<Ray<S>> = known.iter().map(|known| exactly(&known.ray)).collect();
-            (wrong(&*tracer, known, &rays), known.len() as u64)
+            judged(&*tracer, known, &rays)
         };
         let [edges, middles] = self.aims;
-        let left = self.secondary.departures.len().min(self.most);
-        let off = wrong_departures(&*tracer, offset, self.secondary, self.most);
-        let found = WrongCounts([of_aims(edges), of_aims(middles), (off, left as u64)]);
+        let off = judged_departures(&*tracer, offset, self.secondary, self.most);
+        let found = [of_aims(edges), of_aims(middles), off];
         let most = self.stage.timed_rays / KINDS;
         let work = StepWork::new(tracer, batches, offset, self.secondary, most);
         (found, Box::new(work))
@@ -246,13 +229,13 @@ impl<'a, S: Buildable> StepWork<'a, S> {
     }
 }
 
-/// Number of rays that hit the surface they leave, or begin beyond a sheet close above it.
-fn wrong_departures<S: Buildable>(
+/// Counts the rays that hit the surface they leave, or begin beyond a sheet close above it.
+fn judged_departures<S: Buildable>(
     tracer: &dyn Tracer<S>,
     offset: RayOffset,
     secondary: &SecondaryRays<'_>,
     most: usize,
-) -> u64 {
+) -> TrialCounts {
     let secondary_rays: Vec<_> = secondary.departures.iter().take(most).collect();
     let points: Vec<_> = secondary_rays.iter().map(|d| secondary.point(d)).collect();
     let rays: Vec<Ray<S>> =
@@ -262,7 +245,9 @@ fn wrong_departures<S: Buildable>(
     let all = secondary_rays.iter().zip(&points).zip(&rays).zip(&hits);
     let is_wrong =
         |point: &SurfacePoint<'_>, ray: &Ray<S>| height(point, ray) > GAP * secondary.diagonal;
-    all.filter(|(((d, point), ray), hit)| hit.id == d.id || is_wrong(point, ray)).count() as u64
+    let mut counts = TrialCounts::default();
+    all.for_each(|(((d, point), ray), hit)| counts.add(hit.id == d.id || is_wrong(point, ray)));
+    counts
 }
 
 impl<S: Buildable> Work for StepWork<'_, S> {

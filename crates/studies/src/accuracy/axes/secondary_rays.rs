@@ -187,15 +187,6 @@ impl Work for SecondaryWork<'_> {
     }
 }
 
-pub fn in_a_million(n: u64, of: u64) -> f64 {
-    n as f64 / of.max(1) as f64 * 1e6
-}
-
-/// Diagonal of the scene's box, world units.
-pub fn diagonal(scene: &Scene) -> f64 {
-    scene.bounds().size().length()
-}
-
 /// The height over the surface of the first point of a ray that counts.
 pub fn height<S: Scalar>(point: &SurfacePoint<'_>, ray: &Ray<S>) -> f64 {
     let along = ray.direction.to_dvec3();

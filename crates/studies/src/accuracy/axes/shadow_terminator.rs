@@ -16,7 +16,8 @@ use renderer::ray_offset::OffsetRule;
 use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
-use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork, in_a_million};
+use super::prelude::in_a_million;
+use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork};
 
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]

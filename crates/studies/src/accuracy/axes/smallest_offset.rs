@@ -13,9 +13,8 @@ use glam::DVec3;
 use renderer::Geometry;
 use renderer::refined_hit::RefinedHit;
 
-use super::secondary_rays::{
-    Departure, GAP, SecondaryRays, SecondaryWork, height, in_a_million, quantile,
-};
+use super::prelude::in_a_million;
+use super::secondary_rays::{Departure, GAP, SecondaryRays, SecondaryWork, height, quantile};
 
 /// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for
 /// any less than it with which a ray is safe that is not without.

@@ -21,6 +21,7 @@ use statistics::random::Random;
 
 use super::prelude::*;
 use crate::accuracy::stage::compare;
+use crate::verify::draw::unit;
 
 pub static AXIS: Axis = Axis {
     name: "time-segments",
@@ -94,19 +95,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             known_defect: (i >= PARTS.len())
                 .then_some("moving primitives are static within each part"),
             is_reference: i == 0,
-            also: vec![("MiB", bytes as f64 / f64::from(1 << 20)), ("build ms", row.build_s * 1e3)],
+            also: build_columns(bytes, row.build_s).into(),
             ..Variant::new(name.clone(), setting.clone(), tally.error(), Moments(replays))
         });
     }
-    let said = AxisReport {
-        timed: format!(
-            "{} rays of the scene, each at a time of its own, through {TRACER}",
-            count(&batches)
-        ),
-        judged: "the same rays".into(),
-        ..AxisReport::default()
-    };
-    Ok(timed(stage, said, variants))
+    let rays = count(&batches);
+    let work = format!("{rays} rays of the scene, each at a time of its own, through {TRACER}");
+    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
 }
 
 /// The structure over each of the geometries.
@@ -148,11 +143,6 @@ fn named(n: usize, what: &str) -> String {
     if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
-/// Random number in [0, 1).
-fn unit(random: &mut Random) -> f64 {
-    random.below(1 << 24) as f64 / f64::from(1 << 24)
-}
-
 /// The middles of `n` parts of the exposure.
 fn moments(n: usize, shutter: f64) -> impl Iterator<Item = f64> {
     (0..n).map(move |k| shutter * (k as f64 + 0.5) / n as f64)
@@ -169,7 +159,7 @@ fn part(batches: &Batches<f32>, k: usize, n: usize, shutter: f64) -> Batches<f32
 /// The scene, every other primitive of which moves.
 fn in_motion(scene: &Scene, random: &mut Random) -> Scene {
     let mut scene = scene.clone();
-    let way = WAY * scene.bounds().size().length();
+    let way = WAY * diagonal(&scene);
     let mut velocity = |id: usize| {
         let direction = DVec3::from([0; 3].map(|_| unit(random) - 0.5)).normalize_or_zero();
         if id.is_multiple_of(2) { direction * way } else { DVec3::ZERO }

@@ -198,16 +198,22 @@ impl KnownHit {
     }
 }
 
-/// Number of wrong answers to such rays.
-pub fn wrong<S: Buildable>(tracer: &dyn Tracer<S>, known: &[KnownHit], rays: &[Ray<S>]) -> u64 {
+/// Judges the answers to such rays.
+pub fn judged<S: Buildable>(
+    tracer: &dyn Tracer<S>,
+    known: &[KnownHit],
+    rays: &[Ray<S>],
+) -> TrialCounts {
     let mut hits = vec![Hit::NONE; rays.len()];
     tracer.closest_hits(rays, &mut hits);
-    known.iter().zip(&hits).filter(|(known, hit)| known.is_wrong(hit)).count() as u64
+    let mut counts = TrialCounts::default();
+    known.iter().zip(&hits).for_each(|(known, hit)| counts.add(known.is_wrong(hit)));
+    counts
 }
 
 /// The triangles of the scene with their ids.
-fn triangles(prims: PrimsRef<'_, f32>) -> Vec<(u32, [[f32; 3]; 3])> {
-    fn of<P: PrimSet<f32>>(set: &P) -> Vec<(u32, [[f32; 3]; 3])> {
+pub(super) fn triangles(prims: PrimsRef<'_, f32>) -> Vec<(u32, Corners)> {
+    fn of<P: PrimSet<f32>>(set: &P) -> Vec<(u32, Corners)> {
         let corners = |id| Some((id, set.corners(id)?.map(|p| p.to_array())));
         (0..set.len() as u32).filter_map(corners).collect()
     }

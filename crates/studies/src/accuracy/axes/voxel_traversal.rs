@@ -7,7 +7,6 @@
 
 use accel_core::grid::cell_traversal::CellTraversal;
 use accel_core::grid::voxel_traversal::GridFrame;
-use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::variants::double_traversal::DoubleTraversal;
 use accel_core::{Aabb, Ray, Vector};
 use glam::{DVec3, Vec3};
@@ -44,10 +43,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let n = CELLS[usize::from(stage.quick)];
     let labels = TRAVERSALS
         .map(|traversal| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={traversal}"));
-    let built = stage.built_all(&labels.each_ref().map(String::as_str))?;
+    let built = stage.built_all(&labels)?;
     let batches = stage.all_batches();
-    let replays: Vec<_> =
-        built.iter().map(|b| Replay::new(&*b.tracer, &batches).by_kind()).collect();
+    let replays = replays(&built, &batches);
     let differing: Vec<u64> = replays
         .iter()
         .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
@@ -69,16 +67,15 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             is_reference: traversal == "f64",
             also: vec![
                 ("cells passed by", missed as f64),
-                ("wrong hits in 10^6", differing as f64 / rays.max(1) as f64 * 1e6),
+                ("wrong hits in 10^6", in_a_million(differing, rays as u64)),
             ],
             ..Variant::built(traversal, built, tally.error(), replay)
         });
     }
-    let said = AxisReport {
-        timed: format!("{rays} rays of the scene through {n}^3 cells"),
-        judged: format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
-        ..AxisReport::default()
-    };
+    let said = AxisReport::new(
+        format!("{rays} rays of the scene through {n}^3 cells"),
+        format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
+    );
     Ok(timed(stage, said, variants))
 }
 
@@ -135,10 +132,7 @@ fn cells<S: accel_core::Scalar>(traversal: Option<impl CellTraversal<S>>) -> Vec
 /// The scene's closest-hit rays in a grid of `n` cells per axis, moved onto the lattice, each by up
 /// to a cell so that there are as many as are asked for.
 pub fn lattice_rays(stage: &Stage<'_>, n: u32) -> Vec<LatticeRay> {
-    let bounds = match stage.prepared.geometry.prims() {
-        PrimsRef::Watertight(set) => set.scene_bounds(),
-        PrimsRef::Mixed(set) => set.scene_bounds(),
-    };
+    let bounds = stage.bounds();
     let (low, size) = (bounds.min.to_dvec3(), bounds.size().to_dvec3());
     let cell = (size / f64::from(n)).max(DVec3::splat(f64::MIN_POSITIVE));
     let batches = stage.batches(stage.trials(), |kind| kind != RayKind::Shadow);
