@@ -28,6 +28,12 @@ pub struct MetamorphicPair<S: Scalar> {
 }
 
 impl<S: Scalar> MetamorphicPair<S> {
+    /// A pair with the same parameters, to the last bit, and the same ids.
+    pub fn new(name: impl Into<String>, model: Model<S>, rays: Vec<Ray<S>>) -> Self {
+        let (same, name) = (Invariant::Bits, name.into());
+        Self { name, same, model, rays, factor: 1.0, ids: Vec::new() }
+    }
+
     /// The answer of the pair, told as one of the round.
     pub fn told_back(&self, hit: Hit<S>) -> Hit<S> {
         let t = S::from_f64(hit.t.to_f64() * self.factor);
@@ -84,9 +90,8 @@ impl<S: Scalar> OriginalScene<'_, S> {
     pub fn renumbered(&self, order: Vec<u32>) -> Option<MetamorphicPair<S>> {
         let moved = order.iter().filter_map(|&old| self.triangles.get(old as usize).copied());
         let model = Model::triangles(&moved.collect::<Vec<_>>()).ok()?;
-        let name = "renumbered".to_owned();
-        let rays = self.rays.to_vec();
-        Some(MetamorphicPair { name, same: Invariant::Bits, model, rays, factor: 1.0, ids: order })
+        let pair = MetamorphicPair::new("renumbered", model, self.rays.to_vec());
+        Some(MetamorphicPair { ids: order, ..pair })
     }
 
     /// `None` when the numbers do not fit.
@@ -105,6 +110,6 @@ impl<S: Scalar> OriginalScene<'_, S> {
         };
         let model = Model::triangles(&triangles).ok()?;
         let rays = self.rays.iter().map(told).collect();
-        Some(MetamorphicPair { name, same: Invariant::Bits, model, rays, factor, ids: Vec::new() })
+        Some(MetamorphicPair { factor, ..MetamorphicPair::new(name, model, rays) })
     }
 }

@@ -45,11 +45,7 @@ pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
     for _ in 0..40 {
         let axis = random.below(3);
         let level = random.below(LATTICE as usize + 1) as f64;
-        let [mut a, mut b, mut c] = [0; 3].map(|_| lattice_point(random).to_array());
-        for p in [&mut a, &mut b, &mut c] {
-            p.iter_mut().skip(axis).take(1).for_each(|x| *x = level);
-        }
-        triangles.push([a, b, c].map(DVec3::from_array));
+        triangles.push([0; 3].map(|_| with(lattice_point(random), axis, level)));
     }
     lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
@@ -99,7 +95,7 @@ pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Roun
     let Ok(boxes) = BoundsOf::new(set, BoundsRule::Padded) else { return Ok(Round::new(model)) };
     let (low, size) = (boxes.scene().min.to_array(), boxes.scene().size().to_array());
     soup_round(random, rays, &triangles, |random| {
-        let mut origin = point_within(random, &triangles).to_array();
+        let mut origin = point_within(random, &triangles);
         let axis = random.below(3);
         for k in (0..3).filter(|k| *k != axis) {
             let n = one_of(random, &[2, 3, 4, 5, 6, 8, 11, 16, 22, 32, 64]);
@@ -109,10 +105,8 @@ pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Roun
                 origin[k] = (low[k] + plane * cell).to_f64();
             }
         }
-        let mut along = [0.0; 3];
-        along[axis] = one_of(random, &[1.0, -1.0]);
-        origin[axis] = -3.0 * along[axis];
-        (DVec3::from_array(origin), DVec3::from_array(along))
+        let sign = one_of(random, &[1.0, -1.0]);
+        (with(origin, axis, -3.0 * sign), with(DVec3::ZERO, axis, sign))
     })
 }
 

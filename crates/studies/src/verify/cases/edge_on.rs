@@ -18,9 +18,7 @@ pub fn tilted_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
     let place = |p: DVec3| at + (x * p.x + y * p.y) * size;
     let triangles: Vec<Corners> = flat(random, side).iter().map(|t| t.map(place)).collect();
     let mut round = Round::new(Model::triangles(&triangles)?);
-    let far = f64::from(side);
-    let corners = triangles.as_flattened().iter();
-    let largest = corners.fold(0.0, |m, p: &DVec3| p.abs().max_element().max(m));
+    let (far, largest) = (f64::from(side), largest(&triangles));
     for _ in 0..rays {
         let mut corner = || {
             let mut at = || random.below(side as usize + 1) as f64;
@@ -81,8 +79,7 @@ pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S>
     let many = 1 + random.below(40);
     let triangles: Vec<Corners> = (0..many).map(|_| sliver(random, spread)).collect();
     let exact = Soup::new(&triangles);
-    let corners = triangles.as_flattened().iter();
-    let largest = corners.fold(0.0, |m, p: &DVec3| p.abs().max_element().max(m));
+    let largest = largest(&triangles);
     let mut round = Round::new(Model::<S>::triangles(&triangles)?);
     for _ in 0..rays {
         let triangle: Corners = one_of(random, &triangles);

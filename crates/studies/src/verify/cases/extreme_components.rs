@@ -23,28 +23,21 @@ pub fn extreme_components<S: Buildable>(random: &mut Random, rays: usize) -> Rou
 fn in_a_flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let axis = random.below(3);
     let level = one_of(random, &[0.0, 1.0, -0.75, 3.5]);
-    let put = |p: DVec3, x: f64| {
-        let mut p = p.to_array();
-        p.iter_mut().skip(axis).take(1).for_each(|at| *at = x);
-        DVec3::from_array(p)
-    };
+    let put = |p: DVec3, x: f64| with(p, axis, x);
     let flat = |t: &Corners| t.map(|p| put(p, level));
     let triangles: Vec<Corners> = soup(random, 200, 0.3).iter().map(flat).collect();
     let mut round = Round::new(Model::triangles(&triangles)?);
     for _ in 0..rays {
         // corners lie within 1.3 of the axis
         let beside = one_of(random, &[0, 1].map(|k| (axis + 1 + k) % 3));
-        let mut origin = put(point(random) * 2.0, level).to_array();
-        let out = one_of(random, &[1.5, -1.5, 7.0, -7.0]);
-        origin.iter_mut().skip(beside).take(1).for_each(|x| *x = out);
-        let origin = DVec3::from_array(origin);
+        let origin = put(point(random) * 2.0, level);
+        let origin = with(origin, beside, one_of(random, &[1.5, -1.5, 7.0, -7.0]));
         let target = put(point_within(random, &triangles), level);
         let mut along = target - origin;
         if random.below(3) == 0 {
             // along an axis, the third component tiny as well
-            let kept = along[beside];
-            along = put(DVec3::splat(denormal::<S>(random)), 0.0);
-            along[beside] = kept;
+            let tiny = put(DVec3::splat(denormal::<S>(random)), 0.0);
+            along = with(tiny, beside, along[beside]);
         }
         let off = match random.below(4) {
             0 => one_of(random, &[1e-30, -1e-30, 0.0, -0.0]),
@@ -61,9 +54,7 @@ fn in_loose_triangles<S: Buildable>(random: &mut Random, rays: usize) -> RoundRe
     let mut round = Round::new(Model::triangles(&triangles)?);
     for _ in 0..rays {
         let target = single(point_within(random, &triangles));
-        let (origin, along) = toward(random, target, 2.0);
-        let mut along = along.to_array();
-        let mut origin = origin.to_array();
+        let (mut origin, mut along) = toward(random, target, 2.0);
         let many = 1 + random.below(2);
         let first = random.below(3);
         let is_huge = random.below(2) == 0;
@@ -81,7 +72,7 @@ fn in_loose_triangles<S: Buildable>(random: &mut Random, rays: usize) -> RoundRe
             let rest = (0..3).filter(|k| (k + 3 - first) % 3 >= many);
             rest.for_each(|k| origin[k] = target[k] + 1e-3 * signed(random));
         }
-        let ray: Ray<S> = ray(DVec3::from_array(origin), DVec3::from_array(along));
+        let ray: Ray<S> = ray(origin, along);
         if ray.is_traceable() {
             let expected = expected(&exact, &ray);
             round.push(ray, expected);

@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 use crate::verify::exact::{ExactRay, on_mesh};
-use crate::verify::metamorphic::{Invariant, MetamorphicPair};
+use crate::verify::metamorphic::MetamorphicPair;
 
 pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     around_mesh(random, rays, DVec3::ZERO)
@@ -15,9 +15,8 @@ pub fn closed_mesh_far<S: Buildable>(random: &mut Random, rays: usize) -> RoundR
 /// Rays from within and from without, at a corner or at a point of an edge that faces them.
 fn around_mesh<S: Buildable>(random: &mut Random, rays: usize, center: DVec3) -> RoundResult<S> {
     let mesh = icosphere(3, center);
-    let exact = Soup::new(&mesh);
-    let mut round = Round::new(Model::triangles(&mesh)?);
-    for _ in 0..rays {
+    let oracle = |exact: &Soup, ray: &Ray<S>| on_mesh(exact, ray, 0.25);
+    exact_round(random, rays, &mesh, oracle, |random| {
         let target = on_edge(random, &mesh);
         let out = target - center;
         let from = match random.below(2) {
@@ -25,12 +24,8 @@ fn around_mesh<S: Buildable>(random: &mut Random, rays: usize, center: DVec3) ->
             _ => out * (1.6 + 3.0 * unit(random)) + point(random) * 0.2,
         };
         let origin = single(center + from);
-        let ray = ray(origin, target - origin);
-        if let Some(expected) = on_mesh(&exact, &ray, 0.25) {
-            round.push(ray, expected);
-        }
-    }
-    Ok(round)
+        (origin, target - origin)
+    })
 }
 
 pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -58,20 +53,14 @@ pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResul
 
 pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mesh = sheet(64, |_, _| 0.0);
-    let exact = Soup::new(&mesh);
-    let mut round = Round::new(Model::triangles(&mesh)?);
-    for _ in 0..rays {
+    lattice_round(random, rays, &mesh, |random| {
         let mut half = || random.below(129) as f64 / 2.0;
         let target = dvec3(half(), half(), 0.0);
         let mut sign = || one_of(random, &[-1.0, -0.0, 0.0, 1.0]);
         let (x, y) = (sign(), sign());
         let d = dvec3(x, y, one_of(random, &[1.0, -1.0, 2.0, -4.0]));
-        let ray = ray(target - d * 4.0, d);
-        if let Some(expected) = on_lattice(&exact, &ray) {
-            round.push(ray, expected);
-        }
-    }
-    Ok(round)
+        (target - d * 4.0, d)
+    })
 }
 
 pub fn needle<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -101,14 +90,8 @@ pub fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let ids = (first..triangles.len() as u32).collect();
     let (model, rays) = (Model::triangles(&clean)?, round.rays.clone());
-    round.pairs.push(MetamorphicPair {
-        name: "without them".into(),
-        same: Invariant::Bits,
-        model,
-        rays,
-        factor: 1.0,
-        ids,
-    });
+    let pair = MetamorphicPair::new("without them", model, rays);
+    round.pairs.push(MetamorphicPair { ids, ..pair });
     Ok(round)
 }
 

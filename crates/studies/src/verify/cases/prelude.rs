@@ -56,11 +56,11 @@ pub(super) fn aimed_round<S: Buildable>(
 }
 
 /// A round over triangles: rays of `draw`, but for those of which `oracle` says nothing.
-fn exact_round<S: Buildable>(
+pub(super) fn exact_round<S: Buildable>(
     random: &mut Random,
     rays: usize,
     triangles: &[Corners],
-    oracle: fn(&Soup, &Ray<S>) -> Option<OracleAnswer>,
+    oracle: impl Fn(&Soup, &Ray<S>) -> Option<OracleAnswer>,
     mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
 ) -> RoundResult<S> {
     let mut round = Round::new(Model::triangles(triangles)?);
@@ -73,6 +73,17 @@ fn exact_round<S: Buildable>(
         }
     }
     Ok(round)
+}
+
+/// The point with another coordinate on that axis.
+pub(super) fn with(mut p: DVec3, axis: usize, x: f64) -> DVec3 {
+    p[axis] = x;
+    p
+}
+
+/// The largest coordinate of any corner.
+pub(super) fn largest(triangles: &[Corners]) -> f64 {
+    triangles.as_flattened().iter().fold(0.0, |m, p| p.abs().max_element().max(m))
 }
 
 /// Expected answer among loose triangles; anything where the exact oracle says nothing.

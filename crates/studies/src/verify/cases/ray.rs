@@ -1,7 +1,7 @@
 //! Awkward rays.
 
 use super::prelude::*;
-use crate::verify::metamorphic::{Invariant, MetamorphicPair};
+use crate::verify::metamorphic::MetamorphicPair;
 
 pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 60);
@@ -14,14 +14,9 @@ pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
         let flipped = DVec3::from_array(d.to_array().map(|x| if x == 0.0 { -x } else { x }));
         ray(r.origin.to_dvec3(), flipped)
     };
-    let pair = MetamorphicPair {
-        name: "zeros of the other sign".into(),
-        same: Invariant::Bits,
-        model: Model::triangles(&triangles)?,
-        rays: round.rays.iter().map(other_zeros).collect(),
-        factor: 1.0,
-        ids: Vec::new(),
-    };
+    let flipped = round.rays.iter().map(other_zeros).collect();
+    let model = Model::triangles(&triangles)?;
+    let pair = MetamorphicPair::new("zeros of the other sign", model, flipped);
     let mirrored =
         OriginalScene { triangles: &triangles, rays: &round.rays }.mirrored(random.below(8) as u8);
     round.pairs.push(pair);
@@ -72,11 +67,7 @@ pub fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> RoundResul
         let (origin, along) = toward(random, target, 2.0);
         let mut bad: Ray<S> = ray(origin, along);
         let strange = one_of(random, &[f64::NAN, f64::INFINITY, f64::NEG_INFINITY]);
-        let spoiled = |p: DVec3, k: usize| {
-            let mut p = p.to_array();
-            p.iter_mut().skip(k).take(1).for_each(|x| *x = strange);
-            DVec3::from_array(p)
-        };
+        let spoiled = |p: DVec3, k: usize| with(p, k, strange);
         match i % 6 {
             0 => bad = ray(spoiled(origin, random.below(3)), along),
             1 => bad = ray(origin, spoiled(along, random.below(3))),
@@ -130,13 +121,12 @@ pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
     // the scene's box is that of the lattice
     triangles.push([DVec3::ZERO, dvec3(side, 0.0, 0.0), dvec3(0.0, side, side)]);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
-        let mut origin = lattice_point(random).to_array();
+        let mut origin = lattice_point(random);
         for _ in 0..=random.below(3) {
             let end = one_of(random, &[0.0, side]);
-            let axis = random.below(3);
-            origin.iter_mut().skip(axis).take(1).for_each(|x| *x = end);
+            origin[random.below(3)] = end;
         }
-        (DVec3::from_array(origin), sign_direction(random))
+        (origin, sign_direction(random))
     })?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let pair = original.mirrored(random.below(8) as u8);

@@ -61,9 +61,8 @@ pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> RoundRe
     };
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
-    let largest = triangles.as_flattened().iter().fold(0.0, |m, p| p.abs().max_element().max(m));
     // what lies within the served exponents is refused on neither side
-    let own = f64::log2(largest).floor() as i32;
+    let own = largest(&triangles).log2().floor() as i32;
     let [low, high] = S::SCENE_EXPONENTS.map(|e| e - own);
     let parts = PARTS.min((high - low) as usize);
     let edge = |i: usize| low + ((high - low) as usize * i / parts) as i32;
