@@ -11,7 +11,7 @@ use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{measure_scenes, warn_of};
 use crate::commands::run_outputs;
 use crate::comparison::differences::{refusals, remarks};
-use crate::comparison::pairing::{MissingRow, Pairing};
+use crate::comparison::pairing::{MissingRow, Pairing, RowPair};
 use crate::comparison::renamed::{self, Renaming};
 use crate::context::Context;
 use crate::error::Error;
@@ -20,7 +20,8 @@ use crate::gate::contest::{self, PairedTimes};
 use crate::gate::report::{FIRST, GLOSSARY, Report};
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
-    Evidence, Finding, GateError, Instructions, ROUNDS, Times, export, judge, wall_clock,
+    Evidence, Finding, GateError, GateOutcome, Instructions, ROUNDS, Times, export, judge,
+    wall_clock,
 };
 use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
@@ -299,6 +300,33 @@ impl Check<'_> {
         }
     }
 
+    /// The worst of the findings. Where all that was asked about was built on neither side, nothing
+    /// was judged: neither the reference nor, between builds of a plugin, other rows answer for it.
+    fn outcome(
+        &self,
+        context: &Context<'_>,
+        base: &RunRecord,
+        now: &RunRecord,
+        findings: &[Finding],
+    ) -> GateOutcome {
+        let plugins =
+            if self.args.against_plugin.is_empty() { vec![] } else { context.plugins.names() };
+        let is_in_question = |row: &RowRecord| match &plugins[..] {
+            [] => !row.is_reference,
+            plugins => plugins.contains(&row.structure),
+        };
+        let pairing = Pairing::of(base, now);
+        let mut asked = pairing.rows().filter(|pair| is_in_question(pair.rows[1])).peekable();
+        let is_unbuilt = |pair: &RowPair<'_>| pair.rows.iter().all(|row| !row.verdict.is_judged());
+        let were_none_built = asked.peek().is_some() && asked.all(is_unbuilt);
+        match Report::worst(findings) {
+            GateOutcome::Improved | GateOutcome::Unchanged if were_none_built => {
+                GateOutcome::NotJudged
+            }
+            worst => worst,
+        }
+    }
+
     pub(super) fn report(&self, context: &Context<'_>, found: CheckFindings<'_>) -> Report {
         let CheckFindings { base, now, against, findings, mut missing, failures, pairs } = found;
         let times = if self.args.takes_turns() {
@@ -323,7 +351,7 @@ impl Check<'_> {
             baseline_machine: base.machine.clone(),
             machine: now.machine.clone(),
             thresholds: self.thresholds.clone(),
-            outcome: Report::worst(&findings),
+            outcome: self.outcome(context, base, now, &findings),
             remarks,
             findings,
             missing,

@@ -32,7 +32,7 @@ fn outcome(row: &RowPair<'_>) -> (GateOutcome, String) {
         v if !v.is_judged() => {
             let why = now.error.as_deref().unwrap_or(now.verdict.name());
             return if base.verdict == now.verdict {
-                (GateOutcome::Unchanged, why.to_owned())
+                (GateOutcome::NotJudged, format!("{}: {why}", now.verdict.name()))
             } else {
                 (GateOutcome::Regression, format!("{}: {why}", verdicts()))
             };

@@ -54,6 +54,9 @@ fn changed_and_wrong_answers_are_regressions() {
         row(&mut now, ROW).verdict = verdict;
         let findings = of(&record(), &now, Instructions::NotAsked);
         assert_eq!(outcome(&findings, "answers", "answers"), GateOutcome::Regression);
+        // built by neither: nothing was compared
+        let findings = of(&now, &now, Instructions::NotAsked);
+        assert_eq!(outcome(&findings, "answers", "answers"), GateOutcome::NotJudged);
     }
 }
 

@@ -49,3 +49,25 @@ fn two_builds_of_a_plugin_are_compared() {
     let (code, said) = check(&bad, "wrong");
     assert!(code == 4 && said.contains("wrong hits"), "{code}: {said}");
 }
+
+#[test]
+fn rows_that_neither_build_of_a_plugin_can_build_do_not_pass() {
+    let (older, newer) = (Folder::new(), Folder::new());
+    let Some(old) = minimal(&older) else { return };
+    let source = "peers/minimal-cpp/minimal.cpp";
+    let Some(new) = compiled(&newer, source, &["-pthread", "-DNDEBUG"]) else { return };
+    let (new, old) = (new.to_str().unwrap(), old.to_str().unwrap());
+    let check = |scenes: &[&str]| {
+        let plugins = ["--plugin", new, "--against-plugin", old];
+        let how = ["--quick", "--size", "16", "-s", "wide-bvh", "--rounds", "2", "-t", "900%"];
+        let ended = rtbench(&[&["check"], scenes, &plugins, &how].concat());
+        let said = [ended.stdout, ended.stderr].concat();
+        (ended.status.code().unwrap(), String::from_utf8_lossy(&said).into_owned())
+    };
+    // spheres, which it refuses: rows of ours that did not change do not answer for it
+    let (code, said) = check(&["balls:1"]);
+    assert!(code == 6 && said.contains("1 not judged: not built"), "{code}: {said}");
+    // where one scene is compared, the other is only named
+    let (code, said) = check(&["balls:1", "tetra:4"]);
+    assert!(code == 0 && said.contains("1 not judged: not built"), "{code}: {said}");
+}
