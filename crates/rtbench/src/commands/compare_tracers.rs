@@ -29,6 +29,7 @@ use measurement::system::pools::pool;
 use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
 use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
+use studies::tracer_comparison::record::{ReferenceRecord, TracersRecord};
 use studies::tracer_comparison::report::Report;
 use studies::tracer_comparison::{ComparisonInput, KINDS, compare, without};
 use studies::tracer_comparison::{SampledReference, converged};
@@ -102,7 +103,7 @@ pub fn run(
     } else {
         Vec::new()
     };
-    let report = Report {
+    let record = TracersRecord {
         scene: scene.name.clone(),
         primitives: scene.primitives.len(),
         resolution: frame.resolution,
@@ -110,12 +111,12 @@ pub fn run(
         threads,
         seed: frame.seed,
         command_line: context.command_line.clone(),
-        machine: context.world.machine(),
-        reference,
-        reference_samples,
-        rows,
+        machine: Some(context.world.machine()),
+        reference: ReferenceRecord { own_error: reference.own_error, samples: reference_samples },
+        images: Vec::new(),
         queries,
     };
+    let report = Report::new(record, reference.image, rows);
     if let Some(folder) = &args.output {
         write_files(folder, &report)?;
     }
@@ -187,7 +188,7 @@ fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {
         let path = folder.join(name);
         image.save_png(&path).map_err(|source| UnsavedImage { path, source })
     };
-    image("reference.png".to_owned(), &report.reference.image)?;
+    image("reference.png".to_owned(), &report.reference)?;
     for row in &report.rows {
         if let Ok(measured) = &row.outcome {
             let name = row.label().replace([' ', '='], "-");

@@ -9,27 +9,13 @@ use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
 use scene_loading::{Bounds, Camera};
 
+use super::record::QueryRecord;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
-use statistics::estimate::{Estimate, estimate};
+use statistics::estimate::estimate;
 
 /// Brute force asks about as many hulls per round at most, the structure in question all frusta.
 const MOST_TESTS: usize = 1 << 25;
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct QueryRow {
-    pub structure: &'static str,
-    /// Queries a round: all pixels, or every so many of them.
-    pub queries: usize,
-    /// Time of a query, microseconds.
-    pub microseconds: Estimate,
-    /// Its time over that of brute force on the same frusta in the same rounds.
-    pub ratio: Estimate,
-    /// Work of the queries of one round.
-    pub work: FrustumWork,
-    /// Queries that did not find what the ray through the pixel's centre hits: a wrong row.
-    pub missed: usize,
-}
 
 /// A pyramid a pixel.
 pub fn pixel_frusta(camera: &Camera, resolution: [u32; 2], bounds: Bounds) -> Vec<Frustum> {
@@ -85,7 +71,7 @@ pub fn measure(
     frusta: &[(Frustum, Option<u32>)],
     rounds: Rounds,
     clock: &dyn Clock,
-) -> Result<Vec<QueryRow>, BuildError> {
+) -> Result<Vec<QueryRecord>, BuildError> {
     let stride = (frusta.len() * rounds.primitives).div_ceil(MOST_TESTS).max(1);
     let sample: Vec<&(Frustum, Option<u32>)> = frusta.iter().step_by(stride).collect();
     let mut asked = Vec::new();
@@ -116,12 +102,16 @@ pub fn measure(
             a.seconds.iter().map(|s| s * 1e6 / sample.len().max(1) as f64).collect();
         let ratios: Vec<f64> =
             a.seconds.iter().zip(&base).map(|(s, b)| s / b.max(f64::MIN_POSITIVE)).collect();
-        Some(QueryRow {
-            structure: a.name,
+        let FrustumWork { cells, references, tests: hull_tests, found, .. } = a.work;
+        Some(QueryRecord {
+            structure: a.name.to_owned(),
             queries: sample.len(),
             microseconds: estimate(&per_query, seed)?,
-            ratio: estimate(&ratios, seed)?,
-            work: a.work,
+            ratio_to_brute_force: estimate(&ratios, seed)?,
+            cells,
+            references,
+            hull_tests,
+            found,
             missed: a.missed,
         })
     };
@@ -208,7 +198,10 @@ mod tests {
             measure(registry, geometry.prims(), &frusta, rounds, &clock).unwrap()
         };
         let rows = asked(frustum_queries::REGISTRY);
-        assert!(rows.iter().all(|r| r.missed == 0 && r.ratio.holds(1.0)), "{rows:?}");
+        assert!(
+            rows.iter().all(|r| r.missed == 0 && r.ratio_to_brute_force.holds(1.0)),
+            "{rows:?}"
+        );
         let planted = [frustum_queries::line(&INFO, frustum_queries::build::<LossyGrid>)];
         assert!(asked(&planted)[0].missed > 0);
     }

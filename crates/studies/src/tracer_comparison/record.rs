@@ -104,7 +104,9 @@ pub enum Outcome {
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct QueryRecord {
     pub structure: String,
+    /// Queries a round: all pixels, or every so many of them.
     pub queries: usize,
+    /// Time of a query.
     pub microseconds: Estimate,
     /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio_to_brute_force: Estimate,
@@ -114,6 +116,6 @@ pub struct QueryRecord {
     /// Tests of a hull against a frustum.
     pub hull_tests: u64,
     pub found: u64,
-    /// Queries that did not find what the ray through the pixel's centre hits.
+    /// Queries that did not find what the ray through the pixel's centre hits: a wrong row.
     pub missed: usize,
 }
