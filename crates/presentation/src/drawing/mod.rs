@@ -5,10 +5,8 @@
 //! [`palette`](crate::svg_plot::palette) follows the reader's choice. As PNG, it is drawn twice as
 //! large, on a light ground.
 
-mod canvas;
 mod heat_maps;
 mod item;
-mod letters;
 mod raster;
 mod svg;
 
@@ -34,7 +32,7 @@ impl Drawing {
     /// # Errors
     /// [`image::ImageError`] for a drawing that is too large.
     pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
-        let (width, pixels) = raster::drawn(self, 2.0);
+        let (width, pixels) = raster::drawn(self, 2.0)?;
         raster::encoded(width, &pixels)
     }
 }

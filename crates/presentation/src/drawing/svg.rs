@@ -82,6 +82,7 @@ pub fn written(drawing: &Drawing) -> Result<String, image::ImageError> {
                 let _ = writeln!(pen.out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"{paint}/>");
             }
             Item::Text([x, y], font, text) => pen.text(*x, *y, *font, text),
+            Item::Image(_, _, pixels) if pixels.is_empty() => {}
             Item::Image(at, width, pixels) => {
                 let [x, y, w, h] = at.map(short);
                 let png = STANDARD.encode(encoded(*width, pixels)?);
