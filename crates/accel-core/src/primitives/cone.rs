@@ -115,7 +115,8 @@ impl<S: Scalar> Cone<S> {
         let dr = self.sine * dz;
         let r = self.cosine * self.base_radius + self.sine * mz;
         let between = m_perp * dr - d_perp * r;
-        let discriminant = between.dot(between) - square * (dd * mm - md * md);
+        let turned = d_perp.cross(m_perp);
+        let discriminant = between.dot(between) - square * turned.dot(turned);
         if discriminant < S::ZERO {
             return None;
         }
