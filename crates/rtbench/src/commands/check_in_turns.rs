@@ -118,7 +118,8 @@ impl Check<'_> {
                 replan::plan(&like, &Restriction::default(), context)?
             }
             None => {
-                let settings = self.args.settings();
+                let mut settings = self.args.settings();
+                context.plugins.add_rows(&mut settings.structures);
                 Plan::of_run(&settings, context.registry, context.occluders, context.scenes)?
             }
         };
