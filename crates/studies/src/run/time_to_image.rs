@@ -1,7 +1,7 @@
-//! The time to a image: the build, one million primary rays, and the shadow rays of their hits.
+//! The time to an image: the build, one million primary rays, and the shadow rays of their hits.
 //!
 //! A structure that traces fast but is built slowly is no gain where the scene changes with every
-//! image. The sum says what a image without reflections costs, so that build and trace need not be
+//! image. The sum says what an image without reflections costs, so that build and trace need not be
 //! weighed by taste. It is derived from what rounds measured: rays in the order of the image, each
 //! kind scaled to that of a million primary rays. A row that was timed on a sample stands for all
 //! rays by its ratio to the reference on that sample, as in [`costs`].
