@@ -83,6 +83,14 @@ fn proofs() -> Vec<(String, String)> {
     files.map(|path| (name(&path), fs::read_to_string(&path).unwrap())).collect()
 }
 
+/// The number that a proof gives a constant of that name.
+pub fn constant(name: &str) -> f64 {
+    let start = format!("{name} = ");
+    let value = |line: &str| Some(number(line.strip_prefix(&start)?.strip_suffix(';')?));
+    let found = proofs().iter().find_map(|(_, proof)| proof.lines().find_map(value));
+    found.unwrap_or_else(|| panic!("no proof has {name}"))
+}
+
 fn source(file: &str) -> String {
     fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"))
 }
