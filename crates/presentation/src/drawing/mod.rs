@@ -32,7 +32,7 @@ impl Drawing {
     /// # Errors
     /// [`image::ImageError`] for a drawing that is too large.
     pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
-        let (width, pixels) = raster::drawn(self, 2.0)?;
+        let (width, pixels) = raster::drawn(&self.svg()?, 2.0)?;
         raster::encoded(width, &pixels)
     }
 }

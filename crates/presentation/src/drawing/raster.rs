@@ -1,4 +1,4 @@
-//! A drawing as pixels: its SVG, drawn by resvg with the letters of DejaVu Sans.
+//! SVG as pixels, drawn by resvg with the letters of DejaVu Sans.
 
 use std::sync::{Arc, LazyLock};
 
@@ -8,8 +8,7 @@ use resvg::tiny_skia::{Color as Fill, Pixmap, Transform};
 use resvg::usvg::fontdb::Database;
 use resvg::usvg::{Options, Tree};
 
-use crate::drawing::item::{Color, Drawing};
-use crate::drawing::svg;
+use crate::drawing::item::Color;
 
 /// Pixels of the longest side, at most.
 const MOST: f32 = 32_768.0;
@@ -22,14 +21,13 @@ static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// The pixels of a drawing that is so many times as large, and their width.
-pub fn drawn(drawing: &Drawing, scale: f32) -> Result<(u32, Vec<Color>), ImageError> {
+/// The pixels of a picture that is so many times as large, and their width.
+pub fn drawn(svg: &str, scale: f32) -> Result<(u32, Vec<Color>), ImageError> {
     let failed = |error| {
         ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::Png), error))
     };
     let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
-    let tree = Tree::from_str(&svg::written(drawing)?, &options)
-        .map_err(|error| failed(error.to_string()))?;
+    let tree = Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
     let size = tree.size();
     let scale = scale.min(MOST / size.width().max(size.height()));
     let [width, height] = [size.width(), size.height()].map(|x| (x * scale).ceil() as u32);
