@@ -1,5 +1,7 @@
 //! `rtbench show`: pictures of structures, and one ray's way.
 
+use std::path::Path;
+
 use accel_core::query::cells::NoCells;
 use accel_core::structures::REGISTRY;
 
@@ -38,6 +40,38 @@ fn every_structure_of_the_registry_is_drawn() {
             assert!(texts.iter().any(|t| t.contains("references to primitives in a cell")));
         }
     }
+}
+
+/// A file of the repository.
+fn text_of(path: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
+}
+
+/// The pictures that `scripts/pictures.sh` draws with `show`: their names, and the arguments.
+fn pictures_of_the_docs() -> Vec<(String, String)> {
+    let script = text_of("scripts/pictures.sh");
+    let lines = script.lines().filter_map(|line| line.strip_prefix("show ")?.split_once(' '));
+    lines.map(|(name, arguments)| (name.to_owned(), arguments.to_owned())).collect()
+}
+
+#[test]
+fn pictures_of_the_docs_are_drawn_by_this_program() {
+    let (folder, pictures) = (Folder::new(), pictures_of_the_docs());
+    assert!(pictures.len() >= 8, "{pictures:?}");
+    let draw = |name: &str, arguments: &str| {
+        let ended = run(&format!("show {arguments} -o {}/{name} --overwrite", folder.path()));
+        assert_eq!(ended.code, 0, "{name}: {}", ended.err);
+        folder.text(name)
+    };
+    for (name, arguments) in &pictures {
+        let shown = text_of(&format!("docs/pictures/{name}"));
+        assert!(draw(name, arguments) == shown, "{name} is stale: scripts/pictures.sh draws it");
+    }
+    // planted: another scene
+    let (name, arguments) = &pictures[0];
+    let other = draw(name, &arguments.replace("teapot:5", "teapot:4"));
+    assert!(other != text_of(&format!("docs/pictures/{name}")));
 }
 
 #[test]
