@@ -1,7 +1,5 @@
 //! `rtbench show`: pictures of structures, and one ray's way.
 
-use std::path::Path;
-
 use accel_core::query::cells::NoCells;
 use accel_core::structures::REGISTRY;
 
@@ -9,6 +7,7 @@ use accel_core::structures::Entry;
 use measurement::scenes::InstalledScenes;
 use measurement::system::clock::SystemClock;
 
+use crate::adoption::documents::text_of;
 use crate::common::{Ended, Folder, run_with};
 
 /// Over the real registry, not the one of other tests.
@@ -40,12 +39,6 @@ fn every_structure_of_the_registry_is_drawn() {
             assert!(texts.iter().any(|t| t.contains("references to primitives in a cell")));
         }
     }
-}
-
-/// A file of the repository.
-fn text_of(path: &str) -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-    std::fs::read_to_string(root.join(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
 /// The pictures that `scripts/pictures.sh` draws with `show`: their names, and the arguments.

@@ -1,7 +1,7 @@
 //! What makes the program easy to take into use: formats, schemas, shards, set files, pages,
 //! and that the documents say what is true.
 
-mod documents;
+pub mod documents;
 mod exports;
 mod printed;
 mod recorded;
