@@ -34,6 +34,10 @@ const COPY_EXTRA: usize = 12;
 /// Bytes of a plugin's output that are kept.
 const TAIL: usize = 500;
 
+/// Has the C library ask for huge pages for a plugin's memory, as rtbench's own heap does for that
+/// of all other rows; what the user says goes first.
+const HEAP_TUNABLES: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1");
+
 /// A running process with a plugin.
 pub(crate) struct Remote {
     process: Child,
@@ -55,7 +59,11 @@ impl Remote {
         let socket = place.path().join("socket");
         let listener = UnixListener::bind(&socket).map_err(cannot)?;
         listener.set_nonblocking(true).map_err(cannot)?;
-        let mut process = Command::new(&launch.program)
+        let mut process = Command::new(&launch.program);
+        if std::env::var_os(HEAP_TUNABLES.0).is_none() {
+            process.env(HEAP_TUNABLES.0, HEAP_TUNABLES.1);
+        }
+        let mut process = process
             .args(["--quiet", "child", "plugin"])
             .arg("--file")
             .arg(&launch.file)

@@ -2,6 +2,11 @@
 
 use std::process::ExitCode;
 
+use measurement::system::huge_pages::HugePageHeap;
+
+#[global_allocator]
+static HEAP: HugePageHeap = HugePageHeap;
+
 fn main() -> ExitCode {
     rtbench::main()
 }

@@ -360,5 +360,6 @@ fn joined_machine(a: &Machine, b: &Machine) -> Machine {
     machine.boost = a.boost.filter(|_| a.boost == b.boost);
     let avx512 = a.batches_by_avx512.filter(|_| a.batches_by_avx512 == b.batches_by_avx512);
     machine.batches_by_avx512 = avx512;
+    machine.huge_pages = a.huge_pages.clone().filter(|_| a.huge_pages == b.huge_pages);
     machine
 }

@@ -35,6 +35,11 @@ pub struct Machine {
     /// November 2026 mean batches alone.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub batches_by_avx512: Option<bool>,
+    /// When the system uses huge pages: `always`, `madvise` (for large blocks of the heap, which
+    /// ask for them) or `never`. Records of before 27 November 2026 do not tell; their heap did not
+    /// ask.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub huge_pages: Option<String>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! What the results were measured on and with, and how long its threads waited for a processor.
 
 use crate::record::{Load, Machine, Ticks};
+use crate::system::huge_pages;
 use accel_core::query::batch::has_avx512;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,6 +39,7 @@ pub fn machine() -> Machine {
         governor: line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
         boost: boost(),
         batches_by_avx512: Some(has_avx512()),
+        huge_pages: huge_pages::use_of(&read("/sys/kernel/mm/transparent_hugepage/enabled")),
     }
 }
 

@@ -4,6 +4,7 @@ pub mod child_process;
 pub mod clock;
 pub mod created;
 pub mod files;
+pub mod huge_pages;
 pub mod interrupt;
 pub mod machine;
 pub mod memory_layout;

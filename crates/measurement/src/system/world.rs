@@ -112,6 +112,7 @@ impl Default for FixedWorld {
                 governor: None,
                 boost: None,
                 batches_by_avx512: None,
+                huge_pages: None,
             },
             processor_features: vec!["avx2", "fma"],
             compiler: Compiler {

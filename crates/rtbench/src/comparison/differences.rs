@@ -130,6 +130,12 @@ impl DifferenceList {
             &avx512[0],
             &avx512[1],
         );
+        self.unless_known_equal(
+            DifferenceScope::Seconds,
+            "huge pages",
+            &old.huge_pages,
+            &new.huge_pages,
+        );
     }
 
     /// Target features, by those that only one run has.

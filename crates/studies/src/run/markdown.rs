@@ -115,6 +115,9 @@ fn facts(run: &RunRecord) -> Vec<String> {
     if machine.batches_by_avx512 == Some(true) {
         clock.push_str(", wide nodes and batches by AVX-512");
     }
+    if let Some(when) = &machine.huge_pages {
+        let _ = write!(clock, ", huge pages: {when}");
+    }
     let averages = run.load.map(|load| load.average);
     if let [Some(before), Some(after)] = averages {
         let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");
