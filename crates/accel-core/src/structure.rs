@@ -2,6 +2,8 @@
 
 #![warn(missing_docs)]
 
+use std::ops::Range;
+
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
@@ -137,6 +139,16 @@ pub enum BatchAnswers<'a, S: Scalar> {
     Closest(&'a mut [Hit<S>]),
     /// True if an opaque primitive is in the way.
     Occlusion(&'a mut [bool]),
+}
+
+impl<S: Scalar> BatchAnswers<'_, S> {
+    /// Those of the rays at these places.
+    pub(crate) fn of(&mut self, places: Range<usize>) -> BatchAnswers<'_, S> {
+        match self {
+            Self::Closest(hits) => BatchAnswers::Closest(&mut hits[places]),
+            Self::Occlusion(blocked) => BatchAnswers::Occlusion(&mut blocked[places]),
+        }
+    }
 }
 
 /// Statistics of a structure, in the symbols of Havran and Sixta (1999).

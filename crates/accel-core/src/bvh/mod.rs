@@ -281,6 +281,12 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         reach: S,
         answers: BatchAnswers<'_, S>,
     ) -> C {
+        if self.batches == Batches::Packets {
+            let unit = self.setup.unit();
+            return batch::answer_in_order::<SequentialDriver, C, _, _, _>(
+                self, prims, rays, reach, unit, answers,
+            );
+        }
         batch::answer::<SequentialDriver, C, _, _, _>(self, prims, rays, reach, answers)
     }
 

@@ -5,7 +5,8 @@
 //! using Dynamic Bounding Volume Hierarchies", TOG 26(1), 2007 (intervals over a packet's rays
 //! against boxes); C. Benthin, I. Wald, S. Woop, M. Ernst, W. Mark, "Combining Single and
 //! Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC Architecture", TVCG 18(9),
-//! 2012 (rays go on alone where few are left).
+//! 2012 (rays go on alone where few are left). Rays in no order are put into one first
+//! (`ray_order.rs`).
 //!
 //! Deviations: one test of eight boxes at a node with the interval, and one of eight rays with the
 //! box of each child that it meets; at a list each ray that meets its box tests the blocks as it
@@ -21,13 +22,10 @@ use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::query::prepared::LaneStructure;
+use crate::query::ray_order::ALIKE;
 use crate::query::sink::Sink;
 use crate::structure::Batches;
 use wide::f32x8;
-
-/// Rays go together if their origins lie within this part of the scene's size, on each axis, and
-/// their directions within this part of their largest component.
-const ALIKE: f32 = 0.125;
 
 /// So many rays that meet a node go on alone.
 const FEW: u32 = 2;

@@ -13,6 +13,7 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::Counters;
+use crate::query::ray_order;
 use crate::query::sink::{AnyHit, ClosestHit, Sink};
 use crate::query::tracer::nearby::rebase_origin;
 use crate::structure::{BatchAnswers, Structure};
@@ -206,6 +207,47 @@ pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>
             batch.work
         }
     }
+}
+
+/// So many rays are put into another order at a time, which bounds the memory for that.
+const ORDERED_AT_A_TIME: usize = 1 << 18;
+
+/// [`answer`], in an order in which neighbours run alike where those of the batch do not, as its
+/// first rays tell; `unit` as for [`ray_order::of`].
+pub(crate) fn answer_in_order<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
+    structure: &T,
+    prims: &P,
+    rays: &[Ray<S>],
+    reach: S,
+    unit: f64,
+    mut answers: BatchAnswers<'_, S>,
+) -> C {
+    let mut work = C::default();
+    let mut first = 0;
+    while first < rays.len() {
+        let places = first..rays.len().min(first + ORDERED_AT_A_TIME);
+        let Some(order) = ray_order::of(&rays[places.clone()], unit) else { break };
+        let own = &rays[places.clone()];
+        let ordered: Vec<Ray<S>> = order.iter().map(|&place| own[place as usize]).collect();
+        match answers.of(places.clone()) {
+            BatchAnswers::Closest(hits) => {
+                let mut found = vec![Hit::NONE; own.len()];
+                let into = BatchAnswers::Closest(&mut found);
+                work += answer::<D, C, _, _, _>(structure, prims, &ordered, reach, into);
+                order.iter().zip(found).for_each(|(&place, hit)| hits[place as usize] = hit);
+            }
+            BatchAnswers::Occlusion(blocked) => {
+                let mut found = vec![false; own.len()];
+                let into = BatchAnswers::Occlusion(&mut found);
+                work += answer::<D, C, _, _, _>(structure, prims, &ordered, reach, into);
+                order.iter().zip(found).for_each(|(&place, found)| blocked[place as usize] = found);
+            }
+        }
+        first = places.end;
+    }
+    let rest = answers.of(first..rays.len());
+    work += answer::<D, C, _, _, _>(structure, prims, &rays[first..], reach, rest);
+    work
 }
 
 /// Environment variable: `off` where AVX-512 is not to be used though the processor has it.
