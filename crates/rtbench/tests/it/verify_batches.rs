@@ -51,31 +51,64 @@ fn take_the_first<S: Scalar, T: Clone>(rays: &[Ray<S>], answers: &mut [T]) {
     }
 }
 
+/// Puts the answers of a batch whose groups of alike rays are mixed one place off.
+struct OutOfOrder;
+
+impl BatchFault for OutOfOrder {
+    fn answer<S: Scalar, P: PrimSet<S>>(
+        prims: &P,
+        rays: &[Ray<S>],
+        reach: S,
+        mut answers: BatchAnswers<'_, S>,
+    ) {
+        let group: Vec<Ray<S>> = rays.iter().copied().step_by((rays.len() / 8).max(1)).collect();
+        let is_mixed = rays.len() > 8 && are_alike(&group);
+        match &mut answers {
+            BatchAnswers::Closest(hits) => {
+                answered_by_brute_force(prims, rays, reach, BatchAnswers::Closest(hits));
+                hits.rotate_left(usize::from(is_mixed));
+            }
+            BatchAnswers::Occlusion(blocked) => {
+                answered_by_brute_force(prims, rays, reach, BatchAnswers::Occlusion(blocked));
+                blocked.rotate_left(usize::from(is_mixed));
+            }
+        }
+    }
+}
+
 type OneForEight<S> = Batched<S, OfTheFirst>;
+type OnePlaceOff<S> = Batched<S, OutOfOrder>;
 
 static ONE_FOR_EIGHT: StructureInfo = planted("one-for-eight", "wrong on purpose");
+static ONE_PLACE_OFF: StructureInfo = planted("one-place-off", "wrong on purpose");
 static FAULTS: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
     crate::common::batched_entry!(OneForEight, ONE_FOR_EIGHT),
+    crate::common::batched_entry!(OnePlaceOff, ONE_PLACE_OFF),
 ];
 
-#[test]
-fn finds_errors_only_coherent_batches_show() {
+/// Asserts that a row is wrong in all cases, and that its report says where.
+fn assert_found(row: &str, how: &str) {
     let folder = Folder::new();
-    let check = "verify --cases G1,R8 -s one-for-eight --rays 1000 -o";
-    let ended = run_with(
-        FAULTS,
-        &InstalledScenes,
-        &SystemClock::default(),
-        &format!("{check} {}", folder.path()),
-    );
+    let check = format!("verify --cases G1,R8 -s {row} --rays 1000 -o {}", folder.path());
+    let ended = run_with(FAULTS, &InstalledScenes, &SystemClock::default(), &check);
     assert_eq!(ended.code, 4, "{}{}", ended.out, ended.err);
-    assert!(ended.out.contains("in a coherent batch"), "{}", ended.out);
+    assert!(ended.out.contains(how), "{}", ended.out);
     let rows = folder.csv_of("verify.csv");
     assert_eq!(rows.len(), 4);
     for row in rows {
         assert_ne!(row["mismatches"], "0", "{row:?}");
     }
+}
+
+#[test]
+fn finds_errors_only_coherent_batches_show() {
+    assert_found("one-for-eight", "in a coherent batch");
+}
+
+#[test]
+fn finds_answers_that_are_not_put_back_into_the_order_of_the_rays() {
+    assert_found("one-place-off", "in the same batch, mixed");
 }
 
 #[test]

@@ -27,8 +27,9 @@ pub(super) struct Answers<S: Scalar> {
     /// The closest hits of the same rays, each asked alone; nothing where batches are asked so
     /// anyway.
     pub(super) alone: Vec<Hit<S>>,
-    /// The same rays, each among others that run nearly as it does.
-    pub(super) in_batch: Vec<(Hit<S>, bool)>,
+    /// The same rays, each among others that run nearly as it does: next to it, then far from it in
+    /// the batch.
+    pub(super) in_batch: [Vec<(Hit<S>, bool)>; 2],
 }
 
 impl<S: Scalar> Answers<S> {
@@ -45,10 +46,11 @@ impl<S: Scalar> Answers<S> {
         tracer.count_closest_hits(&some, &mut counted);
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
-        let (mut alone, mut in_batch) = (Vec::new(), Vec::new());
+        let (mut alone, mut in_batch) = (Vec::new(), [Vec::new(), Vec::new()]);
         if tracer.batches().are_together() {
             alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
-            in_batch = Self::in_batch(tracer, &CoherentBatch::of(&some));
+            let batch = CoherentBatch::of(&some);
+            in_batch = [&batch, &batch.mixed()].map(|batch| Self::in_batch(tracer, batch));
         }
         Self { closest, counted, blocked, counted_blocked, alone, in_batch }
     }
@@ -75,7 +77,7 @@ impl<S: Scalar> Answers<S> {
             counted: closest.iter().copied().step_by(COUNTED).collect(),
             counted_blocked: blocked.iter().copied().step_by(COUNTED).collect(),
             alone: Vec::new(),
-            in_batch: Vec::new(),
+            in_batch: [Vec::new(), Vec::new()],
             closest,
             blocked,
         }
@@ -85,12 +87,13 @@ impl<S: Scalar> Answers<S> {
     pub(super) fn hits_of(&self, ray: usize) -> impl Iterator<Item = Hit<S>> {
         let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
         let of = |hits: &[Hit<S>], i: usize| hits.get(i).copied();
-        let batched = some.and_then(|i| Some(self.in_batch.get(i)?.0));
+        let batched = |place: usize| some.and_then(|i| Some(self.in_batch[place].get(i)?.0));
         let asked = [
             of(&self.closest, ray),
             some.and_then(|i| of(&self.counted, i)),
             some.and_then(|i| of(&self.alone, i)),
-            batched,
+            batched(0),
+            batched(1),
         ];
         asked.into_iter().flatten()
     }
@@ -101,7 +104,8 @@ impl<S: Scalar> Answers<S> {
         let asked = [
             self.blocked.get(ray).copied(),
             some.and_then(|i| self.counted_blocked.get(i).copied()),
-            some.and_then(|i| Some(self.in_batch.get(i)?.1)),
+            some.and_then(|i| Some(self.in_batch[0].get(i)?.1)),
+            some.and_then(|i| Some(self.in_batch[1].get(i)?.1)),
         ];
         asked.into_iter().flatten()
     }
@@ -167,6 +171,15 @@ impl<S: Scalar> CoherentBatch<S> {
             );
         }
         batch
+    }
+
+    /// The same rays, those of a group as far apart as can be: where there are many, a structure
+    /// may put them into an order of its own.
+    fn mixed(&self) -> Self {
+        let groups = self.rays.len() / GROUP;
+        let rays = (0..self.rays.len()).map(|i| self.rays[i % groups * GROUP + i / groups]);
+        let place = |&place: &usize| place % GROUP * groups + place / GROUP;
+        Self { rays: rays.collect(), places: self.places.iter().map(place).collect() }
     }
 }
 

@@ -257,11 +257,14 @@ impl<'a, S: Buildable> Judge<'a, S> {
         if !ray.is_multiple_of(COUNTED) {
             return None;
         }
-        let batched = answers.in_batch.get(ray / COUNTED);
+        let batches = ["in a coherent batch", "in the same batch, mixed"];
+        let of_batches = answers.in_batch.each_ref().map(|all| all.get(ray / COUNTED));
+        let [near, far] = of_batches.map(|answer| answer.map(|(hit, _)| hit));
         let ways = [
             ("when counting", answers.counted.get(ray / COUNTED)),
             ("when asked alone", answers.alone.get(ray / COUNTED)),
-            ("in a coherent batch", batched.map(|(hit, _)| hit)),
+            (batches[0], near),
+            (batches[1], far),
         ];
         let other = |(how, other): (&str, Option<&Hit<S>>)| {
             let other = other.filter(|other| !is_same(hit, other))?;
@@ -270,10 +273,10 @@ impl<'a, S: Buildable> Judge<'a, S> {
         if let Some(what) = ways.into_iter().find_map(other) {
             return Some(what);
         }
-        if let Some((_, is_blocked)) = batched.filter(|(_, is_blocked)| *is_blocked != blocked) {
-            return Some(format!(
-                "any-hit differs in a coherent batch: blocked {is_blocked}, expected {blocked}"
-            ));
+        for (how, answer) in batches.into_iter().zip(of_batches) {
+            if let Some((_, said)) = answer.filter(|(_, said)| *said != blocked) {
+                return Some(format!("any-hit differs {how}: blocked {said}, expected {blocked}"));
+            }
         }
         let said = *answers.counted_blocked.get(ray / COUNTED)?;
         (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))
