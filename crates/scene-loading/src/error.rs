@@ -171,7 +171,64 @@ impl LoadError {
     pub(crate) fn syntax(place: FilePlace, found: &str, expected: impl Into<String>) -> Self {
         Self::Syntax { place, found: quote(found), expected: expected.into() }
     }
+
+    pub(crate) fn unexpected_end(place: FilePlace, expected: impl ToString) -> Self {
+        Self::UnexpectedEnd { place, expected: expected.to_string() }
+    }
+
+    pub(crate) fn not_finite(place: FilePlace, what: impl ToString, found: impl ToString) -> Self {
+        Self::NotFinite { place, what: what.to_string(), found: found.to_string() }
+    }
+
+    pub(crate) fn out_of_range(
+        place: FilePlace,
+        what: impl ToString,
+        found: impl ToString,
+        expected: impl ToString,
+    ) -> Self {
+        let (what, found, expected) = (what.to_string(), found.to_string(), expected.to_string());
+        Self::OutOfRange { place, what, found, expected }
+    }
+
+    pub(crate) fn too_many(place: FilePlace, what: impl ToString, count: u64, limit: u64) -> Self {
+        Self::CountTooLarge { place, what: what.to_string(), count, limit }
+    }
+
+    pub(crate) fn bad_index(
+        place: FilePlace,
+        what: impl ToString,
+        index: impl ToString,
+        valid: impl ToString,
+    ) -> Self {
+        let (what, index, valid) = (what.to_string(), index.to_string(), valid.to_string());
+        Self::IndexOutOfRange { place, what, index, valid }
+    }
+
+    pub(crate) fn no_primitives(file: &Path, expected: &'static str) -> Self {
+        Self::NoPrimitives { place: FilePlace::file(file), expected }
+    }
+
+    pub(crate) fn too_large(file: &Path, limit: u64) -> Self {
+        Self::TooLarge { place: FilePlace::file(file), limit }
+    }
+
+    pub(crate) fn gltf(
+        file: &Path,
+        object: impl ToString,
+        found: impl ToString,
+        expected: impl ToString,
+    ) -> Self {
+        Self::Gltf {
+            place: FilePlace::file(file),
+            object: object.to_string(),
+            found: found.to_string(),
+            expected: expected.to_string(),
+        }
+    }
 }
+
+/// What was found in place of a finite number, where all that is known is that it is none.
+pub(crate) const NOT_FINITE: &str = "NaN or infinite";
 
 /// Text from a file, quoted for a message and cut to a readable length.
 pub(crate) fn quote(text: &str) -> String {

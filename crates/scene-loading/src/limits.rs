@@ -34,10 +34,5 @@ pub(crate) fn check(
     if count <= limit {
         return Ok(());
     }
-    Err(LoadError::CountTooLarge {
-        place: place(),
-        what: what.to_owned(),
-        count: count as u64,
-        limit: limit as u64,
-    })
+    Err(LoadError::too_many(place(), what, count as u64, limit as u64))
 }

@@ -98,8 +98,7 @@ impl FaceCounts {
     pub fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, LoadError> {
         self.warn(&mut scene);
         if scene.primitives.is_empty() {
-            let expected = "triangle with an area";
-            return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
+            return Err(LoadError::no_primitives(path, "triangle with an area"));
         }
         scene.frame_camera();
         Ok(scene)
@@ -289,10 +288,9 @@ pub(crate) fn coordinate(
     if is_usable(value) {
         return Ok(value);
     }
-    let (what, found) = (what.to_owned(), value.to_string());
     if !value.is_finite() {
-        return Err(LoadError::NotFinite { place: place(), what, found });
+        return Err(LoadError::not_finite(place(), what, value));
     }
     let expected = format!("at most {MAX_COORDINATE:e} in size");
-    Err(LoadError::OutOfRange { place: place(), what, found, expected })
+    Err(LoadError::out_of_range(place(), what, value, expected))
 }

@@ -62,7 +62,7 @@ pub fn parse_tray_racing(
     read_model: impl FnOnce(&Path) -> Result<Scene, LoadError>,
 ) -> Result<Scene, LoadError> {
     if bytes.len() as u64 > MAX_JSON {
-        return Err(LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_JSON });
+        return Err(LoadError::too_large(path, MAX_JSON));
     }
     let reader = ron::Options::default().with_recursion_limit(MAX_DEPTH);
     let entry: SceneEntry = reader.from_str(&text_of(path, bytes)?).map_err(|error| {

@@ -51,7 +51,7 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, L
     let world = read_world(path, bytes)?;
     let clip = world.clip.ok_or_else(|| {
         let expected = "an entity `a` with start, end and number of frames";
-        LoadError::UnexpectedEnd { place: FilePlace::file(path), expected: expected.into() }
+        LoadError::unexpected_end(FilePlace::file(path), expected)
     })?;
     let mut animated = AnimatedFiles { name: scene_name(path), world, clip, camera: None };
     if !animated.world.has_view {

@@ -98,8 +98,8 @@ pub(super) struct Reader<'a> {
 
 impl Reader<'_> {
     fn file(&mut self, path: &Path, bytes: Vec<u8>, depth: usize) -> Result<(), LoadError> {
-        let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES };
-        self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
+        let left = self.budget.checked_sub(bytes.len() as u64);
+        self.budget = left.ok_or_else(|| LoadError::too_large(path, MAX_BYTES))?;
         // braces are words of their own wherever they stand
         let text = text_of(path, bytes)?.replace('{', " { ").replace('}', " } ");
         let next = self.files.len();
@@ -111,8 +111,7 @@ impl Reader<'_> {
             self.entity(word, &mut opened, base, depth)?;
         }
         if self.branch != base {
-            let place = FilePlace::file(path);
-            return Err(LoadError::UnexpectedEnd { place, expected: "}".into() });
+            return Err(LoadError::unexpected_end(FilePlace::file(path), "}"));
         }
         Ok(())
     }
@@ -150,12 +149,8 @@ impl Reader<'_> {
                 let (from, to) = (words.number("the start")?, words.number("the end")?);
                 let frames = words.integer("the number of frames", 1, MAX_FRAMES)?;
                 if to < from {
-                    return Err(LoadError::OutOfRange {
-                        place,
-                        what: "the end".into(),
-                        found: to.to_string(),
-                        expected: format!("at least the start, {from}"),
-                    });
+                    let expected = format!("at least the start, {from}");
+                    return Err(LoadError::out_of_range(place, "the end", to, expected));
                 }
                 // the range check keeps it within u32
                 self.world.clip = Some((from, to, frames as u32));
@@ -270,7 +265,7 @@ impl Reader<'_> {
         let scene = &mut self.world.rest;
         if scene.primitives.is_empty() {
             let expected = "primitive (s, c, p, pp, m, tt, ttp, tpa)";
-            return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
+            return Err(LoadError::no_primitives(path, expected));
         }
         self.counts.warn(scene);
         self.textured.warn("textured shapes or meshes: their images are not read", scene);

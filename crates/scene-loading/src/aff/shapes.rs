@@ -138,12 +138,9 @@ impl Reader<'_> {
             let line = words.peek().map_or(0, |word| word.line);
             let time = words.number("a time")?;
             if let Some((last, _)) = keys.last().filter(|(last, _)| *last >= time) {
-                return Err(LoadError::OutOfRange {
-                    place: words.place(line),
-                    what: "the time of a triangle".into(),
-                    found: time.to_string(),
-                    expected: format!("more than {last}, that of the one before"),
-                });
+                let (place, what) = (words.place(line), "the time of a triangle");
+                let expected = format!("more than {last}, that of the one before");
+                return Err(LoadError::out_of_range(place, what, time, expected));
             }
             let mut corners = [[DVec3::ZERO; 2]; 3];
             for corner in &mut corners {
@@ -197,12 +194,8 @@ fn indices(words: &mut Words<'_>, what: &str, count: usize) -> Result<[u32; 3], 
         let line = words.peek().map_or(0, |word| word.line);
         let value = words.integer(what, 0, u64::MAX)?;
         if value >= count as u64 {
-            return Err(LoadError::IndexOutOfRange {
-                place: words.place(line),
-                what: what.into(),
-                index: value.to_string(),
-                valid: format!("there are {count}, counted from 0"),
-            });
+            let valid = format!("there are {count}, counted from 0");
+            return Err(LoadError::bad_index(words.place(line), what, value, valid));
         }
         // below a count within memory and the limits
         *index = value as u32;

@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use crate::aff::motion::AnimatedPatch;
 use crate::aff::motion::Motions;
-use crate::error::{FilePlace, LoadError};
+use crate::error::{FilePlace, LoadError, NOT_FINITE};
 use crate::gltf::vectors::cofactor;
 use crate::pbrt::state::uniform_scale;
 use crate::scene::{Camera, Instance, Light, Scene, Shape};
@@ -81,7 +81,8 @@ impl World {
             let to_world = placement(&placements, *branch).to_world;
             let position = to_world.transform_point3(light.position());
             if !position.is_finite() {
-                return Err(not_finite(FilePlace::file(&self.path), "the place of a light"));
+                let place = FilePlace::file(&self.path);
+                return Err(LoadError::not_finite(place, "the place of a light", NOT_FINITE));
             }
             scene.lights.push(Light::Point { position, color: light.color() });
         }
@@ -135,10 +136,6 @@ impl World {
     }
 }
 
-fn not_finite(place: FilePlace, what: &str) -> LoadError {
-    LoadError::NotFinite { place, what: what.into(), found: "NaN or infinite".into() }
-}
-
 fn placement(all: &[Placement], branch: usize) -> Placement {
     let world = Placement { to_world: DAffine3::IDENTITY, is_visible: true, is_steady: true };
     all.get(branch).copied().unwrap_or(world)
@@ -153,7 +150,8 @@ fn place(part: &PrimitiveRange, placement: Placement, scene: &mut Scene) -> Resu
     let vertices = scene.vertices.get_mut(part.vertices.clone()).unwrap_or_default();
     vertices.iter_mut().for_each(|v| *v = to_world.transform_point3(*v));
     if !vertices.iter().all(|v| v.is_finite()) {
-        return Err(not_finite(part.place.clone(), "a place in the world"));
+        let place = part.place.clone();
+        return Err(LoadError::not_finite(place, "a place in the world", NOT_FINITE));
     }
     let of_normals = cofactor(DMat4::from(to_world));
     let normals = scene.normals.get_mut(part.normals.clone()).unwrap_or_default();
@@ -167,11 +165,9 @@ fn place(part: &PrimitiveRange, placement: Placement, scene: &mut Scene) -> Resu
         } else {
             uniform_scale(&DMat4::from(to_world))
         };
-        let scale = scale.ok_or_else(|| LoadError::OutOfRange {
-            place: part.place.clone(),
-            what: "the scale of a sphere or cone".into(),
-            found: to_world.matrix3.to_string(),
-            expected: "the same in all directions".into(),
+        let scale = scale.ok_or_else(|| {
+            let (what, expected) = ("the scale of a sphere or cone", "the same in all directions");
+            LoadError::out_of_range(part.place.clone(), what, to_world.matrix3, expected)
         })?;
         for sphere in scene.spheres.get_mut(part.spheres.clone()).unwrap_or_default() {
             sphere.center = to_world.transform_point3(sphere.center);

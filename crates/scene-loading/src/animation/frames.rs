@@ -31,12 +31,9 @@ pub(crate) fn check_frame(name: &str, index: u32, frames: u32) -> Result<(), Loa
     if index < frames {
         return Ok(());
     }
-    Err(LoadError::IndexOutOfRange {
-        place: FilePlace::file(Path::new(name)),
-        what: "frame".into(),
-        index: index.to_string(),
-        valid: format!("there are {frames}, counted from 0"),
-    })
+    let (place, valid) =
+        (FilePlace::file(Path::new(name)), format!("there are {frames}, counted from 0"));
+    Err(LoadError::bad_index(place, "frame", index, valid))
 }
 
 pub(super) struct RebasedAnimation {

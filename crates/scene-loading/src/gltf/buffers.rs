@@ -56,7 +56,7 @@ impl Buffers {
             buffers.fits(&object, buffer.length() as u64, bytes.len())?;
             total += bytes.len() as u64;
             if total > MAX_BYTES {
-                return Err(LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES });
+                return Err(LoadError::too_large(path, MAX_BYTES));
             }
             buffers.data.push(bytes);
         }
@@ -137,11 +137,8 @@ impl Buffers {
 
     /// The error for a number that is NaN or infinite.
     pub fn not_finite(&self, accessor: usize, what: &str, element: usize, found: f64) -> LoadError {
-        LoadError::NotFinite {
-            place: FilePlace::file(&self.path),
-            what: format!("accessor {accessor} ({what}), element {element}"),
-            found: found.to_string(),
-        }
+        let what = format!("accessor {accessor} ({what}), element {element}");
+        LoadError::not_finite(FilePlace::file(&self.path), what, found)
     }
 
     /// Finite numbers, those of an element behind one another: floats, or where `normalized` ones
@@ -263,12 +260,13 @@ impl Buffers {
         };
         match indices.iter().position(|&i| i as usize >= vertices) {
             None => Ok(indices),
-            Some(i) => Err(LoadError::IndexOutOfRange {
-                place: FilePlace::file(&self.path),
-                what: format!("{object}, element {i}: vertex"),
-                index: indices.get(i).map(u32::to_string).unwrap_or_default(),
-                valid: format!("there are {vertices} vertices, counted from 0"),
-            }),
+            Some(i) => {
+                let (place, what) =
+                    (FilePlace::file(&self.path), format!("{object}, element {i}: vertex"));
+                let valid = format!("there are {vertices} vertices, counted from 0");
+                let index = indices.get(i).copied().unwrap_or_default();
+                Err(LoadError::bad_index(place, what, index, valid))
+            }
         }
     }
 
@@ -294,12 +292,7 @@ impl Buffers {
         }
         let limit = if accessor.view().is_some() { MAX_ELEMENTS } else { MAX_ZEROS };
         if count > limit {
-            return Err(LoadError::CountTooLarge {
-                place: FilePlace::file(&self.path),
-                what: object.to_string(),
-                count,
-                limit,
-            });
+            return Err(LoadError::too_many(FilePlace::file(&self.path), object, count, limit));
         }
         if let Some(view) = accessor.view() {
             self.check(object, &view, accessor.offset(), count, size)?;
@@ -308,12 +301,8 @@ impl Buffers {
             Some(sparse) => {
                 let replaced = sparse.count() as u64;
                 if replaced == 0 || replaced > count {
-                    let expected = format!("1 to {count}");
-                    return Err(self.invalid(
-                        object,
-                        &format!("sparse count {replaced}"),
-                        &expected,
-                    ));
+                    let found = format!("sparse count {replaced}");
+                    return Err(self.invalid(object, &found, &format!("1 to {count}")));
                 }
                 let indices = sparse.indices();
                 let index_size = indices.index_type().size();
@@ -376,12 +365,7 @@ impl Buffers {
 
     /// The error for what breaks a rule of the format.
     pub fn invalid(&self, object: &str, found: &str, expected: &str) -> LoadError {
-        LoadError::Gltf {
-            place: FilePlace::file(&self.path),
-            object: object.to_string(),
-            found: found.to_string(),
-            expected: expected.to_string(),
-        }
+        LoadError::gltf(&self.path, object, found, expected)
     }
 }
 

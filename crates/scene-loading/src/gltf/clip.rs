@@ -33,29 +33,24 @@ struct Channel {
 impl Clip {
     /// Reads the first animation.
     pub fn read(path: &Path, document: &Document, buffers: &Buffers) -> Result<Self, LoadError> {
-        let invalid = |object: &str, found: String, expected: &str| LoadError::Gltf {
-            place: FilePlace::file(path),
-            object: object.into(),
-            found,
-            expected: expected.into(),
-        };
         let Some(animation) = document.as_json().animations.first() else {
-            return Err(invalid("document", "no animations".into(), "at least one"));
+            return Err(LoadError::gltf(path, "document", "no animations", "at least one"));
         };
         let mut clip = Self { samplers: Vec::new(), channels: Vec::new() };
         clip.samplers.resize_with(animation.samplers.len(), || None);
         let mut numbers = 0;
         for (c, channel) in animation.channels.iter().enumerate() {
-            let object = format!("animation 0 channel {c}");
+            let invalid = |found: &str, expected: &str| {
+                LoadError::gltf(path, format!("animation 0 channel {c}"), found, expected)
+            };
             let (node, s) = (channel.target.node.value(), channel.sampler.value());
             let Checked::Valid(property) = channel.target.path else {
                 let expected = "translation, rotation, scale or weights";
-                return Err(invalid(&object, "another path".into(), expected));
+                return Err(invalid("another path", expected));
             };
             let Some(target) = document.nodes().nth(node) else {
-                let there = document.nodes().len();
-                let found = format!("target node {node}");
-                return Err(invalid(&object, found, &format!("one of {there}, counted from 0")));
+                let expected = format!("one of {}, counted from 0", document.nodes().len());
+                return Err(invalid(&format!("target node {node}"), &expected));
             };
             let width = match property {
                 Property::Translation | Property::Scale => 3,
@@ -67,11 +62,11 @@ impl Clip {
                 }
             };
             if width == 0 {
-                let found = "weights of a node without morph targets".into();
-                return Err(invalid(&object, found, "a mesh with targets"));
+                let found = "weights of a node without morph targets";
+                return Err(invalid(found, "a mesh with targets"));
             }
             let Some(slot) = clip.samplers.get_mut(s) else {
-                return Err(invalid(&object, format!("sampler {s}"), "one of the animation's"));
+                return Err(invalid(&format!("sampler {s}"), "one of the animation's"));
             };
             let keys = match slot {
                 Some(keys) => keys,
@@ -85,17 +80,16 @@ impl Clip {
             };
             if keys.width != width {
                 let found = format!("a sampler of {} numbers", keys.width);
-                return Err(invalid(&object, found, &format!("one of {width}")));
+                return Err(invalid(&found, &format!("one of {width}")));
             }
             let is_zero = |key: usize| keys.value(key).iter().all(|&x| x == 0.0);
             if property == Property::Rotation && (0..keys.times.len()).any(is_zero) {
-                let found = "a rotation of 0, 0, 0, 0".into();
-                return Err(invalid(&object, found, "a quaternion other than 0"));
+                return Err(invalid("a rotation of 0, 0, 0, 0", "a quaternion other than 0"));
             }
             clip.channels.push(Channel { node, property, sampler: s });
         }
         if clip.channels.is_empty() {
-            return Err(invalid("animation 0", "no channels".into(), "at least one"));
+            return Err(LoadError::gltf(path, "animation 0", "no channels", "at least one"));
         }
         Ok(clip)
     }
@@ -142,14 +136,11 @@ fn read_keys(
     width: usize,
 ) -> Result<Keys, LoadError> {
     let object = format!("animation 0 sampler {sampler}");
-    let invalid = |found: String, expected: String| LoadError::Gltf {
-        place: FilePlace::file(path),
-        object: object.clone(),
-        found,
-        expected,
-    };
     let json = document.as_json().animations.first();
-    let missing = || invalid("nothing".into(), "input, output and a known interpolation".into());
+    let missing = || {
+        let expected = "input, output and a known interpolation";
+        LoadError::gltf(path, &object, "nothing", expected)
+    };
     let json = json.and_then(|animation| animation.samplers.get(sampler)).ok_or_else(missing)?;
     let Checked::Valid(interpolation) = json.interpolation else { return Err(missing()) };
     let accessor = |index: usize| -> Result<Accessor<'_>, LoadError> {
@@ -162,7 +153,7 @@ fn read_keys(
     {
         let found = format!("key {} at {:?} behind {:?}", i + 1, pair.last(), pair.first());
         let found = found.replace("Some(", "").replace(')', "");
-        return Err(invalid(found, "times that ascend".into()));
+        return Err(LoadError::gltf(path, &object, found, "times that ascend"));
     }
     let (dimensions, normalized) = match property {
         Property::Translation | Property::Scale => (Dimensions::Vec3, false),
@@ -174,7 +165,8 @@ fn read_keys(
     let needed = keys.times.len().saturating_mul(width).saturating_mul(keys.lists());
     if keys.values.len() != needed {
         let found = format!("{} numbers for {} times", keys.values.len(), keys.times.len());
-        return Err(invalid(found, format!("{needed} ({interpolation:?})")));
+        let expected = format!("{needed} ({interpolation:?})");
+        return Err(LoadError::gltf(path, &object, found, expected));
     }
     Ok(keys)
 }

@@ -9,6 +9,7 @@ use serde::Deserialize;
 use crate::error::{FilePlace, LoadError, quote};
 use crate::gltf::rules::parser_error;
 use crate::input::text::without_mark;
+use crate::limits;
 
 /// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
 /// few as three in the file.
@@ -41,12 +42,8 @@ impl<'a> Container<'a> {
         let Chunk { kind, data: json, after: mut rest } =
             chunk(path, "the first GLB chunk", bytes)?;
         if kind != b"JSON" {
-            return Err(LoadError::Gltf {
-                place: FilePlace::file(path),
-                object: "the first GLB chunk".into(),
-                found: format!("type {}", quote(&String::from_utf8_lossy(kind))),
-                expected: "type `JSON`".into(),
-            });
+            let found = format!("type {}", quote(&String::from_utf8_lossy(kind)));
+            return Err(LoadError::gltf(path, "the first GLB chunk", found, "type `JSON`"));
         }
         // some writers pad with zeros in place of spaces
         let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
@@ -65,15 +62,8 @@ impl<'a> Container<'a> {
     /// Bounds what the JSON can grow to, before it is parsed.
     fn check_objects(&self, path: &Path) -> Result<(), LoadError> {
         let count = memchr::memchr_iter(b'{', self.json).count();
-        if count <= MAX_OBJECTS {
-            return Ok(());
-        }
-        Err(LoadError::CountTooLarge {
-            place: FilePlace::file(path),
-            what: "the number of JSON objects".into(),
-            count: count as u64,
-            limit: MAX_OBJECTS as u64,
-        })
+        let place = || FilePlace::file(path);
+        limits::check(count, MAX_OBJECTS, "the number of JSON objects", place)
     }
 
     /// Parses the JSON; the values are not checked yet.
@@ -105,7 +95,7 @@ fn chunk<'a>(path: &Path, object: &str, bytes: &'a [u8]) -> Result<Chunk<'a>, Lo
     let header = header.and_then(|(length, rest)| Some((length, rest.split_first_chunk::<4>()?)));
     let Some((length, (kind, rest))) = header else {
         let expected = format!("the header of {object}");
-        return Err(LoadError::UnexpectedEnd { place: FilePlace::file(path), expected });
+        return Err(LoadError::unexpected_end(FilePlace::file(path), expected));
     };
     let needed = u32::from_le_bytes(*length);
     let Some((data, after)) = rest.split_at_checked(needed as usize) else {
@@ -121,23 +111,17 @@ fn chunk<'a>(path: &Path, object: &str, bytes: &'a [u8]) -> Result<Chunk<'a>, Lo
 
 /// Checks the version and the length that a GLB file states behind its first four bytes.
 fn check_header(path: &Path, rest: &[u8], actual: u64) -> Result<(), LoadError> {
-    let place = || FilePlace::file(path);
+    let place = FilePlace::file(path);
     let Some(&[v0, v1, v2, v3, a, b, c, d]) = rest.first_chunk::<8>() else {
-        let expected = "a GLB header of 12 bytes".to_string();
-        return Err(LoadError::UnexpectedEnd { place: place(), expected });
+        return Err(LoadError::unexpected_end(place, "a GLB header of 12 bytes"));
     };
     let version = u32::from_le_bytes([v0, v1, v2, v3]);
     if version != 2 {
-        return Err(LoadError::Gltf {
-            place: place(),
-            object: "GLB header".into(),
-            found: format!("version {version}"),
-            expected: "version 2".into(),
-        });
+        return Err(LoadError::gltf(path, "GLB header", format!("version {version}"), "version 2"));
     }
     let declared = u64::from(u32::from_le_bytes([a, b, c, d]));
     if declared != actual || declared < 20 {
-        return Err(LoadError::GlbLength { place: place(), declared, actual });
+        return Err(LoadError::GlbLength { place, declared, actual });
     }
     Ok(())
 }
@@ -156,12 +140,8 @@ fn first_version(path: &Path, json: &[u8]) -> Option<LoadError> {
     let document: Document = serde_json::from_slice(json).ok()?;
     let version = document.asset.and_then(|asset| asset.version).unwrap_or_default();
     let version = version.as_str().map_or_else(|| version.to_string(), str::to_owned);
-    (version.starts_with('1') || version == "null").then(|| LoadError::Gltf {
-        place: FilePlace::file(path),
-        object: "asset".into(),
-        found: format!("version `{version}`"),
-        expected: "version 2.0".into(),
-    })
+    (version.starts_with('1') || version == "null")
+        .then(|| LoadError::gltf(path, "asset", format!("version `{version}`"), "version 2.0"))
 }
 
 /// The JSON without the channels of animations that name no node (`KHR_animation_pointer`). The

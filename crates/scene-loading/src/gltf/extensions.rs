@@ -8,7 +8,7 @@ use ::gltf::json::Root;
 use glam::DVec3;
 use serde::Deserialize;
 
-use crate::error::{FilePlace, LoadError, quote};
+use crate::error::{LoadError, quote};
 use crate::gltf::rules::parser_error;
 
 /// Extensions that are read.
@@ -53,19 +53,12 @@ fn touches_geometry(name: &str) -> bool {
 /// Refuses files that require what is not read here and may be geometry, before anything else is
 /// missed in them (a mesh that is packed by an extension has no data of its own).
 pub(super) fn check(path: &Path, json: &Root) -> Result<(), LoadError> {
-    let invalid = |object: String, found: String, expected: String| LoadError::Gltf {
-        place: FilePlace::file(path),
-        object,
-        found,
-        expected,
-    };
     let required = json.extensions_required.iter().map(String::as_str);
     let unread = required.filter(|name| !READ.contains(name) && touches_geometry(name));
     let unread: Vec<String> = unread.take(8).map(quote).collect();
     if !unread.is_empty() {
-        let object = "extensionsRequired".into();
         let expected = format!("none but {} and those that touch no geometry", READ.join(", "));
-        return Err(invalid(object, unread.join(", "), expected));
+        return Err(LoadError::gltf(path, "extensionsRequired", unread.join(", "), expected));
     }
     let Some(packing) = packing(json) else { return Ok(()) };
     use ::gltf::Semantic::Positions;
@@ -76,8 +69,8 @@ pub(super) fn check(path: &Path, json: &Root) -> Result<(), LoadError> {
             let accessor = accessor.and_then(|index| json.accessors.get(index.value()));
             if accessor.is_some_and(|a| a.buffer_view.is_none() && a.sparse.is_none()) {
                 let found = format!("positions without data in a file that uses {packing}");
-                let expected = "a copy that is not packed".into();
-                return Err(invalid(format!("mesh {m} primitive {p}"), found, expected));
+                let object = format!("mesh {m} primitive {p}");
+                return Err(LoadError::gltf(path, object, found, "a copy that is not packed"));
             }
         }
     }

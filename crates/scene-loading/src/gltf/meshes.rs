@@ -4,7 +4,7 @@ use ::gltf::Semantic;
 use ::gltf::mesh::Mode;
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::{FilePlace, LoadError};
+use crate::error::{FilePlace, LoadError, NOT_FINITE};
 use crate::gltf::deform::{self, DeformedMesh, SkinFault};
 use crate::gltf::instancing;
 use crate::gltf::nodes::NodeWalker;
@@ -227,7 +227,7 @@ impl NodeWalker<'_> {
         if normals.len() != vertices {
             let found = format!("{} normals for {vertices} positions", normals.len());
             let expected = "as many normals as positions";
-            return Err(self.invalid(object.to_owned(), found, expected));
+            return Err(LoadError::gltf(self.path, object, found, expected));
         }
         for normal in &mut normals {
             if !normal.iter().all(|x| x.is_finite()) {
@@ -255,7 +255,7 @@ impl NodeWalker<'_> {
         let mut texcoords = self.buffers.texcoords(accessor)?;
         if texcoords.len() != vertices {
             let found = format!("{} texture coordinates for {vertices}", texcoords.len());
-            return Err(self.invalid(object.to_owned(), found, "as many as positions"));
+            return Err(LoadError::gltf(self.path, object, found, "as many as positions"));
         }
         for texcoord in texcoords.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
             *texcoord = [0.0; 2];
@@ -303,7 +303,9 @@ impl NodeWalker<'_> {
         };
         let Some((first, first_normal)) = first else {
             let object = format!("mesh {} primitive {}", mesh.index(), primitive.index());
-            return Err(self.not_finite(format!("{object}: a transformed position")));
+            let (place, what) =
+                (FilePlace::file(self.path), format!("{object}: a transformed position"));
+            return Err(LoadError::not_finite(place, what, NOT_FINITE));
         };
         let all = read.triangles();
         progress::begin(all.len());

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use crate::error::{FilePlace, LoadError};
+use crate::error::LoadError;
 use crate::gltf::buffers::Buffers;
 use crate::gltf::container::Container;
 use crate::gltf::extensions::NodeExtensions;
@@ -101,12 +101,7 @@ impl OpenedFile {
 
     fn scene(&self) -> Result<::gltf::Scene<'_>, LoadError> {
         let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
-        scene.ok_or_else(|| LoadError::Gltf {
-            place: FilePlace::file(&self.path),
-            object: "document".into(),
-            found: "no scene".into(),
-            expected: "at least one".into(),
-        })
+        scene.ok_or_else(|| LoadError::gltf(&self.path, "document", "no scene", "at least one"))
     }
 
     fn walker(&self) -> NodeWalker<'_> {

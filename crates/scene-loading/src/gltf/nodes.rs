@@ -94,8 +94,7 @@ impl<'a> NodeWalker<'a> {
     /// frames the scene.
     pub fn finish(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
         if self.scene.primitives.is_empty() {
-            let expected = "triangle with an area";
-            return Err(LoadError::NoPrimitives { place: FilePlace::file(self.path), expected });
+            return Err(LoadError::no_primitives(self.path, "triangle with an area"));
         }
         let strongest = self.lights.iter().map(|light| light.2).fold(0.0, f64::max);
         for (position, color, intensity) in &self.lights {
@@ -125,16 +124,6 @@ impl<'a> NodeWalker<'a> {
             return;
         }
         self.scene.warnings.push(Warning(format!("{}: {text}", self.path.display())));
-    }
-
-    pub(super) fn not_finite(&self, what: String) -> LoadError {
-        let found = "NaN or infinite".to_string();
-        LoadError::NotFinite { place: FilePlace::file(self.path), what, found }
-    }
-
-    pub(super) fn invalid(&self, object: String, found: String, expected: &str) -> LoadError {
-        let expected = expected.to_string();
-        LoadError::Gltf { place: FilePlace::file(self.path), object, found, expected }
     }
 
     fn visit(&mut self, placed: &PlacedNode<'_>) -> Result<(), LoadError> {

@@ -61,12 +61,10 @@ fn check_before_validation(path: &Path, json: &Root) -> Result<(), LoadError> {
         for (p, primitive) in mesh.primitives.iter().enumerate() {
             let accessor = primitive.attributes.values().find(|i| i.value() >= accessors);
             if let Some(index) = accessor {
-                return Err(LoadError::IndexOutOfRange {
-                    place: FilePlace::file(path),
-                    what: format!("mesh {m} primitive {p}: accessor"),
-                    index: index.value().to_string(),
-                    valid: format!("there are {accessors}, counted from 0"),
-                });
+                let what = format!("mesh {m} primitive {p}: accessor");
+                let valid = format!("there are {accessors}, counted from 0");
+                let place = FilePlace::file(path);
+                return Err(LoadError::bad_index(place, what, index.value(), valid));
             }
         }
     }
@@ -77,12 +75,9 @@ fn check_before_validation(path: &Path, json: &Root) -> Result<(), LoadError> {
             Checked::Invalid => true,
         };
         if !described {
-            return Err(LoadError::Gltf {
-                place: FilePlace::file(path),
-                object: format!("camera {c}"),
-                found: "a type without its properties".into(),
-                expected: "an object named as its type".into(),
-            });
+            let (found, expected) =
+                ("a type without its properties", "an object named as its type");
+            return Err(LoadError::gltf(path, format!("camera {c}"), found, expected));
         }
     }
     Ok(())

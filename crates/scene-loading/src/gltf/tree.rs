@@ -6,7 +6,7 @@ use ::gltf::scene::Transform;
 use ::gltf::{Document, Node};
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
-use crate::error::{FilePlace, LoadError};
+use crate::error::{FilePlace, LoadError, NOT_FINITE};
 use crate::gltf::extensions::NodeExtensions;
 use crate::gltf::pose::Pose;
 use crate::gltf::vectors::affine;
@@ -41,16 +41,15 @@ pub(crate) fn placed<'a>(
         match visited.get_mut(index) {
             Some(seen) if !*seen => *seen = true,
             _ => {
-                return Err(LoadError::NodeReachedTwice {
-                    place: FilePlace::file(path),
-                    node: index,
-                });
+                let place = FilePlace::file(path);
+                return Err(LoadError::NodeReachedTwice { place, node: index });
             }
         }
         let world =
             parent.world * transform(path, &node, pose, extensions.translations.get(&index))?;
         if !world.is_finite() {
-            return Err(not_finite(path, format!("node {index}: world transform")));
+            let what = format!("node {index}: world transform");
+            return Err(LoadError::not_finite(FilePlace::file(path), what, NOT_FINITE));
         }
         let moved = pose.and_then(|pose| pose.of(index));
         let own = Parent {
@@ -97,17 +96,11 @@ fn transform(
     exact: Option<&DVec3>,
 ) -> Result<DMat4, LoadError> {
     let object = format!("node {}", node.index());
-    let invalid = |found: String, expected: &str| LoadError::Gltf {
-        place: FilePlace::file(path),
-        object: object.clone(),
-        found,
-        expected: expected.into(),
-    };
     let moved = pose.and_then(|pose| pose.of(node.index()));
     let matrix = match node.transform() {
         Transform::Matrix { .. } if moved.is_some_and(|moved| moved.is_placed()) => {
-            let found = "a matrix although it is animated".to_string();
-            return Err(invalid(found, "translation, rotation and scale"));
+            let found = "a matrix although it is animated";
+            return Err(LoadError::gltf(path, object, found, "translation, rotation and scale"));
         }
         Transform::Matrix { matrix } => {
             let mut matrix = DMat4::from_cols_array_2d(&matrix.map(|c| c.map(f64::from)));
@@ -121,7 +114,7 @@ fn transform(
             let rotation = moved.and_then(|moved| moved.rotation).unwrap_or(rotation);
             if !(rotation.length() > 0.0 && rotation.is_finite()) {
                 let found = format!("rotation {rotation}");
-                return Err(invalid(found, "a quaternion other than 0"));
+                return Err(LoadError::gltf(path, object, found, "a quaternion other than 0"));
             }
             let [translation, scale] =
                 [translation, scale].map(|v| DVec3::from_array(v.map(f64::from)));
@@ -134,15 +127,11 @@ fn transform(
         }
     };
     if !matrix.is_finite() {
-        return Err(not_finite(path, object));
+        return Err(LoadError::not_finite(FilePlace::file(path), object, NOT_FINITE));
     }
     if !matrix.row(3).abs_diff_eq(DVec4::W, ROW_TOLERANCE) {
         let found = format!("a matrix with last row {}", matrix.row(3));
-        return Err(invalid(found, "0, 0, 0, 1"));
+        return Err(LoadError::gltf(path, object, found, "0, 0, 0, 1"));
     }
     Ok(affine(matrix))
-}
-
-fn not_finite(path: &Path, what: String) -> LoadError {
-    LoadError::NotFinite { place: FilePlace::file(path), what, found: "NaN or infinite".into() }
 }

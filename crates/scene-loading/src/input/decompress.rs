@@ -30,9 +30,7 @@ pub(crate) fn decompress(path: &Path, bytes: Vec<u8>) -> Result<Vec<u8>, LoadErr
     };
     match unpacked.len() as u64 {
         length if length <= budget => Ok(unpacked),
-        _ if budget == MAX_BYTES => {
-            Err(LoadError::TooLarge { place: FilePlace::file(path), limit: budget })
-        }
+        _ if budget == MAX_BYTES => Err(LoadError::too_large(path, budget)),
         _ => Err(LoadError::Inflated { place: FilePlace::file(path), packed, limit: budget }),
     }
 }

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::error::{FilePlace, LoadError};
+use crate::error::LoadError;
 use crate::limits::MAX_BYTES;
 
 /// Reads a regular file of at most [`MAX_BYTES`].
@@ -19,20 +19,19 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, LoadError> {
 /// [`read_file`] with a lower cap.
 pub(crate) fn read_at_most(path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
     let fail = |source| LoadError::io(path, source);
-    let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit };
     let info = std::fs::metadata(path).map_err(fail)?;
     if !info.is_file() {
         return Err(fail(std::io::Error::other("not a regular file")));
     }
     if info.len() > limit {
-        return Err(too_large());
+        return Err(LoadError::too_large(path, limit));
     }
     let file = File::open(path).map_err(fail)?;
     let mut bytes = Vec::new();
     let _ = bytes.try_reserve(usize::try_from(info.len()).unwrap_or(0));
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes).map_err(fail)?;
     if bytes.len() as u64 > limit {
-        return Err(too_large());
+        return Err(LoadError::too_large(path, limit));
     }
     Ok(bytes)
 }

@@ -89,7 +89,7 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     }
     if scene.primitives.is_empty() {
         let expected = "sphere, cone, polygon or patch (s, c, p, pp)";
-        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
+        return Err(LoadError::no_primitives(path, expected));
     }
     if !has_view {
         scene.frame_camera();
@@ -182,12 +182,8 @@ impl Reader<'_> {
         let most = usize::try_from(count).unwrap_or(usize::MAX);
         limits::check(most, MAX_CORNERS, what, || self.words.place(start.line))?;
         if count > PLAUSIBLE.max(room as u64) {
-            return Err(LoadError::CountTooLarge {
-                place: self.words.place(start.line),
-                what: what.to_string(),
-                count,
-                limit: room as u64,
-            });
+            let place = self.words.place(start.line);
+            return Err(LoadError::too_many(place, what, count, room as u64));
         }
         Ok((count, room.min(count as usize)))
     }

@@ -84,10 +84,7 @@ impl<'a> Words<'a> {
 
     /// The next word, whatever it is.
     pub fn any(&mut self, what: impl Display) -> Result<Word<'a>, LoadError> {
-        self.next().ok_or_else(|| LoadError::UnexpectedEnd {
-            place: self.place(self.line),
-            expected: what.to_string(),
-        })
+        self.next().ok_or_else(|| LoadError::unexpected_end(self.place(self.line), what))
     }
 
     pub fn number(&mut self, what: impl Display + Copy) -> Result<f64, LoadError> {
@@ -96,11 +93,8 @@ impl<'a> Words<'a> {
             LoadError::syntax(self.place(word.line), word.text, format!("a number ({what})"))
         })?;
         if !value.is_finite() {
-            return Err(LoadError::NotFinite {
-                place: self.place(word.line),
-                what: what.to_string(),
-                found: shortened(word.text),
-            });
+            let (place, found) = (self.place(word.line), shortened(word.text));
+            return Err(LoadError::not_finite(place, what, found));
         }
         Ok(value)
     }
@@ -117,20 +111,11 @@ impl<'a> Words<'a> {
             LoadError::syntax(self.place(word.line), word.text, expected)
         })?;
         if value < min {
-            return Err(LoadError::OutOfRange {
-                place: self.place(word.line),
-                what: what.to_string(),
-                found: value.to_string(),
-                expected: format!("at least {min}"),
-            });
+            let (place, expected) = (self.place(word.line), format!("at least {min}"));
+            return Err(LoadError::out_of_range(place, what, value, expected));
         }
         if value > max {
-            return Err(LoadError::CountTooLarge {
-                place: self.place(word.line),
-                what: what.to_string(),
-                count: value,
-                limit: max,
-            });
+            return Err(LoadError::too_many(self.place(word.line), what, value, max));
         }
         Ok(value)
     }

@@ -113,12 +113,7 @@ fn out_of_range(text: &str, count: usize, place: impl Fn() -> FilePlace) -> Load
         0 => "the file has no vertex before this line".to_owned(),
         _ => format!("1 to {count}, or -1 to -{count}, are defined before this line"),
     };
-    LoadError::IndexOutOfRange {
-        place: place(),
-        what: "vertex".into(),
-        index: shortened(text),
-        valid,
-    }
+    LoadError::bad_index(place(), "vertex", shortened(text), valid)
 }
 
 impl ObjScan {
@@ -137,12 +132,9 @@ impl ObjScan {
             for face in &self.faces {
                 let mut own = corners.by_ref().take(face.corners as usize);
                 if let Some(index) = own.find(|&&index| index as usize >= positions) {
-                    return Err(LoadError::IndexOutOfRange {
-                        place: place(face.line as usize),
-                        what: "vertex".into(),
-                        index: (index + 1).to_string(),
-                        valid: format!("the file has {positions} vertices"),
-                    });
+                    let place = place(face.line as usize);
+                    let valid = format!("the file has {positions} vertices");
+                    return Err(LoadError::bad_index(place, "vertex", index + 1, valid));
                 }
                 own.for_each(drop);
             }

@@ -105,8 +105,7 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     }
     let Builder { mut scene, counts, without_texcoords, .. } = builder;
     if scene.primitives.is_empty() {
-        let expected = "face (f) with an area";
-        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
+        return Err(LoadError::no_primitives(path, "face (f) with an area"));
     }
     counts.warn(&mut scene);
     let what = "faces of textured materials without texture coordinates have the plain colour";
@@ -124,11 +123,6 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
 /// [`LoadError::CountTooLarge`] with the line, [`LoadError::Syntax`] for UTF-16.
 pub fn parse_materials(path: &Path, bytes: Vec<u8>) -> Result<Vec<Material>, LoadError> {
     Ok(parse_mtl(path, bytes)?.entries.into_iter().map(|(material, _)| material).collect())
-}
-
-fn too_many(path: &Path, what: &str, count: usize) -> LoadError {
-    let (place, what) = (FilePlace::file(path), what.to_string());
-    LoadError::CountTooLarge { place, what, count: count as u64, limit: u32::MAX.into() }
 }
 
 /// New numbers for the elements of a list, in the order of their use since the last fresh start.
@@ -220,7 +214,8 @@ impl Builder<'_> {
             own_n.extend(normals.iter().filter_map(number));
         }
         if own.len() != corners.len() {
-            return Err(too_many(self.path, "vertices", scene.vertices.len()));
+            let (place, count) = (FilePlace::file(self.path), scene.vertices.len() as u64);
+            return Err(LoadError::too_many(place, "vertices", count, u32::MAX.into()));
         }
         points.extend(corners.iter().filter_map(|&i| scan.positions.get(i as usize)));
         self.face(material, &own, &own_n, &points, face)?;

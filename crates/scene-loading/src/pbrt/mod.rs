@@ -83,13 +83,13 @@ pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scen
     loader.file(path, &text_of(path, bytes)?, 0)?;
     progress::end();
     if loader.state.depth() > 0 || loader.object.is_some() {
-        let expected = "AttributeEnd or ObjectEnd for each beginning".to_owned();
-        return Err(LoadError::UnexpectedEnd { place: FilePlace::file(path), expected });
+        let expected = "AttributeEnd or ObjectEnd for each beginning";
+        return Err(LoadError::unexpected_end(FilePlace::file(path), expected));
     }
     let Loader { mut scene, camera, lights, counts, left_out, .. } = loader;
     if scene.primitives.is_empty() {
         let expected = "Shape trianglemesh, plymesh, bilinearmesh or sphere";
-        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
+        return Err(LoadError::no_primitives(path, expected));
     }
     counts.warn(&mut scene);
     left_out.iter().for_each(|(what, tally)| tally.warn(what, &mut scene));
@@ -418,8 +418,8 @@ impl Loader<'_> {
         self.files += 1;
         limits::check(self.files, MAX_FILES, "the number of files", place)?;
         let bytes = decompress(path, read_at_most(path, self.budget)?)?;
-        let too_large = || LoadError::TooLarge { place: FilePlace::file(path), limit: MAX_BYTES };
-        self.budget = self.budget.checked_sub(bytes.len() as u64).ok_or_else(too_large)?;
+        let left = self.budget.checked_sub(bytes.len() as u64);
+        self.budget = left.ok_or_else(|| LoadError::too_large(path, MAX_BYTES))?;
         Ok(bytes)
     }
 }

@@ -103,9 +103,7 @@ impl ShapeSink<'_> {
     pub fn sphere(&mut self, params: &Params) -> Result<Result<(), UnsupportedShape>, LoadError> {
         let radius = params.number("radius", 1.0)?;
         if radius <= 0.0 {
-            let (what, found) = ("radius".to_owned(), radius.to_string());
-            let expected = "above 0".to_owned();
-            return Err(LoadError::OutOfRange { place: params.place(), what, found, expected });
+            return Err(LoadError::out_of_range(params.place(), "radius", radius, "above 0"));
         }
         check_size(self.scene, 1, || params.place())?;
         let Some(scale) = uniform_scale(&self.transform) else { return Ok(Err(UnsupportedShape)) };
@@ -232,7 +230,6 @@ fn valid_index(index: f64, count: usize, place: impl Fn() -> FilePlace) -> Resul
     if index >= 0.0 && index < count as f64 && index.fract() == 0.0 {
         return Ok(index as u32);
     }
-    let (what, index) = ("vertex".to_owned(), index.to_string());
     let valid = format!("{count} vertices, counted from 0");
-    Err(LoadError::IndexOutOfRange { place: place(), what, index, valid })
+    Err(LoadError::bad_index(place(), "vertex", index, valid))
 }

@@ -165,8 +165,7 @@ impl State {
             return Ok(());
         }
         if !matrix.is_finite() {
-            let (what, found) = ("a transform".to_owned(), "not finite".to_owned());
-            return Err(LoadError::NotFinite { place: place(), what, found });
+            return Err(LoadError::not_finite(place(), "a transform", "not finite"));
         }
         self.now.transform = matrix;
         Ok(())

@@ -82,10 +82,7 @@ impl<'a> Tokens<'a> {
 
     /// The next token, which must be there.
     pub fn expect(&mut self, expected: &str) -> Result<Token<'a>, LoadError> {
-        self.next()?.ok_or_else(|| {
-            let (place, expected) = (self.place(self.line), expected.to_owned());
-            LoadError::UnexpectedEnd { place, expected }
-        })
+        self.next()?.ok_or_else(|| LoadError::unexpected_end(self.place(self.line), expected))
     }
 
     /// The next token, which must be a quoted string.
@@ -190,7 +187,6 @@ impl<'a> Tokens<'a> {
     }
 
     fn unclosed(&self) -> LoadError {
-        let (place, expected) = (self.place(self.line), "the end of a quoted string".to_owned());
-        LoadError::UnexpectedEnd { place, expected }
+        LoadError::unexpected_end(self.place(self.line), "the end of a quoted string")
     }
 }

@@ -213,8 +213,7 @@ impl Lines<'_> {
                 let found = shortened(&String::from_utf8_lossy(near));
                 return Err(LoadError::syntax(self.place(), &found, "the line of a PLY header"));
             }
-            let (place, expected) = (self.place(), expected.to_owned());
-            return Err(LoadError::UnexpectedEnd { place, expected });
+            return Err(LoadError::unexpected_end(self.place(), expected));
         };
         let is_pair = rest.get(length..length + 2) == Some(b"\r\n");
         let is_pair = is_pair && (self.has_pairs || self.line == 1);

@@ -46,7 +46,7 @@ pub fn parse_ply(path: &Path, bytes: &[u8], triangulate: bool) -> Result<Scene, 
     add_ply(path, bytes, triangulate, material, &mut scene)?;
     if scene.primitives.is_empty() {
         let expected = "face with an area (is the file a point cloud?)";
-        return Err(LoadError::NoPrimitives { place: FilePlace::file(path), expected });
+        return Err(LoadError::no_primitives(path, expected));
     }
     scene.frame_camera();
     Ok(scene)
@@ -135,8 +135,7 @@ impl<'a, V: Values> Reader<'a, V> {
             return Ok(());
         }
         let place = FilePlace::line(self.path, element.line);
-        let what = format!("element {}", element.name);
-        Err(LoadError::CountTooLarge { place, what, count: element.count, limit })
+        Err(LoadError::too_many(place, format!("element {}", element.name), element.count, limit))
     }
 
     /// Reads all of an element, property by property.
@@ -180,11 +179,9 @@ impl<'a, V: Values> Reader<'a, V> {
         }
         let (place, what) = (self.place(place), format!("the length of the list {what}"));
         if length >= 0.0 {
-            let (count, limit) = (length as u64, limit as u64);
-            return Err(LoadError::CountTooLarge { place, what, count, limit });
+            return Err(LoadError::too_many(place, what, length as u64, limit as u64));
         }
-        let (found, expected) = (length.to_string(), "at least 0".to_owned());
-        Err(LoadError::OutOfRange { place, what, found, expected })
+        Err(LoadError::out_of_range(place, what, length, "at least 0"))
     }
 
     fn vertices(&mut self, element: &Element) -> Result<(), LoadError> {
@@ -392,8 +389,7 @@ fn valid_index(
         0 => "the file has no vertices".to_owned(),
         _ => format!("0 to {} are there", vertices - 1),
     };
-    let (what, index) = ("vertex".to_owned(), index.to_string());
-    Err(LoadError::IndexOutOfRange { place: place(), what, index, valid })
+    Err(LoadError::bad_index(place(), "vertex", index, valid))
 }
 
 /// A list: its place, and the types of its length and items.

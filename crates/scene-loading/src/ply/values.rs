@@ -38,8 +38,7 @@ impl Binary<'_> {
     }
 
     fn ended(&self, what: &str) -> LoadError {
-        let place = FilePlace::byte(self.path, self.at);
-        LoadError::UnexpectedEnd { place, expected: what.to_owned() }
+        LoadError::unexpected_end(FilePlace::byte(self.path, self.at), what)
     }
 }
 
@@ -119,8 +118,7 @@ impl<'a> Text<'a> {
         let word = rest.get(..length).unwrap_or_default();
         self.at += length;
         if word.is_empty() {
-            let (place, expected) = (FilePlace::line(self.path, self.line), what.to_owned());
-            return Err(LoadError::UnexpectedEnd { place, expected });
+            return Err(LoadError::unexpected_end(FilePlace::line(self.path, self.line), what));
         }
         Ok(std::str::from_utf8(word).unwrap_or("\u{fffd}"))
     }

@@ -72,29 +72,23 @@ impl Default for Camera {
 impl Camera {
     /// Refuses cameras that have no view: no direction, no up, an angle outside (0, 180).
     pub(crate) fn check(&self, place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
-        let fail = |what: &str, found: String, expected: &str| LoadError::OutOfRange {
-            place: place(),
-            what: format!("camera {what}"),
-            found,
-            expected: expected.to_string(),
+        let fail = |what: &str, found: String, expected: &str| {
+            Err(LoadError::out_of_range(place(), format!("camera {what}"), found, expected))
         };
         if !(self.angle > 0.0 && self.angle < 180.0) {
-            return Err(fail(
-                "angle",
-                self.angle.to_string(),
-                "more than 0 and less than 180 degrees",
-            ));
+            let expected = "more than 0 and less than 180 degrees";
+            return fail("angle", self.angle.to_string(), expected);
         }
         let direction = self.at - self.from;
         if !(direction.length() > 0.0 && direction.length().is_finite()) {
-            return Err(fail("`at`", self.at.to_string(), "a point other than `from`"));
+            return fail("`at`", self.at.to_string(), "a point other than `from`");
         }
         if direction.normalize().cross(self.up.normalize_or_zero()).length() < 1e-9 {
             let expected = "a vector that is neither 0 nor along the view";
-            return Err(fail("`up`", self.up.to_string(), expected));
+            return fail("`up`", self.up.to_string(), expected);
         }
         if self.resolution.contains(&0) {
-            return Err(fail("resolution", format!("{:?}", self.resolution), "at least 1 by 1"));
+            return fail("resolution", format!("{:?}", self.resolution), "at least 1 by 1");
         }
         Ok(())
     }

@@ -255,10 +255,7 @@ impl SceneFile {
             scene.push_material(Material { name: name.clone(), ..Material::default() });
         }
         if shapes.is_empty() {
-            return Err(LoadError::NoPrimitives {
-                place: FilePlace::file(path),
-                expected: "shape",
-            });
+            return Err(LoadError::no_primitives(path, "shape"));
         }
         push_all(path, shapes, &mut scene)?;
         scene.frame_camera();

@@ -205,8 +205,8 @@ impl Reader<'_> {
         let path = self.path;
         let place = |at| FilePlace::byte(path, at);
         let Some(stated) = stated(bytes) else {
-            let expected = "`solid`, or 80 bytes and the number of triangles".to_owned();
-            return Err(LoadError::UnexpectedEnd { place: place(bytes.len()), expected });
+            let expected = "`solid`, or 80 bytes and the number of triangles";
+            return Err(LoadError::unexpected_end(place(bytes.len()), expected));
         };
         let data = bytes.get(HEADER..).unwrap_or_default();
         let fits = data.len() / TRIANGLE;
