@@ -212,6 +212,10 @@ impl LoadError {
         Self::TooLarge { place: FilePlace::file(file), limit }
     }
 
+    pub(crate) fn procedural(spec: &str, error: impl ToString) -> Self {
+        Self::Procedural { spec: spec.to_owned(), message: error.to_string() }
+    }
+
     pub(crate) fn gltf(
         file: &Path,
         object: impl ToString,
@@ -229,6 +233,19 @@ impl LoadError {
 
 /// What was found in place of a finite number, where all that is known is that it is none.
 pub(crate) const NOT_FINITE: &str = "NaN or infinite";
+
+/// ` (did you mean ...?)` with the valid name that is nearest to a misspelt one, if it is near. A
+/// size behind the name does not count.
+pub(crate) fn suggestion(name: &str, valid: &[&str]) -> String {
+    let head = name.split(':').next().unwrap_or(name).to_lowercase();
+    let nearest = valid.iter().map(|valid| (strsim::damerau_levenshtein(&head, valid), valid));
+    match nearest.min() {
+        Some((distance, valid)) if distance <= (valid.len() / 3).max(1) => {
+            format!(" (did you mean `{valid}`?)")
+        }
+        _ => String::new(),
+    }
+}
 
 /// Text from a file, quoted for a message and cut to a readable length.
 pub(crate) fn quote(text: &str) -> String {

@@ -26,20 +26,9 @@ mod world;
 use std::path::Path;
 
 use crate::aff::read::read_world;
-use crate::aff::world::World;
-use crate::animation::frames::{Animation, check_frame};
+use crate::animation::frames::Animation;
 use crate::error::{FilePlace, LoadError};
 use crate::input::read::scene_name;
-use crate::scene::{Camera, Scene};
-use crate::view_options::light_if_dark;
-
-struct AnimatedFiles {
-    name: String,
-    world: World,
-    clip: (f64, f64, u32),
-    /// Camera that frames the first frame, if the file has no view.
-    camera: Option<Camera>,
-}
 
 /// The scene of a file and those that it includes, all below its folder.
 ///
@@ -47,47 +36,24 @@ struct AnimatedFiles {
 /// Any [`LoadError`] of reading files, [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`],
 /// [`LoadError::OutOfRange`], [`LoadError::NotFinite`], [`LoadError::IndexOutOfRange`],
 /// [`LoadError::CountTooLarge`], [`LoadError::OutsideFolder`], [`LoadError::NoPrimitives`].
-pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadError> {
+pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Animation, LoadError> {
     let world = read_world(path, bytes)?;
-    let clip = world.clip.ok_or_else(|| {
+    let has_view = world.has_view;
+    let (from, to, frames) = world.clip.ok_or_else(|| {
         let expected = "an entity `a` with start, end and number of frames";
         LoadError::unexpected_end(FilePlace::file(path), expected)
     })?;
-    let mut animated = AnimatedFiles { name: scene_name(path), world, clip, camera: None };
-    if !animated.world.has_view {
-        let mut first = animated.scene(0)?;
+    let steps = f64::from(frames.saturating_sub(1).max(1));
+    let scene = move |index: u32| world.at(from + (to - from) * f64::from(index) / steps);
+    let first = if has_view { None } else { Some(scene(0)?) };
+    // without a view the camera frames the first frame
+    let camera = first.map(|mut first| {
         first.frame_camera();
-        animated.camera = Some(first.camera);
-    }
-    Ok(Box::new(animated))
-}
-
-impl AnimatedFiles {
-    fn scene(&self, index: u32) -> Result<Scene, LoadError> {
-        let (from, to, frames) = self.clip;
-        let steps = f64::from(frames.saturating_sub(1).max(1));
-        let mut scene = self.world.at(from + (to - from) * f64::from(index) / steps)?;
-        if let Some(camera) = self.camera {
-            scene.camera = camera;
-        }
+        first.camera
+    });
+    Ok(Animation::new(scene_name(path), frames, move |index| {
+        let mut scene = scene(index)?;
+        scene.camera = camera.unwrap_or(scene.camera);
         Ok(scene)
-    }
-}
-
-impl Animation for AnimatedFiles {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn frames(&self) -> u32 {
-        self.clip.2
-    }
-
-    fn frame(&mut self, index: u32) -> Result<Scene, LoadError> {
-        check_frame(&self.name, index, self.clip.2)?;
-        let mut scene = self.scene(index)?;
-        scene.name.clone_from(&self.name);
-        light_if_dark(&mut scene);
-        Ok(scene)
-    }
+    }))
 }

@@ -7,13 +7,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::animation::frames::{Animation, check_frame};
+use crate::animation::frames::Animation;
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::{extension, read_file, scene_name};
+use crate::input::read::{read_file, scene_name, unpacked_extension};
 use crate::limits;
-use crate::scene::{Camera, Scene};
 use crate::source::formats::{ENDINGS, ReadOptions, is_scene_path, parse_scene};
-use crate::view_options::light_if_dark;
 
 /// The most frames of a sequence.
 const MAX_FRAMES: usize = 1 << 20;
@@ -54,14 +52,6 @@ impl<'a> Pattern<'a> {
     }
 }
 
-/// A sequence of files.
-struct Files {
-    name: String,
-    paths: Vec<PathBuf>,
-    /// Camera of the first frame, for formats without cameras.
-    camera: Option<Camera>,
-}
-
 /// True for a path that has a pattern in its last part.
 pub(super) fn is_pattern(path: &Path) -> bool {
     name_of(path).is_some_and(|name| Pattern::of(name).is_some())
@@ -72,7 +62,7 @@ fn name_of(path: &Path) -> Option<&str> {
 }
 
 /// Opens the sequence of a path with a pattern; reads no file yet.
-pub(super) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
+pub(super) fn open(path: &Path) -> Result<Animation, LoadError> {
     let no_frames = || LoadError::NoFrames { place: FilePlace::file(path) };
     let pattern = name_of(path).and_then(Pattern::of).ok_or_else(no_frames)?;
     if !is_scene_path(path) {
@@ -85,6 +75,7 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
     let number = |entry: std::fs::DirEntry| pattern.number(entry.file_name().to_str()?);
     let mut numbers: Vec<u32> = entries.flatten().filter_map(number).collect();
     limits::check(numbers.len(), MAX_FRAMES, "the number of frames", || FilePlace::file(path))?;
+    let count = u32::try_from(numbers.len()).unwrap_or(u32::MAX);
     numbers.sort_unstable();
     let first = *numbers.first().ok_or_else(no_frames)?;
     let file = |number| path.with_file_name(pattern.name(number));
@@ -93,49 +84,25 @@ pub(super) fn open(path: &Path) -> Result<Box<dyn Animation>, LoadError> {
         let files = Box::new((missing, later));
         return Err(LoadError::MissingFrame { place: FilePlace::file(path), files });
     }
-    let paths = numbers.into_iter().map(file).collect();
-    Ok(Box::new(Files { name: scene_name(path), paths, camera: None }))
-}
-
-impl Files {
-    fn load(&self, index: u32) -> Result<Scene, LoadError> {
-        check_frame(&self.name, index, self.frames())?;
-        let path = self.paths.get(index as usize).map(PathBuf::as_path).unwrap_or(Path::new(""));
+    let paths: Vec<PathBuf> = numbers.into_iter().map(file).collect();
+    let load = move |index: u32| {
+        let path = paths.get(index as usize).map(PathBuf::as_path).unwrap_or(Path::new(""));
         parse_scene(path, read_file(path)?, ReadOptions::default())
-    }
-
-    /// True for formats without a camera, whose loaders frame the scene: each frame would be framed
-    /// anew.
-    fn is_framed(&self) -> bool {
-        let path = self.paths.first().map(|path| path.to_string_lossy().to_ascii_lowercase());
-        let path = path.unwrap_or_default();
-        let path = path.strip_suffix(".gz").or(path.strip_suffix(".zst")).unwrap_or(&path);
-        ["obj", "ply", "stl", "bin"].contains(&extension(Path::new(path)).as_str())
-    }
-}
-
-impl Animation for Files {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn frames(&self) -> u32 {
-        u32::try_from(self.paths.len()).unwrap_or(u32::MAX)
-    }
-
-    fn frame(&mut self, index: u32) -> Result<Scene, LoadError> {
-        let mut scene = self.load(index)?;
-        if self.is_framed() {
-            scene.camera = match self.camera {
+    };
+    // loaders of formats without a camera frame the scene: each frame would be framed anew
+    let is_framed = ["obj", "ply", "stl", "bin"].contains(&unpacked_extension(path).as_str());
+    let mut of_first = None;
+    Ok(Animation::new(scene_name(path), count, move |index| {
+        let mut scene = load(index)?;
+        if is_framed {
+            let camera = match of_first {
                 Some(camera) => camera,
                 None if index == 0 => scene.camera,
-                None => self.load(0)?.camera,
+                None => load(0)?.camera,
             };
-            self.camera = Some(scene.camera);
+            scene.camera = *of_first.insert(camera);
         }
-        scene.name.clone_from(&self.name);
         scene.instances.clear();
-        light_if_dark(&mut scene);
         Ok(scene)
-    }
+    }))
 }

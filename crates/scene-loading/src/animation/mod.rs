@@ -7,13 +7,12 @@ pub(crate) mod frames;
 #[allow(clippy::indexing_slicing)]
 mod generated;
 
-use crate::aff;
 use std::path::Path;
 
+use crate::aff;
 pub use crate::animation::frames::Animation;
-use crate::animation::frames::RebasedAnimation;
 pub use crate::animation::generated::{ANIMATED, AnimatedEntry};
-use crate::error::{FilePlace, LoadError};
+use crate::error::{FilePlace, LoadError, suggestion};
 use crate::gltf;
 use crate::input::read::{extension, read_file};
 use crate::source::names::path_of_name;
@@ -26,13 +25,13 @@ use crate::source::names::path_of_name;
 /// [`LoadError::UnknownScene`] with all valid names and the nearest one, [`LoadError::Procedural`]
 /// for a size that there is not, [`LoadError::NoFrames`], [`LoadError::MissingFrame`],
 /// [`LoadError::UnknownFormat`], [`LoadError::Io`], and those of [`parse`].
-pub fn open(name: &str) -> Result<Box<dyn Animation>, LoadError> {
+pub fn open(name: &str) -> Result<Animation, LoadError> {
     if let Some(generated) = generated::open(name)? {
         return Ok(generated);
     }
     let path = path_of_name(name);
     if files::is_pattern(&path) {
-        return Ok(RebasedAnimation::boxed(files::open(&path)?));
+        return Ok(files::open(&path)?.rebased());
     }
     if is_moving(&path) { parse(&path, read_file(&path)?) } else { Err(unknown(name)) }
 }
@@ -48,7 +47,7 @@ fn is_moving(path: &Path) -> bool {
 ///
 /// # Errors
 /// [`LoadError::UnknownFormat`] for other endings, else those of the loader.
-pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadError> {
+pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Animation, LoadError> {
     let animation = match extension(path).as_str() {
         "gltf" | "glb" => gltf::animated::parse(path, &bytes),
         "aff" => aff::parse(path, bytes),
@@ -57,24 +56,14 @@ pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Box<dyn Animation>, LoadErro
             valid: ".gltf, .glb, .aff".into(),
         }),
     };
-    Ok(RebasedAnimation::boxed(animation?))
+    Ok(animation?.rebased())
 }
 
 fn unknown(name: &str) -> LoadError {
-    // a misspelt name with a size is near the name
-    let head = name.split(':').next().unwrap_or(name).to_lowercase();
-    let names = ANIMATED.iter().map(|entry| entry.name);
-    let nearest = names.clone().map(|name| (strsim::damerau_levenshtein(&head, name), name)).min();
-    let suggestion = match nearest {
-        Some((distance, valid)) if distance <= (valid.len() / 3).max(1) => {
-            format!(" (did you mean `{valid}`?)")
-        }
-        _ => String::new(),
-    };
-    let names: Vec<&str> = names.collect();
+    let names: Vec<&str> = ANIMATED.iter().map(|entry| entry.name).collect();
     let valid = format!(
         "generated {} (with a size: marbles:5); sequences of files (frame%04d.obj); .gltf and .glb with an animation; .aff",
         names.join(", ")
     );
-    LoadError::UnknownScene { name: name.to_owned(), suggestion, valid }
+    LoadError::UnknownScene { name: name.to_owned(), suggestion: suggestion(name, &names), valid }
 }

@@ -41,6 +41,13 @@ pub(crate) fn extension(path: &Path) -> String {
     path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
+/// [`extension`] of what a file is once it is unpacked: the one before `.gz` and `.zst`.
+pub(crate) fn unpacked_extension(path: &Path) -> String {
+    let name = path.to_string_lossy().to_ascii_lowercase();
+    let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
+    name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_owned())
+}
+
 /// The file's name without folder and without its endings `.gz`, `.zst` and the one before.
 pub(crate) fn scene_name(path: &Path) -> String {
     let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();

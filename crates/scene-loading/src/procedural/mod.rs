@@ -86,6 +86,23 @@ pub enum SpecError {
     BadSize { name: &'static str, size: String, max_size: u32, default_size: u32 },
 }
 
+/// Name and size of `name` or `name:size`.
+pub(crate) fn split_spec(spec: &str) -> (&str, Option<&str>) {
+    spec.split_once(':').map_or((spec, None), |(name, size)| (name, Some(size)))
+}
+
+/// The size factor that a text says; without one the default.
+pub(crate) fn size_of(
+    name: &'static str,
+    text: Option<&str>,
+    default_size: u32,
+    max_size: u32,
+) -> Result<u32, SpecError> {
+    let Some(text) = text else { return Ok(default_size) };
+    let size = text.parse().ok().filter(|size| (1..=max_size).contains(size));
+    size.ok_or_else(|| SpecError::BadSize { name, size: text.to_owned(), max_size, default_size })
+}
+
 /// Generates the scene that `spec` names: `name` or `name:size`.
 ///
 /// [`Scene::name`] is the spec in its shortest form: `balls` at the default size, else `balls:5`.
@@ -94,27 +111,12 @@ pub enum SpecError {
 /// [`SpecError`] when the name is unknown or the size is not a number from 1 to the generator's
 /// largest.
 pub fn generate(spec: &str) -> Result<Scene, SpecError> {
-    let (name, size) = match spec.split_once(':') {
-        Some((name, size)) => (name, Some(size)),
-        None => (spec, None),
-    };
+    let (name, size) = split_spec(spec);
     let entry = generators().find(|entry| entry.name == name).ok_or_else(|| {
         let known = generators().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
         SpecError::UnknownName { name: name.to_owned(), known }
     })?;
-    let size = match size {
-        None => entry.default_size,
-        Some(text) => {
-            text.parse().ok().filter(|size| (1..=entry.max_size).contains(size)).ok_or_else(
-                || SpecError::BadSize {
-                    name: entry.name,
-                    size: text.to_owned(),
-                    max_size: entry.max_size,
-                    default_size: entry.default_size,
-                },
-            )?
-        }
-    };
+    let size = size_of(entry.name, size, entry.default_size, entry.max_size)?;
     let mut scene = (entry.generate)(size);
     scene.name = if size == entry.default_size {
         entry.name.to_owned()

@@ -17,6 +17,7 @@ use self::reading::Reading;
 use crate::error::LoadError;
 use crate::gltf::{OpenedFile, parse_gltf};
 use crate::input::decompress::decompress;
+use crate::input::read::unpacked_extension;
 use crate::input::text::{end_lines_with_lf, without_mark};
 use crate::obj::{ObjOptions, parse_obj};
 
@@ -70,13 +71,11 @@ impl SecondOpinion {
 /// # Errors
 /// [`LoadError`] when ours cannot read it.
 pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, LoadError> {
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
-    let (is_obj, is_gltf) =
-        (name.ends_with(".obj"), name.ends_with(".gltf") || name.ends_with(".glb"));
-    if !is_obj && !is_gltf {
-        return Ok(SecondOpinion::NoReader);
-    }
+    let is_gltf = match unpacked_extension(path).as_str() {
+        "gltf" | "glb" => true,
+        "obj" => false,
+        _ => return Ok(SecondOpinion::NoReader),
+    };
     let bytes = decompress(path, bytes)?;
     if bytes.len() > MAX_BYTES {
         return Ok(SecondOpinion::TooLarge);

@@ -9,15 +9,14 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::error::{FilePlace, LoadError};
+use crate::error::{FilePlace, LoadError, suggestion};
 use crate::input::read::{extension, read_at_most, scene_name};
 use crate::input::text::text_of;
 use crate::limits::MAX_JSON;
 use crate::scene_file::SceneFile;
 use crate::scene_file::set::SceneSet;
 use crate::source::described::DescribedScene;
-use crate::source::embedded::families;
-use crate::source::embedded::{SCENES, SETS};
+use crate::source::embedded::{SCENES, SETS, families};
 use crate::source::formats::{ENDINGS, is_scene_path};
 use crate::source::names::{name_of_path, path_of_name};
 use crate::source::scene_ref::{SceneOrigin, SceneRef};
@@ -87,10 +86,8 @@ impl SceneCatalogue {
 
     fn add_scene(&mut self, path: &Path, text: &str, embedded: bool) -> Result<(), LoadError> {
         let file = SceneFile::parse(path, text)?;
-        self.scenes.insert(
-            file.name.clone(),
-            DescribedScene { path: path.into(), embedded, file, outside: false },
-        );
+        let described = DescribedScene { path: path.into(), embedded, file, outside: false };
+        self.scenes.insert(described.file.name.clone(), described);
         Ok(())
     }
 
@@ -191,24 +188,9 @@ impl SceneCatalogue {
 
     fn unknown(&self, name: &str) -> LoadError {
         let generated = families();
-        let (scenes, sets): (Vec<&str>, Vec<&str>) = (
-            self.scenes.keys().map(String::as_str).collect(),
-            self.sets.keys().map(String::as_str).collect(),
-        );
-        // A misspelt generator with a size is near the generator's name.
-        let head = name.split(':').next().unwrap_or(name).to_lowercase();
-        let nearest = generated
-            .iter()
-            .chain(&scenes)
-            .chain(&sets)
-            .map(|valid| (strsim::damerau_levenshtein(&head, valid), *valid))
-            .min();
-        let suggestion = match nearest {
-            Some((distance, valid)) if distance <= (valid.len() / 3).max(1) => {
-                format!(" (did you mean `{valid}`?)")
-            }
-            _ => String::new(),
-        };
+        let scenes: Vec<&str> = self.scenes.keys().map(String::as_str).collect();
+        let sets: Vec<&str> = self.sets.keys().map(String::as_str).collect();
+        let suggestion = suggestion(name, &[&generated[..], &scenes, &sets].concat());
         let valid = format!(
             "generated {} (with a size: balls:5); scenes {}; sets {}; paths ending in {}, .json",
             generated.join(", "),

@@ -60,15 +60,11 @@ pub(crate) fn families() -> Vec<&'static str> {
 
 /// Generates `balls` or `balls:5`.
 pub(crate) fn generate(spec: &str) -> Result<Scene, LoadError> {
-    procedural::generate(spec).map_err(|e| error(spec, e.to_string()))
+    procedural::generate(spec).map_err(|error| LoadError::procedural(spec, error))
 }
 
 /// Turns spheres, cones and polygons into triangles.
 pub(crate) fn tessellate(scene: &Scene, resolution: u32) -> Result<Scene, LoadError> {
     into_triangles(scene, &TessellationOptions { resolution })
-        .map_err(|e| error(&scene.name, e.to_string()))
-}
-
-fn error(spec: &str, message: String) -> LoadError {
-    LoadError::Procedural { spec: spec.to_string(), message }
+        .map_err(|error| LoadError::procedural(&scene.name, error))
 }

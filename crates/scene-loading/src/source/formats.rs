@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
-use crate::input::read::read_file;
+use crate::input::read::{read_file, unpacked_extension};
 use crate::input::text::text_of;
 use crate::obj::ObjOptions;
 use crate::scene::Scene;
@@ -37,29 +37,23 @@ pub struct ReadOptions {
 /// # Errors
 /// [`LoadError::UnknownFormat`] for other endings, else the error of the loader.
 pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<Scene, LoadError> {
-    let name = path.to_string_lossy().to_ascii_lowercase();
-    let name = name.strip_suffix(".gz").or(name.strip_suffix(".zst")).unwrap_or(&name);
     if !is_scene_path(path) {
         let valid = ENDINGS.join(", ");
         return Err(LoadError::UnknownFormat { place: FilePlace::file(path), valid });
     }
     let bytes = decompress(path, bytes)?;
-    if name.ends_with(".nff") {
-        nff::parse_nff(path, &text_of(path, bytes)?)
-    } else if name.ends_with(".obj") {
-        obj::parse_obj(path, bytes, ObjOptions { triangulate: options.triangulate })
-    } else if name.ends_with(".pbrt") {
-        pbrt::parse_pbrt(path, bytes, options.triangulate)
-    } else if name.ends_with(".ron") {
-        let read = |model: &Path| parse_scene(model, read_file(model)?, options);
-        tray_racing::parse_tray_racing(path, bytes, options.outside, read)
-    } else if name.ends_with(".ply") {
-        ply::parse_ply(path, &bytes, options.triangulate)
-    } else if name.ends_with(".stl") {
-        stl::parse_stl(path, bytes)
-    } else if name.ends_with(".bin") {
-        triangle_soup::parse_triangle_soup(path, &bytes)
-    } else {
-        gltf::parse_gltf(path, &bytes)
+    let triangulate = options.triangulate;
+    match unpacked_extension(path).as_str() {
+        "nff" => nff::parse_nff(path, &text_of(path, bytes)?),
+        "obj" => obj::parse_obj(path, bytes, ObjOptions { triangulate }),
+        "pbrt" => pbrt::parse_pbrt(path, bytes, triangulate),
+        "ron" => {
+            let read = |model: &Path| parse_scene(model, read_file(model)?, options);
+            tray_racing::parse_tray_racing(path, bytes, options.outside, read)
+        }
+        "ply" => ply::parse_ply(path, &bytes, triangulate),
+        "stl" => stl::parse_stl(path, bytes),
+        "bin" => triangle_soup::parse_triangle_soup(path, &bytes),
+        _ => gltf::parse_gltf(path, &bytes),
     }
 }

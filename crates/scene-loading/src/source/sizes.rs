@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::error::LoadError;
-use crate::procedural::{SpdEntry, SpecError, generators};
+use crate::procedural::{SpdEntry, generators, size_of};
 use crate::scene_file::{SceneFile, Source};
 use crate::source::described::DescribedScene;
 
@@ -82,15 +82,8 @@ pub(crate) fn described_of_size(
         let is_size = size.bytes().all(|b| b.is_ascii_digit());
         return if is_size { Err(no_sizes(scenes, head)) } else { Ok(None) };
     };
-    if !size.parse().is_ok_and(|size| (1..=family.max_size).contains(&size)) {
-        let error = SpecError::BadSize {
-            name: family.name,
-            size: size.to_owned(),
-            max_size: family.max_size,
-            default_size: family.default_size,
-        };
-        return Err(LoadError::Procedural { spec: name.into(), message: error.to_string() });
-    }
+    size_of(family.name, Some(size), family.default_size, family.max_size)
+        .map_err(|error| LoadError::procedural(name, error))?;
     let mut described = described.clone();
     described.file.source = Source::Spd(format!("{}:{size}", family.name));
     Ok(Some(described))

@@ -11,13 +11,11 @@ mod stage;
 mod walker;
 mod wall;
 
-use crate::animation::frames::{Animation, check_frame};
-use crate::animation::generated::stage::Frames;
+use crate::animation::frames::Animation;
 use crate::error::LoadError;
-use crate::procedural::SpecError;
-use crate::scene::Scene;
+use crate::procedural::{size_of, split_spec};
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct AnimatedEntry {
     /// Its name, to which a size can be added: `marbles:5`.
     pub name: &'static str,
@@ -31,7 +29,7 @@ pub struct AnimatedEntry {
     /// Primitives of each frame at a size.
     pub count: fn(u32) -> u64,
     /// The animation at a size from 1 to `max_size`.
-    pub open: fn(u32) -> Box<dyn Animation>,
+    pub open: fn(u32) -> Animation,
 }
 
 macro_rules! animated {
@@ -45,7 +43,8 @@ macro_rules! animated {
             count: $module::count,
             open: |size| {
                 let name = if size == $size { $name.to_owned() } else { format!("{}:{size}", $name) };
-                Box::new(GeneratedAnimation { name, frames: $frames, make: $module::frames(size) })
+                let mut make = $module::frames(size);
+                Animation::new(name, $frames, move |index| Ok(make(index)))
             },
         }),*]
     };
@@ -62,48 +61,11 @@ pub static ANIMATED: &[AnimatedEntry] = animated! {
     "wall" wall 90..=1290, 50 frames: "a wall of n^2 bricks that is hit and breaks"
 };
 
-/// A generated animation at a size.
-struct GeneratedAnimation {
-    name: String,
-    frames: u32,
-    make: Frames,
-}
-
-impl Animation for GeneratedAnimation {
-    fn name(&self) -> &str {
-        &self.name
-    }
-
-    fn frames(&self) -> u32 {
-        self.frames
-    }
-
-    fn frame(&mut self, index: u32) -> Result<Scene, LoadError> {
-        check_frame(&self.name, index, self.frames)?;
-        let mut scene = (self.make)(index);
-        scene.name.clone_from(&self.name);
-        Ok(scene)
-    }
-}
-
 /// Opens `marbles` or `marbles:5`; none where no generator has that name.
-pub(super) fn open(spec: &str) -> Result<Option<Box<dyn Animation>>, LoadError> {
-    let (name, size) = match spec.split_once(':') {
-        Some((name, size)) => (name, Some(size)),
-        None => (spec, None),
-    };
+pub(super) fn open(spec: &str) -> Result<Option<Animation>, LoadError> {
+    let (name, size) = split_spec(spec);
     let Some(entry) = ANIMATED.iter().find(|entry| entry.name == name) else { return Ok(None) };
-    let size = size.map_or(Some(entry.default_size), |text| {
-        text.parse().ok().filter(|size| (1..=entry.max_size).contains(size))
-    });
-    let size = size.ok_or_else(|| {
-        let error = SpecError::BadSize {
-            name: entry.name,
-            size: spec.get(name.len() + 1..).unwrap_or_default().to_owned(),
-            max_size: entry.max_size,
-            default_size: entry.default_size,
-        };
-        LoadError::Procedural { spec: spec.to_owned(), message: error.to_string() }
-    })?;
+    let size = size_of(entry.name, size, entry.default_size, entry.max_size)
+        .map_err(|error| LoadError::procedural(spec, error))?;
     Ok(Some((entry.open)(size)))
 }

@@ -17,7 +17,7 @@ const TRIANGLE: &str = "p 3\n0 0 0\n1 0 0\n0 1 0\n";
 const ALONG_X: &str = "transl 7\n-1 -1 0 0 0 0 0\n0 0 0 0 0 0 0\n1 1 0 0 0 0 0\n2 2 0 0 0 0 0\n\
                        3 3 0 0 0 0 0\n4 4 0 0 0 0 0\n5 5 0 0 0 0 0\n";
 
-fn opened(files: &[(&str, &str)]) -> Result<Box<dyn Animation>, LoadError> {
+fn opened(files: &[(&str, &str)]) -> Result<Animation, LoadError> {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
         std::fs::write(folder.path().join(name), text).unwrap();
@@ -26,7 +26,7 @@ fn opened(files: &[(&str, &str)]) -> Result<Box<dyn Animation>, LoadError> {
     open(folder.path().join(files[0].0).to_str().unwrap())
 }
 
-fn animation(body: &str) -> Box<dyn Animation> {
+fn animation(body: &str) -> Animation {
     opened(&[("a.aff", &(HEAD.to_owned() + body))]).unwrap()
 }
 

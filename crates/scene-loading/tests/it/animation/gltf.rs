@@ -25,7 +25,7 @@ impl File {
         channels.push(json!({"sampler": sampler, "target": {"node": node, "path": path}}));
     }
 
-    fn open(&self) -> Result<Box<dyn Animation>, LoadError> {
+    fn open(&self) -> Result<Animation, LoadError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("moves.gltf");
         std::fs::write(&path, self.text()).unwrap();
