@@ -23,26 +23,12 @@ const PACKING: [&str; 3] =
 
 /// How names go on behind the vendor's letters where an extension is about looks, sound or
 /// metadata.
+#[rustfmt::skip]
 const WITHOUT_GEOMETRY: [&str; 19] = [
-    "animation_pointer",
-    "articulations",
-    "audio",
-    "feature_metadata",
-    "instance_features",
-    "interactivity",
-    "lights_",
-    "lod",
-    "materials_",
-    "mesh_features",
-    "mesh_variants",
-    "node_hoverability",
-    "node_selectability",
-    "packing_",
-    "primitive_outline",
-    "structural_metadata",
-    "techniques_webgl",
-    "texture_",
-    "xmp",
+    "animation_pointer", "articulations", "audio", "feature_metadata", "instance_features",
+    "interactivity", "lights_", "lod", "materials_", "mesh_features", "mesh_variants",
+    "node_hoverability", "node_selectability", "packing_", "primitive_outline",
+    "structural_metadata", "techniques_webgl", "texture_", "xmp",
 ];
 
 fn touches_geometry(name: &str) -> bool {

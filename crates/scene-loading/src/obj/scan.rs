@@ -152,35 +152,10 @@ fn check_name(name: &[u8], place: impl Fn() -> FilePlace) -> Result<(), LoadErro
     limits::check(name.len(), MAX_NAME, "the length of a name", place)
 }
 
-/// Keywords that carry nothing that a scene here could show.
+/// Keywords that carry nothing that a scene here could show, with blanks between them.
+const HARMLESS: &str = "g o s mg vp bevel c_interp d_interp lod shadow_obj trace_obj maplib usemap \
+                        cstype deg bmat step parm trim hole scrv sp end con ctech stech";
+
 fn is_harmless(keyword: &[u8]) -> bool {
-    keyword.starts_with(b"#")
-        || matches!(
-            keyword,
-            b"g" | b"o"
-                | b"s"
-                | b"mg"
-                | b"vp"
-                | b"bevel"
-                | b"c_interp"
-                | b"d_interp"
-                | b"lod"
-                | b"shadow_obj"
-                | b"trace_obj"
-                | b"maplib"
-                | b"usemap"
-                | b"cstype"
-                | b"deg"
-                | b"bmat"
-                | b"step"
-                | b"parm"
-                | b"trim"
-                | b"hole"
-                | b"scrv"
-                | b"sp"
-                | b"end"
-                | b"con"
-                | b"ctech"
-                | b"stech"
-        )
+    keyword.starts_with(b"#") || HARMLESS.split(' ').any(|known| known.as_bytes() == keyword)
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::parts::{View, glossy, ground, matte, rotation, stage};
+use super::parts::{Z_UP, glossy, ground, matte, rotation, stage, view};
 use crate::scene::{Material, Scene};
 
 /// Radius of a child in its parent's.
@@ -18,13 +18,7 @@ const ALONG_AXIS: f64 = 0.9999;
 
 /// Generates the flake with `size` generations of children.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [2.1, 1.3, 1.7],
-        at: [0.0; 3],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 0.01,
-    };
+    let view = view([2.1, 1.3, 1.7], [0.0; 3], Z_UP, 45.0, 0.01);
     let mut scene = stage(view, &[[4.0, 3.0, 2.0], [1.0, -4.0, 4.0], [-3.0, 1.0, 5.0]]);
     let floor = scene.push_material(Material {
         diffuse: 0.8,

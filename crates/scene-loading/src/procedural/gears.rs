@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::parts::{View, glossy, ground, matte, stage};
+use super::parts::{Z_UP, glossy, ground, matte, stage, view};
 use crate::scene::{Material, Rgb, Scene};
 
 pub(crate) const TEETH: usize = 36;
@@ -66,7 +66,7 @@ fn pitch(size: u32) -> f64 {
 
 /// Generates `size` cubed gears.
 pub(super) fn generate(size: u32) -> Scene {
-    let mut scene = view();
+    let mut scene = empty();
     let floor = scene.push_material(floor());
     scene.push_polygon(floor, &ground(2.0, 0.0));
     let profile = Profile::of(size);
@@ -78,19 +78,11 @@ pub(super) fn generate(size: u32) -> Scene {
 }
 
 /// The scene without anything in it.
-pub(crate) fn view() -> Scene {
-    let view = View {
-        from: [-1.1, -2.1, 2.6],
-        at: [0.0; 3],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 1.0,
-    };
+pub(crate) fn empty() -> Scene {
+    let view = view([-1.1, -2.1, 2.6], [0.0; 3], Z_UP, 45.0, 1.0);
+    #[rustfmt::skip]
     let lights = [
-        [2.0, 4.0, 4.0],
-        [-2.0, 4.0, 3.0],
-        [2.0, -2.5, 2.5],
-        [-1.0, -4.0, 2.0],
+        [2.0, 4.0, 4.0], [-2.0, 4.0, 3.0], [2.0, -2.5, 2.5], [-1.0, -4.0, 2.0],
         [-1.111, -2.121, 2.626],
     ];
     stage(view, &lights)

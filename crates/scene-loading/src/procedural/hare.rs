@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::parts::{View, matte, push_triangle, stage};
+use super::parts::{Y_UP, matte, push_triangle, stage, view};
 use crate::scene::Scene;
 
 /// Radius of the ball that the lobes stand on.
@@ -35,13 +35,7 @@ const WAVES: u32 = 40;
 
 /// Generates the hare with each face of the octahedron divided into `size` squared triangles.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [0.32, 0.16, 0.42],
-        at: [0.0, 0.03, 0.0],
-        up: [0.0, 1.0, 0.0],
-        angle: 38.0,
-        hither: 0.0,
-    };
+    let view = view([0.32, 0.16, 0.42], [0.0, 0.03, 0.0], Y_UP, 38.0, 0.0);
     let mut scene = stage(view, &[[0.8, 1.2, 0.9]]);
     let material = scene.push_material(matte([0.62, 0.5, 0.38]));
     push_hare(&mut scene, material, size, DVec3::ZERO);

@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::parts::{View, glossy, matte, stage};
+use super::parts::{glossy, matte, stage, view};
 use crate::scene::{Cone, Material, Rgb, Scene};
 
 /// Radius of a sphere, in cells.
@@ -22,19 +22,16 @@ pub(super) fn generate(size: u32) -> Scene {
     let cell = 1.0 / n;
     let middle = (f64::from(size / 2) + 0.5) * cell;
     let half_cell = 1.0 / (2.0 * n);
-    let view = View {
-        from: [middle, 1.0, 1.0 - half_cell],
-        at: [middle, -1.0, -1.0 - half_cell],
-        up: [0.2, 1.0, 0.0],
-        angle: 60.0,
-        hither: 0.0,
-    };
+    let view = view(
+        [middle, 1.0, 1.0 - half_cell],
+        [middle, -1.0, -1.0 - half_cell],
+        [0.2, 1.0, 0.0],
+        60.0,
+        0.0,
+    );
+    #[rustfmt::skip]
     let lights = [
-        [2.0, 0.5, 0.5],
-        [-1.0, 0.5, 0.5],
-        [0.5, 2.0, 0.5],
-        [0.5, -1.0, 0.5],
-        [0.5, 0.5, 2.0],
+        [2.0, 0.5, 0.5], [-1.0, 0.5, 0.5], [0.5, 2.0, 0.5], [0.5, -1.0, 0.5], [0.5, 0.5, 2.0],
         [0.5, 0.5, -1.0],
     ];
     let mut scene = stage(view, &lights);

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::parts::{View, matte, phong_exponent, rotation, stage};
+use super::parts::{Z_UP, matte, phong_exponent, rotation, stage, view};
 use crate::scene::{Material, Scene};
 
 /// Fractal dimension of the surface, between 2 and 3.
@@ -27,13 +27,7 @@ const DIAGONAL: f64 = 1.4142136;
 
 /// Generates the mountain on a grid of `2^size` squares per side.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [-1.6, 1.6, 1.7],
-        at: [0.0; 3],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 0.01,
-    };
+    let view = view([-1.6, 1.6, 1.7], [0.0; 3], Z_UP, 45.0, 0.01);
     let mut scene = stage(view, &[[-100.0, -100.0, 100.0]]);
     let glass = scene.push_material(Material {
         color: [1.0; 3],

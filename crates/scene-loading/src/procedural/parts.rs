@@ -10,28 +10,19 @@ const SKY: Rgb = [0.078, 0.361, 0.753];
 /// Exponent written for surfaces without a highlight.
 const NO_HIGHLIGHT: f64 = 100_000.0;
 
-/// The part of a view that differs between scenes.
-pub(crate) struct View {
-    pub from: [f64; 3],
-    pub at: [f64; 3],
-    pub up: [f64; 3],
-    /// Full field of view, degrees.
-    pub angle: f64,
-    pub hither: f64,
+pub(crate) const Y_UP: [f64; 3] = [0.0, 1.0, 0.0];
+pub(crate) const Z_UP: [f64; 3] = [0.0, 0.0, 1.0];
+
+/// A view of 512 by 512 pixels; `angle` is the full field of view, degrees.
+pub(crate) fn view(from: [f64; 3], at: [f64; 3], up: [f64; 3], angle: f64, hither: f64) -> Camera {
+    let [from, at, up] = [from, at, up].map(DVec3::from_array);
+    Camera { from, at, up, angle, hither, resolution: [512, 512], ..Camera::default() }
 }
 
 /// A scene with view, sky and uncoloured point lights, without primitives.
-pub(crate) fn stage(view: View, lights: &[[f64; 3]]) -> Scene {
+pub(crate) fn stage(camera: Camera, lights: &[[f64; 3]]) -> Scene {
     Scene {
-        camera: Camera {
-            from: DVec3::from_array(view.from),
-            at: DVec3::from_array(view.at),
-            up: DVec3::from_array(view.up),
-            angle: view.angle,
-            hither: view.hither,
-            resolution: [512, 512],
-            ..Camera::default()
-        },
+        camera,
         background: SKY,
         lights: lights
             .iter()

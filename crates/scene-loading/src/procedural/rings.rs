@@ -7,19 +7,16 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use super::parts::{View, glossy, matte, stage};
+use super::parts::{Z_UP, glossy, matte, stage, view};
 use crate::scene::{Cone, Rgb, Scene};
 
 /// Radius of rods and joints.
 const ROD: f64 = 0.07412;
 
 /// One colour per ring: the primaries and their complements.
+#[rustfmt::skip]
 const COLORS: [Rgb; 6] = [
-    [1.0, 0.0, 0.0],
-    [0.0, 1.0, 0.0],
-    [0.0, 0.0, 1.0],
-    [0.0, 1.0, 1.0],
-    [1.0, 0.0, 1.0],
+    [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [1.0, 0.0, 1.0],
     [1.0, 1.0, 0.0],
 ];
 
@@ -27,13 +24,7 @@ const COLORS: [Rgb; 6] = [
 pub(super) fn generate(size: u32) -> Scene {
     let spread = 1.0 / (PI / 8.0).sin();
     let eye = DVec3::new(-1.0, -spread, 0.5);
-    let view = View {
-        from: eye.to_array(),
-        at: (eye + DVec3::Y).to_array(),
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 1.0,
-    };
+    let view = view(eye.to_array(), (eye + DVec3::Y).to_array(), Z_UP, 45.0, 1.0);
     let lights = [[3.0, -spread, 3.0], [-4.0, -spread, 1.0], [2.0, -spread, -4.0]];
     let mut scene = stage(view, &lights);
 

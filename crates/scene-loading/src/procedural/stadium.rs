@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::hare::push_hare;
-use super::parts::{View, matte, push_triangle, stage};
+use super::parts::{Y_UP, matte, push_triangle, stage, view};
 use crate::scene::Scene;
 
 const ROWS: u32 = 28;
@@ -19,13 +19,7 @@ const ROW: [f64; 2] = [1.5, 0.8];
 
 /// Generates the stadium around a hare of that size.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [0.55, 0.28, 0.75],
-        at: [0.0, 0.2, 0.0],
-        up: [0.0, 1.0, 0.0],
-        angle: 50.0,
-        hither: 0.0,
-    };
+    let view = view([0.55, 0.28, 0.75], [0.0, 0.2, 0.0], Y_UP, 50.0, 0.0);
     let mut scene = stage(view, &[[30.0, 60.0, 40.0]]);
     let fur = scene.push_material(matte([0.62, 0.5, 0.38]));
     let grass = scene.push_material(matte([0.2, 0.55, 0.2]));
@@ -39,14 +33,9 @@ pub(super) fn generate(size: u32) -> Scene {
 /// Eight triangles of grass around the middle, as far as the last row.
 fn push_pitch(scene: &mut Scene, material: u32) {
     let half = [PITCH[0] + ROW[0] * f64::from(ROWS), PITCH[1] + ROW[0] * f64::from(ROWS)];
+    #[rustfmt::skip]
     let rim: [[f64; 2]; 8] = [
-        [1.0, 0.0],
-        [1.0, 1.0],
-        [0.0, 1.0],
-        [-1.0, 1.0],
-        [-1.0, 0.0],
-        [-1.0, -1.0],
-        [0.0, -1.0],
+        [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0],
         [1.0, -1.0],
     ];
     let first = scene.vertices.len() as u32;

@@ -7,31 +7,22 @@
 
 use glam::DVec3;
 
-use super::parts::{View, matte, push_triangle, stage};
+use super::parts::{Y_UP, matte, push_triangle, stage, view};
 use crate::scene::Scene;
 
 const LENGTH: f64 = 1.2;
 /// Half a side of its square section.
 const HALF_SIDE: f64 = 0.001;
 /// Powers -1 to -6 of the root of x^7 = x + 1.
+#[rustfmt::skip]
 const STEPS: [f64; 6] = [
-    0.898_653_712_628_699,
-    0.807_578_495_221_321,
-    0.725_733_412_969_76,
-    0.652_183_025_943_972,
-    0.586_086_697_577_969,
-    0.526_688_986_700_736,
+    0.898_653_712_628_699, 0.807_578_495_221_321, 0.725_733_412_969_76, 0.652_183_025_943_972,
+    0.586_086_697_577_969, 0.526_688_986_700_736,
 ];
 
 /// Generates `size` squared sticks.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [2.6, 1.9, 3.1],
-        at: [0.0, 0.0, 0.0],
-        up: [0.0, 1.0, 0.0],
-        angle: 40.0,
-        hither: 0.0,
-    };
+    let view = view([2.6, 1.9, 3.1], [0.0, 0.0, 0.0], Y_UP, 40.0, 0.0);
     let mut scene = stage(view, &[[5.0, 9.0, 4.0]]);
     let wood = scene.push_material(matte([0.75, 0.55, 0.3]));
     for stick in 1..=u64::from(size).pow(2) {

@@ -7,7 +7,7 @@
 
 use glam::{DMat4, DVec3, DVec4};
 
-use super::parts::{View, glossy, stage};
+use super::parts::{Z_UP, glossy, stage, view};
 use super::teapot_patches::{CONTROL_POINTS, PATCHES};
 use crate::scene::{Primitive, Scene, Shape};
 
@@ -25,13 +25,7 @@ const ON_AXIS: f64 = 0.0001;
 
 /// Generates the pot with `size` by `size` quadrilaterals per patch and as many squares of board.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [4.86, 7.2, 5.4],
-        at: [0.0; 3],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 1.0,
-    };
+    let view = view([4.86, 7.2, 5.4], [0.0; 3], Z_UP, 45.0, 1.0);
     let mut scene = stage(view, &[[-3.1, 9.8, 12.1], [11.3, 5.1, 8.8]]);
     for (color, odd) in [(1.0, 1), (0.5, 0)] {
         let material = scene.push_material(glossy([color; 3], 0.5, 0.5, 30.0));

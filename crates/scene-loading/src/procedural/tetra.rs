@@ -4,7 +4,7 @@
 
 use glam::DVec3;
 
-use super::parts::{View, matte, stage};
+use super::parts::{matte, stage, view};
 use crate::scene::Scene;
 
 /// The corners of a cube that form a tetrahedron: those with an even number of minus signs.
@@ -20,13 +20,13 @@ const FACES: [[usize; 3]; 4] = [[0, 1, 2], [3, 2, 1], [2, 3, 0], [1, 0, 3]];
 
 /// Generates the pyramid with `size - 1` subdivisions.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [1.022846, -3.177154, -2.174512],
-        at: [-0.004103, -0.004103, 0.216539],
-        up: [-0.816497, -0.816497, 0.816497],
-        angle: 45.0,
-        hither: 1.0,
-    };
+    let view = view(
+        [1.022846, -3.177154, -2.174512],
+        [-0.004103, -0.004103, 0.216539],
+        [-0.816497, -0.816497, 0.816497],
+        45.0,
+        1.0,
+    );
     let mut scene = stage(view, &[[2.0, -18.0, -5.0]]);
     let red = scene.push_material(matte([1.0, 0.2, 0.2]));
     subdivide(&mut scene, red, DVec3::ZERO, 1.0, size);

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::parts::{View, ground, matte, stage};
+use super::parts::{Z_UP, ground, matte, stage, view};
 use crate::scene::{Cone, Scene};
 
 /// Length of a branch to its parent's, angle off the parent's direction and angle around it
@@ -22,21 +22,11 @@ const TRUNK: f64 = 0.15;
 
 /// Generates the tree with `size` generations of branches above the trunk.
 pub(super) fn generate(size: u32) -> Scene {
-    let view = View {
-        from: [4.5, 0.4, 2.0],
-        at: [0.0, 0.0, 1.5],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 1.0,
-    };
+    let view = view([4.5, 0.4, 2.0], [0.0, 0.0, 1.5], Z_UP, 45.0, 1.0);
+    #[rustfmt::skip]
     let lights = [
-        [-5.0, 5.0, 50.0],
-        [30.0, -30.0, 30.0],
-        [-40.0, -30.0, 20.0],
-        [10.0, 30.0, 40.0],
-        [-30.0, 40.0, 10.0],
-        [50.0, 25.0, 20.0],
-        [-10.0, -60.0, 30.0],
+        [-5.0, 5.0, 50.0], [30.0, -30.0, 30.0], [-40.0, -30.0, 20.0], [10.0, 30.0, 40.0],
+        [-30.0, 40.0, 10.0], [50.0, 25.0, 20.0], [-10.0, -60.0, 30.0],
     ];
     let mut scene = stage(view, &lights);
     let field = scene.push_material(matte([0.2, 0.7, 0.2]));

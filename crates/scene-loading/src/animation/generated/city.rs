@@ -4,10 +4,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage;
-use crate::animation::generated::stage::Stage;
-use crate::animation::generated::stage::{Frames, seconds};
-use crate::procedural::parts::{View, ground, matte, stage};
+use crate::animation::generated::stage::{self, Frames, Stage, seconds};
+use crate::procedural::parts::{Z_UP, ground, matte, stage, view};
 
 /// From one street to the next, and the side of a building's plot, units.
 const BLOCK: f64 = 1.0;
@@ -27,13 +25,13 @@ pub(super) fn count(size: u32) -> u64 {
 
 pub(super) fn frames(size: u32) -> Frames {
     let reach = f64::from(size) * BLOCK / 2.0;
-    let view = View {
-        from: [-1.1 * reach, -1.5 * reach - 1.0, 0.9 * reach + 1.5],
-        at: [0.0, -0.15 * reach, 0.0],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 0.0,
-    };
+    let view = view(
+        [-1.1 * reach, -1.5 * reach - 1.0, 0.9 * reach + 1.5],
+        [0.0, -0.15 * reach, 0.0],
+        Z_UP,
+        45.0,
+        0.0,
+    );
     let light = [-3.0 * reach, -2.0 * reach, 5.0 * reach + 5.0];
     let mut stage = Stage::new(stage(view, &[light]));
     let floor = stage.material(matte([0.35, 0.36, 0.37]));

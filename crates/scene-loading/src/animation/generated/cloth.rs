@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::animation::generated::stage::{Frames, seconds};
-use crate::procedural::parts::{View, matte, stage};
+use crate::procedural::parts::{Z_UP, matte, stage, view};
 use crate::scene::{Primitive, Scene, Shape};
 
 /// Number of strips per row.
@@ -18,13 +18,7 @@ pub(super) fn count(size: u32) -> u64 {
 }
 
 pub(super) fn frames(size: u32) -> Frames {
-    let view = View {
-        from: [1.1, -3.0, 1.3],
-        at: [0.0, 0.0, -0.05],
-        up: [0.0, 0.0, 1.0],
-        angle: 42.0,
-        hither: 0.0,
-    };
+    let view = view([1.1, -3.0, 1.3], [0.0, 0.0, -0.05], Z_UP, 42.0, 0.0);
     let mut still = stage(view, &[[2.0, -4.0, 3.0], [-3.0, -2.0, 2.0]]);
     let material = still.push_material(matte([0.75, 0.2, 0.18]));
     let (rows, strips) = (size, SLIMNESS * size);

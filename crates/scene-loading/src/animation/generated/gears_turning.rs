@@ -6,8 +6,7 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DMat3};
 
 use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::Frames;
-use crate::animation::generated::stage::Stage;
+use crate::animation::generated::stage::{Frames, Stage};
 use crate::procedural::gears::{self, TEETH};
 use crate::procedural::parts::ground;
 use crate::tessellate::triangulate;
@@ -21,7 +20,7 @@ pub(super) fn count(size: u32) -> u64 {
 }
 
 pub(super) fn frames(size: u32) -> Frames {
-    let mut stage = Stage::new(gears::view());
+    let mut stage = Stage::new(gears::empty());
     let floor = stage.material(gears::floor());
     stage.part_of(Mesh::quadrangle(ground(2.0, 0.0)), floor);
     let gear = stage.mesh(gear(size));

@@ -9,10 +9,8 @@ use glam::{DAffine3, DMat3, DVec3};
 
 use crate::animation::generated::falling::{BOWL, Balls, STEPS};
 use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::Replay;
-use crate::animation::generated::stage::Stage;
-use crate::animation::generated::stage::{Frames, RATE};
-use crate::procedural::parts::{View, glossy, ground, matte, stage};
+use crate::animation::generated::stage::{Frames, RATE, Replay, Stage};
+use crate::procedural::parts::{Z_UP, glossy, ground, matte, stage, view};
 
 /// Rings of the bowl from its lowest point to its rim, and squares in each.
 const RINGS: u32 = 10;
@@ -24,13 +22,7 @@ pub(super) fn count(size: u32) -> u64 {
 }
 
 pub(super) fn frames(size: u32) -> Frames {
-    let view = View {
-        from: [1.1, -3.8, 2.7],
-        at: [0.0, 0.0, 0.3],
-        up: [0.0, 0.0, 1.0],
-        angle: 46.0,
-        hither: 0.0,
-    };
+    let view = view([1.1, -3.8, 2.7], [0.0, 0.0, 0.3], Z_UP, 46.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[2.0, -2.0, 5.0], [-4.0, -3.0, 4.0]]));
     let floor = stage.material(matte([0.6, 0.55, 0.5]));
     stage.part_of(Mesh::quadrangle(ground(8.0, -BOWL)), floor);

@@ -7,10 +7,8 @@
 
 use glam::DVec3;
 
-use crate::animation::generated::stage;
-use crate::animation::generated::stage::Frames;
-use crate::animation::generated::stage::Replay;
-use crate::procedural::parts::{View, matte, stage};
+use crate::animation::generated::stage::{self, Frames, Replay};
+use crate::procedural::parts::{Z_UP, matte, stage, view};
 use crate::scene::{Primitive, Shape};
 
 /// Steps of a frame, and their length in seconds.
@@ -32,13 +30,7 @@ const CORNERS: [DVec3; 4] = [
 const FACES: [[u32; 3]; 4] = [[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]];
 
 pub(super) fn frames(size: u32) -> Frames {
-    let view = View {
-        from: [2.4, -3.6, 1.9],
-        at: [0.0; 3],
-        up: [0.0, 0.0, 1.0],
-        angle: 45.0,
-        hither: 0.0,
-    };
+    let view = view([2.4, -3.6, 1.9], [0.0; 3], Z_UP, 45.0, 0.0);
     let mut still = stage(view, &[[3.0, -4.0, 5.0], [-4.0, -1.0, 2.0]]);
     let kinds = [[0.85, 0.5, 0.15], [0.2, 0.5, 0.8], [0.8, 0.8, 0.75]];
     let kinds = kinds.map(|color| still.push_material(matte(color)));

@@ -6,9 +6,8 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::Stage;
-use crate::animation::generated::stage::{Frames, seconds};
-use crate::procedural::parts::{View, ground, matte, stage};
+use crate::animation::generated::stage::{Frames, Stage, seconds};
+use crate::procedural::parts::{Z_UP, ground, matte, stage, view};
 
 /// Metres per second, double steps per second.
 const SPEED: f64 = 1.35;
@@ -90,13 +89,7 @@ pub(super) fn count(size: u32) -> u64 {
 }
 
 pub(super) fn frames(size: u32) -> Frames {
-    let view = View {
-        from: [1.6, -3.0, 1.5],
-        at: [0.0, 0.0, 0.9],
-        up: [0.0, 0.0, 1.0],
-        angle: 40.0,
-        hither: 0.0,
-    };
+    let view = view([1.6, -3.0, 1.5], [0.0, 0.0, 0.9], Z_UP, 40.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[3.0, -4.0, 5.0], [-4.0, -3.0, 3.0]]));
     let floor = stage.material(matte([0.5, 0.55, 0.5]));
     stage.part_of(Mesh::quadrangle(ground(12.0, 0.0)), floor);

@@ -6,10 +6,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage;
-use crate::animation::generated::stage::Stage;
-use crate::animation::generated::stage::{Frames, seconds};
-use crate::procedural::parts::{View, ground, matte, stage};
+use crate::animation::generated::stage::{self, Frames, Stage, seconds};
+use crate::procedural::parts::{Z_UP, ground, matte, stage, view};
 
 /// Point at which the wall is hit: above the middle of its foot, for a wall 2 wide and 1 high.
 const HIT: DVec3 = DVec3::new(0.1, 0.0, 0.45);
@@ -29,13 +27,7 @@ pub(super) fn count(size: u32) -> u64 {
 }
 
 pub(super) fn frames(size: u32) -> Frames {
-    let view = View {
-        from: [2.3, 4.6, 2.0],
-        at: [0.0, 0.9, 0.3],
-        up: [0.0, 0.0, 1.0],
-        angle: 42.0,
-        hither: 0.0,
-    };
+    let view = view([2.3, 4.6, 2.0], [0.0, 0.9, 0.3], Z_UP, 42.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[2.0, 4.0, 5.0], [-4.0, 2.0, 3.0]]));
     let floor = stage.material(matte([0.55, 0.6, 0.5]));
     stage.part_of(Mesh::quadrangle(ground(20.0, 0.0)), floor);
