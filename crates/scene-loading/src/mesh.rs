@@ -20,10 +20,11 @@ pub(crate) const MAX_COORDINATE: f64 = 1e100;
 /// Faces that were not taken as they are.
 #[derive(Debug, Default)]
 pub(crate) struct FaceCounts {
-    without_area: FirstAndCount,
-    unusable: FirstAndCount,
-    bent: FirstAndCount,
-    crossing: FirstAndCount,
+    pub without_area: FirstAndCount,
+    /// Faces with a corner that is NaN, infinite or too large.
+    pub unusable: FirstAndCount,
+    pub bent: FirstAndCount,
+    pub crossing: FirstAndCount,
     /// Vertices that no face can have.
     pub vertices: FirstAndCount,
     /// Normals that are NaN, infinite or too large, and lists of them that do not fit.
@@ -61,26 +62,6 @@ impl FirstAndCount {
 }
 
 impl FaceCounts {
-    /// Counts a face without area that its reader has left out.
-    pub fn without_area(&mut self, place: impl FnOnce() -> FilePlace) {
-        self.without_area.add(place);
-    }
-
-    /// Counts a face that its reader has left out for a corner that is NaN, infinite or too large.
-    pub fn unusable(&mut self, place: impl FnOnce() -> FilePlace) {
-        self.unusable.add(place);
-    }
-
-    /// Counts a face that its reader has split where it is bent.
-    pub fn bent(&mut self, place: impl FnOnce() -> FilePlace) {
-        self.bent.add(place);
-    }
-
-    /// Counts a face that its reader has split where it crosses itself.
-    pub fn crossing(&mut self, place: impl FnOnce() -> FilePlace) {
-        self.crossing.add(place);
-    }
-
     /// One warning for each kind.
     pub fn warn(&self, scene: &mut Scene) {
         self.without_area.warn("faces without area left out", scene);
@@ -226,22 +207,12 @@ pub(crate) fn push_outline(
             counts.crossing.add(place);
             push_all(material, triangles, scene);
         }
-        Outline::Bent(area) => {
-            counts.bent.add(&place);
-            let pieces = triangulate_bent(outline, area);
-            let pieces =
-                pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
-            let mesh = Mesh {
-                first: u32::try_from(scene.vertices.len()).unwrap_or(u32::MAX),
-                ..Mesh::of_triangles(material)
-            };
+        Outline::Bent(_) => {
+            let first = u32::try_from(scene.vertices.len()).unwrap_or(u32::MAX);
             scene.vertices.extend_from_slice(outline);
-            for piece in pieces {
-                let at = piece.map(|i| outline.get(i as usize).copied().unwrap_or_default());
-                if area_vector(&at).is_some() {
-                    mesh.push(piece, scene);
-                }
-            }
+            let corners: Vec<u32> = (0..).take(outline.len()).collect();
+            let mesh = Mesh { first, ..Mesh::of_triangles(material) };
+            return mesh.add(&corners, scene, counts, place);
         }
         _ => scene.push_polygon(material, outline),
     }

@@ -115,7 +115,7 @@ impl Reader<'_> {
             }
             let corners = v.map(|i| vertices.get(i as usize).copied().unwrap_or_default());
             if area_vector(&corners).is_none() {
-                self.counts.without_area(|| words.place(line));
+                self.counts.without_area.add(|| words.place(line));
                 continue;
             }
             let v = v.map(|i| first.saturating_add(i));

@@ -183,7 +183,10 @@ impl Builder<'_> {
     ) -> Result<(), LoadError> {
         let material = match material {
             Some(id) => id,
-            None => self.default_material(),
+            None => {
+                let scene = &mut self.scene;
+                *self.nameless.get_or_insert_with(|| scene.push_material(Material::default()))
+            }
         };
         // a face makes at most three times as many vertices and primitives as it has corners
         let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3 * corners.len();
@@ -195,7 +198,7 @@ impl Builder<'_> {
         if scan.odd.positions.is_any()
             && corners.iter().any(|&i| scan.positions.get(i as usize).is_some_and(|p| p.is_nan()))
         {
-            self.counts.unusable(|| FilePlace::line(self.path, face.line as usize));
+            self.counts.unusable.add(|| FilePlace::line(self.path, face.line as usize));
             return Ok(());
         }
         // Reused from face to face: files have millions.
@@ -223,11 +226,6 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn default_material(&mut self) -> u32 {
-        let scene = &mut self.scene;
-        *self.nameless.get_or_insert_with(|| scene.push_material(Material::default()))
-    }
-
     fn face(
         &mut self,
         material: u32,
@@ -239,11 +237,11 @@ impl Builder<'_> {
         let place = || FilePlace::line(self.path, face.line as usize);
         let outline = match Outline::of(points) {
             Outline::Unusable | Outline::WithoutArea => {
-                self.counts.without_area(place);
+                self.counts.without_area.add(place);
                 return Ok(());
             }
             Outline::Crossing(triangles) => {
-                self.counts.crossing(place);
+                self.counts.crossing.add(place);
                 push_all(material, triangles, &mut self.scene);
                 return Ok(());
             }
@@ -264,7 +262,7 @@ impl Builder<'_> {
         }
         let pieces = match outline {
             Outline::Bent(area) => {
-                self.counts.bent(place);
+                self.counts.bent.add(place);
                 triangulate_bent(points, area)
             }
             _ if normals.is_empty() && !textured && !self.options.triangulate => {

@@ -252,51 +252,57 @@ impl<'a, V: Values> Reader<'a, V> {
         Ok(())
     }
 
-    /// The list of corners among the properties of an element, and its types.
-    fn corner_list(&self, element: &Element) -> Result<(usize, Scalar, Scalar), LoadError> {
-        let lists = || element.properties.iter().enumerate().filter_map(list);
-        let named = |at: usize| {
-            element.properties.get(at).is_some_and(|p| CORNERS.contains(&p.name.as_str()))
-        };
-        let found = lists().find(|(at, ..)| named(*at)).or_else(|| {
-            let mut all = lists().filter(|(_, _, item)| item.is_integer());
-            all.next().filter(|_| all.next().is_none())
-        });
-        found.ok_or_else(|| {
-            let expected = "a list vertex_indices or vertex_index, or one list of whole numbers";
-            let found = format!("element {}", element.name);
-            LoadError::syntax(FilePlace::line(self.path, element.line), &found, expected)
-        })
-    }
-
-    fn vertices_before(&self, element: &Element) -> Result<usize, LoadError> {
-        self.vertices.ok_or_else(|| {
-            let found = format!("element {}", element.name);
-            let place = FilePlace::line(self.path, element.line);
-            LoadError::syntax(place, &found, "element vertex before it")
-        })
-    }
-
-    fn faces(&mut self, element: &Element) -> Result<(), LoadError> {
+    /// Reads each list of corners of an element by a function that gets where it begins, the type
+    /// of its items, their number, and how many vertices there are.
+    fn corner_lists(
+        &mut self,
+        element: &Element,
+        mut read: impl FnMut(&mut Self, FileLocation, Scalar, u64, usize) -> Result<(), LoadError>,
+    ) -> Result<(), LoadError> {
         if element.count == 0 {
             return Ok(());
         }
-        let vertices = self.vertices_before(element)?;
-        let (list, count, item) = self.corner_list(element)?;
+        let missing = |expected: &str| {
+            let found = format!("element {}", element.name);
+            LoadError::syntax(FilePlace::line(self.path, element.line), &found, expected)
+        };
+        let vertices = self.vertices.ok_or_else(|| missing("element vertex before it"))?;
+        let lists = || {
+            let all = element.properties.iter().enumerate();
+            all.filter_map(|(at, property)| match property.kind {
+                Kind::List { count, item } => Some((at, property, count, item)),
+                Kind::One(_) => None,
+            })
+        };
+        let named = lists().find(|(_, property, ..)| CORNERS.contains(&property.name.as_str()));
+        let found = named.or_else(|| {
+            let mut all = lists().filter(|(.., item)| item.is_integer());
+            all.next().filter(|_| all.next().is_none())
+        });
+        let (list, _, count, item) = found.ok_or_else(|| {
+            missing("a list vertex_indices or vertex_index, or one list of whole numbers")
+        })?;
         self.each(element, |reader, property, at| {
             if at != list {
                 return reader.skip(property);
             }
-            let (path, within) = (reader.path, reader.values.place());
-            let place = || FilePlace { file: path.to_path_buf(), within };
+            let begin = reader.values.place();
             let length = reader.length(count, &property.name)?;
+            read(reader, begin, item, length, vertices)
+        })
+    }
+
+    fn faces(&mut self, element: &Element) -> Result<(), LoadError> {
+        self.corner_lists(element, |reader, within, item, length, vertices| {
+            let path = reader.path;
+            let place = || FilePlace { file: path.to_path_buf(), within };
             let length = usize::try_from(length).unwrap_or(usize::MAX);
             limits::check(length, MAX_CORNERS, "the number of corners of a face", place)?;
             // reused from face to face: files have millions
             let mut corners = std::mem::take(&mut reader.corners);
             corners.clear();
             for _ in 0..length {
-                corners.push(reader.index(item, vertices)?);
+                corners.extend(reader.index(item, vertices, false)?);
             }
             if length < 3 {
                 reader.too_few.add(place);
@@ -317,21 +323,12 @@ impl<'a, V: Values> Reader<'a, V> {
     /// Strips: each corner after the second makes a triangle with the two before it, turned every
     /// other time; -1 begins a new strip.
     fn strips(&mut self, element: &Element) -> Result<(), LoadError> {
-        if element.count == 0 {
-            return Ok(());
-        }
-        let vertices = self.vertices_before(element)?;
-        let (list, count, item) = self.corner_list(element)?;
-        self.each(element, |reader, property, at| {
-            if at != list {
-                return reader.skip(property);
-            }
-            let length = reader.length(count, &property.name)?;
+        self.corner_lists(element, |reader, _, item, length, vertices| {
             let mut strip: Option<[u32; 2]> = None;
             let (mut begun, mut turned) = (None, false);
             for _ in 0..length {
                 let (path, within) = (reader.path, reader.values.place());
-                let Some(corner) = reader.index_or_end(item, vertices)? else {
+                let Some(corner) = reader.index(item, vertices, true)? else {
                     (strip, begun, turned) = (None, None, false);
                     continue;
                 };
@@ -347,20 +344,28 @@ impl<'a, V: Values> Reader<'a, V> {
         })
     }
 
-    fn index(&mut self, item: Scalar, vertices: usize) -> Result<u32, LoadError> {
+    /// The index of a vertex; none for the -1 that may end a strip.
+    fn index(
+        &mut self,
+        item: Scalar,
+        vertices: usize,
+        may_end: bool,
+    ) -> Result<Option<u32>, LoadError> {
         let place = self.values.place();
-        let index = self.values.next(item, "the index of a vertex")?;
-        valid_index(index, vertices, || self.place(place))
-    }
-
-    /// An index, or none for -1.
-    fn index_or_end(&mut self, item: Scalar, vertices: usize) -> Result<Option<u32>, LoadError> {
-        let place = self.values.place();
-        let index = self.values.next(item, "the index of a vertex, or -1")?;
-        match index {
-            -1.0 => Ok(None),
-            _ => valid_index(index, vertices, || self.place(place)).map(Some),
+        let what = if may_end { "the index of a vertex, or -1" } else { "the index of a vertex" };
+        let index = self.values.next(item, what)?;
+        let whole = index as u32;
+        if index < vertices as f64 && f64::from(whole) == index {
+            return Ok(Some(whole));
         }
+        if may_end && index == -1.0 {
+            return Ok(None);
+        }
+        let valid = match vertices {
+            0 => "the file has no vertices".to_owned(),
+            _ => format!("0 to {} are there", vertices - 1),
+        };
+        Err(LoadError::bad_index(self.place(place), "vertex", index, valid))
     }
 }
 
@@ -373,29 +378,5 @@ fn numbered(error: LoadError, element: &Element, index: u64) -> LoadError {
             LoadError::UnexpectedEnd { place, expected }
         }
         other => other,
-    }
-}
-
-fn valid_index(
-    index: f64,
-    vertices: usize,
-    place: impl FnOnce() -> FilePlace,
-) -> Result<u32, LoadError> {
-    let whole = index as u32;
-    if index < vertices as f64 && f64::from(whole) == index {
-        return Ok(whole);
-    }
-    let valid = match vertices {
-        0 => "the file has no vertices".to_owned(),
-        _ => format!("0 to {} are there", vertices - 1),
-    };
-    Err(LoadError::bad_index(place(), "vertex", index, valid))
-}
-
-/// A list: its place, and the types of its length and items.
-fn list((at, property): (usize, &Property)) -> Option<(usize, Scalar, Scalar)> {
-    match property.kind {
-        Kind::List { count, item } => Some((at, count, item)),
-        Kind::One(_) => None,
     }
 }

@@ -56,7 +56,7 @@ impl Reader<'_> {
         let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3;
         limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
         if !corners.as_flattened().iter().all(|&value| is_usable(value)) {
-            self.counts.unusable(place);
+            self.counts.unusable.add(place);
             return Ok(());
         }
         let corners = corners.map(DVec3::from_array);
