@@ -97,42 +97,38 @@ impl Buffers {
     /// Positions, normals or what moves them: `VEC3` of floats, or of bytes or shorts
     /// (`KHR_mesh_quantization`). They need not be finite.
     pub fn vectors(&self, accessor: Accessor<'_>, what: &str) -> Result<Vec<[f32; 3]>, LoadError> {
-        let object = format!("accessor {} ({what})", accessor.index());
-        self.check_quantizable(&object, &accessor, Dimensions::Vec3)?;
-        if accessor.data_type() == DataType::F32 {
-            return self.read(&object, accessor);
-        }
-        let numbers = self.scaled(&object, accessor)?;
-        Ok(numbers.as_chunks::<3>().0.iter().map(|xyz| xyz.map(|x| x as f32)).collect())
+        self.quantizable(accessor, what, Dimensions::Vec3)
     }
 
     /// Texture coordinates: `VEC2` of floats, or of bytes or shorts. They need not be finite.
     pub fn texcoords(&self, accessor: Accessor<'_>) -> Result<Vec<[f32; 2]>, LoadError> {
-        let object = format!("accessor {} (texture coordinates)", accessor.index());
-        self.check_quantizable(&object, &accessor, Dimensions::Vec2)?;
-        if accessor.data_type() == DataType::F32 {
-            return self.read(&object, accessor);
-        }
-        let numbers = self.scaled(&object, accessor)?;
-        Ok(numbers.as_chunks::<2>().0.iter().map(|uv| uv.map(|x| x as f32)).collect())
+        self.quantizable(accessor, "texture coordinates", Dimensions::Vec2)
     }
 
-    /// Checks that elements are floats, or bytes or shorts, normalized or not.
-    fn check_quantizable(
+    /// Elements of floats, or of bytes or shorts, normalized or not.
+    fn quantizable<const N: usize>(
         &self,
-        object: &str,
-        accessor: &Accessor<'_>,
+        accessor: Accessor<'_>,
+        what: &str,
         dimensions: Dimensions,
-    ) -> Result<(), LoadError> {
+    ) -> Result<Vec<[f32; N]>, LoadError>
+    where
+        [f32; N]: Item,
+    {
+        let object = format!("accessor {} ({what})", accessor.index());
         let is_known = match accessor.data_type() {
             DataType::F32 => !accessor.normalized(),
             kind => kind != DataType::U32,
         };
-        if accessor.dimensions() == dimensions && is_known {
-            return Ok(());
+        if accessor.dimensions() != dimensions || !is_known {
+            let expected = format!("{dimensions:?} of F32, or of I8, U8, I16 or U16");
+            return Err(self.invalid(&object, &kind_of(&accessor), &expected));
         }
-        let expected = format!("{dimensions:?} of F32, or of I8, U8, I16 or U16");
-        Err(self.invalid(object, &kind_of(accessor), &expected))
+        if accessor.data_type() == DataType::F32 {
+            return self.read(&object, accessor);
+        }
+        let numbers = self.scaled(&object, accessor)?;
+        Ok(numbers.as_chunks().0.iter().map(|element| element.map(|x| x as f32)).collect())
     }
 
     /// The error for a number that is NaN or infinite.
@@ -210,27 +206,20 @@ impl Buffers {
         object: &str,
         accessor: Accessor<'_>,
     ) -> Result<Vec<f64>, LoadError> {
-        let wide = |all: Vec<T>| all.into_iter().map(Into::into).collect();
-        Ok(match accessor.dimensions() {
-            Dimensions::Scalar => wide(self.read::<T>(object, accessor)?),
-            Dimensions::Vec2 => {
-                wide(self.read::<[T; 2]>(object, accessor)?.as_flattened().to_vec())
-            }
-            Dimensions::Vec3 => {
-                wide(self.read::<[T; 3]>(object, accessor)?.as_flattened().to_vec())
-            }
-            Dimensions::Vec4 => {
-                wide(self.read::<[T; 4]>(object, accessor)?.as_flattened().to_vec())
-            }
+        let all: Vec<T> = match accessor.dimensions() {
+            Dimensions::Scalar => self.read(object, accessor)?,
+            Dimensions::Vec2 => self.read::<[T; 2]>(object, accessor)?.into_flattened(),
+            Dimensions::Vec3 => self.read::<[T; 3]>(object, accessor)?.into_flattened(),
+            Dimensions::Vec4 => self.read::<[T; 4]>(object, accessor)?.into_flattened(),
             Dimensions::Mat4 => {
-                let columns = self.read::<[[T; 4]; 4]>(object, accessor)?;
-                wide(columns.as_flattened().as_flattened().to_vec())
+                self.read::<[[T; 4]; 4]>(object, accessor)?.into_flattened().into_flattened()
             }
             other => {
                 let expected = "Scalar, Vec2, Vec3, Vec4 or Mat4";
                 return Err(self.invalid(object, &format!("{other:?}"), expected));
             }
-        })
+        };
+        Ok(all.into_iter().map(Into::into).collect())
     }
 
     /// All bytes of a buffer.
@@ -252,17 +241,15 @@ impl Buffers {
         let valid = [DataType::U8, DataType::U16, DataType::U32];
         self.expect_type(&object, &accessor, Dimensions::Scalar, &valid)?;
         let indices: Vec<u32> = match accessor.data_type() {
-            DataType::U8 => self.read::<u8>(&object, accessor)?.iter().map(|&i| i.into()).collect(),
-            DataType::U16 => {
-                self.read::<u16>(&object, accessor)?.iter().map(|&i| i.into()).collect()
-            }
-            _ => self.read::<u32>(&object, accessor)?,
+            DataType::U8 => self.read(&object, accessor)?.into_iter().map(u8::into).collect(),
+            DataType::U16 => self.read(&object, accessor)?.into_iter().map(u16::into).collect(),
+            _ => self.read(&object, accessor)?,
         };
         match indices.iter().position(|&i| i as usize >= vertices) {
             None => Ok(indices),
             Some(i) => {
-                let (place, what) =
-                    (FilePlace::file(&self.path), format!("{object}, element {i}: vertex"));
+                let place = FilePlace::file(&self.path);
+                let what = format!("{object}, element {i}: vertex");
                 let valid = format!("there are {vertices} vertices, counted from 0");
                 let index = indices.get(i).copied().unwrap_or_default();
                 Err(LoadError::bad_index(place, what, index, valid))

@@ -5,17 +5,48 @@
 //! Appendix C of the glTF 2.0 specification: steps, straight lines (of rotations along the shorter
 //! arc), cubic Hermite splines with their tangents in the file.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
-use crate::gltf::pose::Pose;
 use crate::limits::{self, MAX_ELEMENTS};
 use ::gltf::accessor::Dimensions;
 use ::gltf::animation::{Interpolation, Property};
 use ::gltf::json::validation::Checked;
 use ::gltf::{Accessor, Document};
 use glam::{DQuat, DVec3};
+
+/// How the nodes of a scene stand at a moment: animated values by node.
+#[derive(Debug, Default)]
+pub(crate) struct Pose(BTreeMap<usize, NodePose>);
+
+/// Animated values of a node; `None` where the file's own values apply.
+#[derive(Debug, Default)]
+pub(crate) struct NodePose {
+    pub translation: Option<DVec3>,
+    pub rotation: Option<DQuat>,
+    pub scale: Option<DVec3>,
+    pub weights: Option<Vec<f64>>,
+    /// Its scale gets through zero somewhere in the animation, or may.
+    is_unsteady: bool,
+}
+
+impl Pose {
+    pub fn of(&self, node: usize) -> Option<&NodePose> {
+        self.0.get(&node)
+    }
+
+    pub fn is_steady(&self, node: usize) -> bool {
+        self.of(node).is_none_or(|pose| !pose.is_unsteady)
+    }
+}
+
+impl NodePose {
+    pub fn is_placed(&self) -> bool {
+        self.translation.is_some() || self.rotation.is_some() || self.scale.is_some()
+    }
+}
 
 /// The first animation of a file.
 pub(crate) struct Clip {
@@ -108,7 +139,7 @@ impl Clip {
         for channel in &self.channels {
             let Some(Some(keys)) = self.samplers.get(channel.sampler) else { continue };
             let values = keys.at(time, channel.property == Property::Rotation);
-            let node = pose.nodes.entry(channel.node).or_default();
+            let node = pose.0.entry(channel.node).or_default();
             match (channel.property, values.as_slice()) {
                 (Property::Translation, &[x, y, z]) => node.translation = Some(DVec3::new(x, y, z)),
                 (Property::Scale, &[x, y, z]) => {

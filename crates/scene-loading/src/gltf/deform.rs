@@ -15,7 +15,7 @@ use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
-use crate::gltf::pose::Pose;
+use crate::gltf::clip::Pose;
 use crate::gltf::vectors::{affine, cofactor, wide};
 use crate::limits::{self, MAX_ELEMENTS};
 

@@ -38,7 +38,6 @@ pub(crate) mod extensions;
 pub(crate) mod instancing;
 mod meshes;
 mod nodes;
-mod pose;
 mod rules;
 mod textures;
 mod tree;
@@ -71,10 +70,15 @@ pub fn parse_gltf(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
 
 /// Turns a panic inside the crate `gltf` into an error.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, LoadError>) -> Result<T, LoadError> {
-    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|panic| {
+    catch_panic(read).unwrap_or_else(|text| Err(parser_error(path, text)))
+}
+
+/// Runs a reader that may panic; a panic becomes its text.
+pub(crate) fn catch_panic<T>(read: impl FnOnce() -> T) -> Result<T, String> {
+    catch_unwind(AssertUnwindSafe(read)).map_err(|panic| {
         let text = panic.downcast_ref::<String>().map(String::as_str);
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
-        Err(parser_error(path, format!("panic: {text}")))
+        format!("panic: {text}")
     })
 }
 

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
 use crate::gltf::buffers::Buffers;
+use crate::gltf::clip::Pose;
 use crate::gltf::deform::Deformer;
 use crate::gltf::extensions::{self, NodeExtensions};
-use crate::gltf::pose::Pose;
 use crate::gltf::textures::Textures;
 use crate::gltf::tree::{self, PlacedNode};
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};

@@ -7,8 +7,8 @@ use ::gltf::{Document, Node};
 use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError, NOT_FINITE};
+use crate::gltf::clip::Pose;
 use crate::gltf::extensions::NodeExtensions;
-use crate::gltf::pose::Pose;
 use crate::gltf::vectors::affine;
 
 /// A node and where it is.

@@ -10,12 +10,11 @@ mod by_gltf;
 mod by_tobj;
 mod reading;
 
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use self::reading::Reading;
 use crate::error::LoadError;
-use crate::gltf::{OpenedFile, parse_gltf};
+use crate::gltf::{OpenedFile, catch_panic, parse_gltf};
 use crate::input::decompress::decompress;
 use crate::input::read::unpacked_extension;
 use crate::input::text::{end_lines_with_lf, without_mark};
@@ -84,14 +83,18 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
         let ours = Reading::of(&parse_gltf(path, &bytes)?);
         let bytes = without_mark(path, &bytes)?;
         let opened = OpenedFile::read(path, bytes)?;
-        return Ok(compared("gltf", &ours, catch_panic(|| by_gltf::read(bytes, &opened))));
+        return Ok(compared(
+            "gltf",
+            &ours,
+            catch_panic(|| by_gltf::read(bytes, &opened)).flatten(),
+        ));
     }
     let mut ours = Reading::of(&parse_obj(path, bytes.clone(), ObjOptions::default())?);
     let mut more = Vec::new();
     // marks and ends of lines are no matter of opinion
     let mut bytes = without_mark(path, &bytes)?.to_vec();
     end_lines_with_lf(&mut bytes);
-    let theirs = catch_panic(|| by_tobj::read(path, &bytes)).map(|(mut theirs, known)| {
+    let theirs = catch_panic(|| by_tobj::read(path, &bytes)).flatten().map(|(mut theirs, known)| {
         match known {
             Ok(known) => ours.know_only(&known),
             Err(error) => {
@@ -109,15 +112,6 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
         differences.append(&mut more);
     }
     Ok(opinion)
-}
-
-/// Result of the reader; a panic becomes an error.
-fn catch_panic<T>(read: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
-    catch_unwind(AssertUnwindSafe(read)).unwrap_or_else(|panic| {
-        let text = panic.downcast_ref::<String>().map(String::as_str);
-        let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
-        Err(format!("panic: {text}"))
-    })
 }
 
 fn compared(
