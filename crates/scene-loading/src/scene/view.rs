@@ -1,22 +1,35 @@
 //! The camera of a scene, and how finely its effects are sampled.
 
 use glam::DVec3;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 
 use crate::error::{FilePlace, LoadError};
 
-/// How finely a scene asks its effects to be sampled; what it leaves open has a default, and
-/// the command line overrides both. An effect that the scene does not call for is not sampled.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+/// How finely the effects of a scene are sampled; each has a default.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename = "Effects", deny_unknown_fields, default)]
 pub struct SampleWishes {
     /// Eye rays per pixel for its area.
+    #[serde(deserialize_with = "number_of_samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub supersamples: Option<u32>,
-    /// Shadow rays per hit and light, for lights with an extent.
+    /// Shadow rays per hit and light with a radius.
+    #[serde(deserialize_with = "number_of_samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub shadow: Option<u32>,
     /// Reflected rays a hit on a rough mirror.
+    #[serde(deserialize_with = "number_of_samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub glossy: Option<u32>,
     /// Eye rays per pixel for the time that the shutter is open.
+    #[serde(deserialize_with = "number_of_samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub temporal: Option<u32>,
     /// Eye rays per pixel for the area of the lens.
+    #[serde(deserialize_with = "number_of_samples")]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
     pub focal: Option<u32>,
 }
 
@@ -29,6 +42,17 @@ impl SampleWishes {
         temporal: Some(1),
         focal: Some(1),
     };
+}
+
+/// Largest number of samples of one effect: more would take hours.
+const MOST_SAMPLES: u32 = 65_536;
+
+fn number_of_samples<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
+    let n = u32::deserialize(from)?;
+    if (1..=MOST_SAMPLES).contains(&n) {
+        return Ok(Some(n));
+    }
+    Err(D::Error::custom(format!("found {n}, expected 1 to {MOST_SAMPLES} samples")))
 }
 
 /// A camera in NFF's terms, with a thin lens and a shutter; a pinhole by default.

@@ -53,9 +53,6 @@ pub(crate) fn unknown_material(
     LoadError::syntax(FilePlace::file(path), name, expected)
 }
 
-/// Largest number of samples of one effect: more would take hours.
-pub(crate) const MOST_SAMPLES: u32 = 65_536;
-
 fn checked<'de, D: Deserializer<'de>>(
     from: D,
     is_valid: fn(f64) -> bool,
@@ -81,13 +78,4 @@ pub(crate) fn above_0<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>,
 
 pub(crate) fn share<'de, D: Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
     checked(from, |x| (0.0..=1.0).contains(&x), "a number from 0 to 1").map(Some)
-}
-
-/// A number of samples.
-pub(crate) fn samples<'de, D: Deserializer<'de>>(from: D) -> Result<Option<u32>, D::Error> {
-    let n = u32::deserialize(from)?;
-    if (1..=MOST_SAMPLES).contains(&n) {
-        return Ok(Some(n));
-    }
-    Err(D::Error::custom(format!("found {n}, expected 1 to {MOST_SAMPLES} samples")))
 }

@@ -32,7 +32,7 @@ use crate::error::{FilePlace, LoadError};
 use crate::fetch::PackageAsset;
 use crate::limits::{self, MAX_LIGHTS, MAX_MATERIALS};
 use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene};
-use crate::scene_file::json::{above_0, at_least_0, samples, share};
+use crate::scene_file::json::{above_0, at_least_0, share};
 use crate::scene_file::json::{check_name, from_json, unknown_material};
 use crate::scene_file::shapes::{ShapeEntry, push_all};
 
@@ -75,7 +75,7 @@ pub struct SceneFile {
     pub motion: Vec<MotionEntry>,
     /// How finely effects are sampled.
     #[serde(default)]
-    pub effects: Effects,
+    pub effects: SampleWishes,
 }
 
 /// Where the geometry of a scene file comes from.
@@ -184,33 +184,6 @@ pub struct MaterialEntry {
     pub roughness: Option<f64>,
 }
 
-/// How finely the effects of a scene are sampled; each has a default.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, default)]
-pub struct Effects {
-    /// Eye rays per pixel for its area.
-    #[serde(deserialize_with = "samples")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
-    pub supersamples: Option<u32>,
-    /// Shadow rays per hit and light with a radius.
-    #[serde(deserialize_with = "samples")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
-    pub shadow: Option<u32>,
-    /// Reflected rays a hit on a rough mirror.
-    #[serde(deserialize_with = "samples")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
-    pub glossy: Option<u32>,
-    /// Eye rays per pixel for the time that the shutter is open.
-    #[serde(deserialize_with = "samples")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
-    pub temporal: Option<u32>,
-    /// Eye rays per pixel for the area of the lens.
-    #[serde(deserialize_with = "samples")]
-    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 65_536)))]
-    pub focal: Option<u32>,
-}
-
 impl SceneFile {
     /// Parses and checks a scene file. `path` appears in errors; its stem must be the name.
     ///
@@ -287,14 +260,11 @@ impl SceneFile {
         if let Some(background) = self.background {
             scene.background = background;
         }
-        let Effects { supersamples, shadow, glossy, temporal, focal } = self.effects;
-        scene.samples = SampleWishes { supersamples, shadow, glossy, temporal, focal };
+        scene.samples = self.effects;
         scene.name.clone_from(&self.name);
         Ok(())
     }
-}
 
-impl SceneFile {
     /// Gives the primitives of each material of [`SceneFile::motion`] its velocity; the last
     /// counts.
     fn move_primitives(&self, scene: &mut Scene) {
