@@ -12,10 +12,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{FilePlace, LoadError};
+use crate::mesh::is_usable;
 use crate::scene::{Light, Rgb, Scene, Warning};
-
-/// Coordinates above this cannot be worked with: their cubes must stay finite.
-const MAX_COORDINATE: f64 = 1e100;
 
 /// What replaces the view and the lights of a scene; what is not said stays the scene's own.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -220,7 +218,7 @@ fn numbers(text: &str) -> Result<[f64; 3], String> {
 
 fn number(text: &str) -> Result<f64, String> {
     let value: Option<f64> = text.trim().parse().ok();
-    let value = value.filter(|value| value.abs() <= MAX_COORDINATE);
+    let value = value.filter(|&value| is_usable(value));
     value.ok_or_else(|| format!("found `{text}`, expected a number of at most 1e100 in size"))
 }
 

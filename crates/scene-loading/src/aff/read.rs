@@ -11,8 +11,8 @@ use crate::input::text::text_of;
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::nff::tokens::{Word, Words};
-use crate::nff::{cone, surface, view};
-use crate::scene::{Light, Material, Scene};
+use crate::nff::{light, surface, view};
+use crate::scene::{Material, Scene, Warning};
 use glam::DAffine3;
 
 /// How deep files may include others, and how many inclusions there may be.
@@ -130,10 +130,10 @@ impl Reader<'_> {
                 self.world.rest.camera = view(words, word)?;
                 self.world.has_view = true;
             }
-            "l" => self.light(words, place)?,
+            "l" => self.add_light(words, place)?,
             "la" => {
                 let name = name(words)?;
-                self.light(words, place)?;
+                self.add_light(words, place)?;
                 self.named_lights.push(name);
             }
             "b" => self.world.rest.background = words.vector("background colour")?.to_array(),
@@ -274,7 +274,7 @@ impl Reader<'_> {
         let moved = self.named_lights.iter().filter(keyed).count();
         if moved > 0 {
             let text = format!("{}: {moved} lights with keyframes stay in place", path.display());
-            scene.warnings.push(crate::scene::Warning(text));
+            scene.warnings.push(Warning(text));
         }
         // a run that a file makes whenever it is included is the same object
         let mut objects = BTreeMap::new();
@@ -287,12 +287,21 @@ impl Reader<'_> {
         Ok(self.world)
     }
 
-    /// Reads the arguments of a `c` statement.
-    pub fn cone(&mut self, words: &mut Words<'_>, start: Word<'_>) -> Result<(), LoadError> {
-        let cone = cone(words, start)?;
-        let material = self.current_material();
-        self.world.rest.push_cone(material, cone);
-        Ok(())
+    fn add_light(&mut self, words: &mut Words<'_>, place: FilePlace) -> Result<(), LoadError> {
+        self.world.lights.push((self.branch, light(words)?));
+        limits::check(self.world.lights.len(), MAX_LIGHTS, "the number of lights", || place)
+    }
+
+    fn material(&mut self, material: Material, place: FilePlace) -> Result<(), LoadError> {
+        self.material = Some(self.world.rest.push_material(material));
+        let count = self.world.rest.materials.len();
+        limits::check(count, MAX_MATERIALS, "the number of materials", || place)
+    }
+
+    /// The current material, or a grey one where a primitive comes before the first.
+    pub fn current_material(&mut self) -> u32 {
+        let scene = &mut self.world.rest;
+        *self.material.get_or_insert_with(|| scene.push_material(Material::default()))
     }
 }
 
@@ -319,29 +328,4 @@ pub(super) fn extended(words: &mut Words<'_>) -> Result<Material, LoadError> {
         refraction_index: words.number("index of refraction")?,
         ..Material::default()
     })
-}
-
-impl Reader<'_> {
-    pub fn light(&mut self, words: &mut Words<'_>, place: FilePlace) -> Result<(), LoadError> {
-        let position = words.vector("light position")?;
-        let color = if words.peek().is_some_and(|word| word.looks_numeric()) {
-            Some(words.vector("light colour")?.to_array())
-        } else {
-            None
-        };
-        self.world.lights.push((self.branch, Light::Point { position, color }));
-        limits::check(self.world.lights.len(), MAX_LIGHTS, "the number of lights", || place)
-    }
-
-    pub fn material(&mut self, material: Material, place: FilePlace) -> Result<(), LoadError> {
-        self.material = Some(self.world.rest.push_material(material));
-        let count = self.world.rest.materials.len();
-        limits::check(count, MAX_MATERIALS, "the number of materials", || place)
-    }
-
-    /// The current material, or a grey one where a primitive comes before the first.
-    pub fn current_material(&mut self) -> u32 {
-        let scene = &mut self.world.rest;
-        *self.material.get_or_insert_with(|| scene.push_material(Material::default()))
-    }
 }

@@ -7,6 +7,7 @@ use crate::aff::read::{Reader, name};
 use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::Mesh;
+use crate::nff::cone;
 use crate::nff::tokens::{Word, Words};
 use crate::polygon::area_vector;
 use crate::scene::{Primitive, Shape};
@@ -32,7 +33,12 @@ impl Reader<'_> {
                 self.world.rest.push_sphere(material, center, radius);
                 Ok(())
             }
-            "c" => self.cone(words, word),
+            "c" => {
+                let cone = cone(words, word)?;
+                let material = self.current_material();
+                self.world.rest.push_cone(material, cone);
+                Ok(())
+            }
             "m" => self.mesh(words),
             "tpa" => self.animated(words),
             "p" | "pp" => {

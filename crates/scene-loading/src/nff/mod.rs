@@ -25,7 +25,7 @@ use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
 use crate::mesh::{FaceCounts, push_outline, usable};
 use crate::nff::tokens::{Word, Words};
 use crate::polygon::ear_clipping::MAX_CORNERS;
-use crate::scene::{Camera, Cone, Light, Material, Rgb, Scene, Warning};
+use crate::scene::{Camera, Cone, Light, Material, Scene, Warning};
 
 const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
 
@@ -63,10 +63,17 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
                 reader.scene.camera = view(&mut reader.words, word)?;
                 has_view = true;
             }
-            "l" => reader.light()?,
-            "f" => reader.surface()?,
+            "l" => reader.scene.lights.push(light(&mut reader.words)?),
+            "f" => {
+                let material = surface(&mut reader.words)?;
+                reader.material = Some(reader.scene.push_material(material));
+            }
             "s" => reader.sphere(word)?,
-            "c" => reader.cone(word)?,
+            "c" => {
+                let cone = cone(&mut reader.words, word)?;
+                let material = reader.material();
+                reader.scene.push_cone(material, cone);
+            }
             "p" => reader.polygon(word)?,
             "pp" => reader.patch(word)?,
             _ => {
@@ -129,21 +136,6 @@ impl Reader<'_> {
         *self.material.get_or_insert_with(|| self.scene.push_material(Material::default()))
     }
 
-    fn light(&mut self) -> Result<(), LoadError> {
-        let position = self.words.vector("light position")?;
-        let coloured = self.words.peek().is_some_and(|word| word.looks_numeric());
-        let color =
-            if coloured { Some(self.words.vector("light colour")?.to_array()) } else { None };
-        self.scene.lights.push(Light::Point { position, color });
-        Ok(())
-    }
-
-    fn surface(&mut self) -> Result<(), LoadError> {
-        let material = surface(&mut self.words)?;
-        self.material = Some(self.scene.push_material(material));
-        Ok(())
-    }
-
     fn sphere(&mut self, start: Word<'_>) -> Result<(), LoadError> {
         let center = self.words.vector("sphere centre")?;
         let radius = self.words.number("sphere radius")?;
@@ -157,13 +149,6 @@ impl Reader<'_> {
         }
         let material = self.material();
         self.scene.push_sphere(material, center, radius);
-        Ok(())
-    }
-
-    fn cone(&mut self, start: Word<'_>) -> Result<(), LoadError> {
-        let cone = cone(&mut self.words, start)?;
-        let material = self.material();
-        self.scene.push_cone(material, cone);
         Ok(())
     }
 
@@ -285,19 +270,26 @@ pub(crate) fn view(words: &mut Words<'_>, start: Word<'_>) -> Result<Camera, Loa
     Ok(camera)
 }
 
+/// Reads the arguments of an `l` statement.
+pub(crate) fn light(words: &mut Words<'_>) -> Result<Light, LoadError> {
+    let position = words.vector("light position")?;
+    let color = match words.peek() {
+        Some(word) if word.looks_numeric() => Some(words.vector("light colour")?.to_array()),
+        _ => None,
+    };
+    Ok(Light::Point { position, color })
+}
+
 /// Reads the arguments of an `f` statement.
 pub(crate) fn surface(words: &mut Words<'_>) -> Result<Material, LoadError> {
-    let color: Rgb = words.vector("surface colour")?.to_array();
     Ok(Material {
-        name: String::new(),
-        color,
+        color: words.vector("surface colour")?.to_array(),
         diffuse: words.number("diffuse share Kd")?,
         specular: words.number("specular share Ks")?,
         shine: words.number("shine")?,
         transmittance: words.number("transmittance T")?,
         refraction_index: words.number("index of refraction")?,
-        texture: None,
-        roughness: 0.0,
+        ..Material::default()
     })
 }
 

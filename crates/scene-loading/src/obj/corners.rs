@@ -141,28 +141,34 @@ impl ObjScan {
         }
         let (normals, odd) = (self.normals.len(), &mut self.odd);
         if self.needed.normals > normals {
-            let mut corners = self.normal_corners.iter_mut();
-            for face in &mut self.faces {
-                for index in corners.by_ref().take(face.corners as usize) {
-                    if *index != NONE && *index as usize >= normals {
-                        *index = NONE;
-                        face.smooth = false;
-                        odd.lost_normals.add(|| place(face.line as usize));
-                    }
-                }
-            }
+            lose(&mut self.faces, &mut self.normal_corners, normals, |face| {
+                face.smooth = false;
+                odd.lost_normals.add(|| place(face.line as usize));
+            });
         }
         if self.needed.texcoords > texcoords {
-            let mut corners = self.texcoord_corners.iter_mut();
-            for face in &self.faces {
-                for index in corners.by_ref().take(face.corners as usize) {
-                    if *index != NONE && *index as usize >= texcoords {
-                        *index = NONE;
-                        odd.lost_texcoords.add(|| place(face.line as usize));
-                    }
-                }
-            }
+            lose(&mut self.faces, &mut self.texcoord_corners, texcoords, |face| {
+                odd.lost_texcoords.add(|| place(face.line as usize));
+            });
         }
         Ok(())
+    }
+}
+
+/// Takes indices beyond a count away from their corners.
+fn lose(
+    faces: &mut [FaceLine],
+    corners: &mut [u32],
+    count: usize,
+    mut lost: impl FnMut(&mut FaceLine),
+) {
+    let mut corners = corners.iter_mut();
+    for face in faces {
+        for index in corners.by_ref().take(face.corners as usize) {
+            if *index != NONE && *index as usize >= count {
+                *index = NONE;
+                lost(face);
+            }
+        }
     }
 }

@@ -156,21 +156,19 @@ impl Loader<'_> {
         match token.text {
             "WorldBegin" => {
                 self.state.now = Attributes::default();
-                self.state.name_system("world", DMat4::IDENTITY, place)
+                self.state.name_system("world", DMat4::IDENTITY, place)?;
             }
-            "Camera" => self.camera(token, tokens),
-            "LightSource" => self.light(token, tokens),
+            "Camera" => self.camera(token, tokens)?,
+            "LightSource" => self.light(token, tokens)?,
             "AreaLightSource" => {
                 tokens.quoted("type")?;
                 Params::read(tokens, line)?;
                 self.state.now.shines = true;
-                Ok(())
             }
             "Material" => {
                 let kind = tokens.name("type")?;
                 let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
                 self.state.now.material = Some(self.material("", &kind, &params)?);
-                Ok(())
             }
             "MakeNamedMaterial" => {
                 let name = tokens.name("name")?;
@@ -178,7 +176,6 @@ impl Loader<'_> {
                 let kind = params.string("type").unwrap_or_default().to_owned();
                 let id = self.material(&name, &kind, &params)?;
                 self.materials.insert(name, id);
-                Ok(())
             }
             "NamedMaterial" => {
                 let name = tokens.name("name")?;
@@ -186,7 +183,6 @@ impl Loader<'_> {
                     return Err(LoadError::syntax(place(), &name, "a named material before it"));
                 };
                 self.state.now.material = Some(id);
-                Ok(())
             }
             "ObjectBegin" => {
                 let name = tokens.name("name")?;
@@ -197,7 +193,6 @@ impl Loader<'_> {
                 limits::check(count, MAX_OBJECTS, "the number of objects", place)?;
                 self.state.save(place)?;
                 self.object = Some((name, Scene::default()));
-                Ok(())
             }
             "ObjectEnd" => {
                 let Some((name, mut object)) = self.object.take() else {
@@ -206,22 +201,26 @@ impl Loader<'_> {
                 self.scene.warnings.append(&mut object.warnings);
                 let number = self.objects.len() as u32;
                 self.objects.insert(name, (number, object));
-                self.state.restore(token.text, place)
+                self.state.restore(token.text, place)?;
             }
-            "ObjectInstance" => self.instance(token, tokens),
-            "Shape" => self.shape(token, tokens),
-            "Include" | "Import" => self.include(token, tokens, depth),
-            "Attribute" => self.attribute(token, tokens),
+            "ObjectInstance" => self.instance(token, tokens)?,
+            "Shape" => self.shape(token, tokens)?,
+            "Include" | "Import" => self.include(token, tokens, depth)?,
+            "Attribute" => self.attribute(token, tokens)?,
             "WorldEnd" | "SurfaceIntegrator" | "VolumeIntegrator" | "Renderer" | "Volume" => {
                 let what = "statements from before PBRT version 4; read as far as both agree";
                 self.leave_out(what.into(), place);
-                tokens.pass_over()
+                tokens.pass_over()?;
             }
             "Accelerator" | "ColorSpace" | "Film" | "Integrator" | "MakeNamedMedium"
             | "MediumInterface" | "Option" | "PixelFilter" | "ReverseOrientation" | "Sampler"
-            | "Texture" | "TransformTimes" => tokens.pass_over(),
-            other => Err(LoadError::syntax(place(), other, "a directive of PBRT, version 4")),
+            | "Texture" | "TransformTimes" => tokens.pass_over()?,
+            other => {
+                let expected = "a directive of PBRT, version 4";
+                return Err(LoadError::syntax(place(), other, expected));
+            }
         }
+        Ok(())
     }
 
     /// `Attribute "shape" ...`: parameters for statements of a kind that follow.
@@ -255,9 +254,8 @@ impl Loader<'_> {
         let to_world = from_world.inverse();
         self.camera = Some(looks::camera(&params, from_world)?);
         if kind != "perspective" {
-            self.leave_out(format!("cameras {} taken as perspective", shortened(&kind)), || {
-                params.place()
-            });
+            let what = format!("cameras {} taken as perspective", shortened(&kind));
+            self.leave_out(what, || params.place());
         }
         self.state.name_system("camera", to_world, || params.place())
     }
@@ -265,13 +263,11 @@ impl Loader<'_> {
     fn light(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
         let kind = tokens.name("type")?;
         let params = Params::read(tokens, token.line)?.inheriting(self.inherited(LIGHT));
-        let count = self.lights.len() + 1;
-        limits::check(count, MAX_LIGHTS, "the number of lights", || params.place())?;
+        let place = || params.place();
+        limits::check(self.lights.len() + 1, MAX_LIGHTS, "the number of lights", place)?;
         match looks::light(&kind, &params, self.state.now.transform)? {
             Some(light) => self.lights.push(light),
-            None => {
-                self.leave_out(format!("lights {} left out", shortened(&kind)), || params.place());
-            }
+            None => self.leave_out(format!("lights {} left out", shortened(&kind)), place),
         }
         Ok(())
     }
@@ -288,31 +284,24 @@ impl Loader<'_> {
     /// Counts what is not as the file says.
     fn leave_out(&mut self, what: String, place: impl FnOnce() -> FilePlace) {
         let is_new = !self.left_out.contains_key(&what);
-        let what = if is_new && self.left_out.len() >= MAX_WARNINGS {
-            "more of other kinds".into()
-        } else {
-            what
-        };
+        let is_full = is_new && self.left_out.len() >= MAX_WARNINGS;
+        let what = if is_full { "more of other kinds".into() } else { what };
         self.left_out.entry(what).or_default().add(place);
-    }
-
-    fn current_material(&mut self) -> u32 {
-        match self.state.now.material {
-            Some(id) => id,
-            None => {
-                let scene = &mut self.scene;
-                *self.plain.get_or_insert_with(|| scene.push_material(Material::default()))
-            }
-        }
     }
 
     fn shape(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
         let kind = tokens.name("type")?;
         let params = Params::read(tokens, token.line)?.inheriting(self.inherited(SHAPE));
         let place = || params.place();
-        let material = self.current_material();
-        let ply = match kind.as_str() {
-            "plymesh" => Some(self.ply_of(&params)?),
+        let material = self.state.now.material.unwrap_or_else(|| {
+            let scene = &mut self.scene;
+            *self.plain.get_or_insert_with(|| scene.push_material(Material::default()))
+        });
+        let ply = match (kind.as_str(), params.string("filename")) {
+            ("plymesh", Some(name)) => Some(self.read(name, place)?),
+            ("plymesh", None) => {
+                return Err(LoadError::syntax(place(), "plymesh", "a \"string filename\""));
+            }
             _ => None,
         };
         let mut adding = ShapeSink {
@@ -349,16 +338,6 @@ impl Loader<'_> {
         Ok(())
     }
 
-    /// The PLY file of a shape, and where it lies.
-    fn ply_of(&mut self, params: &Params) -> Result<(PathBuf, Vec<u8>), LoadError> {
-        let Some(name) = params.string("filename") else {
-            return Err(LoadError::syntax(params.place(), "plymesh", "a \"string filename\""));
-        };
-        let path = self.named_file(name, || params.place())?;
-        let bytes = self.read(&path, || params.place())?;
-        Ok((path, bytes))
-    }
-
     fn instance(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
         let name = tokens.name("name")?;
         let place = || tokens.place(token.line);
@@ -390,8 +369,8 @@ impl Loader<'_> {
         let name = tokens.name("filename")?;
         let place = || tokens.place(token.line);
         limits::check(depth + 1, MAX_INCLUDES, "the depth of Include", place)?;
-        let path = self.named_file(&name, place)?;
-        let text = text_of(&path, self.read(&path, place)?)?;
+        let (path, bytes) = self.read(&name, place)?;
+        let text = text_of(&path, bytes)?;
         let before = self.state.now.clone();
         self.file(&path, &text, depth + 1)?;
         if token.text == "Import" {
@@ -400,26 +379,20 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn named_file(
-        &self,
-        name: &str,
-        place: impl FnOnce() -> FilePlace,
-    ) -> Result<PathBuf, LoadError> {
-        confined(self.folder, name)
-            .ok_or_else(|| LoadError::OutsideFolder { place: place(), uri: shortened(name) })
-    }
-
-    /// A file's bytes, unpacked; all files together stay within the limit of one.
+    /// The path and the bytes, unpacked, of a file that is named; all files together stay within the
+    /// limit of one.
     fn read(
         &mut self,
-        path: &Path,
-        place: impl FnOnce() -> FilePlace,
-    ) -> Result<Vec<u8>, LoadError> {
+        name: &str,
+        place: impl Fn() -> FilePlace,
+    ) -> Result<(PathBuf, Vec<u8>), LoadError> {
+        let path = confined(self.folder, name)
+            .ok_or_else(|| LoadError::OutsideFolder { place: place(), uri: shortened(name) })?;
         self.files += 1;
         limits::check(self.files, MAX_FILES, "the number of files", place)?;
-        let bytes = decompress(path, read_at_most(path, self.budget)?)?;
+        let bytes = decompress(&path, read_at_most(&path, self.budget)?)?;
         let left = self.budget.checked_sub(bytes.len() as u64);
-        self.budget = left.ok_or_else(|| LoadError::too_large(path, MAX_BYTES))?;
-        Ok(bytes)
+        self.budget = left.ok_or_else(|| LoadError::too_large(&path, MAX_BYTES))?;
+        Ok((path, bytes))
     }
 }

@@ -22,12 +22,8 @@ pub(super) fn check_size(
     place: impl FnOnce() -> FilePlace,
 ) -> Result<(), LoadError> {
     let most = scene.vertices.len().max(scene.normals.len()).max(scene.primitives.len());
-    limits::check(
-        most.saturating_add(more),
-        MAX_ELEMENTS,
-        "the number of vertices or triangles",
-        place,
-    )
+    let size = most.saturating_add(more);
+    limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)
 }
 
 /// Context for adding shapes.
@@ -78,25 +74,17 @@ impl ShapeSink<'_> {
             for (slot, &index) in picked.iter_mut().zip(face) {
                 *slot = valid_index(index, positions.len(), place)?;
             }
-            match (corners, picked) {
-                // a patch's corners are (0,0), (1,0), (0,1), (1,1)
-                (4, [a, b, c, d]) => self.face(mesh, &[a, b, d, c], place)?,
-                (_, [a, b, c, _]) => self.face(mesh, &[a, b, c], place)?,
+            // a patch's corners are (0,0), (1,0), (0,1), (1,1)
+            if corners == 4 {
+                picked.swap(2, 3);
             }
+            let corners = picked.get(..corners).unwrap_or_default();
+            mesh.add(corners, self.scene, self.counts, place)?;
         }
         if bad_positions + bad_normals > 0 {
             mesh.replace_unusable(self.scene);
         }
         Ok(())
-    }
-
-    fn face(
-        &mut self,
-        mesh: Mesh,
-        corners: &[u32],
-        place: impl Fn() -> FilePlace,
-    ) -> Result<(), LoadError> {
-        mesh.add(corners, self.scene, self.counts, place)
     }
 
     /// `sphere`, whole, where the transform keeps it one.
