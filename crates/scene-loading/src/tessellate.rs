@@ -68,47 +68,49 @@ pub fn tessellate(
         return Err(TessellationError::ZeroResolution);
     }
     let [triangles, vertices] = check_size(scene, n)?;
-    let mut out = Output {
-        scene: Scene {
-            spheres: Vec::new(),
-            cones: Vec::new(),
-            primitives: Vec::new(),
-            velocities: Vec::new(),
-            texcoords: Vec::new(),
-            ..scene.clone()
-        },
+    let mut out = Scene {
+        spheres: Vec::new(),
+        cones: Vec::new(),
+        primitives: Vec::new(),
+        velocities: Vec::new(),
+        texcoords: Vec::new(),
+        ..scene.clone()
     };
     // without room made at once, a list that grows has up to twice what it needs
-    out.scene.primitives.reserve_exact(triangles as usize);
-    out.scene.vertices.reserve_exact((vertices as usize).saturating_sub(scene.vertices.len()));
+    out.primitives.reserve_exact(triangles as usize);
+    out.vertices.reserve_exact((vertices as usize).saturating_sub(scene.vertices.len()));
     let ball = if scene.spheres.is_empty() { Mesh::default() } else { Mesh::unit_sphere(n) };
     for (id, &primitive) in scene.primitives.iter().enumerate() {
         let material = primitive.material;
-        let before = out.scene.primitives.len();
+        let before = out.primitives.len();
         match primitive.shape {
-            Shape::Sphere(i) => out.push_sphere(material, &ball, scene.spheres[i as usize]),
-            Shape::Cone(i) => out.push_cone(material, n, scene.cones[i as usize]),
+            Shape::Sphere(i) => push_sphere(&mut out, material, &ball, scene.spheres[i as usize]),
+            Shape::Cone(i) => push_cone(&mut out, material, n, scene.cones[i as usize]),
             Shape::Polygon { first, count } => {
-                out.push_polygon(material, first, count)
+                let outline = &scene.vertices[first as usize..][..count as usize];
+                let pieces = triangulate(outline)
                     .map_err(|source| TessellationError::Entangled { primitive: id, source })?;
+                for piece in pieces {
+                    push(&mut out, material, piece.map(|i| first + i));
+                }
             }
-            Shape::Triangle { .. } | Shape::Patch { .. } => out.scene.primitives.push(primitive),
+            Shape::Triangle { .. } | Shape::Patch { .. } => out.primitives.push(primitive),
         }
-        if out.scene.primitives.len() == before {
+        if out.primitives.len() == before {
             let text = format!("primitive {id} has no area and was left out");
-            out.scene.warnings.push(Warning(text));
+            out.warnings.push(Warning(text));
         }
         if let Some(corners) = scene.texcoords_of(id as u32) {
             // only triangles have them, and those stay as they are
-            out.scene.last_is_textured(corners);
+            out.last_is_textured(corners);
         }
         let velocity = scene.velocity(id as u32);
         if velocity != DVec3::ZERO {
-            out.scene.velocities.resize(before, DVec3::ZERO);
-            out.scene.velocities.resize(out.scene.primitives.len(), velocity);
+            out.velocities.resize(before, DVec3::ZERO);
+            out.velocities.resize(out.primitives.len(), velocity);
         }
     }
-    Ok(out.scene)
+    Ok(out)
 }
 
 /// The most triangles and vertices that the result may have. Refuses what is too large, before
@@ -135,69 +137,54 @@ fn check_size(scene: &Scene, n: u32) -> Result<[u64; 2], TessellationError> {
     Ok([triangles, vertices])
 }
 
-/// The scene being built; holds no curved primitives.
-struct Output {
-    scene: Scene,
+/// Index of the next vertex; `check_size` has made sure that it fits.
+fn next_vertex(out: &Scene) -> u32 {
+    out.vertices.len() as u32
 }
 
-impl Output {
-    /// Index of the next vertex; `check_size` has made sure that it fits.
-    fn next_vertex(&self) -> u32 {
-        self.scene.vertices.len() as u32
-    }
+fn push(out: &mut Scene, material: u32, v: [u32; 3]) {
+    out.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
+}
 
-    fn push(&mut self, material: u32, v: [u32; 3]) {
-        self.scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
+fn push_sphere(out: &mut Scene, material: u32, unit: &Mesh, sphere: Sphere) {
+    if sphere.radius == 0.0 {
+        return;
     }
-
-    fn push_sphere(&mut self, material: u32, unit: &Mesh, sphere: Sphere) {
-        if sphere.radius == 0.0 {
-            return;
-        }
-        let first = self.next_vertex();
-        let positions = unit.vertices.iter().map(|&p| sphere.center + p * sphere.radius.abs());
-        self.scene.vertices.extend(positions);
-        for triangle in &unit.triangles {
-            self.push(material, triangle.map(|i| first + i));
-        }
+    let first = next_vertex(out);
+    let positions = unit.vertices.iter().map(|&p| sphere.center + p * sphere.radius.abs());
+    out.vertices.extend(positions);
+    for triangle in &unit.triangles {
+        push(out, material, triangle.map(|i| first + i));
     }
+}
 
-    fn push_cone(&mut self, material: u32, n: u32, cone: Cone) {
-        let Some(axis) = (cone.apex - cone.base).try_normalize() else { return };
-        let (x, y) = axis.any_orthonormal_pair();
-        let inward = cone.base_radius < 0.0 || cone.apex_radius < 0.0;
-        let segments = 4 * n;
-        let mut rim = |center: DVec3, radius: f64| {
-            let first = self.next_vertex();
-            let count = if radius == 0.0 { 1 } else { segments };
-            self.scene.vertices.extend((0..count).map(|i| {
-                let (sin, cos) = (TAU * f64::from(i) / f64::from(segments)).sin_cos();
-                center + (x * cos + y * sin) * radius.abs()
-            }));
-            move |i: u32| first + i % count
-        };
-        let base = rim(cone.base, cone.base_radius);
-        let apex = rim(cone.apex, cone.apex_radius);
-        for i in 0..segments {
-            let (low, low_next) = (base(i), base(i + 1));
-            let (high, high_next) = (apex(i), apex(i + 1));
-            for (degenerate, [a, b, c]) in [
-                (low == low_next, [low, low_next, high_next]),
-                (high == high_next, [low, high_next, high]),
-            ] {
-                if !degenerate {
-                    self.push(material, if inward { [a, c, b] } else { [a, b, c] });
-                }
+fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
+    let Some(axis) = (cone.apex - cone.base).try_normalize() else { return };
+    let (x, y) = axis.any_orthonormal_pair();
+    let inward = cone.base_radius < 0.0 || cone.apex_radius < 0.0;
+    let segments = 4 * n;
+    let mut rim = |center: DVec3, radius: f64| {
+        let first = next_vertex(out);
+        let count = if radius == 0.0 { 1 } else { segments };
+        out.vertices.extend((0..count).map(|i| {
+            let (sin, cos) = (TAU * f64::from(i) / f64::from(segments)).sin_cos();
+            center + (x * cos + y * sin) * radius.abs()
+        }));
+        move |i: u32| first + i % count
+    };
+    let base = rim(cone.base, cone.base_radius);
+    let apex = rim(cone.apex, cone.apex_radius);
+    for i in 0..segments {
+        let (low, low_next) = (base(i), base(i + 1));
+        let (high, high_next) = (apex(i), apex(i + 1));
+        for (degenerate, [a, b, c]) in [
+            (low == low_next, [low, low_next, high_next]),
+            (high == high_next, [low, high_next, high]),
+        ] {
+            if !degenerate {
+                push(out, material, if inward { [a, c, b] } else { [a, b, c] });
             }
         }
-    }
-
-    fn push_polygon(&mut self, material: u32, first: u32, count: u32) -> Result<(), SelfCrossing> {
-        let outline = &self.scene.vertices[first as usize..][..count as usize];
-        for triangle in triangulate(outline)? {
-            self.push(material, triangle.map(|i| first + i));
-        }
-        Ok(())
     }
 }
 
