@@ -6,12 +6,12 @@ use scene_loading::{Rgb, Scene};
 use super::stages::{ShadowRay, SurfaceHit};
 use crate::shading::surface::reflect;
 
-/// The lights of a scene with their colours.
-pub fn lights(scene: &Scene) -> Vec<(DVec3, Rgb)> {
+/// The lights of a scene: centre, colour and radius.
+pub fn lights(scene: &Scene) -> Vec<(DVec3, Rgb, f64)> {
     // SPD's documentation asks for this where a file gives no colours
     let default = [1.0 / (scene.lights.len().max(1) as f64).sqrt(); 3];
-    let light = |light: &scene_loading::Light| (light.position(), light.color().unwrap_or(default));
-    scene.lights.iter().map(light).collect()
+    let lights = scene.lights.iter();
+    lights.map(|l| (l.position(), l.color().unwrap_or(default), l.radius())).collect()
 }
 
 /// The side of the surface that lights are seen from.

@@ -17,15 +17,7 @@ use crate::camera::EyeRays;
 use crate::rays::RayKind;
 
 /// One ray per pixel, no random numbers.
-pub struct Pinhole {
-    eye: EyeRays,
-}
-
-impl Pinhole {
-    pub fn new(eye: EyeRays) -> Self {
-        Self { eye }
-    }
-}
+pub struct Pinhole(pub EyeRays);
 
 impl EyeStage for Pinhole {
     fn rays_per_pixel(&self) -> u32 {
@@ -35,8 +27,8 @@ impl EyeStage for Pinhole {
     fn rays(&self, y: u32, columns: Range<u32>, out: &mut Vec<EyeRay>, counts: &mut RayCounts) {
         counts.add_kind(RayKind::Primary, columns.len());
         out.extend(columns.map(|column| EyeRay {
-            from: self.eye.origin(),
-            direction: self.eye.direction(column, y),
+            from: self.0.origin(),
+            direction: self.0.direction(column, y),
             origin: Origin { column, sample: 0, fanned: false, time: 0.0 },
             share: 1.0,
         }));
@@ -68,7 +60,7 @@ pub fn sampled(eye: EyeRays, sampling: Sampling, flags: [bool; 3]) -> Box<dyn Ey
         };
     }
     match flags {
-        [false, false, false] => Box::new(Pinhole::new(eye)),
+        [false, false, false] => Box::new(Pinhole(eye)),
         [false, false, true] => stage!(false, false, true),
         [false, true, false] => stage!(false, true, false),
         [false, true, true] => stage!(false, true, true),

@@ -25,7 +25,7 @@ fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
 
 /// Asks every light on the lit side.
 pub struct PointLights {
-    lights: Vec<(DVec3, Rgb)>,
+    lights: Vec<(DVec3, Rgb, f64)>,
     both_sides: bool,
 }
 
@@ -51,7 +51,7 @@ impl LightStage for PointLights {
         let before = out.len();
         for (hit, index) in hits.iter().zip(0..) {
             let normal = lit_normal(hit, self.both_sides);
-            for &(light, color) in &self.lights {
+            for &(light, color, _) in &self.lights {
                 out.extend(shadow_ray(hit, index, normal, light, color, 1.0));
             }
         }
@@ -62,7 +62,7 @@ impl LightStage for PointLights {
 /// Asks the first light from every primary hit, lit side or not; see
 /// [`ShadowRays::FirstLight`](crate::rays::ShadowRays::FirstLight). None in a scene without lights.
 pub fn first_light(scene: &Scene, both_sides: bool) -> Option<Box<dyn LightStage>> {
-    let &(light, color) = lights(scene).first()?;
+    let &(light, color, _) = lights(scene).first()?;
     Some(Box::new(FirstLight { light, color, both_sides }))
 }
 

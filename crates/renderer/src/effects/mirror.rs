@@ -30,16 +30,7 @@ fn called_by(scene: &Scene, settings: &RenderSettings) -> Option<String> {
 
 /// Sends rays on. What a scene has nothing of is not compiled in: `GLASS` refracts, `ROUGH`
 /// spreads the rays of rough mirrors.
-pub struct Scatter<const GLASS: bool, const ROUGH: bool> {
-    lobe: Lobe,
-}
-
-impl<const GLASS: bool, const ROUGH: bool> Scatter<GLASS, ROUGH> {
-    /// With the samples of rough mirrors.
-    pub fn new(lobe: Lobe) -> Self {
-        Self { lobe }
-    }
-}
+pub struct Scatter<const GLASS: bool, const ROUGH: bool>(pub Lobe);
 
 impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH> {
     fn scatter(
@@ -58,7 +49,7 @@ impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH
                 ScatteredRay { hit: index, kind, direction, weight, origin: hit.origin }
             };
             if ROUGH && m.roughness > 0.0 && m.specular > 0.0 {
-                self.lobe.reflect(place, index, hit, out, counts);
+                self.0.reflect(place, index, hit, out, counts);
             } else if m.specular > 0.0 || (GLASS && m.transmittance > 0.0) {
                 out.push(ray(RayKind::Reflected, reflect(hit.incoming, normal), m.specular));
                 mirrored += 1;

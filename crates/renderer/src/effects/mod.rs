@@ -15,7 +15,6 @@ mod mirror;
 mod motion;
 pub mod plan;
 mod refraction;
-mod registry;
 mod sampler;
 mod settings;
 mod smooth_normals;
@@ -29,8 +28,7 @@ pub(crate) use direct_light::{lights, lit_normal, shadow_ray};
 pub use effect::{Effect, EffectInfo};
 pub(crate) use hard_shadows::first_light;
 pub(crate) use plan::plain_stages;
-pub use plan::{EffectPlan, Gating};
-pub use registry::EFFECTS;
+pub use plan::{EFFECTS, EffectPlan, Gating};
 pub use settings::{RenderSettings, Samples};
 pub(crate) use stages::{
     HitStage, Origin, ScatteredRay, ShadowRay, Stages, SurfaceHit, WavePosition,

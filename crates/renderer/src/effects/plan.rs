@@ -10,12 +10,29 @@ use super::gloss::Lobe;
 use super::hard_shadows::PointLights;
 use super::mirror::Scatter;
 use super::motion::MovedSurfaces;
-use super::registry::EFFECTS;
 use super::settings::{RenderSettings, Samples};
 use super::soft_shadows::DiscLights;
 use super::stages::{EyeStage, LightStage, ScatterStage, Stages};
 use super::textures::ImageColors;
+use super::{
+    focus, gloss, hard_shadows, mirror, motion, refraction, smooth_normals, soft_shadows,
+    supersampling, textures,
+};
 use crate::camera::EyeRays;
+
+/// Every effect: one line each.
+pub static EFFECTS: &[&EffectInfo] = &[
+    &hard_shadows::INFO,
+    &soft_shadows::INFO,
+    &mirror::INFO,
+    &gloss::INFO,
+    &refraction::INFO,
+    &smooth_normals::INFO,
+    &textures::INFO,
+    &focus::INFO,
+    &motion::INFO,
+    &supersampling::INFO,
+];
 
 pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 
@@ -193,10 +210,10 @@ impl EffectPlan {
         let all = self.gating == Gating::All;
         let (gloss, glass) = (all || gloss, all || glass);
         match (glass, gloss) {
-            (true, true) => Some(Box::new(Scatter::<true, true>::new(lobe))),
-            (true, false) => Some(Box::new(Scatter::<true, false>::new(lobe))),
-            (false, true) => Some(Box::new(Scatter::<false, true>::new(lobe))),
-            (false, false) if self.scatters => Some(Box::new(Scatter::<false, false>::new(lobe))),
+            (true, true) => Some(Box::new(Scatter::<true, true>(lobe))),
+            (true, false) => Some(Box::new(Scatter::<true, false>(lobe))),
+            (false, true) => Some(Box::new(Scatter::<false, true>(lobe))),
+            (false, false) if self.scatters => Some(Box::new(Scatter::<false, false>(lobe))),
             (false, false) => None,
         }
     }
@@ -207,11 +224,11 @@ impl EffectPlan {
 pub fn plain_stages<'a>(scene: &'a Scene, eye: EyeRays, both_sides: bool) -> Stages<'a> {
     let lobe = Lobe { samples: 1, seed: 0 };
     Stages {
-        eye: Box::new(Pinhole::new(eye)),
+        eye: Box::new(Pinhole(eye)),
         fan_out: 1,
         hits: Vec::new(),
         lights: (!scene.lights.is_empty())
             .then(|| Box::new(PointLights::new(scene, both_sides)) as _),
-        scatter: Some(Box::new(Scatter::<true, false>::new(lobe))),
+        scatter: Some(Box::new(Scatter::<true, false>(lobe))),
     }
 }

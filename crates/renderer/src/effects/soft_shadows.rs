@@ -36,9 +36,7 @@ pub struct DiscLights {
 impl DiscLights {
     /// All lights; `samples` shadow rays for each that has a radius.
     pub fn new(scene: &Scene, samples: u32, seed: u64) -> Self {
-        let radii = scene.lights.iter().map(|light| light.radius());
-        let lights = lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect();
-        Self { lights, samples, seed }
+        Self { lights: lights(scene), samples, seed }
     }
 }
 

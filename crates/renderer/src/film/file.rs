@@ -44,11 +44,12 @@ impl Image {
     /// # Errors
     /// [`ImageError`] naming the file.
     pub fn save(&self, path: &Path, format: ImageFormat) -> Result<(), ImageError> {
-        match format {
-            ImageFormat::Png => self.save_png(path),
-            ImageFormat::Exr => std::fs::write(path, exr::encode(self))
-                .map_err(|e| ImageError { path: path.to_owned(), source: e.into() }),
-        }
+        let error = |source| ImageError { path: path.to_owned(), source };
+        let bytes = match format {
+            ImageFormat::Png => self.png().map_err(error)?,
+            ImageFormat::Exr => exr::encode(self),
+        };
+        std::fs::write(path, bytes).map_err(|e| error(e.into()))
     }
 
     /// Writes an 8-bit PNG in the sRGB transfer function.
@@ -56,9 +57,7 @@ impl Image {
     /// # Errors
     /// [`ImageError`] naming the file.
     pub fn save_png(&self, path: &Path) -> Result<(), ImageError> {
-        let error = |source| ImageError { path: path.to_owned(), source };
-        let bytes = self.png().map_err(error)?;
-        std::fs::write(path, bytes).map_err(|e| error(e.into()))
+        self.save(path, ImageFormat::Png)
     }
 
     /// Pixels in sRGB, row by row.

@@ -20,6 +20,7 @@
 use accel_core::registry::Buildable;
 use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
+use scene_loading::Scene;
 
 use super::refined_hit::RefinedHit;
 use super::surface::SurfacePoint;
@@ -154,6 +155,14 @@ fn bound<S: Buildable>(ulps: f64, magnitude: f64) -> f64 {
 
 fn largest(p: DVec3) -> f64 {
     p.abs().max_element()
+}
+
+/// The largest coordinate of a scene and its eye, world units.
+pub(crate) fn magnitude(scene: &Scene) -> f64 {
+    let bounds = scene.bounds();
+    let scene_size =
+        if bounds.is_empty() { 1.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
+    scene_size.max(scene.camera.from.abs().max_element())
 }
 
 #[cfg(test)]

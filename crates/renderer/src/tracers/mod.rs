@@ -3,14 +3,12 @@
 
 pub mod beam;
 pub mod cone;
-mod drawing;
 mod info;
 mod recording;
 pub mod whitted;
 pub mod work;
 
-pub use drawing::{DrawnImage, Frame, Structures};
-pub use info::{Refusal, TracerInfo};
+pub use info::{DrawnImage, Frame, Refusal, Structures, TracerInfo};
 pub use recording::generate_rays;
 
 /// Every tracer: one line each.

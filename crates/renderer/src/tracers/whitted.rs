@@ -28,7 +28,7 @@ use crate::effects::{
 };
 use crate::film::Image;
 use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
-use crate::shading::ray_offset::{OffsetRule, RayOffset};
+use crate::shading::ray_offset::{OffsetRule, RayOffset, magnitude};
 use crate::shading::surface::Surfaces;
 
 pub static INFO: TracerInfo = TracerInfo {
@@ -60,7 +60,6 @@ pub struct Whitted<'a> {
 pub struct TracedRow<S: Buildable> {
     /// Its rays, if they are kept.
     pub rays: Option<RayBatches<S>>,
-    /// How many there were.
     pub counts: RayCounts,
     /// Its colours, left to right.
     pub colors: Vec<Rgb>,
@@ -106,20 +105,13 @@ impl<'a> Whitted<'a> {
         offset: OffsetRule,
         stages: Stages<'a>,
     ) -> Self {
-        let bounds = scene.bounds();
-        let magnitude = if bounds.is_empty() {
-            1.0
-        } else {
-            let eye = scene.camera.from.abs().max_element();
-            bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
-        };
         Self {
             surfaces: Surfaces::new(scene, false),
             stages,
             grid,
             background: scene.background,
             max_depth,
-            offset: RayOffset::new(offset, magnitude),
+            offset: RayOffset::new(offset, magnitude(scene)),
             diffuse: None,
         }
     }
@@ -240,13 +232,12 @@ impl<'a> Whitted<'a> {
     ) {
         let Some(lights) = &self.stages.lights else { return };
         let part = (BATCH / lights.rays_per_hit().max(1)).max(1);
-        let (mut shadows, mut rays, mut blocked) =
-            (Vec::<ShadowRay>::new(), Vec::new(), Vec::new());
+        let (mut shadows, mut rays, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
         for hits in hits.chunks(part) {
             shadows.clear();
             lights.shadow_rays(place, hits, &mut shadows, &mut row.counts);
             rays.clear();
-            rays.extend(shadows.iter().map(|shadow| {
+            rays.extend(shadows.iter().map(|shadow: &ShadowRay| {
                 let hit = &hits[shadow.hit as usize];
                 let mut ray: Ray<S> = self.offset.to(&hit.point, shadow.target);
                 ray.time = S::from_f64(hit.origin.time);
@@ -276,15 +267,14 @@ impl<'a> Whitted<'a> {
         let mut scattered = Vec::<ScatteredRay>::new();
         let internal = row.counts.total_internal_reflections;
         stage.scatter(place, hits, &mut scattered, &mut row.counts);
-        let mut kinds = [0; 2];
         let mut next = Vec::with_capacity(scattered.len());
         for s in &scattered {
             let ray = self.secondary_ray(&hits[s.hit as usize], s.direction);
             next.push(Path { ray, origin: s.origin, weight: s.weight });
-            kinds[usize::from(s.kind == RayKind::Refracted)] += 1;
         }
-        row.counts.add_kind(RayKind::Reflected, kinds[0]);
-        row.counts.add_kind(RayKind::Refracted, kinds[1]);
+        let refracted = scattered.iter().filter(|s| s.kind == RayKind::Refracted).count();
+        row.counts.add_kind(RayKind::Reflected, scattered.len() - refracted);
+        row.counts.add_kind(RayKind::Refracted, refracted);
         if let Some(kept) = &mut row.rays {
             for (s, path) in scattered.iter().zip(&next) {
                 kept.batch_mut(s.kind).push(path.ray);

@@ -28,7 +28,6 @@
 mod bend;
 mod convex;
 mod counts;
-mod coverage;
 mod faces;
 mod outline;
 mod pixels;
@@ -43,13 +42,12 @@ mod visibility;
 use accel_core::query::region::FrustumWork;
 use scene_loading::Scene;
 
-pub use coverage::coverage;
 pub use refusal::refusal;
 pub use settings::{INFO, Settings};
 pub use tile::CoveredArea;
+pub use tiling::coverage;
 
-use super::drawing::{DrawnImage, Frame, Structures};
-use super::info::Refusal;
+use super::info::{DrawnImage, Frame, Refusal, Structures};
 use crate::film::Image;
 use counts::Counts;
 use prepared::BeamScene;

@@ -8,9 +8,9 @@ use super::refusal::refusal;
 use super::settings::Settings;
 use crate::camera::{EyeRays, Sampling};
 use crate::effects::lights;
+use crate::shading::ray_offset::magnitude;
 use crate::shading::surface::Surfaces;
-use crate::tracers::drawing::{Frame, Structures};
-use crate::tracers::info::Refusal;
+use crate::tracers::info::{Frame, Refusal, Structures};
 
 /// A scene made ready for beams.
 pub struct BeamScene<'a> {
@@ -21,7 +21,7 @@ pub struct BeamScene<'a> {
     pub eye: EyeRays,
     pub faces: Faces,
     pub surfaces: Surfaces<'a>,
-    pub lights: Vec<(DVec3, Rgb)>,
+    pub lights: Vec<(DVec3, Rgb, f64)>,
     /// Largest coordinate, world units.
     pub magnitude: f64,
 }
@@ -38,13 +38,6 @@ impl<'a> BeamScene<'a> {
         over: Structures<'a>,
     ) -> Result<Self, Refusal> {
         refusal(scene)?;
-        let bounds = scene.bounds();
-        let eye = scene.camera.from.abs().max_element();
-        let magnitude = if bounds.is_empty() {
-            eye.max(1.0)
-        } else {
-            bounds.min.abs().max(bounds.max.abs()).max_element().max(eye)
-        };
         Ok(Self {
             scene,
             over,
@@ -54,7 +47,7 @@ impl<'a> BeamScene<'a> {
             faces: Faces::of(scene),
             surfaces: Surfaces::new(scene, false),
             lights: lights(scene),
-            magnitude,
+            magnitude: magnitude(scene),
         })
     }
 }

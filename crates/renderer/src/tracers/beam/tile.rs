@@ -198,7 +198,7 @@ impl<'a> Tile<'a> {
             origin: Origin { column: 0, sample: 0, fanned: false, time: 0.0 },
         };
         self.record(beam, piece, Some(id), 1.0, 0.0);
-        for &(light, color) in &on.lights {
+        for &(light, color, _) in &on.lights {
             let arriving = |p: DVec2| {
                 let hit = hit(p);
                 shadow_ray(&hit, 0, lit_normal(&hit, true), light, color, 1.0).map(|s| s.light)

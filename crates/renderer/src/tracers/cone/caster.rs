@@ -11,7 +11,7 @@ use super::widening::LEAST_COSINE;
 use crate::effects::{ImageColors, SurfaceHit, lights};
 use crate::shading::ray_offset::{OffsetRule, RayOffset};
 use crate::shading::surface::Surfaces;
-use crate::tracers::drawing::Structures;
+use crate::tracers::info::Structures;
 
 /// A surface that is seen in less than this share of a cone is not shaded.
 pub(super) const UNSEEN: f64 = 1e-6;
@@ -49,14 +49,13 @@ pub(super) struct Path {
 impl<'a> Caster<'a> {
     pub fn new(scene: &'a Scene, settings: Settings, max_depth: u32, over: Structures<'a>) -> Self {
         let bounds = scene.bounds();
-        let radii = scene.lights.iter().map(|light| light.radius());
         Self {
             scene,
             surfaces: Surfaces::new(scene, false),
             forms: Forms::new(scene),
             // this rule asks for no magnitude
             offset: RayOffset::new(OffsetRule::default(), 0.0),
-            lights: lights(scene).into_iter().zip(radii).map(|((p, c), r)| (p, c, r)).collect(),
+            lights: lights(scene),
             textures: ImageColors::new(scene),
             bounds: [bounds.min, bounds.max],
             max_depth,

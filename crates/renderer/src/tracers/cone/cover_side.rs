@@ -127,20 +127,6 @@ impl Side {
 mod tests {
     use super::*;
 
-    /// The share of the rays of a cone that meet the side.
-    fn counted(side: &Side, cone: &Cone) -> f64 {
-        let n = 200;
-        let places = (0..n * n).map(|i| {
-            (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) * (2.0 / f64::from(n)) - 1.0
-        });
-        let (mut all, mut hit) = (0, 0);
-        for place in places.filter(|p| p.length_squared() < 1.0) {
-            all += 1;
-            hit += u32::from(side.depth(cone, place).is_some());
-        }
-        f64::from(hit) / f64::from(all)
-    }
-
     #[test]
     fn cone_coverage_equals_the_share_of_rays() {
         let side = |base: [f64; 3], apex: [f64; 3], r0: f64, r1: f64| {
@@ -167,7 +153,7 @@ mod tests {
                     let [r0, r1] = side.radii;
                     side.body = Body::new(side.base, r0 * sign, side.apex, r1 * sign);
                     let share = side.cover(&cone, None, None).map_or(0.0, |c| c.overlap.share);
-                    let expected = counted(&side, &cone);
+                    let expected = cone.share_of_rays(|place| side.depth(&cone, place).is_some());
                     assert!(
                         (share - expected).abs() < 0.015,
                         "{share} {expected} {:?} {:?} {sign} {cone:?}",

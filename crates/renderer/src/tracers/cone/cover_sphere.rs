@@ -145,20 +145,6 @@ mod tests {
     use super::*;
     use glam::DVec3;
 
-    /// The share of the rays of a cone that meet the sphere.
-    fn counted(ball: &Ball, cone: &Cone) -> f64 {
-        let n = 200;
-        let places = (0..n * n).map(|i| {
-            (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) * (2.0 / f64::from(n)) - 1.0
-        });
-        let (mut all, mut hit) = (0, 0);
-        for place in places.filter(|p| p.length_squared() < 1.0) {
-            all += 1;
-            hit += u32::from(ball.depth(cone, place, None).is_some());
-        }
-        f64::from(hit) / f64::from(all)
-    }
-
     #[test]
     fn sphere_coverage_equals_the_share_of_rays() {
         let ball = |x: f64, y: f64, z: f64, radius: f64| Ball {
@@ -182,7 +168,7 @@ mod tests {
         ];
         for (cone, ball) in cases {
             let share = ball.cover(&cone, None, None).map_or(0.0, |c| c.overlap.share);
-            let expected = counted(&ball, &cone);
+            let expected = cone.share_of_rays(|place| ball.depth(&cone, place, None).is_some());
             assert!(expected > 0.02 && expected < 0.99, "{expected}");
             assert!(
                 (share - expected).abs() < 0.01,

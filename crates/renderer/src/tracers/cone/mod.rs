@@ -38,7 +38,6 @@ mod disc_overlap;
 pub mod forms;
 mod fragments;
 mod outline;
-mod refusal;
 mod settings;
 mod shadows;
 mod tracing;
@@ -49,11 +48,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};
 
-pub use refusal::refusal;
-pub use settings::{INFO, Settings};
+pub use settings::{INFO, Settings, refusal};
 
-use super::drawing::{DrawnImage, Frame, Structures};
-use super::info::Refusal;
+use super::info::{DrawnImage, Frame, Refusal, Structures};
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
 use caster::Caster;

@@ -1,6 +1,10 @@
-//! Settings of cone tracing.
+//! Settings of cone tracing, and the scenes that it does not support: motion, lenses and rough
+//! mirrors.
 
-use crate::tracers::info::TracerInfo;
+use glam::DVec3;
+use scene_loading::Scene;
+
+use crate::tracers::info::{Refusal, TracerInfo};
 
 pub static INFO: TracerInfo = TracerInfo {
     name: "cone",
@@ -34,4 +38,22 @@ impl Default for Settings {
     fn default() -> Self {
         Self { subdivisions: 2, turn: 0.5, width: 1.0, widening: true, ray_below: 1.0 / 64.0 }
     }
+}
+
+/// Checks that cones can draw the scene.
+///
+/// # Errors
+/// [`Refusal`] for what moves while the shutter is open, a lens with an extent and rough mirrors.
+pub fn refusal(scene: &Scene) -> Result<(), Refusal> {
+    let moving = scene.velocities.iter().take(scene.primitives.len());
+    let moving = moving.filter(|v| **v != DVec3::ZERO && scene.camera.shutter > 0.0).count();
+    Refusal::of(&INFO, scene, moving, "primitives that move while the shutter is open")?;
+    let lenses = usize::from(scene.camera.aperture > 0.0);
+    Refusal::of(&INFO, scene, lenses, "lens with an extent")?;
+    let is_rough = |p: &&scene_loading::Primitive| {
+        let material = scene.materials.get(p.material as usize);
+        material.is_some_and(|m| m.specular > 0.0 && m.roughness > 0.0)
+    };
+    let rough = scene.primitives.iter().filter(is_rough).count();
+    Refusal::of(&INFO, scene, rough, "primitives with a rough mirror")
 }
