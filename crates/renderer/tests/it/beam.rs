@@ -2,9 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use accel_core::query::region::FrustumQueries;
-use accel_core::query::tracer::Tracer;
-use accel_core::structures::find;
 use accel_core::structures::frustum_queries;
 use accel_core::{Hit, Ray, Vector};
 use glam::{DVec2, DVec3, dvec3};
@@ -13,25 +10,13 @@ use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{Surfaces, reflect};
 use renderer::tracers::beam::{CoveredArea, Settings, coverage, draw};
 use renderer::tracers::{DrawnImage, Frame, Structures};
-use renderer::{EffectPlan, Geometry, RenderedImage, render_plan};
-use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
+use renderer::{EffectPlan, Image, render_plan};
+use scene_loading::{SampleWishes, Scene};
 
-use crate::common::{rmse, settings};
+use crate::common::{bits, over, rmse, settings};
 use crate::flat_scenes::*;
 
 type Coverage = Vec<Vec<CoveredArea>>;
-
-/// Asks `ask` with a kd-tree for rays and the structure of that name for frusta.
-fn over<R>(scene: &Scene, frusta: &str, ask: impl FnOnce(Structures<'_>) -> R) -> R {
-    let geometry = Geometry::<f64>::of(scene).unwrap();
-    let entry = find("kd-tree").unwrap();
-    let rays: Box<dyn Tracer<f64> + '_> =
-        entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    let entry = frustum_queries::find(frusta).unwrap();
-    let frusta: Box<dyn FrustumQueries> =
-        entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    ask(Structures { rays: rays.as_ref(), frusta: frusta.as_ref() })
-}
 
 fn frame(size: u32, max_depth: u32) -> Frame {
     Frame { resolution: [size; 2], max_depth }
@@ -137,6 +122,11 @@ fn fault(areas: &Coverage, samples: &[BTreeMap<(u32, Option<u32>), u32>]) -> Opt
     biased.map(|(key, [sum, variance])| format!("{key:?}: off by {sum}, variance {variance}"))
 }
 
+/// Covers part of a pixel, neither hardly any nor nearly all.
+fn is_part(covered: &CoveredArea) -> bool {
+    covered.area > 0.1 && covered.area < 0.9
+}
+
 #[test]
 fn eye_beams_cover_what_samples_cover() {
     for scene in [tetra(3), bare_mount(3), concave(), cycle(), intersecting()] {
@@ -150,13 +140,12 @@ fn eye_beams_cover_what_samples_cover() {
         }
         // planted faults: a polygon dropped; given to what lies behind; a tenth too small
         let areas = covered(&scene, frame, &Settings::default());
-        let split: Vec<usize> = (0..areas.len())
-            .filter(|&i| areas[i].iter().any(|c| c.area < 0.9 && c.area > 0.1))
-            .collect();
+        let split: Vec<usize> =
+            (0..areas.len()).filter(|&i| areas[i].iter().any(is_part)).collect();
         assert!(split.len() > 20, "{}", scene.name);
         for &pixel in split.iter().step_by(9) {
             let mut dropped = areas.clone();
-            let large = dropped[pixel].iter().position(|c| c.area > 0.1 && c.area < 0.9).unwrap();
+            let large = dropped[pixel].iter().position(is_part).unwrap();
             let taken = dropped[pixel].remove(large);
             assert!(fault(&dropped, &samples).is_some(), "{} {pixel}", scene.name);
             dropped[pixel].push(CoveredArea { id: Some(u32::MAX), ..taken });
@@ -225,29 +214,14 @@ fn mirrored_beams_cover_what_mirrored_samples_cover() {
         let through = sampled(&scene, frame, false);
         assert!(fault(&areas, &through).is_some(), "{}", scene.name);
         // planted fault: a beam that is not split at the edge of the mirror
-        let edge = areas.iter().position(|pixel| {
-            pixel.iter().any(|c| c.depth == 1 && c.id == Some(0) && c.area > 0.1 && c.area < 0.9)
-        });
+        let is_edge = |c: &CoveredArea| c.depth == 1 && c.id == Some(0) && is_part(c);
+        let edge = areas.iter().position(|pixel| pixel.iter().any(is_edge));
         let edge = edge.expect("the mirror's edge");
         let mut whole = areas.clone();
         let sum: f64 = whole[edge].iter().filter(|c| c.depth == 2).map(|c| c.area).sum();
         whole[edge].iter_mut().filter(|c| c.depth == 2).for_each(|c| c.area /= sum);
         assert!(fault(&whole, &samples).is_some(), "{}", scene.name);
     }
-}
-
-/// A floor, and a square between it and a light; the eye is under the square and looks down.
-fn square_shadow() -> Scene {
-    let mut scene = Scene::new("square shadow");
-    let m = matte(&mut scene, [1.0; 3]);
-    rectangle(&mut scene, m, dvec3(-9.0, -9.0, 0.0), DVec3::X * 18.0, DVec3::Y * 18.0);
-    rectangle(&mut scene, m, dvec3(-0.3, -0.2, 2.0), DVec3::X * 0.5, DVec3::Y * 0.6);
-    let position = dvec3(0.3, 0.1, 5.0);
-    scene.lights = vec![Light::Point { position, color: Some([1.0; 3]) }];
-    let angle = 2.0_f64.atan2(2.0).to_degrees() * 2.0;
-    let (from, at) = (DVec3::Z, DVec3::ZERO);
-    scene.camera = Camera { from, at, up: DVec3::Y, angle, ..Camera::default() };
-    scene
 }
 
 #[test]
@@ -279,21 +253,21 @@ fn the_shadow_of_a_square_has_exact_edges() {
 }
 
 /// The image of single rays, with so many samples per pixel.
-fn supersampled(scene: &Scene, size: u32, samples: u32) -> RenderedImage {
+fn supersampled(scene: &Scene, size: u32, samples: u32) -> Image {
     let wishes = SampleWishes { supersamples: Some(samples), ..SampleWishes::default() };
     let plan = EffectPlan::of(scene, &settings([size; 2], wishes));
-    over(scene, "brute-force", |over| render_plan(scene, over.rays, &plan))
+    over(scene, "brute-force", |over| render_plan(scene, over.rays, &plan).image)
 }
 
 /// Root mean square and mean of the difference to the image of single rays.
 fn difference(scene: &Scene, size: u32, samples: u32) -> [f64; 2] {
     let expected = supersampled(scene, size, samples);
     let image = drawn(scene, frame(size, 5)).image;
-    let own = image.pixels.as_flattened().iter().sum::<f64>();
-    let mean = (own - expected.image.pixels.as_flattened().iter().sum::<f64>())
-        / image.pixels.as_flattened().len() as f64;
-    let counts = expected.counts;
-    [rmse(&RenderedImage { image, counts }, &expected), mean.abs()]
+    let mean = |image: &Image| {
+        let all = image.pixels.as_flattened();
+        all.iter().sum::<f64>() / all.len() as f64
+    };
+    [rmse(&image, &expected), (mean(&image) - mean(&expected)).abs()]
 }
 
 #[test]
@@ -301,11 +275,8 @@ fn images_are_those_of_single_rays() {
     let mut smooth = stage("smooth");
     let m = matte(&mut smooth, [0.9, 0.6, 0.3]);
     let corners = [dvec3(-1.0, -1.0, 0.0), dvec3(1.5, -0.8, 0.5), dvec3(0.2, 1.4, -0.3)];
-    smooth.push_patch(
-        m,
-        corners,
-        [dvec3(-0.8, 0.0, 0.6), dvec3(0.6, 0.1, 0.8), dvec3(0.0, 1.0, 0.3)],
-    );
+    let normals = [dvec3(-0.8, 0.0, 0.6), dvec3(0.6, 0.1, 0.8), dvec3(0.0, 1.0, 0.3)];
+    smooth.push_patch(m, corners, normals);
     smooth.push_triangle(m, corners.map(|c| c * 0.3 + dvec3(0.6, 0.9, 1.0)));
     let scenes =
         [tetra(3), bare_mount(3), concave(), intersecting(), mirror(), two_mirrors(), smooth];
@@ -320,37 +291,6 @@ fn images_are_those_of_single_rays() {
     assert!(rmse(&few, &supersampled(&tetra(3), 16, 1024)) > 0.05);
 }
 
-/// A block of glass before some stripes.
-fn slab() -> Scene {
-    let mut scene = stage("slab");
-    let glass = scene.push_material(Material {
-        diffuse: 0.0,
-        transmittance: 0.9,
-        refraction_index: 1.5,
-        ..Material::default()
-    });
-    let turned = |p: DVec3| glam::DQuat::from_rotation_y(0.6) * p;
-    let corner = dvec3(-1.2, -1.0, 0.0);
-    let (x, y, z) = (DVec3::X * 2.4, DVec3::Y * 2.2, DVec3::Z * 0.8);
-    // outer sides
-    for (at, a, b) in [
-        (z, x, y),
-        (DVec3::ZERO, y, x),
-        (DVec3::ZERO, z, y),
-        (x, y, z),
-        (y, z, x),
-        (DVec3::ZERO, x, z),
-    ] {
-        rectangle(&mut scene, glass, turned(corner + at), turned(a), turned(b));
-    }
-    let red = matte(&mut scene, [0.9, 0.2, 0.1]);
-    for k in -4..=4 {
-        let corner = dvec3(f64::from(k) * 0.7, -3.0, -2.0);
-        rectangle(&mut scene, red, corner, DVec3::X * 0.3, DVec3::Y * 6.0);
-    }
-    scene
-}
-
 #[test]
 fn glass_bends_beams_as_rays_but_for_what_a_pixel_spans() {
     let scene = slab();
@@ -360,7 +300,7 @@ fn glass_bends_beams_as_rays_but_for_what_a_pixel_spans() {
         let drawn =
             over(&scene, "uniform-grid", |over| draw(&scene, size, &settings, over).unwrap());
         assert!(count(&drawn, "refracted beams") > 20, "{:?}", drawn.counts);
-        rmse(&RenderedImage { image: drawn.image, counts: expected.counts }, &expected)
+        rmse(&drawn.image, &expected)
     };
     let [coarse, default, fine] = [0.5, Settings::default().bend, 0.03].map(error);
     // stripes of contrast 1 that are off by part of a pixel; samples alone leave 0.0003
@@ -378,22 +318,18 @@ fn glass_bends_beams_as_rays_but_for_what_a_pixel_spans() {
 fn structures_and_threads_change_no_bit() {
     for scene in [tetra(4), mirror()] {
         let frame = frame(24, 4);
-        let bits = |frusta: &str, threads: usize| {
+        let of = |frusta: &str, threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let image = pool.install(|| {
-                over(&scene, frusta, |over| {
-                    draw(&scene, frame, &Settings::default(), over).unwrap()
-                })
-            });
-            let image = image.image.pixels;
-            image.into_iter().flatten().map(f64::to_bits).collect::<Vec<u64>>()
+            let draw =
+                |over: Structures<'_>| draw(&scene, frame, &Settings::default(), over).unwrap();
+            bits(&pool.install(|| over(&scene, frusta, draw)).image)
         };
-        let expected = bits("brute-force", 1);
+        let expected = of("brute-force", 1);
         for entry in frustum_queries::REGISTRY {
-            assert!(bits(entry.info.name, 1) == expected, "{} {}", scene.name, entry.info.name);
+            assert!(of(entry.info.name, 1) == expected, "{} {}", scene.name, entry.info.name);
         }
         for threads in [2, 5] {
-            assert!(bits("uniform-grid", threads) == expected, "{} {threads}", scene.name);
+            assert!(of("uniform-grid", threads) == expected, "{} {threads}", scene.name);
         }
     }
 }
@@ -428,10 +364,8 @@ fn scenes_that_beams_do_not_support_are_refused() {
     let refused = over(&scene, "brute-force", |over| {
         draw(&scene, frame(4, 5), &Settings::default(), over).unwrap_err()
     });
-    assert_eq!(
-        refused.to_string(),
-        "beam tracing does not support scene balls:1: it has 10 spheres"
-    );
+    let expected = "beam tracing does not support scene balls:1: it has 10 spheres";
+    assert_eq!(refused.to_string(), expected);
 }
 
 #[test]

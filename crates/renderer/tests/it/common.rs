@@ -1,7 +1,8 @@
 //! Effect scenes and images of them.
 
-use accel_core::structures::{REGISTRY, find};
-use renderer::{EffectPlan, Geometry, RenderSettings, RenderedImage, render_plan};
+use accel_core::structures::{REGISTRY, find, frustum_queries};
+use renderer::tracers::Structures;
+use renderer::{EffectPlan, Geometry, Image, RenderSettings, RenderedImage, render_plan};
 use scene_loading::{SampleWishes, Scene, SceneCatalogue};
 
 /// Every scene of the set `effects`.
@@ -43,14 +44,24 @@ pub fn image(scene: &Scene, settings: &RenderSettings) -> RenderedImage {
     image_of(scene, &EffectPlan::of(scene, settings), "obvhs-bvh2")
 }
 
+/// Asks `ask` with a kd-tree for rays and the structure of that name for frusta.
+pub fn over<R>(scene: &Scene, frusta: &str, ask: impl FnOnce(Structures<'_>) -> R) -> R {
+    let geometry = Geometry::<f64>::of(scene).unwrap();
+    let entry = find("kd-tree").unwrap();
+    let rays = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
+    let entry = frustum_queries::find(frusta).unwrap();
+    let frusta = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
+    ask(Structures { rays: rays.as_ref(), frusta: frusta.as_ref() })
+}
+
 /// All bits of an image.
-pub fn bits(rendered: &RenderedImage) -> Vec<u64> {
-    rendered.image.pixels.iter().flatten().map(|x| x.to_bits()).collect()
+pub fn bits(image: &Image) -> Vec<u64> {
+    image.pixels.as_flattened().iter().map(|x| x.to_bits()).collect()
 }
 
 /// Root of the mean square difference of two images.
-pub fn rmse(a: &RenderedImage, b: &RenderedImage) -> f64 {
-    let (a, b) = (a.image.pixels.as_flattened(), b.image.pixels.as_flattened());
+pub fn rmse(a: &Image, b: &Image) -> f64 {
+    let (a, b) = (a.pixels.as_flattened(), b.pixels.as_flattened());
     let sum: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
     (sum / a.len() as f64).sqrt()
 }

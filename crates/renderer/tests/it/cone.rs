@@ -5,40 +5,30 @@ use std::ops::ControlFlow;
 
 use accel_core::query::region::{Candidates, Frustum, FrustumQueries};
 use accel_core::structure::StructureStats;
-use accel_core::structures::find;
 use accel_core::structures::frustum_queries;
 use glam::{DVec2, DVec3, dvec3};
-use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::cone::circular_cone::Cone;
 use renderer::tracers::cone::compose::{Fragment, compose};
 use renderer::tracers::cone::coverage::DepartedSurface;
 use renderer::tracers::cone::forms::Forms;
 use renderer::tracers::cone::{Settings, draw, refusal};
 use renderer::tracers::{DrawnImage, Frame, Structures};
-use renderer::{EffectPlan, Geometry, Image, RenderSettings, render_plan};
+use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::procedural::generate;
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
 
-use crate::common::{effect_scene, image, settings};
+use crate::common::{bits, effect_scene, image, over, rmse, settings};
+use crate::convergence::penumbra_errors;
 
 /// The image by cones, the candidates from the structure of that name.
 fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> DrawnImage {
-    let geometry = Geometry::<f64>::of(scene).unwrap();
-    let frusta = frustum_queries::find(structure).unwrap();
-    let frusta = frusta.build(geometry.prims(), &frusta.params([]).unwrap()).unwrap();
-    through(scene, frame, settings, frusta.as_ref())
+    over(scene, structure, |over| draw(scene, frame, settings, over).unwrap())
 }
 
-fn through(
-    scene: &Scene,
-    frame: Frame,
-    settings: &Settings,
-    frusta: &dyn FrustumQueries,
-) -> DrawnImage {
-    let geometry = Geometry::<f64>::of(scene).unwrap();
-    let entry = find("kd-tree").unwrap();
-    let rays = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-    draw(scene, frame, settings, Structures { rays: rays.as_ref(), frusta }).unwrap()
+/// The image by single rays.
+fn by_rays(scene: &Scene, settings: &RenderSettings) -> Image {
+    let plan = EffectPlan::of(scene, settings);
+    over(scene, "brute-force", |over| render_plan(scene, over.rays, &plan).image)
 }
 
 fn frame(resolution: [u32; 2]) -> Frame {
@@ -50,16 +40,6 @@ fn sampled(scene: &Scene, size: [u32; 2], pixel: u32, light: u32) -> Image {
     let samples =
         SampleWishes { supersamples: Some(pixel), shadow: Some(light), ..SampleWishes::default() };
     image(scene, &settings(size, samples)).image
-}
-
-fn rmse(a: &Image, b: &Image) -> f64 {
-    let (a, b) = (a.pixels.as_flattened(), b.pixels.as_flattened());
-    let sum: f64 = a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum();
-    (sum / a.len() as f64).sqrt()
-}
-
-fn bits(image: &Image) -> Vec<u64> {
-    image.pixels.iter().flatten().map(|x| x.to_bits()).collect()
 }
 
 /// A small generator of test numbers.
@@ -88,11 +68,7 @@ fn without_width_every_cone_is_a_ray() {
         let size = [40, 32];
         let drawn =
             cones(&scene, frame(size), &Settings { width: 0.0, ..Settings::default() }, "kd-tree");
-        let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let entry = find("kd-tree").unwrap();
-        let rays = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-        let plan = EffectPlan::of(&scene, &settings(size, SampleWishes::default()));
-        let whitted = render_plan(&scene, rays.as_ref(), &plan).image;
+        let whitted = by_rays(&scene, &settings(size, SampleWishes::default()));
         for (a, b) in drawn.image.pixels.as_flattened().iter().zip(whitted.pixels.as_flattened()) {
             assert!((a - b).abs() < 1e-12, "{name}: {a} {b}");
         }
@@ -107,11 +83,8 @@ fn thin_cones_hit_what_rays_hit() {
         let size = [64, 64];
         let thin = Settings { width: 1e-6, subdivisions: 0, ..Settings::default() };
         let drawn = cones(&scene, Frame { resolution: size, max_depth: 1 }, &thin, "uniform-grid");
-        let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let entry = find("kd-tree").unwrap();
-        let rays = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
         let settings = RenderSettings { max_depth: 1, ..settings(size, SampleWishes::default()) };
-        let whitted = render_plan(&scene, rays.as_ref(), &EffectPlan::of(&scene, &settings)).image;
+        let whitted = by_rays(&scene, &settings);
         let differ = |a: &[f64; 3], b: &[f64; 3]| (0..3).any(|k| (a[k] - b[k]).abs() > 1e-3);
         let pixels = drawn.image.pixels.iter().zip(&whitted.pixels);
         let wrong = pixels.filter(|(a, b)| differ(a, b)).count();
@@ -225,9 +198,9 @@ fn the_triangles_of_a_mesh_cover_a_cone_exactly_once() {
 }
 
 /// A structure that says too early that nothing nearer will come, or brings the far first.
-struct OutOfOrder(Box<dyn FrustumQueries>);
+struct OutOfOrder<'a>(&'a dyn FrustumQueries);
 
-impl FrustumQueries for OutOfOrder {
+impl FrustumQueries for OutOfOrder<'_> {
     fn query_in_order(
         &self,
         frustum: &Frustum,
@@ -260,10 +233,10 @@ fn the_image_does_not_depend_on_the_structure() {
             assert_eq!(bits(&found.image), bits(&expected.image), "{}", entry.info.name);
             assert_eq!(found.counts, expected.counts, "{}", entry.info.name);
         }
-        let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let entry = frustum_queries::find("uniform-grid").unwrap();
-        let frusta = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
-        let planted = through(&scene, small, &settings, &OutOfOrder(frusta));
+        let planted = over(&scene, "uniform-grid", |over| {
+            let frusta = &OutOfOrder(over.frusta);
+            draw(&scene, small, &settings, Structures { frusta, ..over }).unwrap()
+        });
         assert!(rmse(&planted.image, &expected.image) > 1e-3, "{}", scene.name);
     }
 }
@@ -348,53 +321,11 @@ fn reflections_in_a_ball_are_as_wide_as_they_should_be() {
     assert!(flat > 2.0 * plain, "{flat} {plain}");
 }
 
-/// The part of a disc that lies on one side of a line at the signed distance `d`, in radii.
-fn part_of_disc(d: f64) -> f64 {
-    let d = d.clamp(-1.0, 1.0);
-    0.5 + (d * (1.0 - d * d).sqrt() + d.asin()) / std::f64::consts::PI
-}
-
 #[test]
 fn the_penumbra_of_a_half_plane_is_the_closed_form() {
-    const RADIUS: f64 = 0.1;
-    let light = dvec3(0.0, 2.0, 0.0);
-    let scene = |occluded: bool| {
-        let mut scene = Scene::new("half plane");
-        let m = scene.push_material(Material { color: [1.0; 3], ..Material::default() });
-        let quad = |y: f64, x0: f64, x1: f64| {
-            [dvec3(x0, y, -9.0), dvec3(x0, y, 9.0), dvec3(x1, y, 9.0), dvec3(x1, y, -9.0)]
-        };
-        scene.push_polygon(m, &quad(0.0, -9.0, 9.0));
-        if occluded {
-            scene.push_polygon(m, &quad(1.0, -9.0, 0.0));
-        }
-        scene.lights = vec![Light::Disc { position: light, color: Some([1.0; 3]), radius: RADIUS }];
-        let (from, up, angle) = (dvec3(0.0, 0.9, 0.0), DVec3::Z, 0.95);
-        scene.camera = Camera { from, at: DVec3::ZERO, up, angle, ..Camera::default() };
-        scene
-    };
     let size = [64, 4];
-    let eye = EyeRays::new(&scene(true).camera, size, Sampling::PixelCentres);
-    let [shadowed, lit] = [true, false]
-        .map(|occluded| cones(&scene(occluded), frame(size), &Settings::default(), "brute-force"));
-    let (mut worst, mut planted, mut within) = (0.0_f64, 0.0_f64, 0);
-    for (x, y) in (0..size[0] * size[1]).map(|i| (i % size[0], i / size[0])) {
-        let i = (y * size[0] + x) as usize;
-        let part = shadowed.image.pixels[i][0] / lit.image.pixels[i][0];
-        let direction = eye.direction(x, y);
-        let p = eye.origin() - direction * (eye.origin().y / direction.y);
-        let expected = |radius: f64| {
-            let normal = dvec3(1.0, p.x, 0.0).normalize();
-            let axis = (light - p).normalize();
-            let from_edge = (light - DVec3::Y).dot(normal);
-            part_of_disc(from_edge / (1.0 - normal.dot(axis).powi(2)).sqrt() / radius)
-        };
-        let closed = expected(RADIUS);
-        within += usize::from(closed > 0.02 && closed < 0.98);
-        worst = worst.max((part - closed).abs());
-        planted = planted.max((part - expected(RADIUS * 1.1)).abs());
-    }
-    println!("{within} pixels, worst {worst}, planted {planted}");
+    let draw = |scene: &Scene| cones(scene, frame(size), &Settings::default(), "brute-force").image;
+    let (within, worst, planted) = penumbra_errors(size, draw);
     assert!(within > 40, "{within} pixels within the penumbra");
     // the cosine at the floor, which the closed form leaves out: 0.003; the footprint of the pixel
     assert!(worst < 0.008, "{worst}");

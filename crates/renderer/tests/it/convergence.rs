@@ -2,7 +2,7 @@
 
 use glam::{DVec3, dvec3};
 use renderer::camera::{EyeRays, Sampling};
-use renderer::{EffectPlan, RenderSettings};
+use renderer::{EffectPlan, Image, RenderSettings};
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
 
 use crate::common::{effect_scene, image, image_of, rmse, settings};
@@ -29,13 +29,8 @@ fn half_plane(occluded: bool) -> Scene {
         scene.push_polygon(m, &quad(1.0, -9.0, 0.0));
     }
     scene.lights = vec![Light::Disc { position: LIGHT, color: Some([1.0; 3]), radius: RADIUS }];
-    scene.camera = Camera {
-        from: dvec3(0.0, 0.9, 0.0),
-        at: DVec3::ZERO,
-        up: DVec3::Z,
-        angle: 0.95,
-        ..Camera::default()
-    };
+    let (from, up, angle) = (dvec3(0.0, 0.9, 0.0), DVec3::Z, 0.95);
+    scene.camera = Camera { from, at: DVec3::ZERO, up, angle, ..Camera::default() };
     scene
 }
 
@@ -49,26 +44,31 @@ fn penumbra(p: DVec3, radius: f64) -> f64 {
     part_of_disc(within_disc / radius)
 }
 
+/// Compares what `draw` makes of the floor with and without the half plane with the closed form:
+/// pixels within the penumbra, the largest error, and that against a light that is a tenth larger.
+pub fn penumbra_errors(size: [u32; 2], draw: impl Fn(&Scene) -> Image) -> (usize, f64, f64) {
+    let scenes = [true, false].map(half_plane);
+    let eye = EyeRays::new(&scenes[0].camera, size, Sampling::PixelCentres);
+    let [shadowed, lit] = [draw(&scenes[0]), draw(&scenes[1])];
+    let (mut worst, mut planted, mut within) = (0.0_f64, 0.0_f64, 0);
+    for (i, (shadowed, lit)) in (0..).zip(shadowed.pixels.iter().zip(&lit.pixels)) {
+        let direction = eye.direction(i % size[0], i / size[0]);
+        let p = eye.origin() - direction * (eye.origin().y / direction.y);
+        let part = shadowed[0] / lit[0];
+        let expected = penumbra(p, RADIUS);
+        within += usize::from(expected > 0.02 && expected < 0.98);
+        worst = worst.max((part - expected).abs());
+        planted = planted.max((part - penumbra(p, RADIUS * 1.1)).abs());
+    }
+    println!("{within} pixels, worst {worst}, planted {planted}");
+    (within, worst, planted)
+}
+
 #[test]
 fn the_penumbra_of_a_disc_over_an_edge_is_the_closed_form() {
     let size = [64, 4];
     let settings = settings(size, SampleWishes { shadow: Some(1024), ..SampleWishes::default() });
-    let (shadowed, lit) = (half_plane(true), half_plane(false));
-    let eye = EyeRays::new(&shadowed.camera, size, Sampling::PixelCentres);
-    let (shadowed, lit) = (image(&shadowed, &settings), image(&lit, &settings));
-    let (mut worst, mut planted, mut within) = (0.0_f64, 0.0_f64, 0);
-    for y in 0..size[1] {
-        for x in 0..size[0] {
-            let direction = eye.direction(x, y);
-            let p = eye.origin() - direction * (eye.origin().y / direction.y);
-            let i = (y * size[0] + x) as usize;
-            let part = shadowed.image.pixels[i][0] / lit.image.pixels[i][0];
-            let expected = penumbra(p, RADIUS);
-            within += usize::from(expected > 0.02 && expected < 0.98);
-            worst = worst.max((part - expected).abs());
-            planted = planted.max((part - penumbra(p, RADIUS * 1.1)).abs());
-        }
-    }
+    let (within, worst, planted) = penumbra_errors(size, |scene| image(scene, &settings).image);
     assert!(within > 40, "{within} pixels within the penumbra");
     // 1024 samples leave 0.001; the cosine at the floor, which the closed form leaves out, 0.003
     assert!(worst < 0.006, "{worst}");
@@ -114,12 +114,12 @@ fn errors(scene: &Scene, wish: Wish) -> Vec<(u32, f64)> {
         let mut samples = SampleWishes { supersamples: Some(1), ..SampleWishes::default() };
         wish(&mut samples, n);
         let settings = RenderSettings { seed, ..settings([24, 18], samples) };
-        image_of(scene, &EffectPlan::of(scene, &settings), "obvhs-bvh2")
+        image_of(scene, &EffectPlan::of(scene, &settings), "obvhs-bvh2").image
     };
     let (a, b) = (with(512, 100), with(512, 200));
     let mut reference = a.clone();
-    let all = reference.image.pixels.as_flattened_mut().iter_mut();
-    for (x, y) in all.zip(b.image.pixels.as_flattened()) {
+    let all = reference.pixels.as_flattened_mut().iter_mut();
+    for (x, y) in all.zip(b.pixels.as_flattened()) {
         *x = (*x + y) / 2.0;
     }
     let found: Vec<(u32, f64)> = [4, 16, 64]

@@ -162,3 +162,43 @@ pub fn soup(seed: u64, count: u32) -> Scene {
     }
     scene
 }
+
+/// A floor, and a square between it and a light; the eye is under the square and looks down.
+pub fn square_shadow() -> Scene {
+    let mut scene = Scene::new("square shadow");
+    let m = matte(&mut scene, [1.0; 3]);
+    rectangle(&mut scene, m, dvec3(-9.0, -9.0, 0.0), DVec3::X * 18.0, DVec3::Y * 18.0);
+    rectangle(&mut scene, m, dvec3(-0.3, -0.2, 2.0), DVec3::X * 0.5, DVec3::Y * 0.6);
+    let position = dvec3(0.3, 0.1, 5.0);
+    scene.lights = vec![Light::Point { position, color: Some([1.0; 3]) }];
+    let angle = 2.0_f64.atan2(2.0).to_degrees() * 2.0;
+    let (from, at) = (DVec3::Z, DVec3::ZERO);
+    scene.camera = Camera { from, at, up: DVec3::Y, angle, ..Camera::default() };
+    scene
+}
+
+/// A block of glass before some stripes.
+pub fn slab() -> Scene {
+    let mut scene = stage("slab");
+    let glass = scene.push_material(Material {
+        diffuse: 0.0,
+        transmittance: 0.9,
+        refraction_index: 1.5,
+        ..Material::default()
+    });
+    let turned = |p: DVec3| glam::DQuat::from_rotation_y(0.6) * p;
+    let corner = dvec3(-1.2, -1.0, 0.0);
+    let (x, y, z) = (DVec3::X * 2.4, DVec3::Y * 2.2, DVec3::Z * 0.8);
+    // seen from outside
+    let zero = DVec3::ZERO;
+    let sides = [(z, x, y), (zero, y, x), (zero, z, y), (x, y, z), (y, z, x), (zero, x, z)];
+    for (at, a, b) in sides {
+        rectangle(&mut scene, glass, turned(corner + at), turned(a), turned(b));
+    }
+    let red = matte(&mut scene, [0.9, 0.2, 0.1]);
+    for k in -4..=4 {
+        let corner = dvec3(f64::from(k) * 0.7, -3.0, -2.0);
+        rectangle(&mut scene, red, corner, DVec3::X * 0.3, DVec3::Y * 6.0);
+    }
+    scene
+}

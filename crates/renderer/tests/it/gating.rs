@@ -127,12 +127,12 @@ fn extents_of_0_at_64_samples_are_1_sample_bit_for_bit() {
             image(&scene, &settings(SIZE, samples_without_area(n)))
         };
         let (many, one) = (with(0.0, 64), with(0.0, 1));
-        assert_eq!(bits(&many), bits(&one), "{name}");
+        assert_eq!(bits(&many.image), bits(&one.image), "{name}");
         assert_eq!(many.counts, one.counts, "{name}");
         // planted fault: the least extent must be seen
         let (least, full) = (with(1e-3, 2), with(1.0, 2));
-        assert!(bits(&least) != bits(&one) && least.counts != one.counts, "{name}");
-        assert!(bits(&full) != bits(&least), "{name}");
+        assert!(bits(&least.image) != bits(&one.image) && least.counts != one.counts, "{name}");
+        assert!(bits(&full.image) != bits(&least.image), "{name}");
     }
 }
 
@@ -184,10 +184,10 @@ fn motion_blur_covers_the_path() {
     let still = image(&still, &settings(SIZE, samples_without_area(1)));
     let mut plain = settings(SIZE, samples_without_area(16));
     plain.samples.temporal = Some(1);
-    assert!(bits(&blurred) != bits(&frozen));
+    assert!(bits(&blurred.image) != bits(&frozen.image));
     let frozen_plain =
         image_of(&scene, &EffectPlan::of(&scene, &plain).without(Effect::Motion), "obvhs-bvh2");
-    assert_eq!(bits(&frozen_plain), bits(&still));
+    assert_eq!(bits(&frozen_plain.image), bits(&still.image));
 }
 
 #[test]
@@ -202,7 +202,7 @@ fn unused_images_change_no_pixel_and_trace_no_ray() {
         let plan = EffectPlan::of(&unworn, &settings);
         assert!(!plan.calls_for(Effect::Textures), "{}", scene.name);
         let (with, without) = (image(&unworn, &settings), image(scene, &settings));
-        assert_eq!(bits(&with), bits(&without), "{}", scene.name);
+        assert_eq!(bits(&with.image), bits(&without.image), "{}", scene.name);
         assert_eq!(with.counts, without.counts, "{}", scene.name);
     }
 }
@@ -214,20 +214,20 @@ fn textures_change_colours_and_no_ray() {
     let textured = image_of(&scene, &plan, "obvhs-bvh2");
     let plain = image_of(&scene, &plan.clone().without(Effect::Textures), "obvhs-bvh2");
     // planted fault: an image that were there without the effect would be these bits
-    assert!(bits(&textured) != bits(&plain));
+    assert!(bits(&textured.image) != bits(&plain.image));
     assert_eq!(textured.counts, plain.counts);
     // images that are white all over are the plain colour: the same bits
     let mut white = scene.clone();
     for texture in &mut white.textures {
         texture.texels = vec![[255; 3]; texture.texels.len()].into();
     }
-    assert_eq!(bits(&image_of(&white, &plan, "obvhs-bvh2")), bits(&plain));
+    assert_eq!(bits(&image_of(&white, &plan, "obvhs-bvh2").image), bits(&plain.image));
     // one texel more, at a corner: seen
     for texture in &mut scene.clone().textures {
         let mut texels = vec![[255; 3]; texture.texels.len()];
         texels[0] = [0; 3];
         texture.texels = texels.into();
         white.textures = vec![texture.clone(); white.textures.len()];
-        assert!(bits(&image_of(&white, &plan, "obvhs-bvh2")) != bits(&plain));
+        assert!(bits(&image_of(&white, &plan, "obvhs-bvh2").image) != bits(&plain.image));
     }
 }

@@ -25,7 +25,12 @@ fn all_structures_give_the_same_image() {
         let is_right = |entry: &&Entry| (entry.info.known_defect)(&entry.defaults()).is_none();
         for entry in REGISTRY.iter().filter(is_right) {
             let got = image_of(&scene, &plan, entry.info.name);
-            assert!(bits(&got) == bits(&expected), "{} {}", scene.name, entry.info.name);
+            assert!(
+                bits(&got.image) == bits(&expected.image),
+                "{} {}",
+                scene.name,
+                entry.info.name
+            );
             assert_eq!(got.counts, expected.counts, "{} {}", scene.name, entry.info.name);
         }
     }
@@ -46,6 +51,6 @@ fn any_number_of_threads_gives_the_same_image_and_another_seed_another() {
         }
         // planted fault: a seed that depends on the thread would be another seed
         settings.seed = 2;
-        assert!(bits(&with(&settings, 1)) != bits(&expected), "{}", scene.name);
+        assert!(bits(&with(&settings, 1).image) != bits(&expected.image), "{}", scene.name);
     }
 }
