@@ -70,63 +70,58 @@ fn stl(by: DVec3) -> String {
 }
 
 fn pbrt(by: DVec3) -> String {
-    let eye = numbers(by + DVec3::new(9.0, -20.0, 20.0));
-    let at = numbers(by + DVec3::new(9.0, 9.0, 12.0));
+    let [eye, at, light, ..] = places(by);
     let mut text = format!("LookAt {eye} {at} 0 0 1\nCamera \"perspective\"\nWorldBegin\n");
-    let light = numbers(by + DVec3::new(0.0, 0.0, 50.0));
     writeln!(text, "LightSource \"point\" \"point3 from\" [{light}]").unwrap();
     let at = numbers(by);
     writeln!(text, "Translate {at}").unwrap();
     for corners in tents() {
         let points = corners.map(numbers).join(" ");
-        writeln!(
-            text,
-            "Shape \"trianglemesh\" \"point3 P\" [{points}] \"integer indices\" [0 1 2]"
-        )
-        .unwrap();
+        text += &format!(
+            "Shape \"trianglemesh\" \"point3 P\" [{points}] \"integer indices\" [0 1 2]\n"
+        );
     }
     text
 }
 
+/// Eye, point in the middle of the image, light, ball, the ends of a cone, corners of a square.
+const PLACES: [[f64; 3]; 10] = [
+    [9.0, -20.0, 20.0],
+    [9.0, 9.0, 12.0],
+    [0.0, 0.0, 50.0],
+    [3.5, 4.25, 12.0],
+    [8.0, 4.25, 12.0],
+    [8.0, 4.75, 13.5],
+    [0.0, 0.0, 11.0],
+    [20.0, 0.0, 11.0],
+    [20.0, 20.0, 11.0],
+    [0.0, 20.0, 11.0],
+];
+
+fn places(by: DVec3) -> [String; 10] {
+    PLACES.map(|place| numbers(by + DVec3::from(place)))
+}
+
 fn nff(by: DVec3) -> String {
-    let at = |x: f64, y: f64, z: f64| numbers(by + DVec3::new(x, y, z));
+    let [eye, at, light, ball, base, apex, a, b, c, d] = places(by);
     format!(
-        "v\nfrom {}\nat {}\nup 0 0 1\nangle 45\nhither 1\nresolution 8 8\nl {}\nf 1 1 1 1 0 0 0 1\n\
-         s {} 0.25\nc {} 0.5 {} 0.25\np 4\n{}\n{}\n{}\n{}\n",
-        at(9.0, -20.0, 20.0),
-        at(9.0, 9.0, 12.0),
-        at(0.0, 0.0, 50.0),
-        at(3.5, 4.25, 12.0),
-        at(8.0, 4.25, 12.0),
-        at(8.0, 4.75, 13.5),
-        at(0.0, 0.0, 11.0),
-        at(20.0, 0.0, 11.0),
-        at(20.0, 20.0, 11.0),
-        at(0.0, 20.0, 11.0),
+        "v\nfrom {eye}\nat {at}\nup 0 0 1\nangle 45\nhither 1\nresolution 8 8\nl {light}\n\
+         f 1 1 1 1 0 0 0 1\ns {ball} 0.25\nc {base} 0.5 {apex} 0.25\np 4\n{a}\n{b}\n{c}\n{d}\n"
     )
 }
 
 fn scene_file(by: DVec3) -> String {
-    let at = |x: f64, y: f64, z: f64| numbers(by + DVec3::new(x, y, z)).replace(' ', ",");
+    let [eye, at, light, ball, base, apex, a, b, c, _] = places(by).map(|p| p.replace(' ', ","));
+    let disc = numbers(by + DVec3::new(1.0, 2.0, 50.0)).replace(' ', ",");
     format!(
         r#"{{"name": "a", "title": "t", "why": "w", "materials": {{"m": {{}}}},
-        "camera": {{"from": [{}], "at": [{}], "up": [0, 0, 1], "angle": 40, "shutter": 1}},
-        "lights": [{{"position": [{}]}}, {{"position": [{}], "radius": 0.5}}],
+        "camera": {{"from": [{eye}], "at": [{at}], "up": [0, 0, 1], "angle": 40, "shutter": 1}},
+        "lights": [{{"position": [{light}]}}, {{"position": [{disc}], "radius": 0.5}}],
         "source": {{"shapes": [
-          {{"sphere": {{"center": [{}], "radius": 0.25, "material": "m", "velocity": [1, 0, 0]}}}},
-          {{"cone": {{"base": [{}], "base_radius": 0.5, "apex": [{}], "apex_radius": 0, "material": "m"}}}},
-          {{"polygon": {{"vertices": [[{}], [{}], [{}]], "material": "m"}}}}
-        ]}}}}"#,
-        at(9.0, -20.0, 20.0),
-        at(9.0, 9.0, 12.0),
-        at(0.0, 0.0, 50.0),
-        at(1.0, 2.0, 50.0),
-        at(3.5, 4.25, 12.0),
-        at(8.0, 4.25, 12.0),
-        at(8.0, 4.75, 13.5),
-        at(0.0, 0.0, 11.0),
-        at(20.0, 0.0, 11.0),
-        at(20.0, 20.0, 11.0),
+          {{"sphere": {{"center": [{ball}], "radius": 0.25, "material": "m", "velocity": [1, 0, 0]}}}},
+          {{"cone": {{"base": [{base}], "base_radius": 0.5, "apex": [{apex}], "apex_radius": 0, "material": "m"}}}},
+          {{"polygon": {{"vertices": [[{a}], [{b}], [{c}]], "material": "m"}}}}
+        ]}}}}"#
     )
 }
 
@@ -135,8 +130,7 @@ fn scene_file(by: DVec3) -> String {
 fn gltf(by: DVec3) -> String {
     let tents = tents();
     let points: Vec<DVec3> = tents.iter().flatten().copied().collect();
-    let bytes: Vec<u8> =
-        points.iter().flat_map(|p| p.as_vec3().to_array()).flat_map(f32::to_le_bytes).collect();
+    let bytes = gltf_buffer().len();
     let [min, max] = [
         points.iter().copied().fold(DVec3::INFINITY, DVec3::min).as_vec3(),
         points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3(),
@@ -150,8 +144,8 @@ fn gltf(by: DVec3) -> String {
         "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
         "accessors": [{"bufferView": 0, "componentType": 5126, "count": points.len(),
             "type": "VEC3", "min": min.to_array(), "max": max.to_array()}],
-        "bufferViews": [{"buffer": 0, "byteLength": bytes.len()}],
-        "buffers": [{"byteLength": bytes.len(), "uri": "a.buffer"}],
+        "bufferViews": [{"buffer": 0, "byteLength": bytes}],
+        "buffers": [{"byteLength": bytes, "uri": "a.buffer"}],
     })
     .to_string()
 }

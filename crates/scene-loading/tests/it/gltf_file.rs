@@ -99,3 +99,14 @@ impl File {
         text
     }
 }
+
+/// A document with the value at a JSON pointer set, whose last key may be new.
+pub fn set(mut document: Value, pointer: &str, value: Value) -> Value {
+    let (parent, key) = pointer.rsplit_once('/').unwrap();
+    let parent = document.pointer_mut(parent).unwrap();
+    match parent {
+        Value::Array(list) => list[key.parse::<usize>().unwrap()] = value,
+        _ => parent[key] = value,
+    }
+    document
+}

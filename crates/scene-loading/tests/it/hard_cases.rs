@@ -9,14 +9,26 @@ use scene_loading::obj::{ObjOptions, load_obj, parse_materials, parse_obj};
 use scene_loading::{LoadError, Material, Scene};
 use serde_json::{Value, json};
 
+use crate::gltf_file::set;
+use crate::load_textures::png_that_claims;
+
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+fn obj(text: &[u8]) -> Result<Scene, LoadError> {
+    parse_obj(Path::new("a.obj"), text.to_vec(), ObjOptions::default())
+}
 
 /// The error of an OBJ text, which must name that line.
 fn obj_error(text: &str, line: usize) -> LoadError {
-    let parsed = parse_obj(Path::new("a.obj"), text.as_bytes().to_vec(), ObjOptions::default());
-    let error = parsed.expect_err(text);
+    let error = obj(text.as_bytes()).expect_err(text);
     assert!(error.to_string().starts_with(&format!("a.obj:{line}: ")), "{text:?}: {error}");
     error
+}
+
+/// The scene of an OBJ file beside other files.
+fn beside(obj: &str, files: &[(&str, &[u8])]) -> Scene {
+    let (_folder, path) = folder(obj, files);
+    load_obj(&path, ObjOptions::default()).unwrap()
 }
 
 /// A folder with an OBJ file `a.obj` and other files.
@@ -61,14 +73,7 @@ fn triangle() -> Value {
 
 /// The document with one value set; the last key of the pointer may be new.
 fn with(pointer: &str, value: Value) -> Value {
-    let mut document = triangle();
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    let parent = document.pointer_mut(parent).unwrap();
-    match parent {
-        Value::Array(list) => list[key.parse::<usize>().unwrap()] = value,
-        _ => parent[key] = value,
-    }
-    document
+    set(triangle(), pointer, value)
 }
 
 fn gltf(document: &Value) -> Result<Scene, LoadError> {
@@ -101,8 +106,7 @@ fn l1_obj_indices_and_numbers() {
     for bad in
         ["v nan 0 0", "v 1e400 0 0", "v 0 -inf 0", "vn 0 0 nan", "v 1e99 0 0 1e-90", "f 1//9 2 3"]
     {
-        let (_folder, path) = folder(&format!("{CORNERS}{bad}\nf 1 2 3\n"), &[]);
-        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        let scene = beside(&format!("{CORNERS}{bad}\nf 1 2 3\n"), &[]);
         assert!(warning(&scene).ends_with("(first: line 4)"), "{}", warning(&scene));
         assert!(scene.vertices.iter().chain(&scene.normals).all(|v| v.is_finite()));
     }
@@ -131,18 +135,15 @@ fn l2_mtl_of_one_number() {
 #[test]
 fn l3_empty_missing_latin_1_and_continued() {
     for text in ["", "\n", "#", "\\", "\\\n"] {
-        let parsed = parse_obj(Path::new("a.obj"), text.as_bytes().to_vec(), ObjOptions::default());
+        let parsed = obj(text.as_bytes());
         assert!(matches!(parsed, Err(LoadError::NoPrimitives { .. })), "{text:?}");
     }
     assert!(matches!(parse_nff(Path::new("a.nff"), ""), Err(LoadError::NoPrimitives { .. })));
     assert!(parse_gltf(Path::new("a.gltf"), b"").is_err());
-    let obj = format!("mtllib lost.mtl\n{CORNERS}f 1 2 3\n");
-    let (_folder, path) = folder(&obj, &[]);
-    let scene = load_obj(&path, ObjOptions::default()).unwrap();
+    let scene = beside(&format!("mtllib lost.mtl\n{CORNERS}f 1 2 3\n"), &[]);
     assert!(warning(&scene).contains("lost.mtl is missing"), "{}", warning(&scene));
     let odd = b"# caf\xe9\nv 0 0 \\\r\n0\nv 1 0 0 # \xff\nv 0 1 0\nusemtl caf\xe9\nf 1 \\\n2 3\n";
-    let scene = parse_obj(Path::new("a.obj"), odd.to_vec(), ObjOptions::default()).unwrap();
-    assert_eq!(scene.primitives.len(), 1);
+    assert_eq!(obj(odd).unwrap().primitives.len(), 1);
 }
 
 #[test]
@@ -202,16 +203,14 @@ fn l5_glb_that_claims_4_gib() {
 
 #[test]
 fn l6_gltf_cycles_and_doubled_children() {
-    let cycle = with("/nodes", json!([{"mesh": 0, "children": [1]}, {"children": [0]}]));
-    assert!(matches!(gltf_error(&cycle), LoadError::NodeReachedTwice { .. }));
-    let itself = with("/nodes", json!([{"mesh": 0, "children": [0]}]));
-    assert!(matches!(gltf_error(&itself), LoadError::NodeReachedTwice { .. }));
-    let mut nodes: Vec<Value> = (1..=40).map(|i| json!({"children": [i, i]})).collect();
-    nodes.push(json!({"mesh": 0}));
-    assert!(matches!(
-        gltf_error(&with("/nodes", json!(nodes))),
-        LoadError::NodeReachedTwice { .. }
-    ));
+    let cycle = json!([{"mesh": 0, "children": [1]}, {"children": [0]}]);
+    let itself = json!([{"mesh": 0, "children": [0]}]);
+    let mut doubled: Vec<Value> = (1..=40).map(|i| json!({"children": [i, i]})).collect();
+    doubled.push(json!({"mesh": 0}));
+    for nodes in [cycle, itself, json!(doubled)] {
+        let error = gltf_error(&with("/nodes", nodes));
+        assert!(matches!(error, LoadError::NodeReachedTwice { .. }), "{error}");
+    }
     // A long chain is no recursion: the stack of a test's thread would not hold it.
     let mut chain: Vec<Value> = (1..100_000).map(|i| json!({"children": [i]})).collect();
     chain.push(json!({"mesh": 0}));
@@ -263,13 +262,11 @@ fn l8_nothing_outside_the_folder_is_read() {
     for map in ["../../x.png", "/dev/zero", "..\\x.png"] {
         let obj = format!("mtllib a.mtl\n{CORNERS}usemtl a\nf 1 2 3\n");
         let mtl = format!("newmtl a\nmap_Kd {map}\n");
-        let (_folder, path) = folder(&obj, &[("a.mtl", mtl.as_bytes())]);
-        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        let scene = beside(&obj, &[("a.mtl", mtl.as_bytes())]);
         assert!(warning(&scene).contains("leads out of the folder"), "{}", warning(&scene));
     }
     for library in ["../a.mtl", "/etc/passwd"] {
-        let (_folder, path) = folder(&format!("mtllib {library}\n{CORNERS}f 1 2 3\n"), &[]);
-        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        let scene = beside(&format!("mtllib {library}\n{CORNERS}f 1 2 3\n"), &[]);
         assert!(warning(&scene).contains("leads out of the folder"), "{}", warning(&scene));
     }
 }
@@ -289,11 +286,8 @@ fn l8_links_and_devices() {
     for (uri, is_outside) in [("out.bin", true), ("zero.bin", true), ("folder.bin", false)] {
         std::fs::write(&path, with("/buffers/0/uri", json!(uri)).to_string()).unwrap();
         let error = load_gltf(&path).unwrap_err();
-        if is_outside {
-            assert!(matches!(error, LoadError::OutsideFolder { .. }), "{uri}: {error}")
-        } else {
-            assert!(matches!(error, LoadError::Io { .. }), "{uri}: {error}")
-        }
+        assert_eq!(matches!(error, LoadError::OutsideFolder { .. }), is_outside, "{uri}: {error}");
+        assert_eq!(matches!(error, LoadError::Io { .. }), !is_outside, "{uri}: {error}");
     }
     assert!(matches!(load_gltf(Path::new("/dev/zero")), Err(LoadError::Io { .. })));
 }
@@ -301,19 +295,7 @@ fn l8_links_and_devices() {
 #[test]
 fn l9_images_share_one_budget() {
     // Six images of 16,384 x 8,192 texels, 402 MB each once decoded, from a header alone.
-    let bomb = {
-        let mut png = Vec::new();
-        image::DynamicImage::new_rgb8(4, 4)
-            .write_to(&mut std::io::Cursor::new(&mut png), image::ImageFormat::Png)
-            .unwrap();
-        png[16..20].copy_from_slice(&16_384_u32.to_be_bytes());
-        png[20..24].copy_from_slice(&8_192_u32.to_be_bytes());
-        let crc = !png[12..29].iter().fold(!0_u32, |crc, byte| {
-            (0..8).fold(crc ^ u32::from(*byte), |c, _| (c >> 1) ^ (0xedb8_8320 * (c & 1)))
-        });
-        png[29..33].copy_from_slice(&crc.to_be_bytes());
-        png
-    };
+    let bomb = png_that_claims([16_384, 8_192]);
     let names: Vec<String> = (0..6).map(|i| format!("{i}.png")).collect();
     let mut files: Vec<(&str, &[u8])> = names.iter().map(|n| (n.as_str(), &bomb[..])).collect();
     let mut obj = format!("mtllib a.mtl\n{CORNERS}vt 0 0\n");
@@ -323,8 +305,7 @@ fn l9_images_share_one_budget() {
         mtl.push_str(&format!("newmtl {name}\nmap_Kd {name}\n"));
     }
     files.push(("a.mtl", mtl.as_bytes()));
-    let (_folder, path) = folder(&obj, &files);
-    let scene = load_obj(&path, ObjOptions::default()).unwrap();
+    let scene = beside(&obj, &files);
     assert_eq!((scene.primitives.len(), scene.textures.len()), (7, 0));
     let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
     assert_eq!(warnings.len(), 7, "{warnings:?}");
@@ -382,12 +363,8 @@ fn the_parser_agrees_with_tobj() {
                         (_, n) => format!("-{}", 1 + random(n)),
                     };
                     let corners = [corner(), corner(), corner()];
-                    let normal = if normals > 0 {
-                        format!("//{}", 1 + random(normals))
-                    } else {
-                        String::new()
-                    };
-                    let face = corners.map(|c| c + &normal);
+                    let normal = (normals > 0).then(|| format!("//{}", 1 + random(normals)));
+                    let face = corners.map(|c| c + normal.as_deref().unwrap_or_default());
                     text.push_str(&format!("f {}\n", face.join(" ")));
                 }
                 _ => {}
@@ -396,8 +373,7 @@ fn the_parser_agrees_with_tobj() {
         let names = ["a", "b"].map(|n| format!("newmtl {n}\n")).concat();
         let (_folder, path) = folder(&text, &[("a.mtl", names.as_bytes())]);
         let Ok(scene) = load_obj(&path, ObjOptions::default()) else { continue };
-        let options = tobj::LoadOptions::default();
-        let (models, _) = tobj::load_obj(&path, &options).unwrap();
+        let (models, _) = tobj::load_obj(&path, &tobj::LoadOptions::default()).unwrap();
         // tobj keeps faces without area, we leave them out
         let mut theirs = Vec::new();
         for tobj::Model { mesh, .. } in &models {

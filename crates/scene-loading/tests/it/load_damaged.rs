@@ -38,57 +38,26 @@ const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 #[test]
 fn obj_geometry_wins_over_decoration() {
-    for (text, expected, said) in [
-        (
-            "vn 0 0 1\nvn nan 0 0\nvn 0 1\nvn 1e200 0 0\nf 1//1 2//1 3//1\nf 1//1 2//2 3//1\n",
-            2,
-            "a.obj: 3 invalid normals: their faces are flat (first: line 6)",
-        ),
-        (
-            "vn 0 0 1\nvn 1.#QNAN 0 0\nf 1//1 2//1 3//1\n",
-            1,
-            "a.obj: 1 invalid normals: their faces are flat (first: line 6)",
-        ),
-        (
-            "vt 0 nan\nvt\nvt x\nf 1/1 2/2 3/3\n",
-            1,
-            "a.obj: 3 invalid texture coordinates: their faces have the plain colour (first: line 5)",
-        ),
-        (
-            "vn 0 0 1\nf 1//0 2//1 3//1\nf 1//1 2//2 3//-2\n",
-            2,
-            "a.obj: 3 invalid indices of normals: their faces are flat (first: line 6)",
-        ),
-        (
-            "f 1//9 2//9 3//9\n",
-            1,
-            "a.obj: 3 invalid indices of normals: their faces are flat (first: line 5)",
-        ),
-        (
-            "usemtl\nf 1 2 3\nmtllib\nusemtl  \n",
-            1,
-            "a.obj: 3 usemtl or mtllib without a name \
-            (first: line 5)",
-        ),
-        (
-            "f 1 2 3\nf 1 2\nf 1\nf\n",
-            1,
-            "a.obj: 3 faces with fewer than 3 corners left out \
-            (first: line 6)",
-        ),
-        (
-            "v nan 0 0\nv 1 -inf 0\nv -nan(ind) 0 0\nv 1e300 0 0\nv 1 1 1 0\nf 1 2 3\n",
-            1,
-            "a.obj: 5 vertices with a coordinate or weight that is not usable (first: line 5)",
-        ),
-        (
-            "f 1 2 5\nf 1 3 -1\nv 0 0 1\n",
-            2,
-            "a.obj: 1 faces before their vertices: indices count \
-            from the file's start (first: line 5)",
-        ),
+    let flat = "invalid normals: their faces are flat";
+    let lost = "invalid indices of normals: their faces are flat";
+    let plain = "invalid texture coordinates: their faces have the plain colour";
+    let unusable = "vertices with a coordinate or weight that is not usable";
+    let ahead = "faces before their vertices: indices count from the file's start";
+    let vn = "vn 0 0 1\nvn nan 0 0\nvn 0 1\nvn 1e200 0 0\nf 1//1 2//1 3//1\nf 1//1 2//2 3//1\n";
+    let v = "v nan 0 0\nv 1 -inf 0\nv -nan(ind) 0 0\nv 1e300 0 0\nv 1 1 1 0\nf 1 2 3\n";
+    for (text, expected, count, what, line) in [
+        (vn, 2, 3, flat, 6),
+        ("vn 0 0 1\nvn 1.#QNAN 0 0\nf 1//1 2//1 3//1\n", 1, 1, flat, 6),
+        ("vt 0 nan\nvt\nvt x\nf 1/1 2/2 3/3\n", 1, 3, plain, 5),
+        ("vn 0 0 1\nf 1//0 2//1 3//1\nf 1//1 2//2 3//-2\n", 2, 3, lost, 6),
+        ("f 1//9 2//9 3//9\n", 1, 3, lost, 5),
+        ("usemtl\nf 1 2 3\nmtllib\nusemtl  \n", 1, 3, "usemtl or mtllib without a name", 5),
+        ("f 1 2 3\nf 1 2\nf 1\nf\n", 1, 3, "faces with fewer than 3 corners left out", 6),
+        (v, 1, 5, unusable, 5),
+        ("f 1 2 5\nf 1 3 -1\nv 0 0 1\n", 2, 1, ahead, 5),
     ] {
-        check("a.obj", (QUAD.to_owned() + text).as_bytes(), expected, &[said]);
+        let said = format!("a.obj: {count} {what} (first: line {line})");
+        check("a.obj", (QUAD.to_owned() + text).as_bytes(), expected, &[&said]);
     }
     let text = format!("{QUAD}vn 0 0 1\nvn nan 0 0\nf 1//1 2//1 3//1\nf 1//1 2//2 3//1\n");
     let shapes = load("a.obj", text.as_bytes()).unwrap().primitives;

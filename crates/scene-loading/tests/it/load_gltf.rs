@@ -7,6 +7,8 @@ use scene_loading::gltf::{load_gltf, parse_gltf};
 use scene_loading::{Light, LoadError, Scene, Shape};
 use serde_json::{Value, json};
 
+use crate::gltf_file::set;
+
 /// A binary glTF of one JSON and one BIN chunk.
 fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
     let mut text = serde_json::to_vec(document).unwrap();
@@ -68,14 +70,7 @@ fn parse(document: &Value) -> Result<Scene, LoadError> {
 
 /// Sets the value at a JSON pointer, adding the last key where it is missing.
 fn with(pointer: &str, value: Value) -> Value {
-    let mut document = document();
-    let (parent, key) = pointer.rsplit_once('/').unwrap();
-    let parent = document.pointer_mut(parent).unwrap();
-    match parent {
-        Value::Array(list) => list[key.parse::<usize>().unwrap()] = value,
-        _ => parent[key] = value,
-    }
-    document
+    set(document(), pointer, value)
 }
 
 fn error_of(document: &Value) -> LoadError {

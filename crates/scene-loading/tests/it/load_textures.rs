@@ -17,10 +17,10 @@ fn png() -> Vec<u8> {
 }
 
 /// The same with another width and height in its header.
-fn png_that_claims(size: u32) -> Vec<u8> {
+pub fn png_that_claims([width, height]: [u32; 2]) -> Vec<u8> {
     let mut bytes = png();
-    bytes[16..20].copy_from_slice(&size.to_be_bytes());
-    bytes[20..24].copy_from_slice(&size.to_be_bytes());
+    bytes[16..20].copy_from_slice(&width.to_be_bytes());
+    bytes[20..24].copy_from_slice(&height.to_be_bytes());
     let crc = !bytes[12..29].iter().fold(!0_u32, |crc, byte| {
         (0..8).fold(crc ^ u32::from(*byte), |c, _| (c >> 1) ^ (0xedb8_8320 * (c & 1)))
     });
@@ -105,7 +105,7 @@ fn an_unavailable_image_is_a_warning_that_names_it() {
         let images = [
             ("wall.png", png()),
             ("cut.png", png()[..40].to_vec()),
-            ("huge.png", png_that_claims(50_000)),
+            ("huge.png", png_that_claims([50_000; 2])),
         ];
         let scene = load(&text, &mtl, &images);
         let [warning] = &scene.warnings[..] else { panic!("{name}: {:?}", scene.warnings) };
@@ -205,7 +205,7 @@ fn gltf_textures_from_views_and_uris() {
 
 #[test]
 fn gltf_images_that_cannot_be_had_are_warnings() {
-    let huge = base64::engine::general_purpose::STANDARD.encode(png_that_claims(50_000));
+    let huge = base64::engine::general_purpose::STANDARD.encode(png_that_claims([50_000; 2]));
     for (image, why) in [
         (json!({}), "neither a URI nor a buffer view"),
         (json!({"uri": "lost.png"}), "dir/lost.png"),
