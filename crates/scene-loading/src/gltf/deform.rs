@@ -52,12 +52,6 @@ pub(crate) struct DeformedMesh {
     pub is_mirrored: bool,
 }
 
-/// Why a primitive does not follow its skin.
-pub(crate) enum SkinFault {
-    WithoutJoints,
-    OutsideScene,
-}
-
 /// True when a mesh at a node may change its shape.
 pub(crate) fn is_soft(node: &Node<'_>, mesh: &Mesh<'_>) -> bool {
     node.skin().is_some() || mesh.primitives().any(|p| p.morph_targets().len() > 0)
@@ -87,7 +81,8 @@ impl<'a> Deformer<'a> {
         self.pose = Some(pose);
     }
 
-    /// The vertices of a primitive; none where they are as the file has them.
+    /// The vertices of a primitive, none where they are as the file has them; and why it does not
+    /// follow its skin, if so.
     pub fn deformed(
         &mut self,
         node: &Node<'_>,
@@ -95,15 +90,15 @@ impl<'a> Deformer<'a> {
         positions: &[[f32; 3]],
         normals: &[[f32; 3]],
         world: DMat4,
-    ) -> Result<(Option<DeformedMesh>, Option<SkinFault>), LoadError> {
+    ) -> Result<(Option<DeformedMesh>, Option<&'static str>), LoadError> {
         let weights = self.weights(node, primitive);
         let (matrices, unbent) = match node.skin() {
             None => (None, None),
             Some(_) if joint_sets(primitive).next().is_none() => {
-                (None, Some(SkinFault::WithoutJoints))
+                (None, Some("has no JOINTS_0 and WEIGHTS_0"))
             }
             Some(skin) => match self.matrices(&skin)? {
-                None => (None, Some(SkinFault::OutsideScene)),
+                None => (None, Some("has joints that are not in the scene")),
                 matrices => (matrices, None),
             },
         };

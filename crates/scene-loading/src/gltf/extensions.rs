@@ -85,13 +85,17 @@ pub(super) fn warnings(json: &Root) -> Vec<String> {
     unread.map(text).collect()
 }
 
-/// Extensions of nodes that the crate `gltf` does not read.
+/// Beyond this f32 rounds to a thousandth and more. Below it, no translation is read again.
+const FAR: f32 = 16_384.0;
+
+/// What the crate `gltf` does not read of nodes.
 #[derive(Debug, Default)]
 pub(crate) struct NodeExtensions {
     pub instancing: BTreeMap<usize, InstanceAttributes>,
     /// Nodes that are not to be seen, with all below them (`KHR_node_visibility`).
     pub hidden: BTreeSet<usize>,
-    /// Translations in f64, where f32 is too coarse for them.
+    /// Translations in f64, where f32 is too coarse for one of a file; else none. What f64 cannot
+    /// hold is left to the crate.
     pub translations: BTreeMap<usize, DVec3>,
 }
 
@@ -106,7 +110,7 @@ pub(crate) struct InstanceAttributes {
 
 impl NodeExtensions {
     /// Reads them from the JSON of a file.
-    pub fn read(path: &Path, json: &[u8]) -> Result<Self, LoadError> {
+    pub fn read(path: &Path, json: &[u8], root: &Root) -> Result<Self, LoadError> {
         #[derive(Deserialize)]
         struct Document {
             #[serde(default)]
@@ -115,6 +119,8 @@ impl NodeExtensions {
         #[derive(Deserialize)]
         struct Node {
             extensions: Option<Extensions>,
+            translation: Option<[f64; 3]>,
+            matrix: Option<[f64; 16]>,
         }
         #[derive(Deserialize)]
         struct Extensions {
@@ -134,15 +140,23 @@ impl NodeExtensions {
         }
         let mut read = Self::default();
         let is_named = |name: &str| memchr::memmem::find(json, name.as_bytes()).is_some();
-        if !is_named(INSTANCING) && !is_named(VISIBILITY) {
+        let is_far = |x: &f32| x.abs() > FAR;
+        let has_far = root.nodes.iter().any(|node| {
+            node.translation.is_some_and(|t| t.iter().any(is_far))
+                || node.matrix.is_some_and(|m| m.iter().skip(12).any(is_far))
+        });
+        if !has_far && !is_named(INSTANCING) && !is_named(VISIBILITY) {
             return Ok(read);
         }
         let document: Document =
             serde_json::from_slice(json).map_err(|error| parser_error(path, error.to_string()))?;
-        for (node, extensions) in document.nodes.into_iter().enumerate() {
-            let Some(Extensions { instancing, visibility }) = extensions.extensions else {
-                continue;
-            };
+        for (node, Node { extensions, translation, matrix }) in
+            document.nodes.into_iter().enumerate()
+        {
+            let exact = matrix.map(|[.., x, y, z, _]| [x, y, z]).or(translation);
+            let exact = exact.filter(|_| has_far).map(DVec3::from_array);
+            read.translations.extend(exact.map(|exact| (node, exact)));
+            let Some(Extensions { instancing, visibility }) = extensions else { continue };
             if let Some(Instancing { attributes }) = instancing {
                 read.instancing.insert(node, attributes);
             }

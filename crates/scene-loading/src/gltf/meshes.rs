@@ -5,7 +5,7 @@ use ::gltf::mesh::Mode;
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FilePlace, LoadError, NOT_FINITE};
-use crate::gltf::deform::{self, DeformedMesh, SkinFault};
+use crate::gltf::deform::{self, DeformedMesh};
 use crate::gltf::instancing;
 use crate::gltf::nodes::NodeWalker;
 use crate::gltf::tree::PlacedNode;
@@ -167,21 +167,21 @@ impl NodeWalker<'_> {
             self.counts.incomplete += 1;
         }
         let normals = self.normals(&object(), primitive, positions.len())?;
+        let scene = &mut self.scene;
         let material = match primitive.material().index() {
             // the crate's validation keeps the index within the table
             Some(index) => index as u32,
-            None => self.default_material(),
+            // glTF's default: white, metallic 1, roughness 1
+            None => *self.default_material.get_or_insert_with(|| {
+                scene.push_material(Material { color: [1.0; 3], ..Material::default() })
+            }),
         };
         let texcoords = self.texcoords(&object(), primitive, positions.len())?;
         self.counts.coloured += usize::from(primitive.get(&Semantic::Colors(0)).is_some());
         let (node, world) = (&placed.node, placed.world);
         let (deformed, unbent) =
             self.deformer.deformed(node, primitive, &positions, &normals, world)?;
-        if let Some(unbent) = unbent {
-            let why = match unbent {
-                SkinFault::WithoutJoints => "has no JOINTS_0 and WEIGHTS_0",
-                SkinFault::OutsideScene => "has joints that are not in the scene",
-            };
+        if let Some(why) = unbent {
             let node = node.index();
             self.warn(format!("{} {why}, so at node {node} it follows no skin", object()));
         }
@@ -269,14 +269,6 @@ impl NodeWalker<'_> {
         let triangles = self.scene.primitives.len().saturating_add(triangles);
         let what = "the number of vertices or triangles of all instances";
         limits::check(vertices.max(triangles), MAX_ELEMENTS, what, || FilePlace::file(self.path))
-    }
-
-    fn default_material(&mut self) -> u32 {
-        let scene = &mut self.scene;
-        *self.default_material.get_or_insert_with(|| {
-            // glTF's default: white, metallic 1, roughness 1
-            scene.push_material(Material { color: [1.0; 3], ..Material::default() })
-        })
     }
 
     /// Adds the triangles of a primitive under a transform.

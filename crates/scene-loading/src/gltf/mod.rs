@@ -12,7 +12,6 @@
 //! touches; and a panic inside the crate is caught and becomes [`LoadError::Parser`] (the command
 //! line keeps the panic's own message from stderr).
 
-use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
@@ -25,9 +24,6 @@ use crate::gltf::rules::parser_error;
 use crate::input::read::{read_file, scene_name};
 use crate::scene::Scene;
 use ::gltf::Document;
-use ::gltf::json::Root;
-use glam::DVec3;
-use serde::Deserialize;
 
 pub(crate) mod animated;
 pub(crate) mod buffers;
@@ -96,8 +92,7 @@ impl OpenedFile {
         let json = container.parse(path)?;
         extensions::check(path, &json)?;
         rules::check(path, &json)?;
-        let mut extensions = NodeExtensions::read(path, container.json)?;
-        extensions.translations = translations(path, container.json, &json)?;
+        let extensions = NodeExtensions::read(path, container.json, &json)?;
         let document = Document::from_json_without_validation(json);
         let buffers = Buffers::load(path, &document, container.binary)?;
         Ok(Self { path: path.to_path_buf(), document, buffers, extensions })
@@ -112,41 +107,4 @@ impl OpenedFile {
         let scene = Scene::new(scene_name(&self.path));
         NodeWalker::new(&self.path, &self.document, &self.buffers, &self.extensions, scene)
     }
-}
-
-/// Beyond this f32 rounds to a thousandth and more. Below it, nothing is read again.
-const FAR: f32 = 16_384.0;
-
-/// By node, where one of a file is far away; else none. What f64 cannot hold is left to the crate.
-pub(super) fn translations(
-    path: &Path,
-    json: &[u8],
-    root: &Root,
-) -> Result<BTreeMap<usize, DVec3>, LoadError> {
-    #[derive(Deserialize)]
-    struct Document {
-        #[serde(default)]
-        nodes: Vec<Node>,
-    }
-    #[derive(Deserialize)]
-    struct Node {
-        translation: Option<[f64; 3]>,
-        matrix: Option<[f64; 16]>,
-    }
-    let is_far = |x: &f32| x.abs() > FAR;
-    let is_far_node = |node: &::gltf::json::Node| {
-        node.translation.is_some_and(|t| t.iter().any(is_far))
-            || node.matrix.is_some_and(|m| m.iter().skip(12).any(is_far))
-    };
-    if !root.nodes.iter().any(is_far_node) {
-        return Ok(BTreeMap::new());
-    }
-    let document: Document =
-        serde_json::from_slice(json).map_err(|error| parser_error(path, error.to_string()))?;
-    let exact = |node: Node| match (node.translation, node.matrix) {
-        (_, Some([.., x, y, z, _])) => Some(DVec3::new(x, y, z)),
-        (translation, None) => translation.map(DVec3::from_array),
-    };
-    let all = document.nodes.into_iter().enumerate();
-    Ok(all.filter_map(|(i, node)| Some((i, exact(node)?))).collect())
 }

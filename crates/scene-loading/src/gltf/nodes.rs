@@ -249,7 +249,6 @@ fn material_of(material: &::gltf::Material<'_>) -> Material {
         shine: (2.0 / roughness.powi(4).max(1e-5) - 2.0).max(0.0),
         transmittance: if blended { 1.0 - base.w } else { 0.0 },
         refraction_index: 1.0,
-        texture: None,
-        roughness: 0.0,
+        ..Material::default()
     }
 }
