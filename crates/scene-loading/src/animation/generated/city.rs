@@ -34,10 +34,10 @@ pub(super) fn frames(size: u32) -> Frames {
     );
     let light = [-3.0 * reach, -2.0 * reach, 5.0 * reach + 5.0];
     let mut stage = Stage::new(stage(view, &[light]));
-    let floor = stage.material(matte([0.35, 0.36, 0.37]));
+    let floor = stage.scene.push_material(matte([0.35, 0.36, 0.37]));
     stage.part_of(Mesh::quadrangle(ground(reach + BLOCK, 0.0)), floor);
     for (kind, wall) in WALLS.into_iter().enumerate() {
-        let material = stage.material(matte(wall));
+        let material = stage.scene.push_material(matte(wall));
         let of_kind = |i: &u64| stage::random_below(4, *i, 0) == kind as u64;
         let buildings = (0..u64::from(size).pow(2)).filter(of_kind);
         let mesh = buildings.fold(Mesh::default(), |all, i| with_building(all, i, size, reach));
@@ -47,7 +47,7 @@ pub(super) fn frames(size: u32) -> Frames {
     }
     let at_rest = stage.parts();
     let paint = [[0.8, 0.1, 0.1], [0.9, 0.85, 0.2], [0.1, 0.3, 0.8], [0.9, 0.9, 0.9]];
-    let paint = paint.map(|color| stage.material(matte(color)));
+    let paint = paint.map(|color| stage.scene.push_material(matte(color)));
     let car = stage.mesh(car());
     for i in 0..2 * size {
         stage.part(car, paint[i as usize % paint.len()]);

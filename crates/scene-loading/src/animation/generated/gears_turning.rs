@@ -21,12 +21,12 @@ pub(super) fn count(size: u32) -> u64 {
 
 pub(super) fn frames(size: u32) -> Frames {
     let mut stage = Stage::new(gears::empty());
-    let floor = stage.material(gears::floor());
+    let floor = stage.scene.push_material(gears::floor());
     stage.part_of(Mesh::quadrangle(ground(2.0, 0.0)), floor);
     let gear = stage.mesh(gear(size));
     let gears: Vec<gears::Gear> = gears::gears(size).collect();
     for gear_of in &gears {
-        let material = stage.material(gear_of.material.clone());
+        let material = stage.scene.push_material(gear_of.material.clone());
         stage.part(gear, material);
     }
     Box::new(move |frame| {

@@ -24,12 +24,12 @@ pub(super) fn count(size: u32) -> u64 {
 pub(super) fn frames(size: u32) -> Frames {
     let view = view([1.1, -3.8, 2.7], [0.0, 0.0, 0.3], Z_UP, 46.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[2.0, -2.0, 5.0], [-4.0, -3.0, 4.0]]));
-    let floor = stage.material(matte([0.6, 0.55, 0.5]));
+    let floor = stage.scene.push_material(matte([0.6, 0.55, 0.5]));
     stage.part_of(Mesh::quadrangle(ground(8.0, -BOWL)), floor);
-    let wood = stage.material(matte([0.5, 0.38, 0.25]));
+    let wood = stage.scene.push_material(matte([0.5, 0.38, 0.25]));
     stage.part_of(bowl(), wood);
     let colors = [[0.8, 0.2, 0.15], [0.2, 0.55, 0.25], [0.2, 0.35, 0.8], [0.9, 0.75, 0.25]];
-    let kinds = colors.map(|color| stage.material(glossy(color, 0.8, 0.15, 10.0)));
+    let kinds = colors.map(|color| stage.scene.push_material(glossy(color, 0.8, 0.15, 10.0)));
     let first = Balls::above_the_bowl(size);
     let marble = stage.mesh(Mesh::ball(2).scaled(DVec3::splat(first.radius)));
     for i in 0..size as usize {

@@ -1,30 +1,20 @@
 //! Scenes of rigid parts: their meshes stay, their placements move.
 
 use crate::animation::generated::mesh::Mesh;
-use crate::scene::{Instance, Material, Primitive, Scene, Shape};
+use crate::scene::{Instance, Primitive, Scene, Shape};
 use glam::{DAffine3, DVec3};
 
 /// A scene without primitives, and the parts that it will have.
 pub(super) struct Stage {
     pub scene: Scene,
     meshes: Vec<Mesh>,
-    parts: Vec<StagedMesh>,
-}
-
-/// A mesh that is somewhere.
-struct StagedMesh {
-    mesh: u32,
-    material: u32,
+    /// Mesh and material of each.
+    parts: Vec<[u32; 2]>,
 }
 
 impl Stage {
     pub fn new(scene: Scene) -> Self {
         Self { scene, meshes: Vec::new(), parts: Vec::new() }
-    }
-
-    /// Adds a material and returns its index.
-    pub fn material(&mut self, material: Material) -> u32 {
-        self.scene.push_material(material)
     }
 
     /// Adds a mesh and returns its index.
@@ -35,7 +25,7 @@ impl Stage {
 
     /// Adds a part of that mesh.
     pub fn part(&mut self, mesh: u32, material: u32) {
-        self.parts.push(StagedMesh { mesh, material });
+        self.parts.push([mesh, material]);
     }
 
     /// Adds a part of a mesh of its own.
@@ -54,21 +44,21 @@ impl Stage {
     pub fn placed(&self, placements: impl IntoIterator<Item = DAffine3>) -> Scene {
         let mut scene = self.scene.clone();
         let sum = |count: fn(&Mesh) -> usize| {
-            self.parts.iter().map(|part| count(&self.meshes[part.mesh as usize])).sum()
+            self.parts.iter().map(|part| count(&self.meshes[part[0] as usize])).sum()
         };
         scene.vertices.reserve_exact(sum(|mesh| mesh.vertices.len()));
         scene.normals.reserve_exact(sum(|mesh| mesh.normals.len()));
         scene.primitives.reserve_exact(sum(|mesh| mesh.triangles.len()));
         let mut placements = placements.into_iter();
-        for part in &self.parts {
+        for &part in &self.parts {
             let placement = placements.next().unwrap_or(DAffine3::IDENTITY);
-            push(&mut scene, part, &self.meshes[part.mesh as usize], placement);
+            push(&mut scene, part, &self.meshes[part[0] as usize], placement);
         }
         scene
     }
 }
 
-fn push(scene: &mut Scene, part: &StagedMesh, mesh: &Mesh, placement: DAffine3) {
+fn push(scene: &mut Scene, [object, material]: [u32; 2], mesh: &Mesh, placement: DAffine3) {
     let first = scene.primitives.len() as u32;
     let [first_v, first_n] = [scene.vertices.len(), scene.normals.len()].map(|n| n as u32);
     scene.vertices.extend(mesh.vertices.iter().map(|&v| placement.transform_point3(v)));
@@ -81,10 +71,9 @@ fn push(scene: &mut Scene, part: &StagedMesh, mesh: &Mesh, placement: DAffine3) 
             Shape::Patch { v, n: t.map(|i| first_n + i) }
         }
     };
-    let material = part.material;
     scene.primitives.extend(mesh.triangles.iter().map(|t| Primitive { shape: shape(t), material }));
     let count = mesh.triangles.len() as u32;
-    scene.instances.push(Instance { object: part.mesh, first, count, placement });
+    scene.instances.push(Instance { object, first, count, placement });
 }
 
 /// Makes frames, in any order.

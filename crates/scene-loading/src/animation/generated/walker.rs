@@ -34,44 +34,26 @@ const SHAPES: [([f64; 3], f64); 8] = [
 
 /// A limb: its shape, the limb that it hangs on, where the joint is there, and where its own middle
 /// is from the joint, metres; how it bends about the y axis with the phase of its side, radians.
-struct Limb {
-    shape: u32,
-    on: Option<usize>,
-    joint: [f64; 3],
-    offset: [f64; 3],
-    side: f64,
-    bend: fn(f64) -> f64,
-}
+type Limb = (u32, Option<usize>, [f64; 3], [f64; 3], f64, fn(f64) -> f64);
 
 const NONE: [f64; 3] = [0.0; 3];
-
-const fn limb(
-    shape: u32,
-    on: Option<usize>,
-    joint: [f64; 3],
-    offset: [f64; 3],
-    side: f64,
-    bend: fn(f64) -> f64,
-) -> Limb {
-    Limb { shape, on, joint, offset, side, bend }
-}
 
 /// The figure, which faces +x. Sides differ by half a double step.
 #[rustfmt::skip]
 const LIMBS: [Limb; 13] = [
-    limb(0, None, NONE, NONE, 0.0, |_| 0.0),
-    limb(1, Some(0), [0.0, 0.0, 0.08], [0.0, 0.0, 0.27], 0.0, |phase| 0.06 + 0.02 * (2.0 * phase).sin()),
-    limb(2, Some(1), [0.02, 0.0, 0.56], [0.02, 0.0, 0.13], 0.0, |_| -0.04),
-    limb(3, Some(1), [0.0, 0.24, 0.46], NONE, 0.5, |phase| -0.05 - 0.45 * phase.sin()),
-    limb(4, Some(3), [0.0, 0.0, -0.29], NONE, 0.5, |phase| -0.4 - 0.25 * phase.sin()),
-    limb(3, Some(1), [0.0, -0.24, 0.46], NONE, 0.0, |phase| -0.05 - 0.45 * phase.sin()),
-    limb(4, Some(5), [0.0, 0.0, -0.29], NONE, 0.0, |phase| -0.4 - 0.25 * phase.sin()),
-    limb(5, Some(0), [0.0, 0.1, -0.03], NONE, 0.0, |phase| -0.1 - 0.42 * phase.sin()),
-    limb(6, Some(7), [0.0, 0.0, -0.43], NONE, 0.0, knee),
-    limb(7, Some(8), [0.0, 0.0, -0.43], [0.06, 0.0, -0.03], 0.0, ankle),
-    limb(5, Some(0), [0.0, -0.1, -0.03], NONE, 0.5, |phase| -0.1 - 0.42 * phase.sin()),
-    limb(6, Some(10), [0.0, 0.0, -0.43], NONE, 0.5, knee),
-    limb(7, Some(11), [0.0, 0.0, -0.43], [0.06, 0.0, -0.03], 0.5, ankle),
+    (0, None, NONE, NONE, 0.0, |_| 0.0),
+    (1, Some(0), [0.0, 0.0, 0.08], [0.0, 0.0, 0.27], 0.0, |phase| 0.06 + 0.02 * (2.0 * phase).sin()),
+    (2, Some(1), [0.02, 0.0, 0.56], [0.02, 0.0, 0.13], 0.0, |_| -0.04),
+    (3, Some(1), [0.0, 0.24, 0.46], NONE, 0.5, |phase| -0.05 - 0.45 * phase.sin()),
+    (4, Some(3), [0.0, 0.0, -0.29], NONE, 0.5, |phase| -0.4 - 0.25 * phase.sin()),
+    (3, Some(1), [0.0, -0.24, 0.46], NONE, 0.0, |phase| -0.05 - 0.45 * phase.sin()),
+    (4, Some(5), [0.0, 0.0, -0.29], NONE, 0.0, |phase| -0.4 - 0.25 * phase.sin()),
+    (5, Some(0), [0.0, 0.1, -0.03], NONE, 0.0, |phase| -0.1 - 0.42 * phase.sin()),
+    (6, Some(7), [0.0, 0.0, -0.43], NONE, 0.0, knee),
+    (7, Some(8), [0.0, 0.0, -0.43], [0.06, 0.0, -0.03], 0.0, ankle),
+    (5, Some(0), [0.0, -0.1, -0.03], NONE, 0.5, |phase| -0.1 - 0.42 * phase.sin()),
+    (6, Some(10), [0.0, 0.0, -0.43], NONE, 0.5, knee),
+    (7, Some(11), [0.0, 0.0, -0.43], [0.06, 0.0, -0.03], 0.5, ankle),
 ];
 
 /// Bent most while the leg swings forward.
@@ -91,21 +73,21 @@ pub(super) fn count(size: u32) -> u64 {
 pub(super) fn frames(size: u32) -> Frames {
     let view = view([1.6, -3.0, 1.5], [0.0, 0.0, 0.9], Z_UP, 40.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[3.0, -4.0, 5.0], [-4.0, -3.0, 3.0]]));
-    let floor = stage.material(matte([0.5, 0.55, 0.5]));
+    let floor = stage.scene.push_material(matte([0.5, 0.55, 0.5]));
     stage.part_of(Mesh::quadrangle(ground(12.0, 0.0)), floor);
     let colors = [[0.25, 0.3, 0.5], [0.7, 0.3, 0.2], [0.8, 0.62, 0.5]];
-    let [trousers, shirt, skin] = colors.map(|color| stage.material(matte(color)));
+    let [trousers, shirt, skin] = colors.map(|color| stage.scene.push_material(matte(color)));
     let meshes = SHAPES.map(|(axes, pulled)| {
         let ball = Mesh::ball(size).scaled(DVec3::from_array(axes));
         stage.mesh(ball.pulled_down(pulled))
     });
-    for limb in &LIMBS {
-        let material = match limb.shape {
+    for (shape, ..) in LIMBS {
+        let material = match shape {
             1 | 3 => shirt,
             2 | 4 => skin,
             _ => trousers,
         };
-        stage.part(meshes[limb.shape as usize], material);
+        stage.part(meshes[shape as usize], material);
     }
     Box::new(move |frame| {
         let time = seconds(frame);
@@ -124,13 +106,12 @@ fn pose(phase: f64, ahead: DVec3) -> Vec<DAffine3> {
     let hip = DAffine3::from_translation(ahead + DVec3::new(0.0, 0.0, HIP + bob));
     // of the joints, of which each comes behind the one that it hangs on
     let mut joints: Vec<DAffine3> = Vec::with_capacity(LIMBS.len());
-    for limb in &LIMBS {
-        let bend = (limb.bend)(phase + TAU * limb.side);
-        let turn = DMat3::from_rotation_y(bend);
-        let here = DAffine3::from_mat3_translation(turn, DVec3::from_array(limb.joint));
-        let on = limb.on.map_or(hip, |i| joints[i]);
+    for (_, on, joint, _, side, bend) in LIMBS {
+        let turn = DMat3::from_rotation_y(bend(phase + TAU * side));
+        let here = DAffine3::from_mat3_translation(turn, DVec3::from_array(joint));
+        let on = on.map_or(hip, |i| joints[i]);
         joints.push(on * here);
     }
-    let middle = |limb: &Limb| DAffine3::from_translation(DVec3::from_array(limb.offset));
-    joints.iter().zip(&LIMBS).map(|(&joint, limb)| joint * middle(limb)).collect()
+    let middle = |offset| DAffine3::from_translation(DVec3::from_array(offset));
+    joints.iter().zip(LIMBS).map(|(&joint, limb)| joint * middle(limb.3)).collect()
 }

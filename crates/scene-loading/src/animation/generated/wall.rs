@@ -29,10 +29,10 @@ pub(super) fn count(size: u32) -> u64 {
 pub(super) fn frames(size: u32) -> Frames {
     let view = view([2.3, 4.6, 2.0], [0.0, 0.9, 0.3], Z_UP, 42.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[2.0, 4.0, 5.0], [-4.0, 2.0, 3.0]]));
-    let floor = stage.material(matte([0.55, 0.6, 0.5]));
+    let floor = stage.scene.push_material(matte([0.55, 0.6, 0.5]));
     stage.part_of(Mesh::quadrangle(ground(20.0, 0.0)), floor);
     let kinds = [[0.6, 0.25, 0.18], [0.52, 0.2, 0.15], [0.68, 0.33, 0.25]];
-    let kinds = kinds.map(|color| stage.material(matte(color)));
+    let kinds = kinds.map(|color| stage.scene.push_material(matte(color)));
     let height = 1.0 / f64::from(size);
     // narrower than its place, so that a wall at rest has no two faces in one plane
     let half = DVec3::new(height, height, 0.5 * height) * 0.98;
