@@ -142,7 +142,7 @@ impl FromStr for CameraOption {
 
 impl fmt::Display for CameraOption {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", Numbers(self.from.to_array()), Numbers(self.at.to_array()))?;
+        write!(f, "{}:{}", shown(self.from.to_array()), shown(self.at.to_array()))?;
         self.angle.map_or(Ok(()), |angle| write!(f, ":{angle}"))
     }
 }
@@ -164,8 +164,8 @@ impl FromStr for LightOption {
 
 impl fmt::Display for LightOption {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", Numbers(self.position.to_array()))?;
-        self.color.map_or(Ok(()), |color| write!(f, ":{}", Numbers(color)))
+        f.write_str(&shown(self.position.to_array()))?;
+        self.color.map_or(Ok(()), |color| write!(f, ":{}", shown(color)))
     }
 }
 
@@ -183,7 +183,7 @@ impl FromStr for UpOption {
 
 impl fmt::Display for UpOption {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", Numbers(self.0.to_array()))
+        f.write_str(&shown(self.0.to_array()))
     }
 }
 
@@ -223,13 +223,8 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 /// Three numbers with commas between them.
-struct Numbers([f64; 3]);
-
-impl fmt::Display for Numbers {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = self.0;
-        write!(f, "{x},{y},{z}")
-    }
+fn shown([x, y, z]: [f64; 3]) -> String {
+    format!("{x},{y},{z}")
 }
 
 #[cfg(test)]
@@ -286,10 +281,8 @@ mod tests {
         };
         scene.camera.angle = 30.0;
         options.apply(&mut scene).unwrap();
-        assert_eq!(
-            (scene.camera.from.z, scene.camera.angle, scene.camera.up),
-            (5.0, 30.0, DVec3::X)
-        );
+        let camera = &scene.camera;
+        assert_eq!((camera.from.z, camera.angle, camera.up), (5.0, 30.0, DVec3::X));
         assert_eq!(scene.lights.len(), 1);
         light_if_dark(&mut scene);
         assert_eq!((scene.lights.len(), scene.warnings.len()), (1, 0));

@@ -69,12 +69,15 @@ impl Motion {
             limits::check(count as usize, room, "the number of keys", || place)?;
             match word.text {
                 "transl" => {
-                    motion.translation = Some(Track::<DVec3>::new(places(words, count, back)?))
+                    motion.translation =
+                        Some(Track::<DVec3>::new(keys(words, count, back, value)?));
                 }
-                "scale" => motion.scale = Some(Track::<DVec3>::new(places(words, count, back)?)),
+                "scale" => {
+                    motion.scale = Some(Track::<DVec3>::new(keys(words, count, back, value)?))
+                }
                 "rot" => {
-                    let turn = |words: &mut Words<'_>| rotation(words);
-                    motion.rotation = Some(Track::<DQuat>::new(keys(words, count, back, turn)?));
+                    motion.rotation =
+                        Some(Track::<DQuat>::new(keys(words, count, back, rotation)?));
                 }
                 _ => {
                     let mut last = None;
@@ -105,12 +108,8 @@ pub(super) fn rotation(words: &mut Words<'_>) -> Result<DQuat, LoadError> {
     Ok(axis.try_normalize().map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle)))
 }
 
-fn places(
-    words: &mut Words<'_>,
-    count: u64,
-    back: &mut FirstAndCount,
-) -> Result<Vec<Key<DVec3>>, LoadError> {
-    keys(words, count, back, |words| words.vector("the values of a key"))
+fn value(words: &mut Words<'_>) -> Result<DVec3, LoadError> {
+    words.vector("the values of a key")
 }
 
 fn keys<T>(

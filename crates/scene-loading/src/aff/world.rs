@@ -5,8 +5,7 @@ use std::path::PathBuf;
 
 use glam::{DAffine3, DMat3, DMat4, DVec3};
 
-use crate::aff::motion::AnimatedPatch;
-use crate::aff::motion::Motions;
+use crate::aff::motion::{AnimatedPatch, Motions};
 use crate::error::{FilePlace, LoadError, NOT_FINITE};
 use crate::gltf::vectors::cofactor;
 use crate::pbrt::state::uniform_scale;
@@ -96,17 +95,15 @@ impl World {
     }
 
     fn placements(&self, time: f64) -> Vec<Placement> {
-        let world = Placement { to_world: DAffine3::IDENTITY, is_visible: true, is_steady: true };
         let mut placements: Vec<Placement> = Vec::with_capacity(self.branches.len());
         for branch in &self.branches {
-            let around = placements.get(branch.parent).copied().unwrap_or(world);
-            let motion = match &branch.step {
-                Step::Fixed(_) => None,
-                Step::Named(name) => self.motions.get(name),
-            };
-            let step = match &branch.step {
-                Step::Fixed(step) => *step,
-                Step::Named(_) => motion.map_or(DAffine3::IDENTITY, |motion| motion.at(time)),
+            let around = placement(&placements, branch.parent);
+            let (step, motion) = match &branch.step {
+                Step::Fixed(step) => (*step, None),
+                Step::Named(name) => {
+                    let motion = self.motions.get(name);
+                    (motion.map_or(DAffine3::IDENTITY, |motion| motion.at(time)), motion)
+                }
             };
             placements.push(Placement {
                 to_world: around.to_world * step,
@@ -160,12 +157,8 @@ fn place(part: &PrimitiveRange, placement: Placement, scene: &mut Scene) -> Resu
         flatten(part, scene);
     }
     if !(part.spheres.is_empty() && part.cones.is_empty()) {
-        let scale = if to_world.matrix3 == DMat3::ZERO {
-            Some(0.0)
-        } else {
-            uniform_scale(&DMat4::from(to_world))
-        };
-        let scale = scale.ok_or_else(|| {
+        let hidden = (to_world.matrix3 == DMat3::ZERO).then_some(0.0);
+        let scale = hidden.or_else(|| uniform_scale(&DMat4::from(to_world))).ok_or_else(|| {
             let (what, expected) = ("the scale of a sphere or cone", "the same in all directions");
             LoadError::out_of_range(part.place.clone(), what, to_world.matrix3, expected)
         })?;
@@ -180,8 +173,7 @@ fn place(part: &PrimitiveRange, placement: Placement, scene: &mut Scene) -> Resu
             cone.apex_radius *= scale;
         }
     }
-    let is_rigid = placement.is_steady && !part.is_soft && to_world.matrix3.determinant() != 0.0;
-    if is_rigid {
+    if placement.is_steady && !part.is_soft && to_world.matrix3.determinant() != 0.0 {
         // loaders take at most 64 Mi primitives
         let [first, count] = [part.primitives.start, part.primitives.len()].map(|n| n as u32);
         let (object, placement) = (part.object, to_world);

@@ -196,7 +196,6 @@ impl MaterialStatement {
         let material = Material {
             name: self.name,
             color: self.diffuse.unwrap_or(default.color),
-            diffuse: default.diffuse,
             specular: if reflects { specular.clamp(0.0, 1.0) } else { 0.0 },
             shine: self.shininess.unwrap_or(if reflects { NO_HIGHLIGHT } else { 0.0 }).max(0.0),
             transmittance,
@@ -204,8 +203,7 @@ impl MaterialStatement {
                 Some(index) if transmittance > 0.0 && index > 0.0 => index,
                 _ => default.refraction_index,
             },
-            texture: None,
-            roughness: 0.0,
+            ..default
         };
         library.entries.push((material, self.map));
     }

@@ -26,12 +26,6 @@ pub struct SceneRef {
     outside: bool,
 }
 
-impl SceneRef {
-    pub(crate) fn new(name: impl Into<String>, from: SceneOrigin) -> Self {
-        Self { name: name.into(), from, view: ViewOptions::default(), outside: false }
-    }
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum SceneOrigin {
     Spd(String),
@@ -52,6 +46,10 @@ pub struct LoadedScene {
 }
 
 impl SceneRef {
+    pub(crate) fn new(name: impl Into<String>, from: SceneOrigin) -> Self {
+        Self { name: name.into(), from, view: ViewOptions::default(), outside: false }
+    }
+
     /// The description it was resolved from, unless it is a plain file or generated.
     pub fn description(&self) -> Option<&SceneFile> {
         match &self.from {

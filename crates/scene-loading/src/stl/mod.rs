@@ -39,16 +39,16 @@ pub fn parse_stl(path: &Path, bytes: Vec<u8>) -> Result<Scene, LoadError> {
     reader.counts.finish(reader.scene, path)
 }
 
-pub(super) struct Reader<'a> {
-    pub path: &'a Path,
-    pub mesh: Mesh,
-    pub scene: Scene,
-    pub welder: Welder,
-    pub counts: FaceCounts,
+struct Reader<'a> {
+    path: &'a Path,
+    mesh: Mesh,
+    scene: Scene,
+    welder: Welder,
+    counts: FaceCounts,
 }
 
 impl Reader<'_> {
-    pub fn add(
+    fn add(
         &mut self,
         corners: [[f64; 3]; 3],
         place: impl Fn() -> FilePlace,
@@ -64,13 +64,11 @@ impl Reader<'_> {
         self.mesh.add(&corners, &mut self.scene, &mut self.counts, place)
     }
 
-    pub fn warn(&mut self, text: String) {
+    fn warn(&mut self, text: String) {
         self.scene.warnings.push(Warning(format!("{}: {text}", self.path.display())));
     }
-}
 
-impl Reader<'_> {
-    pub(super) fn text(&mut self, text: &str) -> Result<(), LoadError> {
+    fn text(&mut self, text: &str) -> Result<(), LoadError> {
         let mut words = Words::new(self.path, text);
         progress::begin(text.len());
         let mut told = 0;
@@ -83,12 +81,8 @@ impl Reader<'_> {
             }
             match word.text.to_ascii_lowercase().as_str() {
                 "facet" => self.facet(&mut words, word.line)?,
-                "solid" => {
-                    is_open = true;
-                    skip_name(&mut words, word.line);
-                }
-                "endsolid" => {
-                    is_open = false;
+                solid @ ("solid" | "endsolid") => {
+                    is_open = solid == "solid";
                     skip_name(&mut words, word.line);
                 }
                 "end" if words.peek().is_some_and(|next| is(next.text, "solid")) => {
@@ -130,6 +124,61 @@ impl Reader<'_> {
         end(words, "endfacet")?;
         let path = self.path;
         self.add(corners, || FilePlace::line(path, line))
+    }
+
+    fn binary(&mut self, bytes: &[u8]) -> Result<(), LoadError> {
+        let path = self.path;
+        let place = |at| FilePlace::byte(path, at);
+        let Some(stated) = stated(bytes) else {
+            let expected = "`solid`, or 80 bytes and the number of triangles";
+            return Err(LoadError::unexpected_end(place(bytes.len()), expected));
+        };
+        let data = bytes.get(HEADER..).unwrap_or_default();
+        let fits = data.len() / TRIANGLE;
+        let mut count = usize::try_from(stated).unwrap_or(usize::MAX);
+        if NOT_KNOWN.contains(&stated) && count != fits {
+            self.warn(format!(
+                "the header states {stated} triangles, the file's length fits {fits} (byte {})",
+                HEADER - 4
+            ));
+            count = fits;
+        }
+        limits::check(count, fits, "the number of triangles", || place(HEADER - 4))?;
+        let payload = Payload::of(data, count);
+        if payload.end != data.len() && payload.is_there {
+            let found = format!("{} bytes for {count} triangles", data.len());
+            let expected = format!(
+                "50 a triangle, or as many more as the attributes of each say ({} in all)",
+                payload.end
+            );
+            return Err(LoadError::syntax(place(HEADER - 4), &found, expected));
+        }
+        if payload.is_there {
+            let more = payload.end - count * TRIANGLE;
+            self.warn(format!("{more} bytes of attributes behind triangles left out"));
+        } else if data.len() > count * TRIANGLE {
+            let (left, end) = (data.len() - count * TRIANGLE, HEADER + count * TRIANGLE);
+            self.warn(format!("{left} bytes after the last triangle left out (byte {end})"));
+        }
+        progress::begin(count);
+        let mut at = 0;
+        for i in 0..count {
+            if i % TOLD_EVERY == 0 {
+                progress::at(i);
+            }
+            let record = data.get(at..).and_then(|rest| rest.first_chunk::<TRIANGLE>());
+            let Some(record) = record else { break };
+            let (numbers, attributes) = record.as_chunks::<4>();
+            let mut corners = [[0.0; 3]; 3];
+            // the normal first, which the corners have, too
+            let numbers = numbers.iter().skip(3).map(|&b| f64::from(f32::from_le_bytes(b)));
+            for (slot, value) in corners.as_flattened_mut().iter_mut().zip(numbers) {
+                *slot = value;
+            }
+            self.add(corners, || place(HEADER + at))?;
+            at += TRIANGLE + if payload.is_there { length_of(attributes) } else { 0 };
+        }
+        Ok(())
     }
 }
 
@@ -198,63 +247,6 @@ fn is_binary(path: &Path, bytes: &[u8]) -> Result<bool, LoadError> {
     let is_solid =
         begins(b"solid") || near.to_ascii_lowercase().windows(5).any(|word| word == b"facet");
     Ok(!is_solid || near.contains(&0))
-}
-
-impl Reader<'_> {
-    pub(super) fn binary(&mut self, bytes: &[u8]) -> Result<(), LoadError> {
-        let path = self.path;
-        let place = |at| FilePlace::byte(path, at);
-        let Some(stated) = stated(bytes) else {
-            let expected = "`solid`, or 80 bytes and the number of triangles";
-            return Err(LoadError::unexpected_end(place(bytes.len()), expected));
-        };
-        let data = bytes.get(HEADER..).unwrap_or_default();
-        let fits = data.len() / TRIANGLE;
-        let mut count = usize::try_from(stated).unwrap_or(usize::MAX);
-        if NOT_KNOWN.contains(&stated) && count != fits {
-            self.warn(format!(
-                "the header states {stated} triangles, the file's length fits {fits} (byte {})",
-                HEADER - 4
-            ));
-            count = fits;
-        }
-        limits::check(count, fits, "the number of triangles", || place(HEADER - 4))?;
-        let payload = Payload::of(data, count);
-        if payload.end != data.len() && payload.is_there {
-            let found = format!("{} bytes for {count} triangles", data.len());
-            let expected = format!(
-                "50 a triangle, or as many more as the attributes of each say ({} in all)",
-                payload.end
-            );
-            return Err(LoadError::syntax(place(HEADER - 4), &found, expected));
-        }
-        if payload.is_there {
-            let more = payload.end - count * TRIANGLE;
-            self.warn(format!("{more} bytes of attributes behind triangles left out"));
-        } else if data.len() > count * TRIANGLE {
-            let (left, end) = (data.len() - count * TRIANGLE, HEADER + count * TRIANGLE);
-            self.warn(format!("{left} bytes after the last triangle left out (byte {end})"));
-        }
-        progress::begin(count);
-        let mut at = 0;
-        for i in 0..count {
-            if i % TOLD_EVERY == 0 {
-                progress::at(i);
-            }
-            let record = data.get(at..).and_then(|rest| rest.first_chunk::<TRIANGLE>());
-            let Some(record) = record else { break };
-            let (numbers, attributes) = record.as_chunks::<4>();
-            let mut corners = [[0.0; 3]; 3];
-            // the normal first, which the corners have, too
-            let numbers = numbers.iter().skip(3).map(|&b| f64::from(f32::from_le_bytes(b)));
-            for (slot, value) in corners.as_flattened_mut().iter_mut().zip(numbers) {
-                *slot = value;
-            }
-            self.add(corners, || place(HEADER + at))?;
-            at += TRIANGLE + if payload.is_there { length_of(attributes) } else { 0 };
-        }
-        Ok(())
-    }
 }
 
 /// Data that stands behind triangles, as long as the attribute bytes of each say. Most writers keep
