@@ -9,110 +9,41 @@ use scene_loading::procedural::{self, SPD, SpecError, write_nff};
 use scene_loading::{Light, Scene, Shape};
 use sha2::{Digest, Sha256};
 
-/// What the original file of a scene holds.
-struct Reference {
-    name: &'static str,
-    counts: Counts,
-    materials: usize,
-    lights: usize,
-    min: [f64; 3],
-    max: [f64; 3],
-    sha256: &'static str,
-}
+/// What the original file of a scene holds: its name; numbers of spheres, cones, polygons, patches;
+/// of materials and lights; its bounds; its checksum.
+type Reference = (&'static str, [usize; 4], [usize; 2], [[f64; 3]; 2], &'static str);
 
-#[derive(Debug, Default, Clone, Copy, PartialEq, Eq)]
-struct Counts {
-    spheres: usize,
-    cones: usize,
-    polygons: usize,
-    patches: usize,
-}
-
+#[rustfmt::skip]
 const REFERENCES: [Reference; 8] = [
-    Reference {
-        name: "balls",
-        counts: Counts { spheres: 7381, cones: 0, polygons: 1, patches: 0 },
-        materials: 2,
-        lights: 3,
-        min: [-12.0, -12.0, -0.5],
-        max: [12.0, 12.0, 0.83056684],
-        sha256: "ca955919729183aff08bde63286a8b6dc4196626f99f642f150b9210ed7249bf",
-    },
-    Reference {
-        name: "gears",
-        counts: Counts { spheres: 0, cones: 0, polygons: 9345, patches: 0 },
-        materials: 65,
-        lights: 5,
-        min: [-2.0, -2.0, 0.0],
-        max: [2.0, 2.0, 1.0],
-        sha256: "888b3b7f3573891dbfe3e5b5c852020677fb2c526f0455a57018ed57702c0336",
-    },
-    Reference {
-        name: "lattice",
-        counts: Counts { spheres: 2197, cones: 6084, polygons: 0, patches: 0 },
-        materials: 8281,
-        lights: 6,
-        min: [-0.0208333; 3],
-        max: [1.0208333; 3],
-        sha256: "768ec7e5327a523027235e71a898783e6e4d9cb2500c79ca25dfe6931ca66177",
-    },
-    Reference {
-        name: "mount",
-        counts: Counts { spheres: 4, cones: 0, polygons: 8192, patches: 0 },
-        materials: 2,
-        lights: 1,
-        min: [-1.15961, -1.0, -0.702953],
-        max: [1.0, 1.15961, 1.37821],
-        sha256: "c48f8bdbcc7f28e661939b9c246e41c78d562662bc9b43819000cdc9538809b9",
-    },
-    Reference {
-        name: "rings",
-        counts: Counts { spheres: 4200, cones: 4200, polygons: 1, patches: 0 },
-        materials: 841,
-        lights: 3,
-        min: [-10.8389, 1.65358, -9.33895],
-        max: [8.83895, 20.905, 10.3389],
-        sha256: "e0f31dca34897a69575da1492d1bcdd3c5a8b1101c109ea3040e28c3ca4cc042",
-    },
-    Reference {
-        name: "teapot",
-        counts: Counts { spheres: 0, cones: 0, polygons: 144, patches: 9120 },
-        materials: 3,
-        lights: 2,
-        min: [-4.0, -4.0, 0.0],
-        max: [4.0, 4.0, 3.15],
-        sha256: "90531da9a4374eb485da3270873e472093e28748c89940c7f094c19f7a35fed0",
-    },
-    Reference {
-        name: "tetra",
-        counts: Counts { spheres: 0, cones: 0, polygons: 4096, patches: 0 },
-        materials: 1,
-        lights: 1,
-        min: [-1.0; 3],
-        max: [1.0; 3],
-        sha256: "6bb2da0228e0edc67f1d780926aafc9fd1bd04c1887472a4af5b567a208dbffe",
-    },
-    Reference {
-        name: "tree",
-        counts: Counts { spheres: 4095, cones: 4095, polygons: 1, patches: 0 },
-        materials: 2,
-        lights: 7,
-        min: [-50.0, -50.0, 0.0],
-        max: [50.0, 50.0, 3.13748741],
-        sha256: "57ae111e5e70e6ca13caf5868804a43a1ca68dadf5dfffcbef265adefcada8a2",
-    },
+    ("balls", [7381, 0, 1, 0], [2, 3], [[-12.0, -12.0, -0.5], [12.0, 12.0, 0.83056684]],
+     "ca955919729183aff08bde63286a8b6dc4196626f99f642f150b9210ed7249bf"),
+    ("gears", [0, 0, 9345, 0], [65, 5], [[-2.0, -2.0, 0.0], [2.0, 2.0, 1.0]],
+     "888b3b7f3573891dbfe3e5b5c852020677fb2c526f0455a57018ed57702c0336"),
+    ("lattice", [2197, 6084, 0, 0], [8281, 6], [[-0.0208333; 3], [1.0208333; 3]],
+     "768ec7e5327a523027235e71a898783e6e4d9cb2500c79ca25dfe6931ca66177"),
+    ("mount", [4, 0, 8192, 0], [2, 1], [[-1.15961, -1.0, -0.702953], [1.0, 1.15961, 1.37821]],
+     "c48f8bdbcc7f28e661939b9c246e41c78d562662bc9b43819000cdc9538809b9"),
+    ("rings", [4200, 4200, 1, 0], [841, 3], [[-10.8389, 1.65358, -9.33895], [8.83895, 20.905, 10.3389]],
+     "e0f31dca34897a69575da1492d1bcdd3c5a8b1101c109ea3040e28c3ca4cc042"),
+    ("teapot", [0, 0, 144, 9120], [3, 2], [[-4.0, -4.0, 0.0], [4.0, 4.0, 3.15]],
+     "90531da9a4374eb485da3270873e472093e28748c89940c7f094c19f7a35fed0"),
+    ("tetra", [0, 0, 4096, 0], [1, 1], [[-1.0; 3], [1.0; 3]],
+     "6bb2da0228e0edc67f1d780926aafc9fd1bd04c1887472a4af5b567a208dbffe"),
+    ("tree", [4095, 4095, 1, 0], [2, 7], [[-50.0, -50.0, 0.0], [50.0, 50.0, 3.13748741]],
+     "57ae111e5e70e6ca13caf5868804a43a1ca68dadf5dfffcbef265adefcada8a2"),
 ];
 
-fn counts(scene: &Scene) -> Counts {
-    let mut counts = Counts::default();
+/// Spheres, cones, polygons, patches.
+fn counts(scene: &Scene) -> [usize; 4] {
+    let mut counts = [0; 4];
     for primitive in &scene.primitives {
-        match primitive.shape {
-            Shape::Sphere(_) => counts.spheres += 1,
-            Shape::Cone(_) => counts.cones += 1,
-            Shape::Polygon { .. } => counts.polygons += 1,
-            Shape::Patch { .. } => counts.patches += 1,
+        counts[match primitive.shape {
+            Shape::Sphere(_) => 0,
+            Shape::Cone(_) => 1,
+            Shape::Polygon { .. } => 2,
+            Shape::Patch { .. } => 3,
             Shape::Triangle { .. } => panic!("SPD scenes have no plain triangles"),
-        }
+        }] += 1;
     }
     counts
 }
@@ -125,24 +56,23 @@ fn checksum(scene: &Scene) -> String {
 
 #[test]
 fn default_sizes_equal_the_original_files() {
-    assert!(SPD.iter().map(|e| e.name).eq(REFERENCES.iter().map(|r| r.name)));
-    for reference in REFERENCES {
-        let name = reference.name;
+    assert!(SPD.iter().map(|e| e.name).eq(REFERENCES.iter().map(|r| r.0)));
+    for (name, kinds, [materials, lights], bounds, sha256) in REFERENCES {
         let scene = procedural::generate(name).unwrap();
         assert_eq!(scene.name, name);
-        assert_eq!(counts(&scene), reference.counts, "{name}");
-        assert_eq!(scene.materials.len(), reference.materials, "{name}");
-        assert_eq!(scene.lights.len(), reference.lights, "{name}");
+        assert_eq!(counts(&scene), kinds, "{name}");
+        assert_eq!(scene.materials.len(), materials, "{name}");
+        assert_eq!(scene.lights.len(), lights, "{name}");
         assert!(scene.lights.iter().all(|l| matches!(l, Light::Point { color: None, .. })));
         assert!(scene.warnings.is_empty());
-        assert_eq!(checksum(&scene), reference.sha256, "{name}");
+        assert_eq!(checksum(&scene), sha256, "{name}");
 
         let printed = procedural::generate_as_printed(name).unwrap();
-        assert_eq!(checksum(&printed), reference.sha256, "{name}");
-        let bounds = printed.bounds();
-        let (min, max) = (DVec3::from_array(reference.min), DVec3::from_array(reference.max));
-        assert!((bounds.min - min).abs().max_element() < 1e-8, "{name}: {bounds:?}");
-        assert!((bounds.max - max).abs().max_element() < 1e-8, "{name}: {bounds:?}");
+        assert_eq!(checksum(&printed), sha256, "{name}");
+        let [min, max] = bounds.map(DVec3::from_array);
+        let found = printed.bounds();
+        assert!((found.min - min).abs().max_element() < 1e-8, "{name}: {found:?}");
+        assert!((found.max - max).abs().max_element() < 1e-8, "{name}: {found:?}");
     }
 }
 
@@ -177,31 +107,31 @@ fn materials_count_the_surface_lines() {
 
 #[test]
 fn a_changed_coordinate_changes_the_checksum() {
-    let balls = &REFERENCES[0];
+    let (.., sha256) = REFERENCES[0];
     let mut scene = procedural::generate_as_printed("balls").unwrap();
-    assert_eq!(checksum(&scene), balls.sha256);
+    assert_eq!(checksum(&scene), sha256);
     scene.spheres[5000].center.y *= 1.0 + 1e-4;
-    assert_ne!(checksum(&scene), balls.sha256);
+    assert_ne!(checksum(&scene), sha256);
 }
 
 #[test]
 fn other_sizes_have_the_documented_counts() {
     let n = 3_usize;
-    let check = |spec: &str, expected: Counts| {
+    let rods = 5 * n * (n + 1) * (2 * n + 1);
+    for (spec, expected) in [
+        ("balls:3", [(9_usize.pow(4) - 1) / 8, 0, 1, 0]),
+        ("gears:3", [0, 0, 146 * n.pow(3) + 1, 0]),
+        ("lattice:3", [64, 3 * n * 16, 0, 0]),
+        ("mount:3", [4, 0, 2 * 64, 0]),
+        ("rings:3", [rods, rods, 1, 0]),
+        ("teapot:3", [0, 0, 9, 64 * n * n - 8 * n]),
+        ("tetra:3", [0, 0, 64, 0]),
+        ("tree:3", [15, 15, 1, 0]),
+    ] {
         let scene = procedural::generate(spec).unwrap();
         assert_eq!(scene.name, spec);
         assert_eq!(counts(&scene), expected, "{spec}");
-    };
-    let none = Counts::default();
-    check("balls:3", Counts { spheres: (9_usize.pow(4) - 1) / 8, polygons: 1, ..none });
-    check("gears:3", Counts { polygons: 146 * n.pow(3) + 1, ..none });
-    check("lattice:3", Counts { spheres: 64, cones: 3 * n * 16, ..none });
-    check("mount:3", Counts { spheres: 4, polygons: 2 * 64, ..none });
-    let rods = 5 * n * (n + 1) * (2 * n + 1);
-    check("rings:3", Counts { spheres: rods, cones: rods, polygons: 1, ..none });
-    check("teapot:3", Counts { polygons: 9, patches: 64 * n * n - 8 * n, ..none });
-    check("tetra:3", Counts { polygons: 64, ..none });
-    check("tree:3", Counts { spheres: 15, cones: 15, polygons: 1, ..none });
+    }
 }
 
 /// Checksums of what the original programs write at sizes that are not the default.
