@@ -222,12 +222,8 @@ impl LoadError {
         found: impl ToString,
         expected: impl ToString,
     ) -> Self {
-        Self::Gltf {
-            place: FilePlace::file(file),
-            object: object.to_string(),
-            found: found.to_string(),
-            expected: expected.to_string(),
-        }
+        let (place, object) = (FilePlace::file(file), object.to_string());
+        Self::Gltf { place, object, found: found.to_string(), expected: expected.to_string() }
     }
 }
 
@@ -267,11 +263,8 @@ mod tests {
 
     #[test]
     fn messages_name_file_and_line() {
-        let error = LoadError::syntax(
-            FilePlace::line(Path::new("a/b.nff"), 7),
-            "fish",
-            "an entity keyword",
-        );
+        let place = FilePlace::line(Path::new("a/b.nff"), 7);
+        let error = LoadError::syntax(place, "fish", "an entity keyword");
         assert_eq!(error.to_string(), "a/b.nff:7: found `fish`, expected an entity keyword");
     }
 

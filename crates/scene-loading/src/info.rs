@@ -113,11 +113,8 @@ impl fmt::Display for SceneInfo {
             writeln!(f, "bounds      {} to {}", self.bounds.min, self.bounds.max)?;
         }
         if self.origin != DVec3::ZERO {
-            writeln!(
-                f,
-                "shift       by {}: coordinates are computed from there",
-                DVec3::ZERO - self.origin
-            )?;
+            let shift = DVec3::ZERO - self.origin;
+            writeln!(f, "shift       by {shift}: coordinates are computed from there")?;
         }
         write!(f, "memory      {:.1} MiB", self.bytes as f64 / (1 << 20) as f64)
     }

@@ -167,13 +167,8 @@ mod tests {
     #[test]
     fn curves_go_through_their_keys_and_stay_at_the_ends() {
         let x = |x: f64| DVec3::new(x, 0.0, 0.0);
-        let track = Track::<DVec3>::new(vec![
-            key(-1.0, x(5.0)),
-            key(0.0, x(0.0)),
-            key(1.0, x(1.0)),
-            key(3.0, x(3.0)),
-            key(4.0, x(4.0)),
-        ]);
+        let keys = [(-1.0, 5.0), (0.0, 0.0), (1.0, 1.0), (3.0, 3.0), (4.0, 4.0)];
+        let track = Track::<DVec3>::new(keys.map(|(time, at)| key(time, x(at))).to_vec());
         // two keys at once: a jump
         let mut jump = track.0.clone();
         jump[2].time = 3.0;

@@ -3,8 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::ear_clipping::triangulate;
-use super::plane::{ZERO_AREA, area_vector, is_flat};
-use crate::polygon::plane::orientation;
+use super::plane::{ZERO_AREA, area_vector, is_flat, orientation};
 
 /// Outlines of more corners are not looked at: every edge is compared with every other.
 const MAX_CORNERS: usize = 16;

@@ -48,13 +48,7 @@ pub struct SelfCrossing {
 /// for each of them.
 pub fn triangulate(outline: &[DVec3]) -> Result<Vec<[u32; 3]>, SelfCrossing> {
     check_size(outline)?;
-    match project(outline) {
-        Some(points) => match convex(&points) {
-            Some(triangles) => Ok(triangles),
-            None => cut_up(Ring::new(points)),
-        },
-        None => Ok(Vec::new()),
-    }
+    project(outline).map_or(Ok(Vec::new()), |points| cut_up(points, false))
 }
 
 /// [`triangulate`] for an outline that is not flat: as it looks along its area vector. The
@@ -70,11 +64,7 @@ pub(crate) fn triangulate_bent(
     let (u, v) = area.normalize_or_zero().any_orthonormal_pair();
     let Some(&origin) = outline.first() else { return Ok(Vec::new()) };
     let flat = |&p: &DVec3| DVec2::new((p - origin).dot(u), (p - origin).dot(v));
-    let points: Vec<DVec2> = outline.iter().map(flat).collect();
-    match convex(&points) {
-        Some(triangles) => Ok(triangles),
-        None => cut_up(Ring { keeps_all: true, ..Ring::new(points) }),
-    }
+    cut_up(outline.iter().map(flat).collect(), true)
 }
 
 /// The triangles of a convex quadrangle, which most polygons are: those that [`Ring`] finds.
@@ -90,8 +80,12 @@ fn check_size(outline: &[DVec3]) -> Result<(), SelfCrossing> {
     if corners > MAX_CORNERS { Err(SelfCrossing { corners }) } else { Ok(()) }
 }
 
-fn cut_up(mut ring: Ring) -> Result<Vec<[u32; 3]>, SelfCrossing> {
-    let corners = ring.len;
+fn cut_up(points: Vec<DVec2>, keeps_all: bool) -> Result<Vec<[u32; 3]>, SelfCrossing> {
+    if let Some(triangles) = convex(&points) {
+        return Ok(triangles);
+    }
+    let corners = points.len();
+    let mut ring = Ring { keeps_all, ..Ring::new(points) };
     if corners > TOLD_EVERY {
         progress::begin(corners);
     }

@@ -74,11 +74,8 @@ pub(super) fn rings(size: u32) -> ShapeCounts {
 pub(super) fn teapot(size: u32) -> ShapeCounts {
     let n = u64::from(size);
     let patches = 64 * n * n - 8 * n;
-    ShapeCounts {
-        flat: patches + n * n,
-        flat_triangles: patches + 2 * n * n,
-        ..ShapeCounts::default()
-    }
+    let (flat, flat_triangles) = (patches + n * n, patches + 2 * n * n);
+    ShapeCounts { flat, flat_triangles, ..ShapeCounts::default() }
 }
 
 /// Four pyramids a pyramid.
@@ -119,14 +116,12 @@ mod tests {
             for size in 1..=4 {
                 let counts = (family.count)(size);
                 let scene = (family.generate)(size);
-                let of = |is: fn(&Shape) -> bool| {
-                    scene.primitives.iter().filter(|p| is(&p.shape)).count() as u64
-                };
-                let found = [
-                    of(|s| matches!(s, Shape::Sphere(_))),
-                    of(|s| matches!(s, Shape::Cone(_))),
-                    scene.primitives.len() as u64,
-                ];
+                let [mut spheres, mut cones] = [0; 2];
+                for primitive in &scene.primitives {
+                    spheres += u64::from(matches!(primitive.shape, Shape::Sphere(_)));
+                    cones += u64::from(matches!(primitive.shape, Shape::Cone(_)));
+                }
+                let found = [spheres, cones, scene.primitives.len() as u64];
                 let expected = [counts.spheres, counts.cones, counts.primitives()];
                 assert_eq!(found, expected, "{}:{size}", family.name);
                 if size == 2 {

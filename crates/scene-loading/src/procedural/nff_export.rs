@@ -74,12 +74,8 @@ fn write_primitive(
         Shape::Cone(i) => {
             let cone = scene.cones[i as usize];
             let (base, apex) = (vector(&cone.base), vector(&cone.apex));
-            writeln!(
-                out,
-                "c {base} {} {apex} {}",
-                PrintfG(cone.base_radius),
-                PrintfG(cone.apex_radius)
-            )
+            let radii = [cone.base_radius, cone.apex_radius].map(PrintfG);
+            writeln!(out, "c {base} {} {apex} {}", radii[0], radii[1])
         }
         Shape::Polygon { first, count } => {
             let outline = &scene.vertices[first as usize..][..count as usize];

@@ -160,10 +160,8 @@ impl Scene {
         let first_n = index(self.normals.len());
         self.vertices.extend_from_slice(&vertices);
         self.normals.extend_from_slice(&normals);
-        let shape = Shape::Patch {
-            v: [first, first + 1, first + 2],
-            n: [first_n, first_n + 1, first_n + 2],
-        };
+        let [v, n] = [first, first_n].map(|first| [first, first + 1, first + 2]);
+        let shape = Shape::Patch { v, n };
         self.primitives.push(Primitive { shape, material });
     }
 

@@ -238,10 +238,8 @@ mod tests {
 
     #[test]
     fn the_origin_is_a_round_number() {
-        let city = bounds(
-            DVec3::new(448_000.05, 5_411_000.2, 212.4),
-            DVec3::new(448_796.52, 5_411_797.14, 240.16),
-        );
+        let min = DVec3::new(448_000.05, 5_411_000.2, 212.4);
+        let city = bounds(min, DVec3::new(448_796.52, 5_411_797.14, 240.16));
         assert_eq!(origin_for(&city), DVec3::new(448_000.0, 5_411_000.0, 0.0));
         for (middle, extent, origin) in [
             (5.4e6, 20.0, 5.4e6),
@@ -251,10 +249,8 @@ mod tests {
             (7.9, 1.0, 0.0),
             (1e60, 1e58, 1e60),
         ] {
-            let b = bounds(
-                DVec3::new(middle - extent / 2.0, 0.0, 0.0),
-                DVec3::new(middle + extent / 2.0, 0.0, 0.0),
-            );
+            let [min, max] = [-0.5, 0.5].map(|k| DVec3::new(middle + extent * k, 0.0, 0.0));
+            let b = bounds(min, max);
             assert_eq!(origin_for(&b).x, origin, "{middle} {extent}");
         }
         for nowhere in

@@ -82,10 +82,8 @@ impl Reading {
         };
         let (a, b) = (&self.bounds, &other.bounds);
         if !(near(a.min, b.min) && near(a.max, b.max)) {
-            found.push(format!(
-                "bounds {} to {} here, {} to {} by {reader}",
-                a.min, a.max, b.min, b.max
-            ));
+            let there = format!("{} to {} by {reader}", b.min, b.max);
+            found.push(format!("bounds {} to {} here, {there}", a.min, a.max));
         }
         let names: BTreeSet<&String> =
             self.triangles.keys().chain(other.triangles.keys()).collect();
@@ -94,11 +92,8 @@ impl Reading {
             names.into_iter().filter(|name| of(self, name) != of(other, name)).collect();
         for name in differ.iter().take(MAX_NAMED) {
             let (here, there) = (of(self, name), of(other, name));
-            let what = if name.is_empty() {
-                "no material".to_owned()
-            } else {
-                format!("material {}", quote(name))
-            };
+            let named = || format!("material {}", quote(name));
+            let what = if name.is_empty() { "no material".to_owned() } else { named() };
             found.push(format!("{what}: {here} triangles here, {there} by {reader}"));
         }
         if differ.len() > MAX_NAMED {
@@ -131,10 +126,8 @@ mod tests {
         assert!(said[1].starts_with("bounds [0, 0, 0] to [1, 1, 1] here"), "{said:?}");
         assert_eq!(said[2], "material `b`: 2 triangles here, 3 by x");
         theirs.know_only(&["a".to_owned()].into());
-        assert!(
-            ours.differences(&theirs, "x")
-                .contains(&"no material: 0 triangles here, 3 by x".into())
-        );
+        let said = ours.differences(&theirs, "x");
+        assert!(said.contains(&"no material: 0 triangles here, 3 by x".into()), "{said:?}");
         for i in 0..9 {
             theirs.add(&format!("m{i}"), 1);
         }

@@ -130,15 +130,10 @@ mod tests {
     fn a_described_scene_has_the_primitives_of_the_size_in_its_name() {
         let catalogue = SceneCatalogue::embedded().unwrap();
         let scene = catalogue.resolve(&["balls-tess:2".to_owned()]).unwrap().remove(0);
-        let loaded = scene.load().unwrap();
-        assert_eq!(
-            (loaded.scene.name.as_str(), scene.name.as_str()),
-            ("balls-tess:2", "balls-tess:2")
-        );
-        assert_eq!(
-            loaded.scene.primitives.len() as u64,
-            sizes("balls-tess").unwrap().nearest(17_000).1
-        );
+        let loaded = scene.load().unwrap().scene;
+        assert_eq!([loaded.name.as_str(), scene.name.as_str()], ["balls-tess:2"; 2]);
+        let expected = sizes("balls-tess").unwrap().nearest(17_000).1;
+        assert_eq!(loaded.primitives.len() as u64, expected);
         for bad in ["balls-tess:0", "balls-tess:x", "balls-tess:8"] {
             let error = catalogue.resolve(&[bad.to_owned()]).unwrap_err().to_string();
             assert!(error.contains("from 1 to 7"), "{error}");
@@ -149,10 +144,8 @@ mod tests {
     fn scenes_without_sizes_are_errors_that_name_those_with() {
         for name in ["kitchen", "spd", "balls:5", "pavilion"] {
             let error = sizes(name).unwrap_err();
-            assert!(
-                error.contains("`balls:5`") || error.contains("does not come in sizes"),
-                "{error}"
-            );
+            let is_named = error.contains("`balls:5`") || error.contains("does not come in sizes");
+            assert!(is_named, "{error}");
             assert!(error.contains("hare") && error.contains("tree-tess"), "{error}");
         }
         let catalogue = SceneCatalogue::embedded().unwrap();

@@ -25,13 +25,8 @@ pub(super) fn count(size: u32) -> u64 {
 
 pub(super) fn frames(size: u32) -> Frames {
     let reach = f64::from(size) * BLOCK / 2.0;
-    let view = view(
-        [-1.1 * reach, -1.5 * reach - 1.0, 0.9 * reach + 1.5],
-        [0.0, -0.15 * reach, 0.0],
-        Z_UP,
-        45.0,
-        0.0,
-    );
+    let from = [-1.1 * reach, -1.5 * reach - 1.0, 0.9 * reach + 1.5];
+    let view = view(from, [0.0, -0.15 * reach, 0.0], Z_UP, 45.0, 0.0);
     let light = [-3.0 * reach, -2.0 * reach, 5.0 * reach + 5.0];
     let mut stage = Stage::new(stage(view, &[light]));
     let floor = stage.scene.push_material(matte([0.35, 0.36, 0.37]));
