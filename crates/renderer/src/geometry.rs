@@ -1,14 +1,14 @@
 //! From the f64 scene to the primitive sets that structures are built over, converted once.
 
-use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
-    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet,
+    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, PrimsRef,
+    TriangleSet,
 };
 use accel_core::registry::{Buildable, PerScalar, ScalarPair};
 use accel_core::update;
 use accel_core::{Vec3, Vector};
 use glam::DVec3;
-use scene_loading::{Scene, Shape};
+use scene_loading::{Primitive, Scene, Shape};
 
 /// Why a scene's geometry cannot be used.
 #[derive(Debug, Clone, thiserror::Error)]
@@ -128,11 +128,9 @@ fn is_triangle(shape: Shape) -> bool {
 }
 
 fn is_transmissive(scene: &Scene, id: u32) -> bool {
-    scene
-        .primitives
-        .get(id as usize)
-        .and_then(|p| scene.materials.get(p.material as usize))
-        .is_some_and(|m| m.transmittance > 0.0)
+    let material = |p: &Primitive| scene.materials.get(p.material as usize);
+    let material = scene.primitives.get(id as usize).and_then(material);
+    material.is_some_and(|m| m.transmittance > 0.0)
 }
 
 fn triangle<S: Buildable>(scene: &Scene, shape: Shape) -> [[S; 3]; 3] {

@@ -104,8 +104,7 @@ impl RaySettings {
             historical: true,
             offset: OffsetRule::Fixed(0.01),
             diffuse: false,
-            seed: 1,
-            shadows: ShadowRays::default(),
+            ..Self::default()
         }
     }
 }

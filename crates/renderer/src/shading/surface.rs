@@ -34,11 +34,8 @@ impl<'a> Surfaces<'a> {
     /// length is missing.
     pub fn new(scene: &'a Scene, historical_cones: bool) -> Self {
         let any_polygon = scene.primitives.iter().any(|p| matches!(p.shape, Shape::Polygon { .. }));
-        let polygon_normals = if any_polygon {
-            scene.primitives.iter().map(|p| newell(scene, p.shape)).collect()
-        } else {
-            Vec::new()
-        };
+        let normals = scene.primitives.iter().map(|p| newell(scene, p.shape));
+        let polygon_normals = if any_polygon { normals.collect() } else { Vec::new() };
         let bounds = scene.bounds();
         let most = 2.0 * bounds.min.abs().max(bounds.max.abs()).max_element();
         Self { scene, polygon_normals, historical_cones, most }
@@ -152,15 +149,8 @@ mod tests {
     fn cone_normals_right_and_historical() {
         let mut scene = Scene::new("cone");
         let m = scene.push_material(Material::default());
-        scene.push_cone(
-            m,
-            scene_loading::Cone {
-                base: DVec3::ZERO,
-                base_radius: 2.0,
-                apex: DVec3::Z * 4.0,
-                apex_radius: 1.0,
-            },
-        );
+        let (base, apex) = (DVec3::ZERO, DVec3::Z * 4.0);
+        scene.push_cone(m, scene_loading::Cone { base, base_radius: 2.0, apex, apex_radius: 1.0 });
         let p = DVec3::new(1.5, 0.0, 2.0);
         let right = Surfaces::new(&scene, false).at(0, p).normal;
         // perpendicular to the side from (2, 0) to (1, 4)

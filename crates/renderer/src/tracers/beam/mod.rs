@@ -51,7 +51,6 @@ use super::info::{DrawnImage, Frame, Refusal, Structures};
 use crate::film::Image;
 use counts::Counts;
 use prepared::BeamScene;
-use tile::Tile;
 
 /// Draws the scene by beams, in the current rayon pool. The same image for any number of threads.
 ///
@@ -67,10 +66,10 @@ pub fn draw(
     let tiles = prepared.tiles(false);
     let (mut work, mut counts) = (FrustumWork::default(), Counts::default());
     for tile in &tiles {
-        work += tile.work();
-        counts += tile.counts();
+        work += tile.work;
+        counts += tile.counts;
     }
-    let pixels = prepared.assemble([0.0; 3], &tiles, Tile::colors);
+    let pixels = prepared.assemble([0.0; 3], &tiles, |tile| &tile.colors);
     let [width, height] = frame.resolution;
     Ok(DrawnImage { image: Image { width, height, pixels }, work, counts: counts.named() })
 }

@@ -47,13 +47,16 @@ struct Beam {
 /// A part of an image, traced alone: beams never leave the pixels that they started in.
 pub struct Tile<'a> {
     on: &'a BeamScene<'a>,
-    corner: [u32; 2],
-    size: [u32; 2],
-    colors: Vec<Rgb>,
+    pub corner: [u32; 2],
+    /// Width and height, pixels.
+    pub size: [u32; 2],
+    /// Its pixels, row by row.
+    pub colors: Vec<Rgb>,
     /// If it is recorded.
     covered: Option<Vec<Vec<CoveredArea>>>,
-    counts: Counts,
-    work: FrustumWork,
+    pub counts: Counts,
+    /// Cost of its queries.
+    pub work: FrustumWork,
     beams: Vec<Beam>,
 }
 
@@ -73,32 +76,9 @@ impl<'a> Tile<'a> {
         }
     }
 
-    pub fn corner(&self) -> [u32; 2] {
-        self.corner
-    }
-
-    /// Width and height, pixels.
-    pub fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
-    /// Its pixels, row by row.
-    pub fn colors(&self) -> &[Rgb] {
-        &self.colors
-    }
-
     /// Areas seen by its pixels, if recorded; not summed up.
     pub fn covered(&self) -> &[Vec<CoveredArea>] {
         self.covered.as_deref().unwrap_or_default()
-    }
-
-    /// Cost of its queries.
-    pub fn work(&self) -> FrustumWork {
-        self.work
-    }
-
-    pub fn counts(&self) -> Counts {
-        self.counts
     }
 
     /// Traces all its beams.
@@ -111,13 +91,8 @@ impl<'a> Tile<'a> {
         let eye = Pyramid::new(self.on.eye.origin(), frame, self.on.magnitude);
         self.counts.beams += 1;
         let piece = ConvexPolygon::rectangle(DVec2::ZERO, size);
-        self.send(eye.map(|pyramid| Beam {
-            pyramid,
-            piece,
-            weight: [1.0; 3],
-            depth: 1,
-            from: None,
-        }));
+        let weight = [1.0; 3];
+        self.send(eye.map(|pyramid| Beam { pyramid, piece, weight, depth: 1, from: None }));
         while let Some(beam) = self.beams.pop() {
             self.advance(&beam, candidates);
         }
@@ -185,11 +160,8 @@ impl<'a> Tile<'a> {
             on.surfaces.at(id, pyramid.point(p, seen.depth.at(p)))
         };
         let middle = at(centre);
-        let plane = Plane {
-            normal: middle.refined.normal,
-            point: middle.refined.position,
-            depth: seen.depth,
-        };
+        let (normal, point) = (middle.refined.normal, middle.refined.position);
+        let plane = Plane { normal, point, depth: seen.depth };
         let hit = |p: DVec2| SurfaceHit {
             point: at(p),
             id,
@@ -230,14 +202,8 @@ impl<'a> Tile<'a> {
             let towards = reflect(pyramid.direction(centre), middle.normal);
             let mirrored = pyramid.through(&plane, plane.normal * -2.0, towards);
             let weight = beam.weight.map(|w| w * m.specular);
-            let (piece, depth) = (piece.clone(), beam.depth + 1);
-            self.send(mirrored.map(|pyramid| Beam {
-                pyramid,
-                piece,
-                weight,
-                depth,
-                from: Some(id),
-            }));
+            let (piece, depth, from) = (piece.clone(), beam.depth + 1, Some(id));
+            self.send(mirrored.map(|pyramid| Beam { pyramid, piece, weight, depth, from }));
         }
         if m.transmittance > 0.0 {
             self.refract(beam, piece, seen.id, &middle, &plane);
@@ -255,12 +221,8 @@ impl<'a> Tile<'a> {
     ) {
         let m = surface.material;
         let weight = beam.weight.map(|w| w * m.transmittance);
-        let bend = BendSetup {
-            pyramid: &beam.pyramid,
-            plane,
-            normal: surface.normal,
-            index: m.refraction_index,
-        };
+        let (normal, index) = (surface.normal, m.refraction_index);
+        let bend = BendSetup { pyramid: &beam.pyramid, plane, normal, index };
         for BeamPart { piece, beam: bent } in bend.parts(piece, self.on.settings.bend) {
             match bent {
                 BendOutcome::Through(pyramid) => {

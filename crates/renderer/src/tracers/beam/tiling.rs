@@ -67,9 +67,9 @@ impl BeamScene<'_> {
         let [width, height] = self.frame.resolution.map(|n| n as usize);
         let mut pixels = vec![empty; width * height];
         for tile in tiles {
-            let rows = of(tile).chunks(tile.size()[0].max(1) as usize);
-            for (row, y) in rows.zip(tile.corner()[1] as usize..) {
-                let begin = y * width + tile.corner()[0] as usize;
+            let rows = of(tile).chunks(tile.size[0].max(1) as usize);
+            for (row, y) in rows.zip(tile.corner[1] as usize..) {
+                let begin = y * width + tile.corner[0] as usize;
                 if let Some(place) = pixels.get_mut(begin..begin + row.len()) {
                     place.clone_from_slice(row);
                 }

@@ -339,16 +339,11 @@ mod tests {
     fn cycles_need_no_order() {
         // three bars, each over the next: depth 1 at one end, 3 at the other
         let bar = |angle: f64| {
-            let turned = |x: f64, y: f64, z: f64| {
+            let turned = |(x, y, z): (f64, f64, f64)| {
                 let p = DVec2::from_angle(angle).rotate(DVec2::new(x, y)) + DVec2::splat(4.0);
                 [p.x * z, p.y * z, z]
             };
-            [
-                turned(-3.0, 0.5, 1.0),
-                turned(3.0, 0.5, 3.0),
-                turned(3.0, 1.2, 3.0),
-                turned(-3.0, 1.2, 1.0),
-            ]
+            [(-3.0, 0.5, 1.0), (3.0, 0.5, 3.0), (3.0, 1.2, 3.0), (-3.0, 1.2, 1.0)].map(turned)
         };
         let third = std::f64::consts::TAU / 3.0;
         let bars = [bar(0.0), bar(third), bar(2.0 * third)];

@@ -227,9 +227,7 @@ mod tests {
     fn partial_fragments_hide_their_share_of_the_one_behind() {
         let (seen, found) = composed(vec![band(7, 5.0, -9.0, 9.0), band(3, 1.0, 0.0, 9.0)]);
         assert_eq!(seen.iter().map(|s| s.0).collect::<Vec<_>>(), [3, 7]);
-        assert!(
-            found.is_certain && (seen[0].1 - 0.5).abs() < 1e-9 && (seen[1].1 - 0.5).abs() < 1e-9
-        );
+        assert!(found.is_certain && seen.iter().all(|s| (s.1 - 0.5).abs() < 1e-9), "{seen:?}");
         // what is seen of the one behind is the other half
         assert!((found.seen[0].centroid + found.seen[1].centroid).length() < 1e-9);
         // behind it: nothing

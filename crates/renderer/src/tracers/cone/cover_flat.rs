@@ -132,10 +132,7 @@ pub fn project(
             continue;
         }
         deepest = part.iter().map(|c| c.depth).fold(deepest, f64::max);
-        total = Some(match total {
-            None => overlap,
-            Some(first) => add_overlaps(first, overlap),
-        });
+        total = Some(total.map_or(overlap, |first| add_overlaps(first, overlap)));
         outline.extend(places);
     }
     total.map(|overlap| (overlap, outline, deepest))
@@ -232,15 +229,9 @@ mod tests {
             .map(DVec3::from);
         let flat = flat(&corners);
         let far = flat.cover(&cone, &corners, None).unwrap().far;
-        let deepest = (0..64)
-            .filter_map(|k| {
-                flat.depth(
-                    &cone,
-                    corners[0],
-                    DVec2::from_angle(f64::from(k) / 64.0 * std::f64::consts::TAU),
-                )
-            })
-            .fold(0.0, f64::max);
+        let edge = |k| DVec2::from_angle(f64::from(k) / 64.0 * std::f64::consts::TAU);
+        let depths = (0..64).filter_map(|k| flat.depth(&cone, corners[0], edge(k)));
+        let deepest = depths.fold(0.0, f64::max);
         assert!(deepest <= far && far < deepest + 0.02, "{deepest} {far}");
     }
 }

@@ -130,12 +130,8 @@ mod tests {
     #[test]
     fn cone_coverage_equals_the_share_of_rays() {
         let side = |base: [f64; 3], apex: [f64; 3], r0: f64, r1: f64| {
-            Side::new(&scene_loading::Cone {
-                base: DVec3::from(base),
-                base_radius: r0,
-                apex: DVec3::from(apex),
-                apex_radius: r1,
-            })
+            let (base, apex) = (DVec3::from(base), DVec3::from(apex));
+            Side::new(&scene_loading::Cone { base, base_radius: r0, apex, apex_radius: r1 })
         };
         let eye = Cone::new(DVec3::ZERO, DVec3::Z, 0.0, 0.05);
         let beam = Cone::new(DVec3::ZERO, DVec3::Z, 0.5, 0.0);
@@ -154,12 +150,9 @@ mod tests {
                     side.body = Body::new(side.base, r0 * sign, side.apex, r1 * sign);
                     let share = side.cover(&cone, None, None).map_or(0.0, |c| c.overlap.share);
                     let expected = cone.share_of_rays(|place| side.depth(&cone, place).is_some());
-                    assert!(
-                        (share - expected).abs() < 0.015,
-                        "{share} {expected} {:?} {:?} {sign} {cone:?}",
-                        side.base,
-                        side.radii
-                    );
+                    let Side { base, radii, .. } = side;
+                    let what = format!("{share} {expected} {base:?} {radii:?} {sign} {cone:?}");
+                    assert!((share - expected).abs() < 0.015, "{what}");
                 }
             }
         }

@@ -170,11 +170,8 @@ mod tests {
             let share = ball.cover(&cone, None, None).map_or(0.0, |c| c.overlap.share);
             let expected = cone.share_of_rays(|place| ball.depth(&cone, place, None).is_some());
             assert!(expected > 0.02 && expected < 0.99, "{expected}");
-            assert!(
-                (share - expected).abs() < 0.01,
-                "{share} {expected} {:?} {cone:?}",
-                ball.sphere
-            );
+            let off = (share - expected).abs();
+            assert!(off < 0.01, "{share} {expected} {:?} {cone:?}", ball.sphere);
         }
     }
 

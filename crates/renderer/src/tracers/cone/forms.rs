@@ -34,13 +34,9 @@ impl Forms {
             Shape::Cone(i) => Form::Side(Box::new(Side::new(&scene.cones[i as usize]))),
             Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
                 let outline = scene.outline(primitive.shape);
-                let first = corners.len();
+                let (normal, first) = (newell_normal(&outline), corners.len());
                 corners.extend_from_slice(&outline);
-                Form::Flat(FlatCoverage {
-                    normal: newell_normal(&outline),
-                    first,
-                    count: outline.len(),
-                })
+                Form::Flat(FlatCoverage { normal, first, count: outline.len() })
             }
         };
         let forms = scene.primitives.iter().map(form).collect();
