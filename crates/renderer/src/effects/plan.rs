@@ -175,7 +175,7 @@ impl EffectPlan {
             stages.hits.push(Box::new(MovedSurfaces::new(scene)));
         }
         if all || self.calls_for(Effect::Textures) {
-            stages.hits.push(Box::new(ImageColors::new(scene)));
+            stages.hits.push(Box::new(ImageColors(scene)));
         }
         stages
     }

@@ -31,25 +31,16 @@ fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
 }
 
 /// Colours hits on textured triangles.
-pub struct ImageColors<'a> {
-    scene: &'a Scene,
-}
-
-impl<'a> ImageColors<'a> {
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene }
-    }
-}
+pub struct ImageColors<'a>(pub &'a Scene);
 
 impl HitStage for ImageColors<'_> {
     fn apply(&self, hits: &mut [SurfaceHit<'_>]) {
         for hit in hits {
             let Some(texture) = hit.point.material.texture else { continue };
             // images stay on what moves
-            let way = self.scene.velocity(hit.id) * hit.origin.time;
-            let place = texture_place(self.scene, hit.id, hit.point.position - way);
-            if let (Some(texture), Some(place)) = (self.scene.textures.get(texture as usize), place)
-            {
+            let way = self.0.velocity(hit.id) * hit.origin.time;
+            let place = texture_place(self.0, hit.id, hit.point.position - way);
+            if let (Some(texture), Some(place)) = (self.0.textures.get(texture as usize), place) {
                 let [r, g, b] = bilinear(texture, place);
                 let [own_r, own_g, own_b] = hit.point.material.color;
                 hit.point.color = [own_r * r, own_g * g, own_b * b];
@@ -140,10 +131,8 @@ mod tests {
         scene.push_triangle(0, [DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0]);
         assert_eq!(called_by(&scene, &RenderSettings::default()), None);
         scene.last_is_textured([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-        assert_eq!(
-            called_by(&scene, &RenderSettings::default()).as_deref(),
-            Some("1 material with a texture")
-        );
+        let called = called_by(&scene, &RenderSettings::default());
+        assert_eq!(called.as_deref(), Some("1 material with a texture"));
         let place = texture_place(&scene, 0, DVec3::new(3.0, 1.0, 0.0)).unwrap();
         assert_eq!(place, DVec2::new(0.75, 0.25));
         assert_eq!(texture_place(&scene, 1, DVec3::ZERO), None);

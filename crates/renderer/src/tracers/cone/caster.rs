@@ -56,7 +56,7 @@ impl<'a> Caster<'a> {
             // this rule asks for no magnitude
             offset: RayOffset::new(OffsetRule::default(), 0.0),
             lights: lights(scene),
-            textures: ImageColors::new(scene),
+            textures: ImageColors(scene),
             bounds: [bounds.min, bounds.max],
             max_depth,
             settings,
