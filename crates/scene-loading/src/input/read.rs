@@ -107,15 +107,11 @@ mod tests {
         link(outside.path(), "folder");
         std::fs::write(folder.path().join("own"), "x").unwrap();
         link(Path::new("own"), "inside");
-        for (name, is_allowed) in [
-            ("own", true),
-            ("inside", true),
-            ("lost", true),
-            ("file", false),
-            ("folder/secret", false),
-        ] {
-            assert_eq!(confined(folder.path(), name).is_some(), is_allowed, "{name}");
+        let is_allowed = |name: &str| confined(folder.path(), name).is_some();
+        for name in ["own", "inside", "lost"] {
+            assert!(is_allowed(name), "{name}");
         }
+        assert!(!is_allowed("file") && !is_allowed("folder/secret"));
     }
 
     #[test]

@@ -157,7 +157,7 @@ impl fmt::Display for Number {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Cone;
+    use crate::scene::{Cone, Primitive};
 
     fn sample() -> Scene {
         let mut scene = Scene::new("sample");
@@ -221,11 +221,8 @@ mod tests {
                 used.push(mesh.material_id.unwrap() as u32);
             }
         }
-        let expected: Vec<Vec<[f64; 3]>> = scene
-            .primitives
-            .iter()
-            .map(|p| scene.outline(p.shape).iter().map(|v| v.to_array()).collect())
-            .collect();
+        let outline = |p: &Primitive| scene.outline(p.shape).iter().map(|v| v.to_array()).collect();
+        let expected: Vec<Vec<[f64; 3]>> = scene.primitives.iter().map(outline).collect();
         assert_eq!(outlines, expected);
         assert_eq!(used, [0, 1, 1]);
         assert!(models.iter().any(|m| m.mesh.normals.ends_with(&[0.0, 0.0, 1.0])));
@@ -238,14 +235,12 @@ mod tests {
         write_obj(&scene, &mut obj, None).unwrap();
         let text = String::from_utf8(obj).unwrap();
         assert!(!text.contains("mtllib") && !text.contains("usemtl"));
-        let vertices: Vec<DVec3> = text
-            .lines()
-            .filter_map(|line| line.strip_prefix("v "))
-            .map(|line| {
-                let xyz: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
-                DVec3::from_slice(&xyz)
-            })
-            .collect();
+        let vertex = |line: &str| {
+            let xyz: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
+            DVec3::from_slice(&xyz)
+        };
+        let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
+        let vertices: Vec<DVec3> = lines.map(vertex).collect();
         assert_eq!(vertices, scene.vertices);
     }
 

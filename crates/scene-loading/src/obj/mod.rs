@@ -91,7 +91,9 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
         while let Some((_, name)) = switches.next_if(|(before, _)| *before <= i) {
             let next = name.and_then(|name| materials.ids.get(name).copied());
             if next != material && started {
-                builder.new_numbers();
+                // the material changes: vertices are numbered anew
+                builder.positions.start += 1;
+                builder.normals.start += 1;
                 started = false;
             }
             material = next;
@@ -166,12 +168,6 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// The material changes: vertices are numbered anew.
-    fn new_numbers(&mut self) {
-        self.positions.start += 1;
-        self.normals.start += 1;
-    }
-
     /// Adds a face with the indices of its corners and of their normals.
     fn add(
         &mut self,

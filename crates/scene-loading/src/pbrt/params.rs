@@ -157,10 +157,7 @@ impl Params {
         match self.numbers(name)? {
             [] => Ok(default),
             [value] => Ok(*value),
-            more => {
-                let found = format!("{} numbers", more.len());
-                Err(LoadError::syntax(self.place(), &found, format!("one ({name})")))
-            }
+            more => Err(self.other_count(more, &format!("one ({name})"))),
         }
     }
 
@@ -172,11 +169,12 @@ impl Params {
         match self.numbers(name)? {
             [] => Ok(default),
             [x, y, z] => Ok([*x, *y, *z]),
-            other => {
-                let found = format!("{} numbers", other.len());
-                Err(LoadError::syntax(self.place(), &found, format!("three ({name})")))
-            }
+            other => Err(self.other_count(other, &format!("three ({name})"))),
         }
+    }
+
+    fn other_count(&self, numbers: &[f64], expected: &str) -> LoadError {
+        LoadError::syntax(self.place(), &format!("{} numbers", numbers.len()), expected)
     }
 
     /// A colour that is given as `rgb`, or `color` as before version 4; spectra, textures and

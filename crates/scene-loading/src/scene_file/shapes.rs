@@ -17,8 +17,7 @@ use serde::Deserialize;
 use crate::error::{FilePlace, LoadError};
 use crate::mesh::{FaceCounts, push_outline};
 use crate::scene::{Cone, Scene};
-use crate::scene_file::json::at_least_0;
-use crate::scene_file::json::unknown_material;
+use crate::scene_file::json::{at_least_0, unknown_material};
 
 /// A shape with its material and, if it moves, its velocity in world units per unit of time.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -116,17 +115,10 @@ impl ShapeEntry {
     ) -> Result<(), LoadError> {
         let before = scene.primitives.len();
         match self {
-            Self::Sphere(s) => {
-                scene.push_sphere(material, DVec3::from_array(s.center), s.radius);
-            }
-            Self::Cone(c) => {
-                let cone = Cone {
-                    base: DVec3::from_array(c.base),
-                    base_radius: c.base_radius,
-                    apex: DVec3::from_array(c.apex),
-                    apex_radius: c.apex_radius,
-                };
-                scene.push_cone(material, cone);
+            Self::Sphere(s) => scene.push_sphere(material, DVec3::from_array(s.center), s.radius),
+            &Self::Cone(ConeEntry { base, base_radius, apex, apex_radius, .. }) => {
+                let [base, apex] = [base, apex].map(DVec3::from_array);
+                scene.push_cone(material, Cone { base, base_radius, apex, apex_radius });
             }
             Self::Polygon(p) => {
                 let vertices: Vec<DVec3> =
@@ -157,12 +149,8 @@ pub(crate) fn push_all(
         if let ShapeEntry::Polygon(p) = shape
             && p.vertices.len() < 3
         {
-            let found = format!("{} vertices", p.vertices.len());
-            return Err(LoadError::syntax(
-                FilePlace::file(file),
-                &found,
-                "a polygon of at least 3",
-            ));
+            let (place, found) = (FilePlace::file(file), format!("{} vertices", p.vertices.len()));
+            return Err(LoadError::syntax(place, &found, "a polygon of at least 3"));
         }
         shape.push(scene, material as u32, &mut counts, || FilePlace::file(file))?;
     }
