@@ -142,6 +142,20 @@ impl CheckArgs {
         self.against.is_some() || !self.against_plugin.is_empty()
     }
 
+    /// Description of the older side.
+    pub fn against_in_words(&self) -> String {
+        if let Some(old) = &self.against {
+            return format!("binary {}", old.display());
+        }
+        match &self.against_plugin[..] {
+            [] => format!("baseline {}", self.baseline.as_deref().unwrap_or_default()),
+            files => {
+                let files: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
+                format!("plugin {}", files.join(", "))
+            }
+        }
+    }
+
     /// Settings of a comparison without a baseline.
     pub fn settings(&self) -> RunSettings {
         let how = &self.measuring;

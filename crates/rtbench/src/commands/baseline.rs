@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::args::{BaselineAction, BaselineArgs, Color, SaveArgs};
 use crate::baselines::{Baseline, BaselineError, Store, read};
-use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::commands::measuring::{exit_code, measure_quietly};
 use crate::commands::run::plan_of;
 use crate::commands::run_outputs;
 use crate::context::Context;
@@ -95,10 +95,7 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     run_outputs::refuse_occupied(context, &args.run.exports, None)?;
     let mut outputs = run_outputs::of_run(&args.run.exports)?;
     let watch = PressureWatch::begin(context.environment.cpu_pressure.as_deref());
-    let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
-        warn_of(context, scene);
-        Ok(())
-    })?;
+    let measured = measure_quietly(context, &plan, &mut outputs)?;
     if let Some(floor) = &measured.record.floor {
         context.say(floor.in_words());
     }

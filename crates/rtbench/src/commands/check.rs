@@ -8,35 +8,29 @@ use std::path::{Path, PathBuf};
 use crate::args::{CheckArgs, Color, ExportArgs, names_structures};
 use crate::baselines::{Baseline, Store};
 use crate::commands::baseline::{counted, rounds};
-use crate::commands::measuring::{measure_scenes, warn_of};
+use crate::commands::measuring::{PlanResults, measure_quietly};
 use crate::commands::run_outputs;
-use crate::comparison::differences::{refusals, remarks};
-use crate::comparison::pairing::{MissingRow, Pairing, RowPair};
+use crate::comparison::pairing::{MissingRow, Pairing};
 use crate::comparison::renamed::{self, Renaming};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exports::outputs::Outputs;
-use crate::gate::contest::{self, PairedTimes};
-use crate::gate::report::{FIRST, GLOSSARY, Report};
+use crate::gate::report::Report;
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
-    Evidence, Finding, GateError, GateOutcome, Instructions, ROUNDS, Times, export, judge,
-    wall_clock,
+    Evidence, Finding, GateError, Instructions, ROUNDS, Times, export, judge, refuse, wall_clock,
 };
 use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::Plan;
 use measurement::plan::measured_row::select;
-use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict, file, reference};
+use measurement::record::{RowRecord, RunRecord, SceneRecord, file};
 use measurement::system::created::WriteError;
 use measurement::system::files::write_text;
 use measurement::system::interrupt::undisturbed;
 use measurement::system::machine::PressureWatch;
 use presentation::json;
-use presentation::outside::line;
-use statistics::mann_whitney::{least_p, samples_needed};
-use statistics::ratio_of_medians::FEWEST;
 
 /// The files of `-o`, beside those of the run.
 pub const NAMES: [&str; 3] = ["check.json", "check.csv", "check.md"];
@@ -76,25 +70,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         (false, Some(baseline), None) => check.against_baseline(context, &baseline)?,
         (false, None, _) => return Err(GateError::from(ReplanError::Empty).into()),
     };
-    let screen = context.terminal.screen(color);
-    for table in report.tables(args.all) {
-        if table.rows.is_empty() {
-            screen.write_line(context.out, &table.title)?;
-            screen.write_line(context.out, &table.notes.join(" "))?;
-            writeln!(context.out)?;
-        } else {
-            screen.write_fitted(context.out, &table, &FIRST)?;
-        }
-    }
-    for remark in report.missing_in_words().iter().chain(&report.remarks) {
-        screen.write_line(context.out, remark)?;
-    }
-    screen.write_notes(context.out, GLOSSARY)?;
-    for improvement in report.improvements() {
-        screen.write_line(context.out, &improvement)?;
-    }
-    // a script reads the last line
-    writeln!(context.out, "{}", line(&report.verdict()))?;
+    report.write(context.out, context.terminal.screen(color), args.all)?;
     context.out.flush()?;
     if let Some(folder) = &args.output {
         let [json_name, csv_name, markdown_name] = NAMES.map(|name| folder.join(name));
@@ -138,17 +114,6 @@ pub(super) struct Check<'a> {
     kept: ExportArgs,
 }
 
-/// Findings from which the report is made.
-pub(super) struct CheckFindings<'a> {
-    pub(super) base: &'a RunRecord,
-    pub(super) now: &'a RunRecord,
-    pub(super) against: String,
-    pub(super) findings: Vec<Finding>,
-    pub(super) missing: Vec<MissingRow>,
-    pub(super) failures: usize,
-    pub(super) pairs: Vec<PairedTimes>,
-}
-
 impl Check<'_> {
     fn against_baseline(
         &self,
@@ -172,9 +137,12 @@ impl Check<'_> {
         let mut plan = replan::plan(&base, &wanted, context)?;
         plan.limits.render_pass = 0.0;
         plan.has_copy = true;
-        self.warn_of_rounds(context, &base, wanted.rounds);
+        let few = wanted.rounds.and_then(|asked| {
+            wall_clock::too_few_rounds(&self.thresholds, &base, [rounds(&base), asked as usize])
+        });
+        few.into_iter().for_each(|warning| context.warn(warning));
         let watch = PressureWatch::begin(context.environment.cpu_pressure.as_deref());
-        let (now, failures) = self.measured(context, &plan)?;
+        let PlanResults { record: now, failures, .. } = self.measured(context, &plan)?;
         let cpu_pressure = [watch.share(), baseline.cpu_pressure].into_iter().flatten();
         let times = self.in_run(cpu_pressure.max_by(f64::total_cmp));
         refuse(&base, &now)?;
@@ -190,15 +158,12 @@ impl Check<'_> {
         let findings = confirmed(context, &first, |context, suspects| {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
             plan.has_copy = false;
-            let (again, _) = measured(context, &plan, &mut Outputs::default())?;
+            let again = measure_quietly(context, &plan, &mut Outputs::default())?.record;
             Ok((wall_clock::STAGE.judge)(&Evidence { now: &again, ..first }))
         })?;
         let mut missing = Pairing::of(&whole, &now).missing();
         missing.extend(self.new_rows(context, &baseline.record));
-        let against = self.name_of_baseline();
-        let (base, now, pairs) = (&base, &now, Vec::new());
-        let found = CheckFindings { base, now, against, findings, missing, failures, pairs };
-        Ok(self.report(context, found))
+        Ok(self.report(context, &first, findings, missing, failures))
     }
 
     /// Two records that are there: nothing is measured.
@@ -215,14 +180,11 @@ impl Check<'_> {
         refuse(&base, &now)?;
         let (thresholds, instructions) = (&self.thresholds, Instructions::NotAsked);
         let times = self.in_run(baseline.cpu_pressure);
-        let findings = judge(&Evidence { thresholds, base: &base, now: &now, instructions, times });
+        let evidence = Evidence { thresholds, base: &base, now: &now, instructions, times };
         let missing = Pairing::of(&base, &now).missing();
-        let (against, pairs) = (self.name_of_baseline(), Vec::new());
-        let failures = now.planned.len().saturating_sub(now.scenes.len());
-        let failures = if now.complete { 0 } else { failures };
-        let (base, now) = (&base, &now);
-        let found = CheckFindings { base, now, against, findings, missing, failures, pairs };
-        Ok(self.report(context, found))
+        let left = now.planned.len().saturating_sub(now.scenes.len());
+        let failures = if now.complete { 0 } else { left };
+        Ok(self.report(context, &evidence, judge(&evidence), missing, failures))
     }
 
     /// Times as ratios within each run.
@@ -230,36 +192,13 @@ impl Check<'_> {
         Times::InRun { cpu_pressure, across_processors: self.args.across_processors }
     }
 
-    fn name_of_baseline(&self) -> String {
-        format!("baseline {}", self.args.baseline.as_deref().unwrap_or_default())
-    }
-
     /// Measures a plan, and keeps it where that is asked for.
     pub(super) fn measured(
         &self,
         context: &mut Context<'_>,
         plan: &Plan<'_>,
-    ) -> Result<(RunRecord, usize), Error> {
-        let mut outputs = run_outputs::of_run(&self.kept)?;
-        measured(context, plan, &mut outputs)
-    }
-
-    /// Says before anything is measured that nothing can be significant.
-    fn warn_of_rounds(&self, context: &mut Context<'_>, base: &RunRecord, asked: Option<u32>) {
-        let rows = base.scenes.iter().flat_map(|scene| &scene.rows);
-        let rows = rows.filter(|row| !row.is_reference && row.verdict.is_timed());
-        let tests: usize = rows.map(|row| 2 + self.thresholds.kinds_of(&row.label()).len()).sum();
-        let (Some(asked), of_base) = (asked, rounds(base)) else { return };
-        let significance = self.thresholds.significance;
-        let (rounds, fewest) = (asked as usize, asked.min(of_base as u32) as usize);
-        if fewest >= FEWEST && least_p(rounds, of_base) * (tests as f64) < significance {
-            return;
-        }
-        let needed = samples_needed(tests, significance);
-        context.warn(format_args!(
-            "{asked} rounds against {of_base} of the baseline can never be significant among \
-             {tests} times; measure {needed} against {needed}, or fewer rows (-s)"
-        ));
+    ) -> Result<PlanResults, Error> {
+        measure_quietly(context, plan, &mut run_outputs::of_run(&self.kept)?)
     }
 
     /// Rows that a run without `-s` has now, where the baseline was one and lacks them.
@@ -300,80 +239,35 @@ impl Check<'_> {
         }
     }
 
-    /// The worst of the findings. Where all that was asked about was built on neither side, nothing
-    /// was judged: neither the reference nor, between builds of a plugin, other rows answer for it.
-    fn outcome(
+    /// Report of what was judged, without the rows that are allowed to be missing.
+    pub(super) fn report(
         &self,
         context: &Context<'_>,
-        base: &RunRecord,
-        now: &RunRecord,
-        findings: &[Finding],
-    ) -> GateOutcome {
-        let plugins =
-            if self.args.against_plugin.is_empty() { vec![] } else { context.plugins.names() };
-        let is_in_question = |row: &RowRecord| match &plugins[..] {
+        evidence: &Evidence<'_>,
+        findings: Vec<Finding>,
+        mut missing: Vec<MissingRow>,
+        failures: usize,
+    ) -> Report {
+        let args = self.args;
+        let plugins = if args.against_plugin.is_empty() { vec![] } else { context.plugins.names() };
+        let is_asked = |row: &RowRecord| match &plugins[..] {
             [] => !row.is_reference,
             plugins => plugins.contains(&row.structure),
         };
-        let pairing = Pairing::of(base, now);
-        let mut asked = pairing.rows().filter(|pair| is_in_question(pair.rows[1])).peekable();
-        let is_unbuilt = |pair: &RowPair<'_>| pair.rows.iter().all(|row| !row.verdict.is_judged());
-        let were_none_built = asked.peek().is_some() && asked.all(is_unbuilt);
-        match Report::worst(findings) {
-            GateOutcome::Improved | GateOutcome::Unchanged if were_none_built => {
-                GateOutcome::NotJudged
-            }
-            worst => worst,
-        }
-    }
-
-    pub(super) fn report(&self, context: &Context<'_>, found: CheckFindings<'_>) -> Report {
-        let CheckFindings { base, now, against, findings, mut missing, failures, pairs } = found;
-        let times = if self.args.takes_turns() {
-            "seconds".to_owned()
-        } else {
-            format!("ratios to {} in the same rounds", reference::in_words(now))
-        };
-        let mut remarks = remarks(base, now);
-        let of_rows = self.thresholds.rows.iter();
-        remarks.extend(of_rows.map(|own| format!("threshold of {own}")));
         let allowed: Vec<String> =
-            self.args.allow_missing.iter().map(|name| name.replace(':', " ")).collect();
+            args.allow_missing.iter().map(|name| name.replace(':', " ")).collect();
         missing.retain(|row| {
             let structure = row.row.split(' ').next().unwrap_or_default();
             !allowed.iter().any(|name| *name == row.row || name == structure)
         });
         Report {
-            tool: now.tool.clone(),
             command_line: context.command_line.clone(),
-            against,
-            baseline_tool: Some(base.tool.clone()),
-            baseline_machine: base.machine.clone(),
-            machine: now.machine.clone(),
-            thresholds: self.thresholds.clone(),
-            outcome: self.outcome(context, base, now, &findings),
-            remarks,
-            findings,
+            against: args.against_in_words(),
             missing,
-            times,
             failures,
-            floor: if pairs.is_empty() { now.floor.clone() } else { contest::floor(&pairs) },
-            pairs,
+            ..Report::of(evidence, findings, is_asked)
         }
     }
-}
-
-/// Measures a plan; what goes wrong in a scene is said.
-fn measured(
-    context: &mut Context<'_>,
-    plan: &Plan<'_>,
-    outputs: &mut Outputs<'_>,
-) -> Result<(RunRecord, usize), Error> {
-    let measured = measure_scenes(context, plan, outputs, |context, _, scene| {
-        warn_of(context, scene);
-        Ok(())
-    })?;
-    Ok((measured.record, measured.failures))
 }
 
 /// Findings of all stages; scenes in which times regressed are measured `again` to confirm that.
@@ -383,30 +277,12 @@ pub(super) fn confirmed(
     again: impl FnOnce(&mut Context<'_>, &[String]) -> Result<Vec<Finding>, Error>,
 ) -> Result<Vec<Finding>, Error> {
     let mut findings = judge(first);
-    let suspects = suspects(&findings);
+    let suspects = wall_clock::suspects(&findings);
     if !suspects.is_empty() {
         context.say(format_args!("measuring again: {}", suspects.join(", ")));
         wall_clock::confirm(&mut findings, &again(context, &suspects)?);
     }
     Ok(findings)
-}
-
-/// Scenes in which times say that something regressed.
-fn suspects(findings: &[Finding]) -> Vec<String> {
-    let mut scenes: Vec<String> = Vec::new();
-    for finding in findings.iter().filter(|f| wall_clock::is_suspect(f)) {
-        if !scenes.contains(&finding.scene) {
-            scenes.push(finding.scene.clone());
-        }
-    }
-    scenes
-}
-
-/// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
-pub(super) fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
-    let reasons = refusals(base, now);
-    let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
-    if reasons.is_empty() || is_wrong { Ok(()) } else { Err(GateError::NotComparable(reasons)) }
 }
 
 /// Annotations and the job's summary, where there is a GitHub to read them.

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::baselines::Baseline;
 use crate::commands::baseline::counted;
-use crate::commands::check::{Check, CheckFindings, confirmed, refuse};
+use crate::commands::check::{Check, confirmed};
+use crate::commands::measuring::PlanResults;
 use crate::comparison::pairing::Pairing;
 use crate::context::Context;
 use crate::error::Error;
@@ -13,7 +14,7 @@ use crate::gate::against::TurnPlan;
 use crate::gate::against::{AgainstError, Contest, Program, own_program};
 use crate::gate::contest::PairedTimes;
 use crate::gate::report::Report;
-use crate::gate::{Evidence, GateError, Instructions, Times, wall_clock};
+use crate::gate::{Evidence, GateError, Instructions, Times, refuse, wall_clock};
 use crate::replan::{self, ReplanError, Restriction};
 use measurement::callgrind;
 use measurement::plan::{Plan, Rounds};
@@ -28,15 +29,14 @@ impl Check<'_> {
     ) -> Result<Report, Error> {
         let args = self.args;
         let plan = self.plan_of_turns(context, baseline)?;
-        let (now, failures) = self.measured(context, &plan)?;
+        let PlanResults { record: now, failures, .. } = self.measured(context, &plan)?;
         if now.scenes.is_empty() {
             return Err(GateError::from(ReplanError::NothingMeasured).into());
         }
         let program = context.environment.program.clone();
         let own = own_program(program.as_ref()).map_err(GateError::from)?;
         let copied = context.environment.copy_of(own)?;
-        let against = self.older();
-        context.say(format_args!("measuring once with {against}"));
+        context.say(format_args!("measuring once with {}", args.against_in_words()));
         let allow_outside = context.scenes.allows_outside();
         let pace = TurnPlan {
             rounds: args.rounds,
@@ -72,37 +72,27 @@ impl Check<'_> {
         };
         contest.thin();
         let (thresholds, looks) = (&self.thresholds, pace.max_looks());
-        let of = |pairs| Evidence {
-            thresholds,
-            base: &base,
-            now: &now,
-            instructions,
-            times: Times::Paired { pairs, looks },
-        };
+        let times = Times::Paired { pairs: &[], looks };
+        let untimed = Evidence { thresholds, base: &base, now: &now, instructions, times };
         let raced = |context: &Context<'_>, contest: &Contest| {
             raced(context, &pace, |progress| {
                 let open = |pairs: &[PairedTimes]| {
-                    wall_clock::undecided(&Evidence {
-                        times: Times::Paired { pairs, looks },
-                        ..of(&[])
-                    })
+                    let times = Times::Paired { pairs, looks };
+                    wall_clock::undecided(&Evidence { times, ..untimed })
                 };
                 let times = contest.times(context.clock, progress, &open);
                 times.map_err(|error| AgainstError::from(error).into())
             })
         };
         let pairs = raced(context, &contest)?;
-        let findings = confirmed(context, &of(&pairs), |context, suspects| {
+        let evidence = Evidence { times: Times::Paired { pairs: &pairs, looks }, ..untimed };
+        let findings = confirmed(context, &evidence, |context, suspects| {
             contest.like.scenes.retain(|s| suspects.contains(&s.name));
             let again = raced(context, &contest)?;
-            let evidence = Evidence { times: Times::Paired { pairs: &again, looks }, ..of(&[]) };
-            Ok((wall_clock::STAGE.judge)(&evidence))
+            let times = Times::Paired { pairs: &again, looks };
+            Ok((wall_clock::STAGE.judge)(&Evidence { times, ..untimed }))
         })?;
-        let (base, now) = (&base, &now);
-        Ok(self.report(
-            context,
-            CheckFindings { base, now, against, findings, missing, failures, pairs },
-        ))
+        Ok(self.report(context, &evidence, findings, missing, failures))
     }
 
     /// One round of the rows of the baseline, or of those that were named.
@@ -138,15 +128,6 @@ impl Check<'_> {
         };
         let new = Program { path: own.to_owned(), plugins: plugins.clone() };
         [old, new, Program { path: copy.to_owned(), plugins }]
-    }
-
-    /// Name of the older program.
-    fn older(&self) -> String {
-        if let Some(old) = &self.args.against {
-            return format!("binary {}", old.display());
-        }
-        let files = self.args.against_plugin.iter().map(|file| file.display().to_string());
-        format!("plugin {}", files.collect::<Vec<_>>().join(", "))
     }
 }
 

@@ -55,6 +55,18 @@ pub fn measure_scenes(
     measure_rest(context, plan, outputs, RunState::default(), record, show)
 }
 
+/// [`measure_scenes`] that prints what goes wrong in a scene, and no tables.
+pub fn measure_quietly(
+    context: &mut Context<'_>,
+    plan: &Plan<'_>,
+    outputs: &mut Outputs<'_>,
+) -> Result<PlanResults, Error> {
+    measure_scenes(context, plan, outputs, |context, _, scene| {
+        warn_of(context, scene);
+        Ok(())
+    })
+}
+
 /// Measures the scenes of the plan that are not finished. After each, the outputs are written anew
 /// and `show` prints it; finished ones are shown in their place.
 pub fn measure_rest(

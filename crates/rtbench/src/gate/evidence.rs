@@ -6,7 +6,7 @@ use crate::comparison::pairing::{Pairing, RowPair};
 use crate::gate::contest::PairedTimes;
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
-use measurement::record::{FloorRecord, RunRecord};
+use measurement::record::{FloorRecord, RowRecord, RunRecord};
 use statistics::estimate::Estimate;
 
 /// Outcome of a check, best first.
@@ -141,6 +141,14 @@ impl<'a> Evidence<'a> {
     /// The rows that both records have.
     pub fn rows(&self) -> Vec<RowPair<'a>> {
         Pairing::of(self.base, self.now).scenes.into_iter().flat_map(|scene| scene.rows).collect()
+    }
+
+    /// Returns whether some rows are asked about, and none of these was built on either side.
+    pub fn is_unbuilt(&self, is_asked: impl Fn(&RowRecord) -> bool) -> bool {
+        let rows = self.rows();
+        let mut asked = rows.iter().filter(|pair| is_asked(pair.rows[1])).peekable();
+        let is_unbuilt = |pair: &RowPair<'_>| pair.rows.iter().all(|row| !row.verdict.is_judged());
+        asked.peek().is_some() && asked.all(is_unbuilt)
     }
 }
 

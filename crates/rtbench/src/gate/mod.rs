@@ -22,10 +22,20 @@ pub use against::ROUNDS;
 pub use error::GateError;
 pub use evidence::{Evidence, Finding, GateOutcome, Instructions, Stage, Times};
 
+use crate::comparison::differences::refusals;
+use measurement::record::{RunRecord, Verdict};
+
 /// All stages, in the order in which they are printed: the surest first.
 pub static STAGES: &[Stage] =
     &[answers::STAGE, counters::STAGE, instructions::STAGE, wall_clock::STAGE];
 
 pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     STAGES.iter().flat_map(|stage| (stage.judge)(evidence)).collect()
+}
+
+/// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
+pub fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
+    let reasons = refusals(base, now);
+    let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
+    if reasons.is_empty() || is_wrong { Ok(()) } else { Err(GateError::NotComparable(reasons)) }
 }

@@ -1,16 +1,20 @@
 //! Report of a check: its verdict, and tables of findings.
 
+use crate::comparison::differences::remarks;
 use crate::comparison::pairing::{MissingRow, in_words};
 use crate::exit_code::{FAILURE, INCONCLUSIVE, NOTHING_COMPARED, REGRESSION, SUCCESS, WRONG_HITS};
-use crate::gate::contest::PairedTimes;
-use crate::gate::evidence::{Finding, GateOutcome, Stage};
+use crate::gate::contest::{self, PairedTimes};
+use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage, Times};
 use crate::gate::thresholds::Thresholds;
 use crate::gate::{STAGES, wall_clock};
-use measurement::record::{FloorRecord, Machine, Tool};
+use measurement::record::{FloorRecord, Machine, RowRecord, Tool, reference};
 use presentation::column::{Column, Unit, Value};
+use presentation::outside::line;
 use presentation::table::{Cell, Style, Table};
+use presentation::text::Screen;
 use presentation::{column, numbers};
 use serde::Serialize;
+use std::io::{self, Write};
 
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
@@ -44,7 +48,7 @@ pub struct Report {
 const MOST_IMPROVEMENTS: usize = 10;
 
 /// Columns of most weight: these stay where not all fit.
-pub const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
+const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
 
 /// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
@@ -56,6 +60,69 @@ pub const GLOSSARY: &[&str] = &[
 ];
 
 impl Report {
+    /// Report of all that was judged, without what only the command knows. Where none of the rows
+    /// that are `asked` about was built, nothing was judged: other rows do not answer for them.
+    pub fn of(
+        evidence: &Evidence<'_>,
+        findings: Vec<Finding>,
+        is_asked: impl Fn(&RowRecord) -> bool,
+    ) -> Self {
+        let Evidence { thresholds, base, now, .. } = evidence;
+        let mut outcome = Self::worst(&findings);
+        if evidence.is_unbuilt(is_asked) {
+            outcome = outcome.max(GateOutcome::NotJudged);
+        }
+        let mut remarks = remarks(base, now);
+        remarks.extend(thresholds.rows.iter().map(|own| format!("threshold of {own}")));
+        let (times, floor, pairs) = match evidence.times {
+            Times::Paired { pairs, .. } => ("seconds".into(), contest::floor(pairs), pairs.into()),
+            Times::InRun { .. } => {
+                let reference = reference::in_words(now);
+                let times = format!("ratios to {reference} in the same rounds");
+                (times, now.floor.clone(), Vec::new())
+            }
+        };
+        Self {
+            tool: now.tool.clone(),
+            command_line: Vec::new(),
+            against: String::new(),
+            baseline_tool: Some(base.tool.clone()),
+            baseline_machine: base.machine.clone(),
+            machine: now.machine.clone(),
+            thresholds: (*thresholds).clone(),
+            outcome,
+            findings,
+            missing: Vec::new(),
+            remarks,
+            times,
+            failures: 0,
+            floor,
+            pairs,
+        }
+    }
+
+    /// Prints tables, remarks and, in the last line, the verdict.
+    pub fn write(&self, out: &mut dyn Write, screen: Screen, all: bool) -> io::Result<()> {
+        for table in self.tables(all) {
+            if table.rows.is_empty() {
+                screen.write_line(out, &table.title)?;
+                screen.write_line(out, &table.notes.join(" "))?;
+                writeln!(out)?;
+            } else {
+                screen.write_fitted(out, &table, &FIRST)?;
+            }
+        }
+        for remark in self.missing_in_words().iter().chain(&self.remarks) {
+            screen.write_line(out, remark)?;
+        }
+        screen.write_notes(out, GLOSSARY)?;
+        for improvement in self.improvements() {
+            screen.write_line(out, &improvement)?;
+        }
+        // a script reads the last line
+        writeln!(out, "{}", line(&self.verdict()))
+    }
+
     /// The exit code: 4 for wrong hits, 1 where scenes failed, 3 for regressions, 6 where nothing
     /// could be judged, and if `strict` 5 where something is inconclusive or missing.
     pub fn exit_code(&self, strict: bool) -> u8 {

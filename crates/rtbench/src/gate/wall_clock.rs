@@ -16,9 +16,12 @@ use crate::comparison::differences::{other_processor, other_reference};
 use crate::comparison::pairing::RowPair;
 use crate::gate::contest::{self, Key, PairedTimes};
 use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage, Times};
+use crate::gate::thresholds::Thresholds;
 use measurement::record::metrics::{METRICS, Metric, Reading};
-use measurement::record::{RowRecord, Sample, ratios};
+use measurement::record::{RowRecord, RunRecord, Sample, ratios};
 use statistics::estimate::median;
+use statistics::mann_whitney::{least_p, samples_needed};
+use statistics::ratio_of_medians::FEWEST;
 use statistics::verdict::{Change, Rule, Verdict, correct};
 
 pub const STAGE: Stage =
@@ -192,8 +195,36 @@ pub fn undecided(evidence: &Evidence<'_>) -> BTreeSet<Key> {
 }
 
 /// True where times say that something is a regression: that is measured a second time.
-pub fn is_suspect(finding: &Finding) -> bool {
+fn is_suspect(finding: &Finding) -> bool {
     finding.stage == STAGE.name && finding.outcome == GateOutcome::Regression
+}
+
+/// Scenes in which times say that something is a regression.
+pub fn suspects(findings: &[Finding]) -> Vec<String> {
+    let suspects = findings.iter().filter(|f| is_suspect(f));
+    let mut scenes: Vec<String> = suspects.map(|f| f.scene.clone()).collect();
+    scenes.dedup();
+    scenes
+}
+
+/// The warning that no time can ever be significant in so many rounds, of the baseline and now.
+pub fn too_few_rounds(
+    thresholds: &Thresholds,
+    base: &RunRecord,
+    [of_base, asked]: [usize; 2],
+) -> Option<String> {
+    let rows = base.scenes.iter().flat_map(|scene| &scene.rows);
+    let rows = rows.filter(|row| !row.is_reference && row.verdict.is_timed());
+    let tests: usize = rows.map(|row| 2 + thresholds.kinds_of(&row.label()).len()).sum();
+    let p = least_p(asked, of_base) * tests as f64;
+    if asked.min(of_base) >= FEWEST && p < thresholds.significance {
+        return None;
+    }
+    let needed = samples_needed(tests, thresholds.significance);
+    Some(format!(
+        "{asked} rounds against {of_base} of the baseline can never be significant among {tests} \
+         times; measure {needed} against {needed}, or fewer rows (-s)"
+    ))
 }
 
 /// A regression of times stands where a second measurement finds it again; otherwise nothing is
