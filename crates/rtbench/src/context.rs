@@ -8,7 +8,7 @@ use accel_core::structures::Entry;
 
 use crate::args::Color;
 use crate::exports::occupied::PlannedOutput;
-use crate::exports::outputs::OutputError;
+use crate::exports::outputs::{OutputError, Outputs};
 use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::clock::Clock;
@@ -197,9 +197,9 @@ impl Context<'_> {
         }
     }
 
-    /// Creates the folder of `-o`, if one is named. A folder is refused that holds other results in
-    /// files of these names, the record's first, unless output may be replaced. What is still empty
-    /// in the end is taken back.
+    /// Creates the folder of `-o`, if one is named, and in it files of these names, the record's
+    /// first. A folder is refused that holds other results in them, unless output may be replaced.
+    /// What is still empty in the end is taken back.
     pub fn created_folder(
         &self,
         folder: Option<&PathBuf>,
@@ -210,8 +210,20 @@ impl Context<'_> {
             let (command_line, overwrite) = (&*self.command_line, self.overwrite);
             PlannedOutput { names, command_line, manifest: None, overwrite }.check(folder)?;
             created.folder(folder)?;
+            for name in names {
+                created.file(&folder.join(name))?;
+            }
         }
         Ok(created)
+    }
+
+    /// The same for files that are written anew after each scene.
+    pub fn outputs_in<'o>(
+        &self,
+        folder: Option<&PathBuf>,
+        names: &[&str],
+    ) -> Result<Outputs<'o>, OutputError> {
+        Ok(Outputs::new(folder.cloned(), self.created_folder(folder, names)?))
     }
 
     /// Warns of what a scene loses in single precision.

@@ -1,7 +1,6 @@
 //! `rtbench accuracy`: what accuracy costs in time, axis by axis.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
@@ -16,7 +15,7 @@ use crate::gate::against::{AgainstError, own_program};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
 use measurement::system::child_process::{ChildError, answer, arguments};
-use measurement::system::created::WriteError;
+use measurement::system::files::write_text;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
 use studies::accuracy::axes::select;
@@ -315,10 +314,7 @@ impl Scenes {
 
 /// Everything so far, so that a killed run keeps what it finished.
 fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
-    let write = |name: &str, text: String| {
-        let path = folder.join(name);
-        fs::write(&path, text).map_err(|source| WriteError { path, source })
-    };
+    let write = |name: &str, text: String| write_text(&folder.join(name), &text);
     write("accuracy.csv", tables::to_csv(record)?)?;
     write("accuracy.md", tables::to_markdown(record))?;
     let mut page = summary::to_markdown(record);

@@ -1,7 +1,6 @@
 //! `rtbench compare-tracers`: one scene by samples, by cones and by beams, against a converged
 //! image.
 
-use std::fs;
 use std::path::Path;
 
 use accel_core::query::region::Frustum;
@@ -23,7 +22,7 @@ use crate::exit_code::{SUCCESS, WRONG_HITS};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
-use measurement::system::created::WriteError;
+use measurement::system::files::write_text;
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use studies::effect_plan::plan_of;
@@ -176,10 +175,7 @@ fn frusta_of(
 }
 
 fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {
-    let text = |name: &str, text: String| {
-        let path = folder.join(name);
-        fs::write(&path, text).map_err(|source| WriteError { path, source })
-    };
+    let text = |name: &str, text: String| write_text(&folder.join(name), &text);
     text("tracers.csv", report.to_csv()?)?;
     text("tracers.json", report.to_json()?)?;
     text("tracers.md", report.to_markdown())?;

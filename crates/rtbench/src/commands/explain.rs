@@ -4,7 +4,6 @@ use crate::args::{Color, ExplainArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::outputs::Outputs;
 use measurement::record::file;
 use presentation::json;
 use studies::explain::Explain;
@@ -17,12 +16,11 @@ const NAMES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
 pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Result<u8, Error> {
     let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
     let screen = context.terminal.screen(color);
-    let at = |name| args.output.as_ref().map(|folder| folder.join(name));
     let [json_name, csv_name, markdown_name] = NAMES;
-    let mut outputs = Outputs::from(context.created_folder(args.output.as_ref(), &NAMES)?);
-    outputs.add(at(json_name), json::written)?;
-    outputs.add(at(csv_name), |run| table::to_csv(&explain, run))?;
-    outputs.add(at(markdown_name), |run| Ok(table::to_markdown(&explain, run)))?;
+    let mut outputs = context.outputs_in(args.output.as_ref(), &NAMES)?;
+    outputs.add_in_folder(json_name, json::written)?;
+    outputs.add_in_folder(csv_name, |run| table::to_csv(&explain, run))?;
+    outputs.add_in_folder(markdown_name, |run| Ok(table::to_markdown(&explain, run)))?;
     let measured = measure_scenes(context, &explain.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
         table::write(context.out, &explain, run, scene, screen)?;

@@ -5,7 +5,6 @@ use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::outputs::Outputs;
 use measurement::plan::Plan;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
@@ -117,9 +116,8 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
     let scenes = chosen("scene of the lecture", &args.scenes, &lecture::SCENES)?;
     let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
-    let mut outputs = Outputs::from(context.created_folder(args.output.as_ref(), &[ZACHMANN])?);
-    let path = args.output.as_ref().map(|folder| folder.join(ZACHMANN));
-    outputs.add(path, |run| csv_text(&comparisons(run, &published)))?;
+    let mut outputs = context.outputs_in(args.output.as_ref(), &[ZACHMANN])?;
+    outputs.add_in_folder(ZACHMANN, |run| csv_text(&comparisons(run, &published)))?;
     let screen = context.terminal.screen(Color::Never);
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);

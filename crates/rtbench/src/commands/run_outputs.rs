@@ -6,6 +6,7 @@ use measurement::journal;
 use measurement::journal::lines::Manifest;
 use measurement::plan::Plan;
 use measurement::record::{RunRecord, file};
+use measurement::system::created::CreatedFiles;
 use presentation::json;
 use presentation::json::FormatError;
 use studies::run::markdown;
@@ -74,12 +75,11 @@ pub fn refuse_unselected(args: &ExportArgs, plan: &Plan<'_>) -> Result<(), Outpu
 
 /// Creates the files that the command line of a run names.
 pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
-    let mut outputs = Outputs::default();
-    if let Some(folder) = &args.output {
-        outputs.folder(folder)?;
-        for (name, format) in IN_FOLDER {
-            outputs.add(Some(folder.join(name)), format)?;
-        }
+    let mut created = CreatedFiles::default();
+    args.output.iter().try_for_each(|folder| created.folder(folder))?;
+    let mut outputs = Outputs::new(args.output.clone(), created);
+    for (name, format) in IN_FOLDER {
+        outputs.add_in_folder(name, format)?;
     }
     for (path, format) in series(args) {
         let select = args.export_select.clone();

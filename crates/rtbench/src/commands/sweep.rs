@@ -33,11 +33,10 @@ fn over_values(
 ) -> Result<PlanResults, Error> {
     let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
     context.warn_of_instructions();
-    let at = |name| args.output.as_ref().map(|folder| folder.join(name));
     let mut outputs = outputs(context, args, &[])?;
-    outputs.add(at(CSV), |run| table::to_csv(&sweep, run))?;
-    outputs.add(at(MARKDOWN), |run| Ok(table::to_markdown(&sweep, run)))?;
-    outputs.add(at(SVG), |run| Ok(plot::to_svg(&sweep, run)))?;
+    outputs.add_in_folder(CSV, |run| table::to_csv(&sweep, run))?;
+    outputs.add_in_folder(MARKDOWN, |run| Ok(table::to_markdown(&sweep, run)))?;
+    outputs.add_in_folder(SVG, |run| Ok(plot::to_svg(&sweep, run)))?;
     let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
         table::write(context.out, &sweep, run, scene, screen)?;
@@ -63,9 +62,8 @@ fn outputs<'a>(
     more: &[&str],
 ) -> Result<Outputs<'a>, Error> {
     let names = [&[file::NAME, CSV, MARKDOWN, SVG][..], more].concat();
-    let mut outputs = Outputs::from(context.created_folder(args.output.as_ref(), &names)?);
-    let record = args.output.as_ref().map(|folder| folder.join(file::NAME));
-    outputs.add(record, json::written)?;
+    let mut outputs = context.outputs_in(args.output.as_ref(), &names)?;
+    outputs.add_in_folder(file::NAME, json::written)?;
     Ok(outputs)
 }
 
@@ -78,12 +76,11 @@ fn over_sizes(
     let settings = args.size_settings(asked)?;
     let sweep = SizeSweep::new(&settings, context.registry, context.occluders, context.scenes)?;
     context.warn_of_instructions();
-    let at = |name| args.output.as_ref().map(|folder| folder.join(name));
     let mut outputs = outputs(context, args, &[SLOPES])?;
-    outputs.add(at(CSV), sizes::table::sizes_csv)?;
-    outputs.add(at(SLOPES), sizes::table::slopes_csv)?;
-    outputs.add(at(MARKDOWN), |run| Ok(sizes::table::to_markdown(run)))?;
-    outputs.add(at(SVG), |run| Ok(sizes::plot::to_svg(run)))?;
+    outputs.add_in_folder(CSV, sizes::table::sizes_csv)?;
+    outputs.add_in_folder(SLOPES, sizes::table::slopes_csv)?;
+    outputs.add_in_folder(MARKDOWN, |run| Ok(sizes::table::to_markdown(run)))?;
+    outputs.add_in_folder(SVG, |run| Ok(sizes::plot::to_svg(run)))?;
     let record = RunRecord {
         scale: Some(sweep.record.clone()),
         ..begin(context.world, &context.command_line, &sweep.plan)

@@ -45,13 +45,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     };
     // before the files are there: a signal would leave them empty
     let signal = interrupt::flag().map_err(Error::Signals)?;
-    let mut created = context.created_folder(args.output.as_ref(), &NAMES)?;
-    if let Some(folder) = &args.output {
-        // so that it can be watched
-        for name in NAMES {
-            created.file(&folder.join(name))?;
-        }
-    }
+    let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let report = checked(context, args, &plan, signal)?;
     let screen = context.terminal.screen(color);
     screen.write_table(context.out, &report.table())?;

@@ -49,20 +49,25 @@ struct Output<'a> {
 /// All outputs of a run, but for the tables.
 #[derive(Default)]
 pub struct Outputs<'a> {
+    /// That of `-o`.
+    folder: Option<PathBuf>,
     outputs: Vec<Output<'a>>,
     created: CreatedFiles,
 }
 
-impl From<CreatedFiles> for Outputs<'_> {
-    fn from(created: CreatedFiles) -> Self {
-        Self { outputs: Vec::new(), created }
-    }
-}
-
 impl<'a> Outputs<'a> {
-    /// Creates the folder of `-o`.
-    pub fn folder(&mut self, path: &Path) -> Result<(), OutputError> {
-        Ok(self.created.folder(path)?)
+    /// No outputs yet; those of the folder of `-o` are `created`.
+    pub fn new(folder: Option<PathBuf>, created: CreatedFiles) -> Self {
+        Self { folder, outputs: Vec::new(), created }
+    }
+
+    /// Adds a file in the folder of `-o`, if that is named.
+    pub fn add_in_folder(
+        &mut self,
+        name: &str,
+        format: impl Fn(&RunRecord) -> Result<String, FormatError> + 'a,
+    ) -> Result<(), OutputError> {
+        self.add(self.folder.as_ref().map(|folder| folder.join(name)), format)
     }
 
     /// Creates one more file, if one is named.
