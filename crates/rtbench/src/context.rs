@@ -254,8 +254,7 @@ impl Context<'_> {
 
     /// Warns where the program was compiled for less than the processor has.
     pub fn warn_of_instructions(&mut self) {
-        let compiled = self.world.compiler().target_features;
-        let unused = world::unused(&self.world.processor_features(), &compiled);
+        let unused = world::unused(self.world);
         if !unused.is_empty() {
             let unused = unused.join(", ");
             let advice = world::ADVICE;

@@ -3,6 +3,7 @@
 //! Files of `/proc` and `/sys` (Linux) say most of it. Where one is not there, the finding is
 //! `unknown`; nothing is guessed.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
@@ -14,17 +15,21 @@ use crate::commands::noise::Noise;
 use crate::context::Context;
 use crate::error::Error;
 use measurement::system::machine::{kibibytes, value};
-use measurement::system::world::{self, World};
+use measurement::system::world;
 use presentation::fitted::wrapped;
 use presentation::json;
 use presentation::table::Style;
 use presentation::text::{Screen, painted};
 
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
-    let mut findings = System::of(context.world).findings();
     let noise = Noise::measured(context.clock);
-    findings.push(NOISE.finding(Some(noise.judged())));
-    let diagnosis = Diagnosis { noise, findings };
+    let system = System {
+        root: context.world.system_root(),
+        threads: context.world.machine().threads,
+        unused: world::unused(context.world),
+        noise: noise.judged(),
+    };
+    let diagnosis = Diagnosis { noise, findings: system.findings() };
     match args.format {
         Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
         Format::Text => write(context.out, &diagnosis.findings, context.terminal.screen(color))?,
@@ -46,16 +51,15 @@ fn write(out: &mut dyn Write, findings: &[Finding], screen: Screen) -> std::io::
         let text = wrapped(&text, screen.width, indent).join("\n");
         writeln!(out, "{level}{}", text.get(7..).unwrap_or_default())?;
         if let Some(advice) = finding.advice {
-            let blank = " ".repeat(indent);
-            screen.write_item(out, &format!("{blank}{}", finding.meaning), indent)?;
-            screen.write_item(out, &format!("{blank}to do: {advice}"), indent)?;
+            for text in [finding.meaning, &format!("to do: {advice}")] {
+                screen.write_item(out, &format!("{:indent$}{text}", ""), indent)?;
+            }
         }
     }
     let warnings = findings.iter().filter(|f| f.level == Level::Warning).count();
     writeln!(out, "{warnings} of {} findings may disturb measurements", findings.len())
 }
 
-/// Whether a property disturbs measurements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 enum Level {
@@ -70,10 +74,8 @@ enum Level {
 struct Finding {
     name: &'static str,
     level: Level,
-    /// In words.
     value: String,
     meaning: &'static str,
-    /// For warnings.
     advice: Option<&'static str>,
 }
 
@@ -90,45 +92,19 @@ struct System {
     threads: usize,
     /// Features that the processor has and the program was compiled without.
     unused: Vec<&'static str>,
+    /// No file has it: it is timed.
+    noise: (bool, String),
 }
 
-/// A thing to look at: what it is called, what it means, what to do, and how it is found: whether
-/// it is as it should be, and in words; nothing where the system does not report it.
 struct Check {
     name: &'static str,
     meaning: &'static str,
     advice: &'static str,
+    /// Whether it is as it should be, and in words; none where the system does not report it.
     look: fn(&System) -> Option<(bool, String)>,
 }
 
-impl Check {
-    fn finding(&self, found: Option<(bool, String)>) -> Finding {
-        let is_bad = found.as_ref().is_some_and(|(is_good, _)| !is_good);
-        Finding {
-            name: self.name,
-            level: match &found {
-                None => Level::Unknown,
-                Some(_) if is_bad => Level::Warning,
-                Some(_) => Level::Good,
-            },
-            value: found.map_or("the system does not say".to_owned(), |(_, words)| words),
-            meaning: self.meaning,
-            advice: is_bad.then_some(self.advice),
-        }
-    }
-}
-
-/// No file tells it: it is timed.
-const NOISE: Check = Check {
-    name: "noise",
-    meaning: "times of the same work differ by so much: differences below it are not seen in a few \
-              rounds",
-    advice: "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
-             counters, not seconds",
-    look: |_| None,
-};
-
-const CHECKS: [Check; 9] = [
+const CHECKS: [Check; 10] = [
     Check {
         name: "governor",
         meaning: "any governor but `performance` changes the clock frequency with the load: the \
@@ -136,10 +112,8 @@ const CHECKS: [Check; 9] = [
         advice: "sudo cpupower frequency-set -g performance",
         look: |system| {
             let governor = |cpu| system.cpu_file(&format!("cpu{cpu}/cpufreq/scaling_governor"));
-            let mut governors: Vec<String> = (0..4096).map_while(governor).collect();
-            governors.sort();
-            governors.dedup();
-            let all = governors.join(", ");
+            let governors: BTreeSet<String> = (0..4096).map_while(governor).collect();
+            let all = Vec::from_iter(governors).join(", ");
             (!all.is_empty()).then_some((all == "performance", all))
         },
     },
@@ -160,8 +134,7 @@ const CHECKS: [Check; 9] = [
         meaning: "programs that wait for a core interrupt the measurement and share its caches",
         advice: "end other programs, or wait until they are done",
         look: |system| {
-            let text = system.read("proc/loadavg")?;
-            let load: f64 = text.split_whitespace().next()?.parse().ok()?;
+            let load: f64 = system.read("proc/loadavg")?.split_whitespace().next()?.parse().ok()?;
             // one core for the measurement, the others may work
             let is_low = load < 0.5 || system.threads as f64 - load >= 1.5;
             Some((is_low, format!("{load:.2} of {} cores, over a minute", system.threads)))
@@ -174,10 +147,9 @@ const CHECKS: [Check; 9] = [
         advice: "use a machine with two cores or more and no quota",
         look: |system| {
             let quota = system.read("sys/fs/cgroup/cpu.max").filter(|q| !q.starts_with("max"));
-            let has_quota = quota.is_some();
+            let is_good = system.threads >= 2 && quota.is_none();
             let limited = quota.map(|q| format!(", limited to {q} (microseconds of a period)"));
-            let found = format!("{} usable{}", system.threads, limited.unwrap_or_default());
-            Some((system.threads >= 2 && !has_quota, found))
+            Some((is_good, format!("{} usable{}", system.threads, limited.unwrap_or_default())))
         },
     },
     Check {
@@ -198,9 +170,8 @@ const CHECKS: [Check; 9] = [
         look: |system| {
             let text = system.read("proc/meminfo")?;
             let bytes = |key| kibibytes(&text, key);
-            let (total, free) = (bytes("MemTotal")?, bytes("MemAvailable")?);
-            let swapped = bytes("SwapTotal")?.saturating_sub(bytes("SwapFree")?);
-            let [total, free, swapped] = [total, free, swapped].map(|bytes| bytes >> 20);
+            let (total, free) = (bytes("MemTotal")? >> 20, bytes("MemAvailable")? >> 20);
+            let swapped = bytes("SwapTotal")?.saturating_sub(bytes("SwapFree")?) >> 20;
             let found = format!("{free} MiB free of {total} MiB, {swapped} MiB swapped out");
             // the standard scenes need 200 MiB, those of packages 1 GiB
             Some((free >= 1 << 10 && swapped < 64, found))
@@ -238,25 +209,35 @@ const CHECKS: [Check; 9] = [
         advice: world::ADVICE,
         look: |system| {
             let unused = system.unused.join(", ");
-            Some(if unused.is_empty() {
-                (true, "those of the processor".to_owned())
-            } else {
-                (false, format!("compiled without {unused}, which the processor has"))
-            })
+            let without = format!("compiled without {unused}, which the processor has");
+            let is_good = unused.is_empty();
+            Some((is_good, if is_good { "those of the processor".into() } else { without }))
         },
+    },
+    Check {
+        name: "noise",
+        meaning: "times of the same work differ by so much: differences below it are not seen in a \
+                  few rounds",
+        advice: "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
+                 counters, not seconds",
+        look: |system| Some(system.noise.clone()),
     },
 ];
 
 impl System {
-    pub fn of(world: &dyn World) -> Self {
-        let compiled = world.compiler().target_features;
-        let unused = world::unused(&world.processor_features(), &compiled);
-        Self { root: world.system_root(), threads: world.machine().threads, unused }
-    }
-
-    /// One finding for each thing looked at.
-    pub fn findings(&self) -> Vec<Finding> {
-        CHECKS.iter().map(|check| check.finding((check.look)(self))).collect()
+    fn findings(&self) -> Vec<Finding> {
+        let finding = |Check { name, meaning, advice, look }: Check| {
+            let found = look(self);
+            let level = match found {
+                None => Level::Unknown,
+                Some((true, _)) => Level::Good,
+                Some((false, _)) => Level::Warning,
+            };
+            let value = found.map_or("the system does not say".to_owned(), |(_, words)| words);
+            let advice = (level == Level::Warning).then_some(advice);
+            Finding { name, level, value, meaning, advice }
+        };
+        CHECKS.into_iter().map(finding).collect()
     }
 
     fn read(&self, path: &str) -> Option<String> {
@@ -305,16 +286,8 @@ mod tests {
             fs::create_dir_all(path.parent().unwrap()).unwrap();
             fs::write(path, format!("{text}\n")).unwrap();
         }
-        System { root: folder.path().to_owned(), threads: 4, unused }.findings()
-    }
-
-    #[test]
-    fn a_machine_that_says_nothing_is_unknown() {
-        for finding in findings(&[], Vec::new()) {
-            let is_known = ["cores", "instructions"].contains(&finding.name);
-            let expected = if is_known { Level::Good } else { Level::Unknown };
-            assert_eq!(finding.level, expected, "{finding:?}");
-        }
+        let noise = (unused.is_empty(), String::new());
+        System { root: folder.path().to_owned(), threads: 4, unused, noise }.findings()
     }
 
     #[test]
