@@ -47,11 +47,12 @@ pub struct Manifest {
     pub started_unix_s: u64,
 }
 
+/// A line; a scene is given by its place among those of the manifest.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Line {
     Begun(Box<Manifest>),
-    /// A scene is begun: its place among the scenes of the manifest.
+    /// A scene is begun.
     Scene(usize),
     /// The row with that label is begun in the scene: it is built and checked, timed for the first
     /// time, or renders its image.
@@ -60,13 +61,11 @@ pub enum Line {
     Passed,
     /// All rows of a scene.
     Finished {
-        /// Its place among the scenes of the manifest.
         scene: usize,
         record: Box<SceneRecord>,
     },
     /// A scene could not be measured.
     Failed {
-        /// Its place among the scenes of the manifest.
         scene: usize,
         error: String,
     },
@@ -84,18 +83,13 @@ impl Line {
     }
 }
 
-/// Why a journal cannot be read.
+/// Why a journal cannot be read. Lines are counted from 1.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum LineError {
     #[error("no complete line: the run had not started")]
     Empty,
     #[error("line {line}: {message}")]
-    Damaged {
-        /// Counted from 1.
-        line: usize,
-        /// Description of the fault.
-        message: String,
-    },
+    Damaged { line: usize, message: String },
     #[error("written with schema {found}, expected {SCHEMA_VERSION}")]
     Schema { found: u32 },
 }
@@ -107,8 +101,8 @@ pub struct FinishedScene {
     pub record: SceneRecord,
 }
 
-/// How often the program died: by a scene's place in the manifest and the label of the row that
-/// was begun, if one was.
+/// How often the program died while a row was begun: by a scene's place in the manifest and the
+/// row's label; without a label, before the scene's first row.
 pub type DeathCounts = BTreeMap<(usize, Option<String>), usize>;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -121,8 +115,6 @@ pub struct RecoveredRun {
     pub is_complete: bool,
     /// The scene in which the program died: killed, or out of memory.
     pub died_in: Option<usize>,
-    /// How often it did so while a row was begun, by scene and label; without a label, before the
-    /// scene's first row.
     pub deaths: DeathCounts,
     /// Bytes of whole lines; what comes behind is torn.
     pub whole: usize,
@@ -164,10 +156,13 @@ pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
     for (i, line) in lines {
         let text = opened(i, line, &found.seal)?;
         let line: Line = serde_json::from_str(&text).map_err(|e| damaged(i, &e))?;
-        let known = |scene: usize| match found.manifest.scenes.len() {
-            n if scene < n => Ok(scene),
-            n => Err(damaged(i, &format!("scene {scene} of {n}"))),
-        };
+        let scenes = found.manifest.scenes.len();
+        if let Line::Scene(scene) | Line::Finished { scene, .. } | Line::Failed { scene, .. } =
+            &line
+            && *scene >= scenes
+        {
+            return Err(damaged(i, &format!("scene {scene} of {scenes}")));
+        }
         // where the run goes on with a scene, what it had begun before never ended
         if let (Line::Scene(_), Some(begun)) =
             (&line, begun.take_if(|_| !matches!(line, Line::Row(_))))
@@ -177,7 +172,7 @@ pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
         match line {
             Line::Begun(_) => return Err(damaged(i, &"a second manifest")),
             Line::Scene(scene) => {
-                found.died_in = Some(known(scene)?);
+                found.died_in = Some(scene);
                 found.is_complete = false;
                 begun = Some((scene, None));
             }
@@ -190,7 +185,6 @@ pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
             }
             Line::Passed => {}
             Line::Finished { scene, record } => {
-                known(scene)?;
                 found.manifest.holds(scene, &record).map_err(|e| damaged(i, &e))?;
                 let finished = FinishedScene { line: i + 1, record: *record };
                 if found.finished.insert(scene, finished).is_some() {
@@ -199,7 +193,6 @@ pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
                 found.died_in = None;
             }
             Line::Failed { scene, .. } => {
-                known(scene)?;
                 found.died_in = None;
                 // that was said: it is tried again
                 found.deaths.remove(&(scene, None));
@@ -218,25 +211,24 @@ pub fn read(bytes: &[u8]) -> Result<RecoveredRun, LineError> {
 fn schema_of(line: &[u8]) -> Option<u32> {
     let value: Value = serde_json::from_slice(line).ok()?;
     let line = value.get("line").unwrap_or(&value);
-    line.get("begun")?.get("schema_version")?.as_u64()?.try_into().ok()
+    line.pointer("/begun/schema_version")?.as_u64()?.try_into().ok()
 }
-
-/// Fields that may differ between the parts of one run.
-const MAY_DIFFER: [&str; 4] = ["asked", "exports", "command_line", "started_unix_s"];
 
 impl Manifest {
     /// Differences to another manifest, as `name: was ..., is ...`; empty if the runs may be parts
     /// of one.
     pub fn differences(&self, now: &Self) -> Vec<String> {
+        // the parts of one run may differ in these
+        let now = Self {
+            asked: self.asked.clone(),
+            exports: self.exports.clone(),
+            command_line: self.command_line.clone(),
+            started_unix_s: self.started_unix_s,
+            ..now.clone()
+        };
         let mut differences = Vec::new();
-        if let (Ok(Value::Object(mut was)), Ok(Value::Object(mut is))) =
-            (serde_json::to_value(self), serde_json::to_value(now))
-        {
-            for name in MAY_DIFFER {
-                was.remove(name);
-                is.remove(name);
-            }
-            compare("", &Value::Object(was), &Value::Object(is), &mut differences);
+        if let (Ok(was), Ok(is)) = (serde_json::to_value(self), serde_json::to_value(&now)) {
+            compare("", &was, &is, &mut differences);
         }
         differences
     }

@@ -5,7 +5,7 @@ mod last_line;
 pub mod lines;
 pub mod seal;
 
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
@@ -35,13 +35,7 @@ pub enum JournalError {
     #[error("{}: another run is writing to it", path.display())]
     Busy { path: PathBuf },
     #[error("{}: line {line}: {message}; start a new run in another folder", path.display())]
-    NotOfPlan {
-        path: PathBuf,
-        /// Its line, counted from 1.
-        line: usize,
-        /// Description of the expected contents.
-        message: String,
-    },
+    NotOfPlan { path: PathBuf, line: usize, message: String },
     #[error(
         "{}: the settings differ from those of the interrupted run: {differences}; start a new run in another folder",
         folder.display()
@@ -76,7 +70,7 @@ impl Journal {
         let mut journal = Self::open(folder, true)?;
         journal.cut()?;
         let first = Line::Begun(Box::new(manifest)).text()?;
-        journal.append_text(&first)?;
+        journal.write(&first, true)?;
         journal.seal = Seal::behind(&first);
         Ok(journal)
     }
@@ -106,21 +100,23 @@ impl Journal {
             return Err(fail(io::Error::other("not a regular file")));
         }
         match file.try_lock() {
-            Ok(()) => Ok(Self { file, path, seal: Seal::default(), length: 0 }),
-            Err(std::fs::TryLockError::WouldBlock) => Err(JournalError::Busy { path }),
-            // a file system without locks
-            Err(std::fs::TryLockError::Error(e)) if e.kind() == io::ErrorKind::Unsupported => {
-                Ok(Self { file, path, seal: Seal::default(), length: 0 })
-            }
-            Err(std::fs::TryLockError::Error(e)) => Err(fail(e)),
+            Err(TryLockError::WouldBlock) => Err(JournalError::Busy { path }),
+            // of a file system without locks there is no lock
+            Err(TryLockError::Error(e)) if e.kind() != io::ErrorKind::Unsupported => Err(fail(e)),
+            _ => Ok(Self { file, path, seal: Seal::default(), length: 0 }),
         }
     }
 
-    fn bytes(&mut self) -> Result<Vec<u8>, JournalError> {
-        let fail = |source| JournalError::Io { path: self.path.clone(), source };
+    fn failed(&self, source: io::Error) -> JournalError {
+        JournalError::Io { path: self.path.clone(), source }
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, JournalError> {
         let mut bytes = Vec::new();
-        self.file.seek(SeekFrom::Start(0)).map_err(fail)?;
-        (&self.file).take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(fail)?;
+        let mut file = &self.file;
+        let begin = file.seek(SeekFrom::Start(0));
+        let read = begin.and_then(|_| file.take(MAX_BYTES + 1).read_to_end(&mut bytes));
+        read.map_err(|source| self.failed(source))?;
         if bytes.len() as u64 > MAX_BYTES {
             return Err(JournalError::TooLarge { path: self.path.clone() });
         }
@@ -129,36 +125,28 @@ impl Journal {
 
     /// Takes away what is behind the whole lines.
     fn cut(&self) -> Result<(), JournalError> {
-        let cut = self.file.set_len(self.length);
-        cut.map_err(|source| JournalError::Io { path: self.path.clone(), source })
+        self.file.set_len(self.length).map_err(|source| self.failed(source))
     }
 
     /// Appends a line: whole, or, where the system refuses it (a full disk), not at all.
     pub fn append(&mut self, line: &Line) -> Result<(), JournalError> {
-        self.append_text(&line.text()?)
+        self.write(&line.text()?, true)
     }
 
     /// The same for a line that only says how far the run is: it need not outlive the machine, and
     /// costs no more than a write.
     pub fn note(&mut self, line: &Line) -> Result<(), JournalError> {
-        self.write_line(&line.text()?, |_| Ok(()))
+        self.write(&line.text()?, false)
     }
 
-    fn append_text(&mut self, text: &str) -> Result<(), JournalError> {
-        self.write_line(text, File::sync_data)
-    }
-
-    fn write_line(
-        &mut self,
-        text: &str,
-        sync: impl FnOnce(&File) -> io::Result<()>,
-    ) -> Result<(), JournalError> {
+    fn write(&mut self, text: &str, is_synchronised: bool) -> Result<(), JournalError> {
         let text = self.seal.sealed(text) + "\n";
+        let sync = |file: &File| if is_synchronised { file.sync_data() } else { Ok(()) };
         let written =
             undisturbed(|| self.file.write_all(text.as_bytes()).and_then(|()| sync(&self.file)));
         if let Err(source) = written {
             self.cut()?;
-            return Err(JournalError::Io { path: self.path.clone(), source });
+            return Err(self.failed(source));
         }
         self.length += text.len() as u64;
         Ok(())
@@ -167,7 +155,7 @@ impl Journal {
     /// Writer of the last line of an interrupted run. `temporary` is a folder for a journal whose
     /// own cannot be created again.
     pub fn last_line(&self, temporary: Option<PathBuf>) -> Result<LastLine, JournalError> {
-        let fail = |source| JournalError::Io { path: self.path.clone(), source };
+        let fail = |source| self.failed(source);
         let file = self.file.try_clone().map_err(fail)?;
         // whatever the working directory is by then
         let path = std::path::absolute(&self.path).map_err(fail)?;
@@ -186,7 +174,7 @@ impl Journal {
         let mut again = Self::open(&folder, true)?;
         let written =
             undisturbed(|| again.file.write_all(&bytes).and_then(|()| again.file.sync_data()));
-        written.map_err(|source| JournalError::Io { path: self.path.clone(), source })?;
+        written.map_err(|source| self.failed(source))?;
         std::mem::swap(&mut self.file, &mut again.file);
         Ok(true)
     }
