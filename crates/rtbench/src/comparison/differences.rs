@@ -238,6 +238,7 @@ pub fn notes(
 
 #[cfg(test)]
 mod tests {
+    use super::DifferenceScope::{Everything, Nothing, Ratios, Seconds};
     use super::*;
     use measurement::record::made_up::run;
 
@@ -247,108 +248,60 @@ mod tests {
         assert_eq!(differences(&old, &old.clone()), []);
         type Plant = (fn(&mut RunRecord), &'static str, DifferenceScope);
         let plants: [Plant; 23] = [
-            (|r| r.settings.threads = 2, "threads: 1, then 2", DifferenceScope::Everything),
-            (
-                |r| r.settings.precision = "f64".into(),
-                "precision: f32, then f64",
-                DifferenceScope::Everything,
-            ),
-            (
-                |r| r.settings.resolution = [8, 9],
-                "resolution: 16x16, then 8x9",
-                DifferenceScope::Everything,
-            ),
-            (|r| r.settings.max_depth = 9, "depth: 4, then 9", DifferenceScope::Everything),
-            (
-                |r| r.settings.rays = vec!["shadow".into()],
-                "rays: primary, then shadow",
-                DifferenceScope::Everything,
-            ),
+            (|r| r.settings.threads = 2, "threads: 1, then 2", Everything),
+            (|r| r.settings.precision = "f64".into(), "precision: f32, then f64", Everything),
+            (|r| r.settings.resolution = [8, 9], "resolution: 16x16, then 8x9", Everything),
+            (|r| r.settings.max_depth = 9, "depth: 4, then 9", Everything),
+            (|r| r.settings.rays = vec!["shadow".into()], "rays: primary, then shadow", Everything),
             (
                 |r| r.settings.order = "both".into(),
                 "order of rays: scanline, then both",
-                DifferenceScope::Everything,
+                Everything,
             ),
-            (
-                |r| r.settings.lights = "first".into(),
-                "lights: each, then first",
-                DifferenceScope::Everything,
-            ),
+            (|r| r.settings.lights = "first".into(), "lights: each, then first", Everything),
             (
                 |r| r.settings.view.up = "0,0,1".parse().ok(),
                 "view: the scenes' own, then --up=0,0,1",
-                DifferenceScope::Everything,
+                Everything,
             ),
-            (|r| r.settings.seed = 7, "seed: 1, then 7", DifferenceScope::Everything),
+            (|r| r.settings.seed = 7, "seed: 1, then 7", Everything),
             (
                 |r| r.compiler.target = Some("arm".into()),
                 "target: x86_64-unknown-linux-gnu, then arm",
-                DifferenceScope::Everything,
+                Everything,
             ),
             (
                 |r| r.compiler.target_features = vec!["avx2".into()],
                 "target features of one run only: fma, then none",
-                DifferenceScope::Everything,
+                Everything,
             ),
-            (
-                |r| r.compiler.profile = Some("dev".into()),
-                "profile: release, then dev",
-                DifferenceScope::Everything,
-            ),
-            (
-                |r| r.compiler.opt_level = Some("1".into()),
-                "opt-level: 3, then 1",
-                DifferenceScope::Everything,
-            ),
-            (
-                |r| r.scenes[0].sha256 = "ef".into(),
-                "scene tetra: sha256: cd, then ef",
-                DifferenceScope::Everything,
-            ),
+            (|r| r.compiler.profile = Some("dev".into()), "profile: release, then dev", Everything),
+            (|r| r.compiler.opt_level = Some("1".into()), "opt-level: 3, then 1", Everything),
+            (|r| r.scenes[0].sha256 = "ef".into(), "scene tetra: sha256: cd, then ef", Everything),
             (
                 |r| r.scenes[0].rays = [("shadow".into(), 9)].into(),
                 "scene tetra: rays: 256 primary, then 9 shadow",
-                DifferenceScope::Everything,
+                Everything,
             ),
-            (
-                |r| r.machine.cpu = Some("Other".into()),
-                "processor: Test CPU, then Other",
-                DifferenceScope::Seconds,
-            ),
-            (
-                |r| r.machine.threads = 3,
-                "threads of the machine: 2, then 3",
-                DifferenceScope::Seconds,
-            ),
+            (|r| r.machine.cpu = Some("Other".into()), "processor: Test CPU, then Other", Seconds),
+            (|r| r.machine.threads = 3, "threads of the machine: 2, then 3", Seconds),
             (
                 |r| r.machine.governor = Some("powersave".into()),
                 "governor: performance, then powersave",
-                DifferenceScope::Seconds,
+                Seconds,
             ),
-            (
-                |r| r.machine.boost = Some(false),
-                "boost: true, then false",
-                DifferenceScope::Seconds,
-            ),
-            (
-                |r| r.settings.reference = "hug".into(),
-                "reference: obvhs-cwbvh, then hug",
-                DifferenceScope::Ratios,
-            ),
+            (|r| r.machine.boost = Some(false), "boost: true, then false", Seconds),
+            (|r| r.settings.reference = "hug".into(), "reference: obvhs-cwbvh, then hug", Ratios),
             (
                 |r| r.settings.timed_by = "processor time".into(),
                 "timed by: time of day, then processor time",
-                DifferenceScope::Seconds,
+                Seconds,
             ),
-            (
-                |r| r.machine.os = "plan9".into(),
-                "system: linux, then plan9",
-                DifferenceScope::Nothing,
-            ),
+            (|r| r.machine.os = "plan9".into(), "system: linux, then plan9", Nothing),
             (
                 |r| r.compiler.rustc = Some("rustc 2".into()),
                 "compiler: rustc 1.90.0, then rustc 2",
-                DifferenceScope::Nothing,
+                Nothing,
             ),
         ];
         let mut old = old;
