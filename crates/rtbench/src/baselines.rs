@@ -47,11 +47,7 @@ pub enum BaselineError {
     #[error("{}: the run is not finished; finish it with `rtbench run --resume DIR`", .0.display())]
     Incomplete(PathBuf),
     #[error("baseline {}: {source}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        source: io::Error,
-    },
+    Io { path: PathBuf, source: io::Error },
     #[error(transparent)]
     Record(#[from] RecordError),
     #[error("{}: {message}", path.display())]

@@ -13,12 +13,7 @@ pub enum GitError {
     #[error("{}: no commit `{commit}` in this repository", folder.display())]
     UnknownCommit { commit: String, folder: PathBuf },
     #[error("{}: git {asked}: {said}", folder.display())]
-    Failed {
-        folder: PathBuf,
-        asked: String,
-        /// The last line of what it said.
-        said: String,
-    },
+    Failed { folder: PathBuf, asked: String, said: String },
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]

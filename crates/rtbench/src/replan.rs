@@ -32,11 +32,7 @@ pub enum ReplanError {
     #[error("the baseline has no finished scene: there is nothing to compare with it")]
     Empty,
     #[error("row {row} belongs to the plugin {file}; give its file with --plugin")]
-    NoPlugin {
-        row: String,
-        /// The plugin's file, without folders.
-        file: String,
-    },
+    NoPlugin { row: String, file: String },
     #[error("this program does not support the settings of the baseline: {0}")]
     Settings(String),
     #[error(transparent)]

@@ -38,18 +38,9 @@ const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
 #[derive(Debug, thiserror::Error)]
 pub enum SetOptionsError {
     #[error("scenes/sets/{set}.json: run: {message}")]
-    Invalid {
-        set: String,
-        /// Description of the fault, and valid values.
-        message: String,
-    },
+    Invalid { set: String, message: String },
     #[error("scenes/sets/{set}.json: check, entry {entry}: {message}")]
-    Threshold {
-        set: String,
-        entry: usize,
-        /// Description of the fault, and valid values.
-        message: String,
-    },
+    Threshold { set: String, entry: usize, message: String },
     #[error(transparent)]
     Plan(#[from] PlanError),
 }

@@ -35,33 +35,19 @@ pub enum CallgrindError {
     #[error("cannot find the file of this program to start it under valgrind")]
     NoProgram,
     #[error("callgrind's output {}: {source}", path.display())]
-    Io {
-        /// The file or folder.
-        path: PathBuf,
-        source: io::Error,
-    },
+    Io { path: PathBuf, source: io::Error },
     #[error("callgrind's output: {0}")]
     Output(String),
     #[error(
         "callgrind counted {found} of {expected} phases: were the symbols of {} stripped?",
         program.display()
     )]
-    Phases {
-        program: PathBuf,
-        expected: usize,
-        /// Calls that callgrind saw.
-        found: usize,
-    },
+    Phases { program: PathBuf, expected: usize, found: usize },
     #[error(
         "{}: made by rtbench at {}, this is {}: instruction counts of different builds are not comparable",
         path.display(), name(was), name(is)
     )]
-    OtherProgram {
-        path: PathBuf,
-        was: Option<String>,
-        /// The version of this program.
-        is: Option<String>,
-    },
+    OtherProgram { path: PathBuf, was: Option<String>, is: Option<String> },
 }
 
 fn name(revision: &Option<String>) -> &str {

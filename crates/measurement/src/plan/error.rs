@@ -40,11 +40,7 @@ pub enum PlanError {
         "--shard {shard}: this run has {cells} cells (scenes times rows, without the reference); \
              use at most {cells} shards"
     )]
-    TooManyShards {
-        shard: Shard,
-        /// Number of cells to divide.
-        cells: usize,
-    },
+    TooManyShards { shard: Shard, cells: usize },
     #[error("--shard: two scenes are named {name}; shards are merged by names")]
     SameName { name: String },
     #[error(transparent)]

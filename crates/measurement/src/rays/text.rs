@@ -10,9 +10,7 @@ use glam::DVec3;
 #[error("{}:{line}: {what}", file.display())]
 pub struct RayTextError {
     pub file: PathBuf,
-    /// Line, from 1.
     pub line: usize,
-    /// Description of the fault.
     pub what: String,
 }
 

@@ -28,17 +28,7 @@ pub enum RecordError {
     TooLarge { path: PathBuf },
     #[error("{}: line {line}, column {column}: {message}; expected what `{written_by}` writes",
             path.display())]
-    Syntax {
-        path: PathBuf,
-        /// Counted from 1.
-        line: usize,
-        /// Counted from 1.
-        column: usize,
-        /// Description of the fault.
-        message: String,
-        /// The command that writes such files.
-        written_by: &'static str,
-    },
+    Syntax { path: PathBuf, line: usize, column: usize, message: String, written_by: &'static str },
     #[error("{}: written with schema {found}, expected {SCHEMA_VERSION}", path.display())]
     Schema { path: PathBuf, found: u32 },
 }

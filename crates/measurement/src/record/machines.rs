@@ -26,26 +26,11 @@ const SIGNIFICANCE: f64 = 0.05;
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum MachinesError {
     #[error("expected at least two runs, of different machines; found {found}")]
-    TooFew {
-        /// Runs that were named.
-        found: usize,
-    },
+    TooFew { found: usize },
     #[error("{}: {finished} of {scenes} scenes; finish it with `rtbench run --resume`", path.display())]
-    Unfinished {
-        /// The file or folder.
-        path: PathBuf,
-        /// Scenes that are finished.
-        finished: usize,
-        /// Scenes that it was to have.
-        scenes: usize,
-    },
+    Unfinished { path: PathBuf, finished: usize, scenes: usize },
     #[error("{}: not the same run as {}: {}", path.display(), first.display(), differences.join("; "))]
-    Differs {
-        path: PathBuf,
-        first: PathBuf,
-        /// What differs: `settings.seed: was 1, is 2`.
-        differences: Vec<String>,
-    },
+    Differs { path: PathBuf, first: PathBuf, differences: Vec<String> },
 }
 
 /// A run on several machines.

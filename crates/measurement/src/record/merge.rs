@@ -23,62 +23,24 @@ pub enum MergeProblem {
     #[error("{0}")]
     Unreadable(String),
     #[error("{}: not a shard; expected results of `rtbench run --shard I/N`", path.display())]
-    NotAPart {
-        /// The file or folder.
-        path: PathBuf,
-    },
+    NotAPart { path: PathBuf },
     #[error("{}: shard {shard} has {finished} of {scenes} scenes; finish it with `rtbench run \
              --resume`", path.display())]
-    Unfinished {
-        /// The file or folder.
-        path: PathBuf,
-        /// The part, like `2/8`.
-        shard: String,
-        /// Scenes that are finished.
-        finished: usize,
-        /// Scenes that it was to have.
-        scenes: usize,
-    },
+    Unfinished { path: PathBuf, shard: String, finished: usize, scenes: usize },
     #[error("shard {index}/{count} is missing")]
-    Missing {
-        /// Number of the part, counted from 1.
-        index: u32,
-        count: u32,
-    },
+    Missing { index: u32, count: u32 },
     #[error("shard {shard} is given twice: {} and {}", first.display(), second.display())]
-    Doubled {
-        /// The part, like `2/8`.
-        shard: String,
-        /// One file or folder.
-        first: PathBuf,
-        second: PathBuf,
-    },
+    Doubled { shard: String, first: PathBuf, second: PathBuf },
     #[error("{}: {difference}, in {}", path.display(), first.display())]
-    Differs {
-        /// The file or folder.
-        path: PathBuf,
-        /// The one it differs from.
-        first: PathBuf,
-        /// The difference: `settings.seed: was 1, is 2`.
-        difference: String,
-    },
+    Differs { path: PathBuf, first: PathBuf, difference: String },
     #[error("{}: scene {scene}: expected the rows {expected}; it has {found}", path.display())]
-    Rows {
-        /// The file or folder.
-        path: PathBuf,
-        scene: String,
-        /// Rows that the part was to measure.
-        expected: String,
-        /// Rows that it has.
-        found: String,
-    },
+    Rows { path: PathBuf, scene: String, expected: String, found: String },
 }
 
 /// The parts cannot be joined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the shards do not belong to one run:{}", problem_list(problems))]
 pub struct MergeError {
-    /// Everything that is wrong with them.
     pub problems: Vec<MergeProblem>,
 }
 

@@ -17,11 +17,7 @@ pub enum MeasureError {
     #[error("scene {scene}: {source}")]
     Build { scene: String, source: BuildError },
     #[error("scene {scene}: no structure could be built to compare answers with: {reasons}")]
-    NoAnswers {
-        scene: String,
-        /// Reasons given by the candidates.
-        reasons: String,
-    },
+    NoAnswers { scene: String, reasons: String },
     #[error("cannot start {threads} threads: {source}")]
     Threads { threads: usize, source: rayon::ThreadPoolBuildError },
     #[error(

@@ -20,19 +20,9 @@ pub enum ChildError {
     )]
     Lacks { program: PathBuf },
     #[error("{}: ended with {how}: {said}", program.display())]
-    Failed {
-        program: PathBuf,
-        /// Exit code or signal.
-        how: String,
-        /// The end of what it said on standard error.
-        said: String,
-    },
+    Failed { program: PathBuf, how: String, said: String },
     #[error("{}: cannot read its reply ({message}); is it another version?", program.display())]
-    Answer {
-        program: PathBuf,
-        /// Description of the fault.
-        message: String,
-    },
+    Answer { program: PathBuf, message: String },
 }
 
 /// The first arguments of this program as a child, which reads the scenes that its parent may read.

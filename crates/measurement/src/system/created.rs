@@ -79,7 +79,6 @@ pub fn create<'p>(
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct WriteError {
-    /// The file or folder.
     pub path: PathBuf,
     pub source: io::Error,
 }

@@ -14,7 +14,6 @@ use tempfile::TempDir;
 #[error("cannot copy {} into {}: {source}", program.display(), folder.display())]
 pub struct CopyError {
     program: PathBuf,
-    /// The folder for temporary files.
     folder: PathBuf,
     source: io::Error,
 }

@@ -31,36 +31,16 @@ pub enum CompareError {
     #[error(
         "{names}: no row in common: {old}, then {new}; use --match OLD=NEW if a row was renamed"
     )]
-    NoCommonRow {
-        names: String,
-        /// Rows of the first.
-        old: String,
-        /// Rows of the second.
-        new: String,
-    },
+    NoCommonRow { names: String, old: String, new: String },
     #[error("{names}: no scene in common: {old}, then {new}")]
-    NoCommonScene {
-        names: String,
-        /// Scenes of the first.
-        old: String,
-        /// Scenes of the second.
-        new: String,
-    },
+    NoCommonScene { names: String, old: String, new: String },
     #[error(
         "--match '{text}': {message}; expected OLD=NEW, rows of the first results and of the others: \
              'hug=hug density=4'"
     )]
-    Match {
-        text: String,
-        /// Description of the fault.
-        message: String,
-    },
+    Match { text: String, message: String },
     #[error("--filter '{filter}': {message}")]
-    Filter {
-        filter: String,
-        /// Description of the fault.
-        message: String,
-    },
+    Filter { filter: String, message: String },
     #[error(
         "--filter '{filter}' matches nothing among {among}, as SCENE/STRUCTURE SETTINGS/METRIC"
     )]

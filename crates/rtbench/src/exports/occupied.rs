@@ -19,38 +19,19 @@ pub enum OccupiedError {
          another folder, or replace them with --overwrite",
         folder.display()
     )]
-    OtherPlan {
-        folder: PathBuf,
-        /// The command line of what is there.
-        there: String,
-        /// The command line of what would take its place.
-        here: String,
-        differences: String,
-    },
+    OtherPlan { folder: PathBuf, there: String, here: String, differences: String },
     #[error(
         "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; resume with \
          `rtbench run --resume {}`, or start again with --overwrite",
         folder.display(), folder.display()
     )]
-    SamePlan {
-        folder: PathBuf,
-        /// The command line of what is there.
-        there: String,
-        finished: usize,
-        scenes: usize,
-    },
+    SamePlan { folder: PathBuf, there: String, finished: usize, scenes: usize },
     #[error(
         "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or \
          use --overwrite",
         path.display()
     )]
-    Results {
-        path: PathBuf,
-        /// The command line of what is there.
-        there: String,
-        /// The command line of what would take its place.
-        here: String,
-    },
+    Results { path: PathBuf, there: String, here: String },
     #[error(
         "{}: exists, and does not name its run; name another folder, or replace it with \
          --overwrite",
@@ -60,11 +41,7 @@ pub enum OccupiedError {
     #[error("{}: exists; name another file, or replace it with --overwrite", path.display())]
     File { path: PathBuf },
     #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
-    Journal {
-        path: PathBuf,
-        /// Description of the fault.
-        source: LineError,
-    },
+    Journal { path: PathBuf, source: LineError },
     #[error(transparent)]
     Record(#[from] RecordError),
 }

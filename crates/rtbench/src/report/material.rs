@@ -28,21 +28,11 @@ pub enum ReportError {
     #[error("cannot read {}: {source}", path.display())]
     Folder { path: PathBuf, source: io::Error },
     #[error("{}: {message}; expected what `{written_by}` writes", path.display())]
-    Csv {
-        path: PathBuf,
-        /// Description of the fault, with its line.
-        message: String,
-        /// The command that writes such files.
-        written_by: &'static str,
-    },
+    Csv { path: PathBuf, message: String, written_by: &'static str },
     #[error("{}: not an SVG plot; expected what `rtbench sweep -o DIR` draws", path.display())]
     NotAPlot { path: PathBuf },
     #[error("{}: not a PNG image; expected what `{written_by}` draws", path.display())]
-    NotAPicture {
-        path: PathBuf,
-        /// The command that draws such files.
-        written_by: &'static str,
-    },
+    NotAPicture { path: PathBuf, written_by: &'static str },
 }
 
 /// Everything that a folder has.
