@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use scene_loading::source_hash::sha256_of_bytes;
 
 use crate::answers::judge::judge;
-use crate::plan::measured_row::{BuiltRow, MeasuredRow};
+use crate::plan::measured_row::{BuiltRow, MeasuredRow, sum};
 use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::record::query::Query;
 use crate::record::{PluginRecord, StatsRecord, Verdict, WorkRecord};
@@ -65,13 +65,8 @@ pub fn check<S: Buildable>(
         }
         stride_for(full_pass_s, limits.checked_pass)
     });
-    let thinned;
-    let set = if stride == 1 {
-        &asked
-    } else {
-        thinned = asked.thinned(stride);
-        &thinned
-    };
+    let thinned = (stride != 1).then(|| asked.thinned(stride));
+    let set = thinned.as_ref().unwrap_or(&asked);
     let mut work = WorkCounters::default();
     let (mut checked_rays, mut mismatches, mut edges) = (0, 0, 0);
     let mut examples = Vec::new();
@@ -168,14 +163,10 @@ pub fn count<S: Buildable>(
     built: &BuiltRow<'_, S>,
     batch: &Batch<'_, S>,
 ) -> (Answers<S>, WorkCounters) {
-    let BuiltRow::Structure(tracer) = built else {
+    let (BuiltRow::Structure(tracer), false) = (built, batch.kind.is_occlusion()) else {
         let (blocked, work) = built.count_blocked(batch);
         return (Answers::Blocked(blocked), work);
     };
-    if batch.kind.is_occlusion() {
-        let (blocked, work) = built.count_blocked(batch);
-        return (Answers::Blocked(blocked), work);
-    }
     let mut answers = Answers::new(batch.kind, batch.rays.len());
     answers.poison(&batch.expected);
     let chunk = built.chunk(batch);
@@ -185,10 +176,7 @@ pub fn count<S: Buildable>(
         .par_chunks(chunk)
         .zip(hits.par_chunks_mut(chunk))
         .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
-        .reduce(WorkCounters::default, |mut a, b| {
-            a += b;
-            a
-        });
+        .reduce(WorkCounters::default, sum);
     (Answers::Hits(hits), work)
 }
 

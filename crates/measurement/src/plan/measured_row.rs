@@ -4,7 +4,7 @@ use accel_core::occluders::{self, BoxedOccluder};
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, ShadowCount, ShadowRule, Tracer};
-use accel_core::registry::Buildable;
+use accel_core::registry::{self, Buildable, RegistryItem};
 use accel_core::structure::{Batches, BuildError, StructureStats};
 use accel_core::structures::Entry;
 use glam::DVec3;
@@ -161,10 +161,7 @@ impl<S: Buildable> BuiltRow<'_, S> {
                 }
                 Self::Occluder(occluder) => occluder.count_occlusions(rays, lights, blocked),
             })
-            .reduce(WorkCounters::default, |mut a, b| {
-                a += b;
-                a
-            });
+            .reduce(WorkCounters::default, sum);
         (blocked, work)
     }
 
@@ -224,10 +221,8 @@ impl<S: Buildable> BuiltRow<'_, S> {
     /// # Errors
     /// [`BuildError::Died`] with the reason.
     pub fn alive(&self) -> Result<(), BuildError> {
-        match self.foreign().and_then(Foreign::failure) {
-            Some(how) => Err(BuildError::Died(how)),
-            None => Ok(()),
-        }
+        let failure = self.foreign().and_then(Foreign::failure);
+        failure.map_or(Ok(()), |how| Err(BuildError::Died(how)))
     }
 
     pub fn stats(&self) -> StructureStats {
@@ -236,6 +231,12 @@ impl<S: Buildable> BuiltRow<'_, S> {
             Self::Occluder(occluder) => occluder.stats(),
         }
     }
+}
+
+/// The work of two chunks.
+pub(crate) fn sum(mut one: WorkCounters, other: WorkCounters) -> WorkCounters {
+    one += other;
+    one
 }
 
 /// The rows that `-s` and `--set` ask for: of structures and of occluders. Each of both registries
@@ -263,28 +264,28 @@ pub fn select<'r>(
     let split = |texts: &[String]| -> (Vec<String>, Vec<String>) {
         texts.iter().cloned().partition(|t| is_occluder(&t))
     };
-    let (of_occluders, of_structures) = split(names);
+    let (mut of_occluders, mut of_structures) = split(names);
     let (set_occluders, set_structures) = split(overrides);
-    let all = names.is_empty() || names.iter().any(|n| n == "all");
-    let structures = if all || !of_structures.is_empty() {
-        rows::select(registry, &of_structures, &set_structures)?
-    } else if set_structures.is_empty() {
-        Vec::new()
-    } else {
+    if names.is_empty() || names.iter().any(|n| n == "all") {
+        of_occluders.insert(0, "all".to_owned());
+        if of_structures.is_empty() {
+            of_structures.push("all".to_owned());
+        }
+    }
+    let structures = select_of(registry, &of_structures, &set_structures)?;
+    Ok((structures, select_of(occluders, &of_occluders, &set_occluders)?))
+}
+
+/// The rows of one registry; of no names none.
+fn select_of<'r, L: RegistryItem>(
+    registry: &'r [registry::Entry<L>],
+    names: &[String],
+    overrides: &[String],
+) -> Result<Vec<Row<'r, L>>, PlanError> {
+    match (names, overrides) {
+        ([], []) => Ok(Vec::new()),
         // a setting of a structure that is not measured is an error all the same
-        return Err(rows::override_without_row(registry, &set_structures));
-    };
-    let asked: Vec<String> = if all {
-        std::iter::once("all".to_owned()).chain(of_occluders).collect()
-    } else {
-        of_occluders
-    };
-    let rows = if !asked.is_empty() {
-        rows::select(occluders, &asked, &set_occluders)?
-    } else if set_occluders.is_empty() {
-        Vec::new()
-    } else {
-        return Err(rows::override_without_row(occluders, &set_occluders));
-    };
-    Ok((structures, rows))
+        ([], _) => Err(rows::override_without_row(registry, overrides)),
+        _ => rows::select(registry, names, overrides),
+    }
 }

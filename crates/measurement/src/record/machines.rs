@@ -5,6 +5,7 @@
 //! the same program, settings and scenes; machines may be of one model, and are distinguished by
 //! their order.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -157,36 +158,36 @@ struct RatioOnMachines {
     rounds: Vec<Vec<Series>>,
 }
 
-fn ratios(records: &[&RunRecord]) -> Vec<RatioOnMachines> {
+/// Build, trace, and each kind of rays.
+type RowRatios<'r> = (Option<Estimate>, Option<Estimate>, &'r BTreeMap<String, Estimate>);
+
+fn ratios<'r>(records: &[&'r RunRecord]) -> Vec<RatioOnMachines> {
     let Some(first) = records.first() else { return Vec::new() };
     let mut all = Vec::new();
-    for (i, row) in first.summary.iter().enumerate() {
-        let name = (None, row.structure.as_str(), row.settings.as_str());
-        let of = |read: &dyn Fn(&crate::record::SummaryRow) -> Option<Estimate>| {
-            records.iter().map(|r| read(r.summary.get(i)?)).collect::<Vec<_>>()
+    let mut add = |name: (Option<&str>, &str, &str),
+                   of: &dyn Fn(&'r RunRecord) -> Option<RowRatios<'r>>| {
+        let of: Vec<_> = records.iter().map(|record| of(record)).collect();
+        let mut push = |quantity: &str, of_machines| {
+            all.extend(ratio(name, quantity, of_machines, rounds_of(records, name, quantity)));
         };
-        let rounds = |quantity: &str| rounds_of(records, name, quantity);
-        all.extend(ratio(name, "build", of(&|row| row.build_ratio), rounds("build")));
-        all.extend(ratio(name, "trace", of(&|row| row.ratio), rounds("trace")));
-        for kind in row.ratio_by_kind.keys() {
-            let of_kind = of(&|row| row.ratio_by_kind.get(kind).copied());
-            all.extend(ratio(name, kind, of_kind, rounds(kind)));
+        push("build", of.iter().map(|row| row.and_then(|row| row.0)).collect());
+        push("trace", of.iter().map(|row| row.and_then(|row| row.1)).collect());
+        for kind in of.first().into_iter().flatten().flat_map(|row| row.2.keys()) {
+            push(kind, of.iter().map(|row| row.and_then(|row| row.2.get(kind).copied())).collect());
         }
+    };
+    for (i, row) in first.summary.iter().enumerate() {
+        add((None, &row.structure, &row.settings), &|record| {
+            let row = record.summary.get(i)?;
+            Some((row.build_ratio, row.ratio, &row.ratio_by_kind))
+        });
     }
     for (s, scene) in first.scenes.iter().enumerate() {
         for (i, row) in scene.rows.iter().enumerate() {
-            let name = (Some(scene.name.as_str()), row.structure.as_str(), row.settings.as_str());
-            let of = |read: &dyn Fn(&RowRecord) -> Option<Estimate>| {
-                let row = |r: &&RunRecord| read(r.scenes.get(s)?.rows.get(i)?);
-                records.iter().map(row).collect::<Vec<_>>()
-            };
-            let rounds = |quantity: &str| rounds_of(records, name, quantity);
-            all.extend(ratio(name, "build", of(&|row| row.build_ratio), rounds("build")));
-            all.extend(ratio(name, "trace", of(&|row| row.ratio), rounds("trace")));
-            for kind in row.ratio_by_kind.keys() {
-                let of_kind = of(&|row| row.ratio_by_kind.get(kind).copied());
-                all.extend(ratio(name, kind, of_kind, rounds(kind)));
-            }
+            add((Some(&scene.name), &row.structure, &row.settings), &|record| {
+                let row = record.scenes.get(s)?.rows.get(i)?;
+                Some((row.build_ratio, row.ratio, &row.ratio_by_kind))
+            });
         }
     }
     all

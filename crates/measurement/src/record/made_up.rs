@@ -4,7 +4,6 @@ use serde_json::json;
 
 use crate::record::settings::TIME_OF_DAY;
 use crate::record::{RowRecord, RunRecord, SCHEMA_VERSION, Sample, SceneRecord, Settings};
-use crate::scenes::ViewOptions;
 use crate::system::world::{FixedWorld, World};
 
 /// Rows of a scene: a label and times.
@@ -34,26 +33,16 @@ pub fn run(scenes: &[(&str, Rows<'_>)]) -> RunRecord {
                 .map(|r| r.0.into())
                 .next()
                 .unwrap_or_default(),
-            quick: false,
             order: "scanline".into(),
             lights: "each".into(),
-            view: ViewOptions::default(),
-            by_kind: false,
             processes: 1,
             timed_by: TIME_OF_DAY.into(),
+            ..Settings::default()
         },
         scenes: scenes.iter().map(|(name, rows)| scene(name, rows)).collect(),
-        summary: Vec::new(),
-        conclusions: Vec::new(),
-        peak_rss_bytes: None,
         planned: scenes.iter().map(|(name, _)| (*name).into()).collect(),
         complete: true,
-        load: Default::default(),
-        warnings: Vec::new(),
-        shard: None,
-        parts: Vec::new(),
-        floor: None,
-        scale: None,
+        ..RunRecord::default()
     }
 }
 
@@ -81,10 +70,8 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
                 trace_s: [("primary".to_owned(), seconds)].into(),
                 reference_trace_s: reference.get(round).copied(),
                 reference_build_s: reference.get(round).map(|s| s / 10.0),
-                reference_by_kind: reference
-                    .get(round)
+                reference_by_kind: (reference.get(round).into_iter())
                     .map(|s| ("primary".to_owned(), *s))
-                    .into_iter()
                     .collect(),
             })
             .collect();
@@ -94,18 +81,11 @@ fn scene(name: &str, rows: Rows<'_>) -> SceneRecord {
         name: name.into(),
         sha256: "cd".into(),
         source: "made up".into(),
-        licence: None,
         primitives: 4,
         geometry_bytes: 144,
         only_triangles: Some(true),
-        origin: None,
-        warnings: Vec::new(),
         rays: [("primary".to_owned(), 256)].into(),
-        oracle: Default::default(),
         rows: rows.iter().enumerate().map(row).collect(),
-        foreign: Vec::new(),
-        peak_rss_bytes: None,
-        conclusions: Vec::new(),
-        least_time: Vec::new(),
+        ..SceneRecord::default()
     }
 }

@@ -45,7 +45,7 @@ pub use work::{StatsRecord, WorkRecord};
 pub const SCHEMA_VERSION: u32 = 2;
 
 /// A run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct RunRecord {
     /// Version of this schema: 2. Raised when a field changes its meaning or goes away, not for new

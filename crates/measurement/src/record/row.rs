@@ -34,7 +34,7 @@ impl AnsweredRays {
 }
 
 /// One visit of a row.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Sample {
     /// The process that it was made in, from 0: that of the run, and those that it started
@@ -67,7 +67,7 @@ impl Sample {
 }
 
 /// A structure with settings on a scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct RowRecord {
     /// Name of the structure, without its settings.
@@ -169,38 +169,7 @@ impl Outliers {
 impl RowRecord {
     /// A row of which there is nothing but a verdict.
     pub fn unmeasured(structure: String, settings: String, verdict: Verdict) -> Self {
-        Self {
-            structure,
-            settings,
-            is_reference: false,
-            answers: AnsweredRays::AllRays,
-            query: Query::default(),
-            verdict,
-            known_defect: None,
-            error: None,
-            stats: None,
-            work: None,
-            checked_rays: 0,
-            mismatches: 0,
-            answers_sha256: None,
-            example: None,
-            stride: 1,
-            rays: 0,
-            rays_by_kind: BTreeMap::new(),
-            build_s: None,
-            trace_s: None,
-            mrays: BTreeMap::new(),
-            ratio: None,
-            ratio_by_kind: BTreeMap::new(),
-            levels: None,
-            build_ratio: None,
-            render_s: None,
-            samples: Vec::new(),
-            outliers: Outliers::default(),
-            peak_build_bytes: None,
-            plugin: None,
-            foreign: None,
-        }
+        Self { structure, settings, verdict, stride: 1, ..Self::default() }
     }
 
     /// Rays that a triangle test of another's answered otherwise than expected where rounding
@@ -242,10 +211,11 @@ pub fn with_query(label: String, answers_batches: bool) -> String {
 }
 
 /// What is said of a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub enum Verdict {
     /// Every answer agrees.
+    #[default]
     #[serde(rename = "ok")]
     Ok,
     /// Some answer is wrong: its times are not shown.

@@ -9,7 +9,7 @@ use crate::record::conclusion::{Conclusion, LeastTime};
 use crate::record::row::{AnsweredRays, RowRecord, Verdict, label, with_query};
 use statistics::estimate::Estimate;
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct SceneRecord {
     /// Name of the scene, as it was asked for.

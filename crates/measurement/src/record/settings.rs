@@ -7,7 +7,7 @@ use crate::scenes::ViewOptions;
 use crate::settings::Lights;
 
 /// Settings of a run.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
 pub struct Settings {
     /// Seed of schedules, samples, directions and intervals.

@@ -19,7 +19,7 @@ use crate::rounds::interleaved::{Visit, interleaved_from, round_order};
 use crate::rounds::scope::{Laps, RowLog, Scope};
 use crate::system::clock::{Clock, timed};
 use crate::system::interrupt;
-use crate::system::panics::{CaughtPanic, caught};
+use crate::system::panics::caught;
 
 /// Most rounds that a time budget buys.
 const MOST_ROUNDS: usize = 10_000;
@@ -33,17 +33,8 @@ pub struct RowTimes {
     pub mismatches: usize,
     /// Seconds of the whole image.
     pub render_s: Option<f64>,
-    /// It panicked in a round and was left out from there on.
-    pub panicked: Option<CaughtPanic>,
-    /// Its process ended in a round, likewise.
-    pub died: Option<BuildError>,
-}
-
-impl RowTimes {
-    /// Nothing ended it so far.
-    fn is_alive(&self) -> bool {
-        self.panicked.is_none() && self.died.is_none()
-    }
+    /// Why it was left out from some round on: it panicked, or its process ended.
+    pub failed: Option<String>,
 }
 
 /// A sample of the rays and room for the answers to them.
@@ -138,7 +129,7 @@ impl Schedule {
             of_reference.resize_with(round + 1, BTreeMap::new);
             let row = self.rows[row];
             let (out, of_round) = (&mut timed[row], &mut of_reference[round]);
-            let Some(stride) = self.strides[row].filter(|_| out.is_alive()) else { return };
+            let Some(stride) = self.strides[row].filter(|_| out.failed.is_none()) else { return };
             let is_baseline = row == self.baseline;
             let asked = RowVisit { row: &plan.rows[row], stride, is_baseline };
             if round == first {
@@ -147,17 +138,17 @@ impl Schedule {
                 log.rows_passed();
             }
             match caught(|| asked.make(scope, &mut subsamples, of_round)) {
-                Ok(Ok(seen)) => {
+                Ok(Ok((sample, mismatches))) => {
                     out.stride = stride;
-                    out.mismatches = out.mismatches.max(seen.mismatches);
+                    out.mismatches = out.mismatches.max(mismatches);
                     let (round, position) = (round as u32, position as u32);
-                    out.samples.push(seen.sample(plan.process.number, round, position));
+                    out.samples.push(Sample { round, position, ..sample });
                     scope.progress.step(scope.clock.now());
                 }
-                Ok(Err(died @ BuildError::Died(_))) => out.died = Some(died),
+                Ok(Err(died @ BuildError::Died(_))) => out.failed = Some(died.to_string()),
                 // it was built before, and cannot be built again
                 Ok(Err(_)) => {}
-                Err(panicked) => out.panicked = Some(panicked),
+                Err(panicked) => out.failed = Some(panicked.to_string()),
             }
         };
         let (seed, scene) = (plan.seed, &scope.stage.scene.name);
@@ -186,11 +177,11 @@ impl Schedule {
                 seconds <= plan.limits.render_pass && c.plugin.is_none()
             });
             let is_whole = measured.interrupted.is_none();
-            if is_whole && is_cheap && !planned.is_sampled() && out.is_alive() {
+            if is_whole && is_cheap && !planned.is_sampled() && out.failed.is_none() {
                 log.row_begins(&planned.label());
                 match caught(|| render_once(scope, planned)) {
                     Ok(seconds) => out.render_s = seconds,
-                    Err(panicked) => out.panicked = Some(panicked),
+                    Err(panicked) => out.failed = Some(panicked.to_string()),
                 }
             }
             scope.progress.step(scope.clock.now());
@@ -239,8 +230,7 @@ pub fn measure_laps<S: Buildable>(
         let seen = asked.and_then(|asked| {
             caught(|| asked.make(scope, &mut subsamples, &mut BTreeMap::new())).ok()?.ok()
         });
-        let sample = seen.map(|seen| seen.sample(plan.process.number, 0, 0));
-        laps.made(sample.as_ref());
+        laps.made(seen.map(|(sample, _)| sample).as_ref());
     }
 }
 
@@ -291,37 +281,17 @@ struct RowVisit<'a, 'r> {
     is_baseline: bool,
 }
 
-struct VisitResult {
-    build_s: f64,
-    trace_s: Seconds,
-    mismatches: usize,
-}
-
-impl VisitResult {
-    fn sample(self, process: u32, round: u32, position: u32) -> Sample {
-        Sample {
-            process,
-            round,
-            position,
-            build_s: self.build_s,
-            trace_s: self.trace_s,
-            reference_trace_s: None,
-            reference_build_s: None,
-            reference_by_kind: BTreeMap::new(),
-        }
-    }
-}
-
 impl RowVisit<'_, '_> {
     /// Builds the row and asks it. The baseline answers every other row's sample of rays as well,
-    /// so that ratios are taken over the same rays in the same round. An error when the row, which
-    /// was built before, cannot be built again, or ends its process.
+    /// so that ratios are taken over the same rays in the same round. The times, and how many
+    /// answers are not the ones expected. An error when the row, which was built before, cannot be
+    /// built again, or ends its process.
     fn make<S: Buildable>(
         &self,
         scope: &Scope<'_, '_, S>,
         subsamples: &mut BTreeMap<usize, Subsample<'_, S>>,
         of_reference: &mut BTreeMap<usize, Seconds>,
-    ) -> Result<VisitResult, BuildError> {
+    ) -> Result<(Sample, usize), BuildError> {
         let prims = scope.stage.geometry.prims();
         scope.pools.measured.install(|| {
             let build = self.row.prepare();
@@ -341,7 +311,8 @@ impl RowVisit<'_, '_> {
                 }
             }
             built.alive()?;
-            Ok(VisitResult { build_s, trace_s, mismatches })
+            let process = scope.plan.process.number;
+            Ok((Sample { process, build_s, trace_s, ..Sample::default() }, mismatches))
         })
     }
 }

@@ -15,7 +15,7 @@ use crate::rounds::trial::TrialOutcome;
 use crate::scenes::LoadedScene;
 use crate::settings::Precision;
 use crate::system::clock::Clock;
-use crate::system::panics::{CaughtPanic, caught};
+use crate::system::panics::caught;
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
 use crate::system::world::World;
@@ -74,15 +74,11 @@ pub fn run_scene<S: Buildable>(
     };
     let mut row_checks = check_rows(&scope, equipment);
     let amended = arbiter.amended(&all);
-    let scope = match &amended {
-        Some(amended) => {
-            // rows that answered like the one that was contradicted passed
-            let scope = Scope { all: amended, ..scope };
-            row_checks = check_rows(&scope, equipment);
-            scope
-        }
-        None => scope,
-    };
+    let scope = Scope { all: amended.as_ref().unwrap_or(&all), ..scope };
+    if amended.is_some() {
+        // rows that answered like the one that was contradicted passed
+        row_checks = check_rows(&scope, equipment);
+    }
     let (checked, refused): (Vec<_>, Vec<_>) = row_checks.into_iter().unzip();
     progress.message(format!("{}: timing", scene.name));
     let baseline = baseline(plan, &checked);
@@ -99,8 +95,7 @@ pub fn run_scene<S: Buildable>(
         .zip(checked)
         .zip(refused)
         .zip(timed)
-        .map(|(((row, checked), refused), timed)| RowParts { row, checked, refused, timed })
-        .map(|parts| parts.record(&all))
+        .map(|(((row, checked), refused), timed)| row_record(&all, row, checked, refused, timed))
         .collect();
     if let Some(reference) = rows.get_mut(baseline) {
         reference.is_reference = true;
@@ -127,10 +122,8 @@ pub fn run_scene<S: Buildable>(
         rays: by_kind(&all, |_| true),
         oracle: judged,
         rows,
-        foreign: Vec::new(),
         peak_rss_bytes: equipment.world.peak_rss(),
-        conclusions: Vec::new(),
-        least_time: Vec::new(),
+        ..SceneRecord::default()
     })
 }
 
@@ -138,14 +131,14 @@ pub fn run_scene<S: Buildable>(
 fn check_rows<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     equipment: &SceneInput<'_>,
-) -> Vec<(Option<RowCheck>, Option<RefusalReason>)> {
+) -> Vec<(Option<RowCheck>, Option<Refusal>)> {
     let check_row = |(i, row): (usize, &MeasuredRow<'_>)| {
         match equipment.trials.get(i) {
             Some(TrialOutcome::OverLimit(reason)) => {
-                return (None, Some(RefusalReason::Limit(reason.clone())));
+                return (None, Some((Verdict::OverLimit, reason.clone())));
             }
             Some(TrialOutcome::Died(reason)) => {
-                return (None, Some(RefusalReason::Death(reason.clone())));
+                return (None, Some((Verdict::Panicked, reason.clone())));
             }
             Some(TrialOutcome::Ended { .. }) | None => {}
         }
@@ -154,8 +147,8 @@ fn check_rows<S: Buildable>(
         equipment.log.row_begins(&label);
         let checked = match caught(|| check(scope, row)) {
             Ok(Ok(checked)) => (Some(checked), None),
-            Ok(Err(error)) => (None, Some(RefusalReason::Build(error))),
-            Err(panicked) => (None, Some(RefusalReason::Panic(panicked))),
+            Ok(Err(error)) => (None, Some((verdict_of(&error), error.to_string()))),
+            Err(panicked) => (None, Some((Verdict::Panicked, panicked.to_string()))),
         };
         scope.progress.step(scope.clock.now());
         checked
@@ -187,75 +180,61 @@ fn by_kind<S: Buildable>(
     asked.map(|b| (b.name(), b.rays.len() as u64)).collect()
 }
 
-/// Why there is nothing to show of a row.
-enum RefusalReason {
-    Build(BuildError),
-    Panic(CaughtPanic),
-    /// It took too much in its trial.
-    Limit(String),
-    /// Its trial ended the process.
-    Death(String),
+/// Why there is nothing to show of a row: what is said of it, and what happened.
+type Refusal = (Verdict, String);
+
+fn verdict_of(error: &BuildError) -> Verdict {
+    match error {
+        BuildError::Died(_) => Verdict::Panicked,
+        BuildError::OutOfMemory(_) => Verdict::OutOfMemory,
+        _ => Verdict::NotBuilt,
+    }
 }
 
-struct RowParts<'a, 'r> {
-    row: &'a MeasuredRow<'r>,
+fn row_record<S: Buildable>(
+    all: &BatchSet<'_, S>,
+    row: &MeasuredRow<'_>,
     checked: Option<RowCheck>,
-    refused: Option<RefusalReason>,
+    refused: Option<Refusal>,
     timed: RowTimes,
-}
-
-impl RowParts<'_, '_> {
-    fn record<S: Buildable>(self, all: &BatchSet<'_, S>) -> RowRecord {
-        let Self { row, checked, refused, timed } = self;
-        // one that panics once is not trusted any more
-        let refused = timed.panicked.map(RefusalReason::Panic).or(refused);
-        let refused = timed.died.map(RefusalReason::Build).or(refused);
-        let mut verdict = match (&refused, &checked) {
-            (Some(RefusalReason::Panic(_) | RefusalReason::Death(_)), _) => Verdict::Panicked,
-            (Some(RefusalReason::Build(BuildError::Died(_))), _) => Verdict::Panicked,
-            (Some(RefusalReason::Limit(_)), _) => Verdict::OverLimit,
-            (Some(RefusalReason::Build(BuildError::OutOfMemory(_))), _) => Verdict::OutOfMemory,
-            (_, Some(checked)) => checked.verdict,
-            (_, None) => Verdict::NotBuilt,
-        };
-        let error = refused.map(|refused| match refused {
-            RefusalReason::Build(error) => error.to_string(),
-            RefusalReason::Panic(panicked) => panicked.to_string(),
-            RefusalReason::Limit(reason) | RefusalReason::Death(reason) => reason,
-        });
-        // Answers are compared in every round again: a structure may be wrong only sometimes.
-        let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
-        mismatches = mismatches.max(timed.mismatches as u64);
-        if verdict == Verdict::Ok && mismatches > 0 {
-            let is_known = row.known_defect().is_some();
-            verdict = if is_known { Verdict::WrongAsShipped } else { Verdict::Wrong };
-        }
-        let samples = if verdict.is_timed() { timed.samples } else { Vec::new() };
-        let stride = timed.stride.max(1);
-        let rays_by_kind: BTreeMap<String, u64> = if samples.is_empty() {
-            BTreeMap::new()
-        } else {
-            by_kind(all, |kind| row.answers(kind))
-                .into_iter()
-                .map(|(k, n)| (k, n.div_ceil(stride as u64)))
-                .collect()
-        };
-        RowRecord {
-            stats: checked.as_ref().map(|c| c.stats.clone()),
-            work: checked.as_ref().and_then(|c| c.work.clone()),
-            checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
-            mismatches,
-            answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
-            example: checked.as_ref().and_then(|c| c.example.clone()),
-            stride: stride as u64,
-            rays: rays_by_kind.values().sum(),
-            rays_by_kind,
-            plugin: checked.as_ref().and_then(|c| c.plugin.clone()),
-            query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
-            render_s: timed.render_s.filter(|_| verdict.is_timed()),
-            samples,
-            ..unmeasured(row, verdict, error)
-        }
+) -> RowRecord {
+    // one that panics once is not trusted any more
+    let refused = timed.failed.map(|reason| (Verdict::Panicked, reason)).or(refused);
+    let (mut verdict, error) = match (refused, &checked) {
+        (Some((verdict, reason)), _) => (verdict, Some(reason)),
+        (None, Some(checked)) => (checked.verdict, None),
+        (None, None) => (Verdict::NotBuilt, None),
+    };
+    // Answers are compared in every round again: a structure may be wrong only sometimes.
+    let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
+    mismatches = mismatches.max(timed.mismatches as u64);
+    if verdict == Verdict::Ok && mismatches > 0 {
+        let is_known = row.known_defect().is_some();
+        verdict = if is_known { Verdict::WrongAsShipped } else { Verdict::Wrong };
+    }
+    let samples = if verdict.is_timed() { timed.samples } else { Vec::new() };
+    let stride = timed.stride.max(1);
+    let rays_by_kind: BTreeMap<String, u64> = if samples.is_empty() {
+        BTreeMap::new()
+    } else {
+        let asked = by_kind(all, |kind| row.answers(kind)).into_iter();
+        asked.map(|(kind, n)| (kind, n.div_ceil(stride as u64))).collect()
+    };
+    RowRecord {
+        stats: checked.as_ref().map(|c| c.stats.clone()),
+        work: checked.as_ref().and_then(|c| c.work.clone()),
+        checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
+        mismatches,
+        answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
+        example: checked.as_ref().and_then(|c| c.example.clone()),
+        stride: stride as u64,
+        rays: rays_by_kind.values().sum(),
+        rays_by_kind,
+        plugin: checked.as_ref().and_then(|c| c.plugin.clone()),
+        query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
+        render_s: timed.render_s.filter(|_| verdict.is_timed()),
+        samples,
+        ..unmeasured(row, verdict, error)
     }
 }
 
