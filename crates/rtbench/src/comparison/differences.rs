@@ -8,9 +8,8 @@
 
 use crate::comparison::entry::{ComparisonSettings, NamedRun};
 use crate::comparison::pairing::Pairing;
-use measurement::record::metrics::DifferenceScope;
+use measurement::record::metrics::DifferenceScope::{self, Everything, Nothing, Ratios, Seconds};
 use measurement::record::{Machine, RunRecord, SceneRecord, reference};
-use std::collections::BTreeMap;
 
 /// Something that two runs do not have in common.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -24,44 +23,46 @@ pub struct Difference {
 pub fn differences(old: &RunRecord, new: &RunRecord) -> Vec<Difference> {
     let mut found = DifferenceList(Vec::new());
     let (a, b) = (&old.settings, &new.settings);
-    found.unless_equal(DifferenceScope::Everything, "threads", &a.threads, &b.threads);
-    found.unless_equal(DifferenceScope::Everything, "precision", &a.precision, &b.precision);
+    found.unless_equal(Everything, "threads", &a.threads, &b.threads);
+    found.unless_equal(Everything, "precision", &a.precision, &b.precision);
     let size = |[width, height]: [u32; 2]| format!("{width}x{height}");
     let sizes = [a.resolution, b.resolution].map(size);
-    found.unless_equal(DifferenceScope::Everything, "resolution", &sizes[0], &sizes[1]);
-    found.unless_equal(DifferenceScope::Everything, "depth", &a.max_depth, &b.max_depth);
-    found.unless_equal(DifferenceScope::Everything, "rays", &a.rays.join(","), &b.rays.join(","));
-    found.unless_equal(DifferenceScope::Everything, "order of rays", &a.order, &b.order);
-    found.unless_equal(DifferenceScope::Everything, "lights", &a.lights, &b.lights);
+    found.unless_equal(Everything, "resolution", &sizes[0], &sizes[1]);
+    found.unless_equal(Everything, "depth", &a.max_depth, &b.max_depth);
+    found.unless_equal(Everything, "rays", &a.rays.join(","), &b.rays.join(","));
+    found.unless_equal(Everything, "order of rays", &a.order, &b.order);
+    found.unless_equal(Everything, "lights", &a.lights, &b.lights);
     let views = [&a.view, &b.view]
         .map(|view| if view.is_empty() { "the scenes' own".to_owned() } else { view.to_string() });
-    found.unless_equal(DifferenceScope::Everything, "view", &views[0], &views[1]);
-    found.unless_equal(DifferenceScope::Everything, "seed", &a.seed, &b.seed);
+    found.unless_equal(Everything, "view", &views[0], &views[1]);
+    found.unless_equal(Everything, "seed", &a.seed, &b.seed);
     let (x, y) = (&old.compiler, &new.compiler);
-    found.unless_known_equal(DifferenceScope::Everything, "target", &x.target, &y.target);
+    found.unless_known_equal(Everything, "target", &x.target, &y.target);
     found.features(&x.target_features, &y.target_features);
-    found.unless_known_equal(DifferenceScope::Everything, "profile", &x.profile, &y.profile);
-    found.unless_known_equal(DifferenceScope::Everything, "opt-level", &x.opt_level, &y.opt_level);
+    found.unless_known_equal(Everything, "profile", &x.profile, &y.profile);
+    found.unless_known_equal(Everything, "opt-level", &x.opt_level, &y.opt_level);
     for [before, after] in Pairing::of(old, new).scenes.into_iter().map(|pair| pair.scenes) {
         let name = &before.name;
         let what = format!("scene {name}: sha256");
-        found.unless_equal(DifferenceScope::Everything, &what, &before.sha256, &after.sha256);
+        found.unless_equal(Everything, &what, &before.sha256, &after.sha256);
         if a.rays != b.rays {
             // said above
             continue;
         }
-        let rays = [&before.rays, &after.rays].map(ray_counts);
+        let rays = [&before.rays, &after.rays].map(|rays| {
+            rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect::<Vec<_>>().join(" + ")
+        });
         let what = format!("scene {name}: rays");
-        found.unless_equal(DifferenceScope::Everything, &what, &rays[0], &rays[1]);
+        found.unless_equal(Everything, &what, &rays[0], &rays[1]);
     }
     let (m, n) = (&old.machine, &new.machine);
     found.processor(m, n);
-    found.unless_known_equal(DifferenceScope::Seconds, "governor", &m.governor, &n.governor);
-    found.unless_known_equal(DifferenceScope::Seconds, "boost", &m.boost, &n.boost);
-    found.unless_equal(DifferenceScope::Ratios, "reference", &a.reference, &b.reference);
-    found.unless_equal(DifferenceScope::Seconds, "timed by", &a.timed_by, &b.timed_by);
-    found.unless_equal(DifferenceScope::Nothing, "system", &m.os, &n.os);
-    found.unless_known_equal(DifferenceScope::Nothing, "compiler", &x.rustc, &y.rustc);
+    found.unless_known_equal(Seconds, "governor", &m.governor, &n.governor);
+    found.unless_known_equal(Seconds, "boost", &m.boost, &n.boost);
+    found.unless_equal(Ratios, "reference", &a.reference, &b.reference);
+    found.unless_equal(Seconds, "timed by", &a.timed_by, &b.timed_by);
+    found.unless_equal(Nothing, "system", &m.os, &n.os);
+    found.unless_known_equal(Nothing, "compiler", &x.rustc, &y.rustc);
     found.0
 }
 
@@ -79,10 +80,6 @@ pub fn other_reference(scenes: [&SceneRecord; 2]) -> Option<[String; 2]> {
     let [old, new] = scenes.map(reference::of_scene);
     let both = [old?, new?];
     (both[0] != both[1]).then_some(both)
-}
-
-fn ray_counts(rays: &BTreeMap<String, u64>) -> String {
-    rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect::<Vec<_>>().join(" + ")
 }
 
 /// Differences as they are found.
@@ -116,26 +113,11 @@ impl DifferenceList {
     }
 
     fn processor(&mut self, old: &Machine, new: &Machine) {
-        self.unless_known_equal(DifferenceScope::Seconds, "processor", &old.cpu, &new.cpu);
-        self.unless_equal(
-            DifferenceScope::Seconds,
-            "threads of the machine",
-            &old.threads,
-            &new.threads,
-        );
+        self.unless_known_equal(Seconds, "processor", &old.cpu, &new.cpu);
+        self.unless_equal(Seconds, "threads of the machine", &old.threads, &new.threads);
         let avx512 = [old, new].map(|machine| machine.batches_by_avx512);
-        self.unless_known_equal(
-            DifferenceScope::Seconds,
-            "wide nodes, batches by AVX-512",
-            &avx512[0],
-            &avx512[1],
-        );
-        self.unless_known_equal(
-            DifferenceScope::Seconds,
-            "huge pages",
-            &old.huge_pages,
-            &new.huge_pages,
-        );
+        self.unless_known_equal(Seconds, "wide nodes, batches by AVX-512", &avx512[0], &avx512[1]);
+        self.unless_known_equal(Seconds, "huge pages", &old.huge_pages, &new.huge_pages);
     }
 
     /// Target features, by those that only one run has.
@@ -146,19 +128,14 @@ impl DifferenceList {
             if only.is_empty() { "none".to_owned() } else { only.join(" ") }
         };
         let (gone, come) = (only(old, new), only(new, old));
-        self.unless_equal(
-            DifferenceScope::Everything,
-            "target features of one run only",
-            &gone,
-            &come,
-        );
+        self.unless_equal(Everything, "target features of one run only", &gone, &come);
     }
 }
 
 /// Reasons why `now` cannot be compared with `base`: all differences that make runs incomparable,
 /// except for seconds, which no stage uses, and references, which are compared by scene.
 pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
-    let refuses = |d: &Difference| d.concerns == DifferenceScope::Everything;
+    let refuses = |d: &Difference| d.concerns == Everything;
     differences(base, now).into_iter().filter(refuses).map(|d| d.what).collect()
 }
 
@@ -199,15 +176,13 @@ pub fn notes(
     let mut said = Vec::new();
     for Difference { what, concerns } in differing {
         let consequence = match (concerns, choice.is_forced) {
-            (DifferenceScope::Nothing, _) => "",
+            (Nothing, _) => "",
             (_, true) => "; compared by --force",
-            (DifferenceScope::Seconds, _) => {
+            (Seconds, _) => {
                 "; times in seconds are not compared (except with --force), ratios and counters are"
             }
-            (DifferenceScope::Ratios, _) => {
-                "; ratios to the reference are not compared (except with --force)"
-            }
-            (DifferenceScope::Everything, false) => "",
+            (Ratios, _) => "; ratios to the reference are not compared (except with --force)",
+            (Everything, false) => "",
         };
         said.push(format!("{what}{consequence}"));
     }
@@ -238,7 +213,6 @@ pub fn notes(
 
 #[cfg(test)]
 mod tests {
-    use super::DifferenceScope::{Everything, Nothing, Ratios, Seconds};
     use super::*;
     use measurement::record::made_up::run;
 

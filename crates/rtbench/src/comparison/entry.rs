@@ -66,6 +66,10 @@ impl ComparisonOutcome {
         }
     }
 
+    pub fn is_exact(self) -> bool {
+        matches!(self, Self::Equal | Self::Less | Self::More)
+    }
+
     /// Something changed, as far as can be told.
     pub fn is_change(self) -> bool {
         matches!(self, Self::Less | Self::More | Self::Faster | Self::Slower)
@@ -111,10 +115,7 @@ impl Entry {
 
     /// Returns whether it has rounds, and no exact value.
     pub fn is_measured(&self) -> bool {
-        !matches!(
-            self.outcome,
-            ComparisonOutcome::Equal | ComparisonOutcome::Less | ComparisonOutcome::More
-        )
+        !self.outcome.is_exact()
     }
 
     /// Decides a measured metric, whose probability is corrected.
@@ -180,24 +181,23 @@ pub struct NamedRun<'r> {
 
 #[cfg(test)]
 mod tests {
+    use super::ComparisonOutcome::*;
     use super::*;
 
     #[test]
     fn exact_metrics_have_no_tolerance() {
-        assert_eq!(ComparisonOutcome::of_exact(2.0, 1.0), ComparisonOutcome::Less);
-        assert_eq!(ComparisonOutcome::of_exact(1.0, 2.0), ComparisonOutcome::More);
-        assert_eq!(ComparisonOutcome::of_exact(1.0, 1.0), ComparisonOutcome::Equal);
+        assert_eq!(ComparisonOutcome::of_exact(2.0, 1.0), Less);
+        assert_eq!(ComparisonOutcome::of_exact(1.0, 2.0), More);
+        assert_eq!(ComparisonOutcome::of_exact(1.0, 1.0), Equal);
     }
 
     #[test]
     fn thresholds_hold_in_both_directions() {
         let by = |ratio: f64, outcome| exceeds(exact_ratio(1.0, ratio), outcome, 0.05);
-        assert!(by(1.06, ComparisonOutcome::Slower) && !by(1.04, ComparisonOutcome::Slower));
-        assert!(by(0.94, ComparisonOutcome::Faster) && !by(0.96, ComparisonOutcome::Faster));
-        assert!(
-            !by(1.5, ComparisonOutcome::NoDifference) && !by(1.5, ComparisonOutcome::TooFewRounds)
-        );
-        assert!(exceeds(exact_ratio(0.0, 3.0), ComparisonOutcome::More, 1e9));
+        assert!(by(1.06, Slower) && !by(1.04, Slower));
+        assert!(by(0.94, Faster) && !by(0.96, Faster));
+        assert!(!by(1.5, NoDifference) && !by(1.5, TooFewRounds));
+        assert!(exceeds(exact_ratio(0.0, 3.0), More, 1e9));
         assert_eq!(exact_ratio(0.0, 0.0).map(|r| r.median), Some(1.0));
     }
 }

@@ -12,12 +12,11 @@ use serde::Serialize;
 
 pub use entry::{ComparisonSettings, NamedRun};
 
-use crate::comparison::differences::notes;
-use crate::comparison::differences::{Difference, differences, other_reference};
+use crate::comparison::differences::{Difference, differences, notes, other_reference};
 use crate::comparison::entry::{ComparisonOutcome, Entry, SIGNIFICANCE};
 use crate::comparison::means::{Mean, means};
 use crate::comparison::pairing::{Pairing, RowPair, ScenePair};
-use measurement::record::metrics::DifferenceScope;
+use measurement::record::metrics::DifferenceScope::{self, Everything, Ratios, Seconds};
 use measurement::record::metrics::{METRICS, Metric};
 use measurement::record::{RowRecord, RunRecord, Verdict, label};
 use statistics::mann_whitney::{least_p, samples_needed};
@@ -184,21 +183,12 @@ fn metrics(
     if choice.is_forced {
         return Ok(choice.metrics.clone());
     }
-    let all = reasons(DifferenceScope::Everything);
-    let left: Vec<_> = choice
-        .metrics
-        .iter()
-        .filter(|m| !differing.iter().any(|d| m.is_concerned(d.concerns)))
-        .copied()
-        .collect();
-    if all.is_empty() && !left.is_empty() {
-        Ok(left)
-    } else {
-        Err([DifferenceScope::Everything, DifferenceScope::Seconds, DifferenceScope::Ratios]
-            .into_iter()
-            .flat_map(reasons)
-            .collect())
+    let is_left = |m: &&&Metric| !differing.iter().any(|d| m.is_concerned(d.concerns));
+    let left: Vec<_> = choice.metrics.iter().filter(is_left).copied().collect();
+    if reasons(Everything).is_empty() && !left.is_empty() {
+        return Ok(left);
     }
+    Err([Everything, Seconds, Ratios].into_iter().flat_map(reasons).collect())
 }
 
 impl Comparison {

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 
 use crate::comparison::entry::{ComparisonOutcome, Entry};
 use crate::comparison::{Comparison, SceneComparison, Side};
+use measurement::record::label;
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
@@ -89,12 +90,8 @@ fn facts(comparison: &Comparison) -> Vec<String> {
 /// One table per scene, and that of the means.
 fn tables(comparison: &Comparison, indent: bool) -> Vec<Table> {
     let sides = format!("{} / {}", comparison.new.letter, comparison.old.letter);
-    let mut tables: Vec<Table> = comparison
-        .scenes
-        .iter()
-        .filter(|scene| !scene.is_empty())
-        .map(|scene| scene_table(scene, &sides, indent))
-        .collect();
+    let scenes = comparison.scenes.iter().filter(|scene| !scene.is_empty());
+    let mut tables: Vec<_> = scenes.map(|scene| scene_table(scene, &sides, indent)).collect();
     if !comparison.means.is_empty() {
         tables.push(mean_table(comparison, &sides, indent));
     }
@@ -141,7 +138,7 @@ fn left_out(scene: &SceneComparison) -> Vec<String> {
 fn mean_table(comparison: &Comparison, sides: &str, indent: bool) -> Table {
     let mut previous = String::new();
     let rows = comparison.means.iter().map(|mean| {
-        let label = format!("{} {}", mean.structure, mean.settings).trim_end().to_owned();
+        let label = label(&mean.structure, &mean.settings);
         let is_again = indent && label == previous;
         previous.clone_from(&label);
         vec![
@@ -181,13 +178,9 @@ fn value(entry: &Entry, value: f64) -> String {
 }
 
 fn ratio(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> String {
-    let is_exact = matches!(
-        outcome,
-        ComparisonOutcome::Equal | ComparisonOutcome::Less | ComparisonOutcome::More
-    );
     match ratio {
         None => "-".to_owned(),
-        Some(ratio) if is_exact => format!("{:.4}", ratio.median),
+        Some(ratio) if outcome.is_exact() => format!("{:.4}", ratio.median),
         Some(Estimate { median, low, high }) => format!("{median:.3} [{low:.3}, {high:.3}]"),
     }
 }
@@ -198,9 +191,8 @@ fn probability(p: f64) -> String {
 
 /// The outcome in words; of exact metrics with the change.
 fn outcome(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> Cell {
-    let change = ratio.map(|r| format!(" by {:.3}%", 100.0 * (r.median - 1.0).abs()));
-    let change =
-        change.filter(|_| matches!(outcome, ComparisonOutcome::Less | ComparisonOutcome::More));
+    let change = ratio.filter(|_| outcome.is_exact() && outcome.is_change());
+    let change = change.map(|r| format!(" by {:.3}%", 100.0 * (r.median - 1.0).abs()));
     let style = match outcome {
         ComparisonOutcome::Slower | ComparisonOutcome::More => Style::Bad,
         ComparisonOutcome::Faster | ComparisonOutcome::Less => Style::Best,

@@ -1,6 +1,7 @@
 use measurement::record::SceneRecord;
 use regex_lite::Regex;
 
+use super::ComparisonOutcome::*;
 use super::*;
 use measurement::record::made_up::run;
 
@@ -38,6 +39,14 @@ fn compared(
     compare(named("A", "old.json", old), named("B", "new.json", new), choice)
 }
 
+fn refused(old: &RunRecord, new: &RunRecord, choice: &ComparisonSettings) -> String {
+    compared(old, new, choice).unwrap_err().to_string()
+}
+
+fn forced(old: &RunRecord, new: &RunRecord, choice: ComparisonSettings) -> Comparison {
+    compared(old, new, &ComparisonSettings { is_forced: true, ..choice }).unwrap()
+}
+
 /// Outcomes by scene, row and metric.
 fn outcomes(comparison: &Comparison) -> Vec<(String, ComparisonOutcome)> {
     let of = |s: &SceneComparison| {
@@ -59,30 +68,23 @@ fn a_planted_slowdown_is_found_and_unchanged_rows_are_reported_unchanged() {
     for scene in ["balls", "tetra"] {
         for metric in ["build", "trace", "ratio"] {
             let of = |row| outcome(&comparison, &format!("{scene}/{row}/{metric}"));
-            assert_eq!(of("uniform-grid"), ComparisonOutcome::Slower, "{metric}");
-            assert_eq!(of("kd-tree sah=0"), ComparisonOutcome::NoDifference, "{metric}");
+            assert_eq!(of("uniform-grid"), Slower, "{metric}");
+            assert_eq!(of("kd-tree sah=0"), NoDifference, "{metric}");
         }
     }
-    let grid = &comparison.scenes[0]
-        .entries
-        .iter()
-        .find(|e| e.metric == "trace" && e.structure == "uniform-grid")
-        .unwrap();
-    let change = grid.change;
+    let is_grid = |e: &&Entry| e.metric == "trace" && e.structure == "uniform-grid";
+    let change = comparison.scenes[0].entries.iter().find(is_grid).unwrap().change;
     assert!((change.ratio.unwrap().median - 1.3).abs() < 1e-9 && change.p.unwrap() < 0.01);
     // exact metrics are equal and counted; the reference's ratio to itself is not compared
     assert_eq!(comparison.equal, 2 * 3 * 10);
     assert_eq!(comparison.scenes[0].entries.len(), 8);
-    let mean = comparison
-        .means
-        .iter()
-        .find(|m| m.structure == "uniform-grid" && m.metric == "trace")
-        .unwrap();
-    assert_eq!((mean.scenes, mean.outcome), (2, ComparisonOutcome::Slower));
+    let is_grid = |m: &&Mean| m.structure == "uniform-grid" && m.metric == "trace";
+    let mean = comparison.means.iter().find(is_grid).unwrap();
+    assert_eq!((mean.scenes, mean.outcome), (2, Slower));
     assert!((mean.ratio.unwrap().median - 1.3).abs() < 1e-9);
     assert!(mean.ratio.unwrap().low > change.ratio.unwrap().low, "two scenes say more than one");
     let faster = compared(&record(2.0, 3.0), &record(1.6, 3.0), &choice()).unwrap();
-    assert_eq!(outcome(&faster, "tetra/uniform-grid/trace"), ComparisonOutcome::Faster);
+    assert_eq!(outcome(&faster, "tetra/uniform-grid/trace"), Faster);
 }
 
 #[test]
@@ -91,8 +93,8 @@ fn counters_are_compared_exactly() {
     new.scenes[1].rows[1].work.as_mut().unwrap().intersection_tests += 1;
     new.scenes[1].rows[1].stats.as_mut().unwrap().n_ev = 5;
     let comparison = compared(&old, &new, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_it"), ComparisonOutcome::More);
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ev"), ComparisonOutcome::More);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_it"), More);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ev"), More);
     assert_eq!(comparison.equal, 58);
     let mean = |metric| comparison.means.iter().find(|m| m.metric == metric);
     let n_it = mean("n_it").unwrap().ratio.unwrap().median;
@@ -102,7 +104,7 @@ fn counters_are_compared_exactly() {
         ComparisonSettings { metrics: METRICS.iter().collect(), shows_equal: true, ..choice() };
     let comparison = compared(&old, &new, &all).unwrap();
     assert_eq!(comparison.equal, 0);
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ts"), ComparisonOutcome::Equal);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/n_ts"), Equal);
 }
 
 #[test]
@@ -110,18 +112,14 @@ fn filter_and_threshold_choose_what_is_shown() {
     let (old, new) = (record(2.0, 3.0), record(2.2, 3.9));
     let filter = Some(Regex::new("^tetra/.*grid.*/trace$").unwrap());
     let shown = compared(&old, &new, &ComparisonSettings { filter, ..choice() }).unwrap();
-    assert_eq!(
-        outcomes(&shown),
-        [("tetra/uniform-grid/trace".to_owned(), ComparisonOutcome::Slower)]
-    );
+    assert_eq!(outcomes(&shown), [("tetra/uniform-grid/trace".to_owned(), Slower)]);
     assert_eq!((shown.means.len(), shown.means[0].scenes), (1, 1));
-    let shown =
-        compared(&old, &new, &ComparisonSettings { threshold: Some(0.2), ..choice() }).unwrap();
+    let above = ComparisonSettings { threshold: Some(0.2), ..choice() };
+    let shown = compared(&old, &new, &above).unwrap();
     assert!(outcomes(&shown).iter().all(|(line, _)| line.contains("kd-tree")), "{shown:?}");
     assert_eq!((outcomes(&shown).len(), shown.below_threshold), (6, 10));
     let filter = Some(Regex::new("hug").unwrap());
-    let error =
-        compared(&old, &new, &ComparisonSettings { filter, ..choice() }).unwrap_err().to_string();
+    let error = refused(&old, &new, &ComparisonSettings { filter, ..choice() });
     assert!(
         error.starts_with("--filter 'hug' matches nothing among A: old.json, B: new.json"),
         "{error}"
@@ -134,13 +132,13 @@ fn incomparable_results_are_refused_with_all_reasons_unless_forced() {
     new.settings.threads = 2;
     new.settings.seed = 9;
     new.scenes[1].sha256 = "ef".into();
-    let error = compared(&old, &new, &choice()).unwrap_err().to_string();
+    let error = refused(&old, &new, &choice());
     assert_eq!(
         error,
         "cannot be compared (A: old.json, B: new.json): threads: 1, then 2; seed: 1, then 9; \
          scene tetra: sha256: cd, then ef; compare anyway with --force"
     );
-    let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..choice() }).unwrap();
+    let forced = forced(&old, &new, choice());
     assert_eq!(forced.notes[0], "threads: 1, then 2; compared by --force");
     assert_eq!((forced.notes.len(), forced.scenes[1].entries.len()), (3, 8));
 }
@@ -158,13 +156,13 @@ fn across_machines_only_ratios_and_counters_are_compared() {
         metrics: vec![measurement::record::metrics::named("trace").unwrap()],
         ..choice()
     };
-    let error = compared(&old, &new, &seconds).unwrap_err().to_string();
+    let error = refused(&old, &new, &seconds);
     assert!(
         error.contains("processor: Test CPU, then Other CPU; compare anyway with --force"),
         "{error}"
     );
-    let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..seconds }).unwrap();
-    assert_eq!(outcome(&forced, "tetra/uniform-grid/trace"), ComparisonOutcome::Slower);
+    let forced = forced(&old, &new, seconds);
+    assert_eq!(outcome(&forced, "tetra/uniform-grid/trace"), Slower);
     new.machine = old.machine.clone();
     new.settings.reference = "kd-tree".into();
     let comparison = compared(&old, &new, &choice()).unwrap();
@@ -193,17 +191,17 @@ fn everything_left_out_is_named() {
         ["uniform-grid: wrong in B", "kd-tree sah=0: trace, ratio over other rays, not compared"]
     );
     assert!(outcomes(&comparison).iter().all(|(line, _)| !line.contains("uniform-grid")));
-    let forced = compared(&old, &new, &ComparisonSettings { is_forced: true, ..choice() }).unwrap();
+    let forced = forced(&old, &new, choice());
     assert!(forced.scenes[1].left_out[1].why.ends_with("over other rays, compared by --force"));
-    assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), ComparisonOutcome::NoDifference);
-    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), ComparisonOutcome::NoDifference);
+    assert_eq!(outcome(&forced, "tetra/kd-tree sah=0/trace"), NoDifference);
+    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/build"), NoDifference);
     let said = &comparison.notes;
     assert_eq!(said[0], "B is incomplete: 3 of 8 scenes");
     assert!(said[1].starts_with("B: noisy machine"));
     assert_eq!(said[2..], ["only in B: rings"]);
     old.scenes.truncate(1);
     new.scenes.remove(0);
-    let error = compared(&old, &new, &choice()).unwrap_err().to_string();
+    let error = refused(&old, &new, &choice());
     assert!(error.ends_with("no scene in common: balls, then tetra, rings"), "{error}");
 }
 
@@ -228,19 +226,11 @@ fn an_interval_not_confirmed_by_the_rank_test_is_inconclusive() {
     let of = |times: &[f64]| run(&[("tetra", &[("obvhs-cwbvh", &level), ("hug", times)])]);
     let two = of(&[1.5, 1.5, 1.5]);
     let comparison = compared(&of(&[1.0, 1.0, 1.0]), &two, &choice()).unwrap();
-    assert_eq!(
-        outcome(&comparison, "tetra/hug/trace"),
-        ComparisonOutcome::Inconclusive,
-        "three rounds"
-    );
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Inconclusive, "three rounds");
     let said = comparison.notes.iter().find(|note| note.starts_with("3 rounds cannot be"));
     assert!(said.is_some_and(|note| note.contains("run --rounds 5")), "{:?}", comparison.notes);
     let comparison = compared(&of(&level), &of(&heaps), &choice()).unwrap();
-    assert_eq!(
-        outcome(&comparison, "tetra/hug/trace"),
-        ComparisonOutcome::Inconclusive,
-        "two heaps"
-    );
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), Inconclusive, "two heaps");
 }
 
 /// Times around 1 that are drawn anew for each run.
@@ -262,8 +252,7 @@ fn two_runs_of_one_program_differ_in_no_row_and_in_no_mean() {
     for seed in 0..40 {
         let (old, new) = (drawn(2 * seed, 12), drawn(2 * seed + 1, 12));
         let comparison = compared(&old, &new, &choice()).unwrap();
-        for mean in comparison.means.iter().filter(|mean| mean.outcome != ComparisonOutcome::Equal)
-        {
+        for mean in comparison.means.iter().filter(|mean| mean.outcome != Equal) {
             let label = format!("tetra/{}/{}", mean.structure, mean.metric);
             assert_eq!(mean.outcome, outcome(&comparison, &label), "one scene, one verdict");
         }
@@ -279,8 +268,8 @@ fn the_floor_of_either_run_is_noise() {
     let mut new = record(2.6, 3.0);
     new.floor = measurement::record::FloorRecord::of([("planted".to_owned(), 1.4)].into_iter());
     let comparison = compared(&old, &new, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/uniform-grid/trace"), ComparisonOutcome::Inconclusive);
-    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/trace"), ComparisonOutcome::NoDifference);
+    assert_eq!(outcome(&comparison, "tetra/uniform-grid/trace"), Inconclusive);
+    assert_eq!(outcome(&comparison, "tetra/kd-tree sah=0/trace"), NoDifference);
 }
 
 #[test]
@@ -289,7 +278,7 @@ fn runs_without_a_common_row_are_an_error() {
     for row in new.scenes.iter_mut().flat_map(|scene| &mut scene.rows) {
         row.structure = format!("{}2", row.structure);
     }
-    let error = compared(&old, &new, &choice()).unwrap_err().to_string();
+    let error = refused(&old, &new, &choice());
     assert!(error.contains("no row in common") && error.contains("--match"), "{error}");
 }
 
@@ -297,5 +286,5 @@ fn runs_without_a_common_row_are_an_error() {
 fn two_rounds_have_no_interval() {
     let few = run(&[("tetra", &[("obvhs-cwbvh", &[1.0, 1.0]), ("hug", &[2.0, 9.0])])]);
     let comparison = compared(&few, &few, &choice()).unwrap();
-    assert_eq!(outcome(&comparison, "tetra/hug/trace"), ComparisonOutcome::TooFewRounds);
+    assert_eq!(outcome(&comparison, "tetra/hug/trace"), TooFewRounds);
 }

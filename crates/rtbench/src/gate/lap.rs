@@ -45,17 +45,10 @@ impl Runner {
         let (Some(input), Some(output)) = pipes else {
             return Err(failed(std::io::ErrorKind::BrokenPipe.into()));
         };
-        let mut runner = Self {
-            program: path.clone(),
-            child,
-            input: Some(input),
-            output: BufReader::new(output),
-        };
-        let unreadable = |e: serde_json::Error| ChildError::Answer {
-            program: path.clone(),
-            message: e.to_string(),
-        };
-        let text = serde_json::to_string(&without_samples(like)).map_err(unreadable)?;
+        let (input, output) = (Some(input), BufReader::new(output));
+        let mut runner = Self { program: path.clone(), child, input, output };
+        let text = serde_json::to_string(&without_samples(like));
+        let text = text.map_err(|e| runner.unreadable(&e))?;
         runner.say(&text)?;
         Ok(runner)
     }
@@ -65,10 +58,7 @@ impl Runner {
         self.say(row)?;
         let mut line = String::new();
         match self.output.read_line(&mut line) {
-            Ok(n) if n > 0 => serde_json::from_str(&line).map_err(|e| ChildError::Answer {
-                program: self.program.clone(),
-                message: e.to_string(),
-            }),
+            Ok(n) if n > 0 => serde_json::from_str(&line).map_err(|e| self.unreadable(&e)),
             _ => Err(self.failure()),
         }
     }
@@ -90,6 +80,10 @@ impl Runner {
             // its last words say more than the closed pipe
             _ => Err(self.failure()),
         }
+    }
+
+    fn unreadable(&self, error: &serde_json::Error) -> ChildError {
+        ChildError::Answer { program: self.program.clone(), message: error.to_string() }
     }
 
     fn failure(&mut self) -> ChildError {

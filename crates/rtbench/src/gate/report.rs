@@ -151,28 +151,19 @@ impl Report {
     /// One line: what came of it.
     pub fn verdict(&self) -> String {
         let count = |outcome| self.findings.iter().filter(|f| f.outcome == outcome).count();
-        let counts: Vec<String> = [
-            GateOutcome::WrongHits,
-            GateOutcome::Regression,
-            GateOutcome::Inconclusive,
-            GateOutcome::Improved,
-            GateOutcome::Unchanged,
-            GateOutcome::NotJudged,
-        ]
-        .into_iter()
-        .filter(|outcome| count(*outcome) > 0)
-        .map(|outcome| format!("{} {}", count(outcome), outcome.name()))
-        .collect();
-        let mut more = match self.failures {
-            0 => String::new(),
-            n => format!("; {n} scenes failed"),
-        };
-        let count = |is_new| self.missing.iter().filter(|row| row.is_new == is_new).count();
-        for (n, what) in [(count(false), "missing now"), (count(true), "new")] {
-            if n > 0 {
-                more += &format!("; {n} rows {what}");
-            }
-        }
+        use GateOutcome::{Improved, Inconclusive, NotJudged, Regression, Unchanged, WrongHits};
+        let outcomes = [WrongHits, Regression, Inconclusive, Improved, Unchanged, NotJudged];
+        let counts = outcomes.into_iter().filter(|outcome| count(*outcome) > 0);
+        let counts = counts.map(|outcome| format!("{} {}", count(outcome), outcome.name()));
+        let counts: Vec<String> = counts.collect();
+        let missing = |is_new| self.missing.iter().filter(|row| row.is_new == is_new).count();
+        let more = [
+            (self.failures, "scenes failed"),
+            (missing(false), "rows missing now"),
+            (missing(true), "rows new"),
+        ];
+        let more = more.into_iter().filter(|(n, _)| *n > 0);
+        let more: String = more.map(|(n, what)| format!("; {n} {what}")).collect();
         format!("check against {}: {}{more}", self.against, counts.join(", "))
     }
 
