@@ -23,10 +23,8 @@ impl Visit {
 
     /// The commit's name, short.
     pub fn id(&self) -> String {
-        match &self.run.tool.git_revision {
-            Some(id) => git::short(id),
-            None => "unknown".to_owned(),
-        }
+        let id = self.run.tool.git_revision.as_ref();
+        id.map_or_else(|| "unknown".to_owned(), |id| git::short(id))
     }
 
     /// The first line of the commit's message, where it is known.

@@ -97,6 +97,7 @@ impl Material {
             sha256: sha256_of_bytes(&text),
         };
         let accuracy = folder.join("accuracy").join("accuracy.json");
+        let lecture = folder.join("zachmann2007.csv");
         let mut tracers = Vec::new();
         for scene in folders(&folder.join("tracers"))? {
             tracers.extend(json(&scene.join("tracers.json"), "rtbench compare-tracers -o DIR")?);
@@ -108,10 +109,7 @@ impl Material {
             heat_maps: heat_maps(&folder.join("heat-maps"))?,
             sweeps: sweeps(&folder)?,
             counters: csv(&folder.join("havran1999.csv"), "rtbench reproduce havran1999 -o DIR")?,
-            lecture: csv(
-                &folder.join("zachmann2007.csv"),
-                "rtbench reproduce zachmann2007 -o DIR",
-            )?,
+            lecture: csv(&lecture, "rtbench reproduce zachmann2007 -o DIR")?,
             pictures: pictures(&folder.join("pictures"))?,
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
@@ -155,13 +153,9 @@ fn csv<T: DeserializeOwned>(
         return Ok(None);
     }
     let text = file::bytes(path)?;
-    let rows: Result<Vec<T>, csv::Error> =
-        csv::Reader::from_reader(&text[..]).deserialize().collect();
-    rows.map(Some).map_err(|e| ReportError::Csv {
-        path: path.to_owned(),
-        message: e.to_string(),
-        written_by,
-    })
+    let rows: Result<_, csv::Error> = csv::Reader::from_reader(&text[..]).deserialize().collect();
+    let error = |message| ReportError::Csv { path: path.to_owned(), message, written_by };
+    rows.map(Some).map_err(|e| error(e.to_string()))
 }
 
 /// Sorted entries of a folder; empty if it does not exist.
@@ -188,11 +182,9 @@ fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     for scene in folders(folder)? {
         for path in entries(&scene)?.into_iter().filter(|path| is_png(path)) {
             let png = file::bytes(&path)?;
-            let size = size_of_png(&png).ok_or_else(|| ReportError::NotAPicture {
-                path: path.clone(),
-                written_by: "rtbench cost --heat-maps DIR",
-            })?;
             let (scene, name) = (text(scene.file_name()), text(path.file_stem()));
+            let written_by = "rtbench cost --heat-maps DIR";
+            let size = size_of_png(&png).ok_or(ReportError::NotAPicture { path, written_by })?;
             maps.push(HeatMap { scene, name, size, png });
         }
     }
@@ -276,13 +268,11 @@ pub struct LectureRow {
 
 impl LectureRow {
     pub(super) fn build(&self) -> Option<Estimate> {
-        let (median, low, high) = (self.build_now?, self.build_low?, self.build_high?);
-        Some(Estimate { median, low, high })
+        Some(Estimate { median: self.build_now?, low: self.build_low?, high: self.build_high? })
     }
 
     pub(super) fn run(&self) -> Option<Estimate> {
-        let (median, low, high) = (self.run_now?, self.run_low?, self.run_high?);
-        Some(Estimate { median, low, high })
+        Some(Estimate { median: self.run_now?, low: self.run_low?, high: self.run_high? })
     }
 }
 

@@ -35,53 +35,19 @@ pub struct Section {
 const BY_RUN: &str = "rtbench run -o DIR";
 
 /// All parts, in their order on the page.
+#[rustfmt::skip]
 pub static SECTIONS: &[Section] = &[
     section("headlines", "Answers", BY_RUN, sections::run::headlines),
     section("all-scenes", "All scenes together", BY_RUN, sections::run::summary),
     section("scenes", "Each scene", BY_RUN, sections::run::scenes),
-    section(
-        "heat-maps",
-        "Where the work is in the image",
-        "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE",
-        sections::studies::heat_maps,
-    ),
+    section("heat-maps", "Where the work is in the image", "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE", sections::studies::heat_maps),
     section("by-kind", "Each kind of ray", BY_RUN, sections::run::by_kind),
-    section(
-        "break-even",
-        "Fastest structure by number of rays",
-        BY_RUN,
-        sections::break_even::write,
-    ),
-    section(
-        "counters",
-        "Counters of 1999 against now",
-        "rtbench reproduce havran1999 -o DIR",
-        sections::counters::write,
-    ),
-    section(
-        "lecture",
-        "Zachmann 2007 against now",
-        "rtbench reproduce zachmann2007 -o DIR",
-        sections::studies::lecture,
-    ),
-    section(
-        "accuracy",
-        "What accuracy costs in time",
-        "rtbench accuracy -o DIR/accuracy",
-        sections::studies::accuracy,
-    ),
-    section(
-        "tracers",
-        "Samples, cones and beams",
-        "rtbench compare-tracers SCENE -o DIR/tracers/SCENE",
-        sections::studies::tracers,
-    ),
-    section(
-        "sweeps",
-        "Parameters over their values",
-        "rtbench sweep SCENE -s STRUCTURE -p PARAM --values A..B -o DIR/sweep-PARAM",
-        sections::studies::sweeps,
-    ),
+    section("break-even", "Fastest structure by number of rays", BY_RUN, sections::break_even::write),
+    section("counters", "Counters of 1999 against now", "rtbench reproduce havran1999 -o DIR", sections::counters::write),
+    section("lecture", "Zachmann 2007 against now", "rtbench reproduce zachmann2007 -o DIR", sections::studies::lecture),
+    section("accuracy", "What accuracy costs in time", "rtbench accuracy -o DIR/accuracy", sections::studies::accuracy),
+    section("tracers", "Samples, cones and beams", "rtbench compare-tracers SCENE -o DIR/tracers/SCENE", sections::studies::tracers),
+    section("sweeps", "Parameters over their values", "rtbench sweep SCENE -s STRUCTURE -p PARAM --values A..B -o DIR/sweep-PARAM", sections::studies::sweeps),
     section("warnings", "Warnings and outliers", BY_RUN, sections::machine::write_warnings),
     section("machine", "How to repeat it", BY_RUN, sections::machine::write),
     section("glossary", "What the symbols mean", BY_RUN, glossary::glossary),
@@ -247,17 +213,12 @@ fn missing(html: &mut Html, parts: &[ReportSection], page: &Page) {
 
 fn title(runs: &[Material]) -> String {
     match runs {
-        [run] => scenes_in_words(run),
+        [Material { run, .. }] if run.scenes.len() > 3 => format!("{} scenes", run.scenes.len()),
+        [Material { run, .. }] if run.scenes.is_empty() => "no finished scene".to_owned(),
+        [Material { run, .. }] => {
+            run.scenes.iter().map(|scene| &*scene.name).collect::<Vec<_>>().join(", ")
+        }
         _ => format!("{} runs side by side", runs.len()),
-    }
-}
-
-fn scenes_in_words(material: &Material) -> String {
-    let names: Vec<&str> = material.run.scenes.iter().map(|s| s.name.as_str()).collect();
-    match &names[..] {
-        [] => "no finished scene".to_owned(),
-        few if few.len() <= 3 => few.join(", "),
-        many => format!("{} scenes", many.len()),
     }
 }
 

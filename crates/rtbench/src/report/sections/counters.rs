@@ -3,8 +3,7 @@
 //! The figures and the verdicts are those of `rtbench reproduce havran1999`.
 
 use crate::report::glossary::look;
-use crate::report::material::Material;
-use crate::report::material::ReproducedFigure;
+use crate::report::material::{Material, ReproducedFigure};
 use crate::report::page::{Page, SectionOutcome};
 use presentation::numbers::short;
 use presentation::page::tables::{self, words};
@@ -58,17 +57,9 @@ fn verdicts(rows: &[ReproducedFigure]) -> Table {
         let in_kind = |i| rows.iter().filter(|r| of(r) && kind(r) == Some(i)).count().to_string();
         (0..KINDS.len()).map(in_kind).collect::<Vec<_>>()
     };
-    let mut lines: Vec<Vec<String>> = structures
-        .iter()
-        .map(|name| {
-            let mut line = vec![(*name).to_owned()];
-            line.extend(counts(&|r| r.structure == *name));
-            line
-        })
-        .collect();
-    let mut all = vec!["all".to_owned()];
-    all.extend(counts(&|_| true));
-    lines.push(all);
+    let line = |name: &str, counts: Vec<String>| [vec![name.to_owned()], counts].concat();
+    let own = structures.iter().map(|name| line(name, counts(&|r| r.structure == *name)));
+    let lines = own.chain([line("all", counts(&|_| true))]).collect();
     let header = std::iter::once("structure").chain(KINDS.map(|(_, name)| name)).collect();
     words("Published figures that we reproduce".to_owned(), header, lines)
 }

@@ -74,34 +74,21 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
     let unknown = |text: &Option<String>| text.clone().unwrap_or_else(|| UNKNOWN.to_owned());
     let memory = |bytes: Option<u64>| bytes.map_or(UNKNOWN.to_owned(), |n| mebibytes(n) + " MiB");
     let [width, height] = run.settings.resolution;
-    let view = &run.settings.view;
+    let (view, tool, compiler) = (&run.settings.view, &run.tool, &run.compiler);
+    let [profile, level] = [&compiler.profile, &compiler.opt_level].map(unknown);
+    let profile = format!("{profile}, optimisation {level}");
     let given = (!view.is_empty()).then(|| ("camera and lights given", view.to_string()));
     let mut facts = vec![
         ("started", utc(run.started_unix_s)),
-        (
-            "program",
-            format!(
-                "{} {} at {}",
-                run.tool.name,
-                run.tool.version,
-                unknown(&run.tool.git_revision)
-            ),
-        ),
+        ("program", format!("{} {} at {}", tool.name, tool.version, unknown(&tool.git_revision))),
         ("processor", unknown(&run.machine.cpu)),
         ("threads there", run.machine.threads.to_string()),
         ("memory", memory(run.machine.memory_bytes)),
         ("system", run.machine.os.clone()),
-        ("compiler", unknown(&run.compiler.rustc)),
-        ("target", unknown(&run.compiler.target)),
-        ("target features", run.compiler.target_features.join(" ")),
-        (
-            "profile",
-            format!(
-                "{}, optimisation {}",
-                unknown(&run.compiler.profile),
-                unknown(&run.compiler.opt_level)
-            ),
-        ),
+        ("compiler", unknown(&compiler.rustc)),
+        ("target", unknown(&compiler.target)),
+        ("target features", compiler.target_features.join(" ")),
+        ("profile", profile),
         ("threads used", run.settings.threads.to_string()),
         ("precision", run.settings.precision.clone()),
         ("seed", run.settings.seed.to_string()),
@@ -118,7 +105,7 @@ fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
     facts
 }
 
-fn scenes(scenes: &[SceneRecord]) -> presentation::table::Table {
+fn scenes(scenes: &[SceneRecord]) -> Table {
     let rows = scenes.iter().map(|scene| {
         vec![
             scene.name.clone(),

@@ -19,15 +19,12 @@ use studies::run::{columns, kind_tables};
 pub fn headlines(material: &Material, page: &mut Page) -> SectionOutcome {
     let (run, html) = (&material.run, &mut page.html);
     if !run.complete {
-        alert(
-            html,
-            &format!(
-                "This run was not finished: {} of {} scenes. `rtbench run --resume DIR` measures the \
-                 others.",
-                run.scenes.len(),
-                run.planned.len()
-            ),
+        let (finished, all) = (run.scenes.len(), run.planned.len());
+        let text = format!(
+            "This run was not finished: {finished} of {all} scenes. `rtbench run --resume DIR` \
+             measures the others."
         );
+        alert(html, &text);
     }
     if let Some(lines) = lines::of_run(run) {
         list(html, &lines);
@@ -42,8 +39,11 @@ pub fn headlines(material: &Material, page: &mut Page) -> SectionOutcome {
         links(&mut page.html, &anchors);
     }
     for scene in &run.scenes {
-        if let Some(text) = wrong_rows(scene) {
-            alert(&mut page.html, &text);
+        let wrong = scene.rows.iter().filter(|row| row.verdict == Verdict::Wrong);
+        let wrong: Vec<String> = wrong.map(|row| row.label()).collect();
+        if !wrong.is_empty() {
+            let wrong = names("wrong hits of", &wrong);
+            alert(&mut page.html, &format!("{}: {wrong}. Their times are not shown.", scene.name));
         }
     }
     SectionOutcome::Yes
@@ -76,14 +76,6 @@ pub fn list(html: &mut Html, Lines { title, lines }: &Lines) {
 
 fn alert(html: &mut Html, text: &str) {
     html.element("p", &[("class", "alert"), ("role", "note")], text);
-}
-
-fn wrong_rows(scene: &SceneRecord) -> Option<String> {
-    let wrong = scene.rows.iter().filter(|row| row.verdict == Verdict::Wrong);
-    let wrong: Vec<String> = wrong.map(|row| row.label()).collect();
-    (!wrong.is_empty()).then(|| {
-        format!("{}: {}. Their times are not shown.", scene.name, names("wrong hits of", &wrong))
-    })
 }
 
 /// The geometric means, the fastest first.

@@ -2,8 +2,7 @@
 //! times.
 
 use crate::report::glossary::look;
-use crate::report::material::LectureRow;
-use crate::report::material::Material;
+use crate::report::material::{LectureRow, Material};
 use crate::report::page::{Page, SectionOutcome};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -79,10 +78,8 @@ pub fn heat_maps(material: &Material, page: &mut Page) -> SectionOutcome {
         let [width, height] = map.size.map(|n| n.to_string());
         let source = format!("data:image/png;base64,{}", STANDARD.encode(&map.png));
         html.open("figure", &[("class", "picture")]);
-        html.void(
-            "img",
-            &[("src", &source), ("alt", &text), ("width", &width), ("height", &height)],
-        );
+        let size = [("width", &*width), ("height", &*height)];
+        html.void("img", &[("src", &source), ("alt", &text), size[0], size[1]]);
         html.element("figcaption", &[], &text);
         html.close();
     }
