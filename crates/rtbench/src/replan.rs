@@ -101,8 +101,12 @@ pub fn plan<'r>(
     wanted: &Restriction<'_>,
     context: &Context<'r>,
 ) -> Result<Plan<'r>, ReplanError> {
-    if let Some((row, file)) = missing_plugin(record, context) {
-        return Err(ReplanError::NoPlugin { row, file });
+    let is_there = |name: &str| context.registry.iter().any(|entry| entry.info.name == name);
+    for row in record.scenes.iter().flat_map(|scene| &scene.rows) {
+        if let Some(plugin) = row.plugin.as_ref().filter(|_| !is_there(&row.structure)) {
+            let (row, file) = (row.structure.clone(), plugin.file.clone());
+            return Err(ReplanError::NoPlugin { row, file });
+        }
     }
     let settings = settings_of(record, wanted)?;
     let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)
@@ -127,14 +131,6 @@ pub fn restrict_to_known_rows(record: &RunRecord, context: &Context<'_>) -> RunR
         record.settings.reference.clear();
     }
     record
-}
-
-/// The first structure of a record that is of a plugin which nobody loaded, and that one's file.
-fn missing_plugin(record: &RunRecord, context: &Context<'_>) -> Option<(String, String)> {
-    let is_there = |name: &str| context.registry.iter().any(|entry| entry.info.name == name);
-    let rows = record.scenes.iter().flat_map(|scene| &scene.rows);
-    rows.filter(|row| !is_there(&row.structure))
-        .find_map(|row| Some((row.structure.clone(), row.plugin.as_ref()?.file.clone())))
 }
 
 /// Scenes that came from files are known by the names of these; their paths are their sources.

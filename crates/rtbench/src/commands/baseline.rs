@@ -77,11 +77,8 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
 /// The results of an earlier run.
 fn finished(path: &Path) -> Result<Baseline, Error> {
     let baseline = read(path).map_err(gate)?;
-    if baseline.record.complete {
-        Ok(baseline)
-    } else {
-        Err(gate(BaselineError::Incomplete(path.to_owned())))
-    }
+    let error = || gate(BaselineError::Incomplete(path.to_owned()));
+    if baseline.record.complete { Ok(baseline) } else { Err(error()) }
 }
 
 fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8), Error> {
@@ -143,8 +140,7 @@ fn list(context: &mut Context<'_>, store: &Store, screen: Screen) -> Result<(), 
         ];
         table.rows.push(cells.into_iter().map(Into::into).collect());
     }
-    screen.write_table(context.out, &table)?;
-    Ok(())
+    Ok(screen.write_table(context.out, &table)?)
 }
 
 /// Rounds of a record: the samples of its most visited row.

@@ -6,13 +6,13 @@ use accel_core::{Hit, MISS};
 use measurement::answers::by_files::{check, rays};
 use measurement::answers::judge::BatchVerdict;
 use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
 use measurement::record::foreign::{ExternalResult, JudgedKind};
 use measurement::scenes::LoadedScene;
 use measurement::settings::{Lights, RunSettings};
 use measurement::system::created::WriteError;
-use measurement::system::files;
-use measurement::system::machine;
 use measurement::system::pools::Pools;
+use measurement::system::{files, machine};
 use plugins::abi;
 use plugins::files::{Content, FileError, FileSubject, hits, ray_record, triangle_record};
 use presentation::table::{Cell, Style, Table};
@@ -49,11 +49,10 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
     if let Some(path) = &args.output {
         let all = by_kind.iter().flat_map(|(_, rays)| rays).map(abi::Ray::from);
         let bytes: Vec<u8> = match args.format {
-            RayFormat::Rtbench => about
-                .header(Content::Rays)
-                .into_iter()
-                .chain(all.flat_map(|r| ray_record(&r)))
-                .collect(),
+            RayFormat::Rtbench => {
+                let header = about.header(Content::Rays).into_iter();
+                header.chain(all.flat_map(|r| ray_record(&r))).collect()
+            }
             RayFormat::Hagrid => {
                 let [x, y, z] = about.origin;
                 if about.origin != [0.0; 3] {
@@ -100,9 +99,8 @@ pub fn check_hits(
     let settings = settings_of(&args.scene, kinds, about.size, about.seed, lights);
     let (plan, loaded, geometry) = prepared(context, &settings)?;
     if about.scene != digest(&loaded.sha256) {
-        return Err(
-            wrong(80, format!("its rays belong to another scene than {}", args.scene)).into()
-        );
+        let what = format!("its rays belong to another scene than {}", args.scene);
+        return Err(wrong(80, what).into());
     }
     let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
     let mut all = hits(&about, &bytes);
@@ -128,26 +126,22 @@ pub fn check_hits(
     for ((kind, n), place) in asked().zip(0..) {
         let is = judged.iter().find(|(own, _)| *own == kind).map_or(0, |(_, j)| j.compared as u64);
         if is != n {
-            let kind = kind.name();
-            return Err(
-                wrong(16 + 8 * place, format!("{n} {kind} rays, the scene has {is}")).into()
-            );
+            let what = format!("{n} {} rays, the scene has {is}", kind.name());
+            return Err(wrong(16 + 8 * place, what).into());
         }
     }
     let mut notes = Vec::new();
     let rows = judged.iter().map(|(kind, judged)| {
         notes.extend(judged.example.clone());
-        let bad = judged.wrong > 0;
-        let text = if bad { "wrong" } else { "ok" };
-        let verdict =
-            Cell { text: text.into(), style: if bad { Style::Bad } else { Style::Plain } };
+        let is_wrong = judged.wrong > 0;
+        let (text, style) = if is_wrong { ("wrong", Style::Bad) } else { ("ok", Style::Plain) };
         let rate = judged.edges as f64 / judged.compared.max(1) as f64;
         vec![
             kind.name().to_owned().into(),
             judged.compared.to_string().into(),
             judged.wrong.to_string().into(),
             format!("{} ({rate:.1e})", judged.edges).into(),
-            verdict,
+            Cell { text: text.into(), style },
         ]
     });
     let rows = rows.collect();
@@ -185,7 +179,7 @@ fn prepared<'c>(
     settings: &RunSettings,
 ) -> Result<(Plan<'c>, LoadedScene, Geometry<f32>), Error> {
     let plan = Plan::new(settings, context.registry, context.occluders, context.scenes)?;
-    let scene = plan.scenes.first().ok_or(measurement::plan::error::PlanError::NoRows)?;
+    let scene = plan.scenes.first().ok_or(PlanError::NoRows)?;
     let loaded = context.load(&**scene)?;
     let geometry = Geometry::<f32>::of(&loaded.scene)?;
     Ok((plan, loaded, geometry))

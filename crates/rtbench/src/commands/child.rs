@@ -50,10 +50,8 @@ fn json(e: serde_json::Error) -> FormatError {
 /// Does what was asked and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = read_request::<RunRecord>;
-    let times = matches!(
-        args.action,
-        ChildAction::Measure { .. } | ChildAction::Laps | ChildAction::Accuracy
-    );
+    use ChildAction::{Accuracy, Laps, Measure};
+    let times = matches!(args.action, Measure { .. } | Laps | Accuracy);
     // until the answer is made, all else lies elsewhere
     let _held = times.then(memory_layout::draw);
     let (answer, failures) = match &args.action {
@@ -188,8 +186,7 @@ fn built<S: Buildable>(
 }
 
 fn say(context: &mut Context<'_>, event: &Event) -> Result<(), Error> {
-    let format = |e: serde_json::Error| FormatError { format: "JSON", message: e.to_string() };
-    writeln!(context.out, "{}", serde_json::to_string(event).map_err(format)?)?;
+    writeln!(context.out, "{}", serde_json::to_string(event).map_err(json)?)?;
     Ok(context.out.flush()?)
 }
 

@@ -58,7 +58,9 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         let mut points = Vec::new();
         for name in &calibration {
             let loaded = one_scene(context.scenes, name)?.load()?.scene;
-            let settings = RenderSettings { max_depth: settings.max_depth, ..calibrating() };
+            // small images, all factors at 1
+            let (resolution, max_depth) = ([192; 2], settings.max_depth);
+            let settings = RenderSettings { resolution, max_depth, ..RenderSettings::default() };
             let clock = context.clock;
             let found = pool.install(|| calibrate(row, &loaded, &settings, clock))?;
             points.extend(found);
@@ -100,13 +102,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         }
         context.wrote(folder, format_args!("heat maps {}", MAPS.join(", ")));
     }
-    context.out.flush()?;
-    Ok(())
-}
-
-/// Images of calibration: small, all factors at 1.
-fn calibrating() -> RenderSettings {
-    RenderSettings { resolution: [192; 2], ..RenderSettings::default() }
+    Ok(context.out.flush()?)
 }
 
 /// The work of a scene's images and their seconds.
@@ -128,17 +124,11 @@ fn calibrate(
 }
 
 fn table(scene: &str, label: &str, rows: &[CostRow], model: &Model, calibration: &[&str]) -> Table {
+    let header = ["factor", "product says", "time grew", "predicted ms", "measured ms"];
+    let header = [&header[..], &["pred/meas", "the product"]].concat();
     let mut table = Table {
         title: format!("{scene} through {label}: Zachmann's product of 2007, factor by factor"),
-        header: vec![
-            "factor",
-            "product says",
-            "time grew",
-            "predicted ms",
-            "measured ms",
-            "pred/meas",
-            "the product",
-        ],
+        header,
         ..Table::default()
     };
     for (i, row) in rows.iter().enumerate() {

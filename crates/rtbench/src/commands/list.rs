@@ -27,17 +27,15 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             context.occluders.iter().map(|e| structure(e.info, &[])).collect()
         }
         ListSubject::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
-        ListSubject::Scenes => context.scenes.scenes()?.into_iter().map(|s| entry(&s)).collect(),
+        ListSubject::Scenes => {
+            let entry = |(name, summary)| json!({"name": name, "summary": summary});
+            context.scenes.scenes()?.into_iter().map(entry).collect()
+        }
         ListSubject::Animations => ANIMATED
             .iter()
             .map(|e| {
-                json!({
-                    "name": e.name,
-                    "summary": e.summary,
-                    "frames": e.frames,
-                    "default_size": e.default_size,
-                    "primitives": (e.count)(e.default_size),
-                })
+                json!({"name": e.name, "summary": e.summary, "frames": e.frames,
+                       "default_size": e.default_size, "primitives": (e.count)(e.default_size)})
             })
             .collect(),
         ListSubject::Sets => context
@@ -56,15 +54,9 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
         ListSubject::Axes => AXES
             .iter()
             .map(|axis| {
-                json!({
-                    "name": axis.name,
-                    "summary": axis.summary,
-                    "paper": axis.paper,
-                    "metric": axis.metric,
-                    "reference": axis.reference,
-                    "setting": axis.setting,
-                    "default_scenes": axis.scenes,
-                })
+                json!({"name": axis.name, "summary": axis.summary, "paper": axis.paper,
+                       "metric": axis.metric, "reference": axis.reference,
+                       "setting": axis.setting, "default_scenes": axis.scenes})
             })
             .collect(),
     };
@@ -73,9 +65,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     let screen = context.terminal.screen(Color::Never);
     let out = &mut *context.out;
     match args.format {
-        Format::Json => {
-            out.write_all(json::written(&value)?.as_bytes())?;
-        }
+        Format::Json => out.write_all(json::written(&value)?.as_bytes())?,
         Format::Text => match args.what {
             ListSubject::Structures => {
                 let mut asked = context.registry.iter().filter(|e| is_asked(e.info.name));
@@ -94,8 +84,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             _ => write_names(out, screen, &value)?,
         },
     }
-    out.flush()?;
-    Ok(())
+    Ok(out.flush()?)
 }
 
 /// Items requested by name; all without names.
@@ -115,19 +104,10 @@ fn text(item: &Value, key: &str) -> String {
     item[key].as_str().unwrap_or_default().to_owned()
 }
 
-fn entry((name, summary): &(String, String)) -> Value {
-    json!({"name": name, "summary": summary})
-}
-
 fn tracer(info: &TracerInfo) -> Value {
-    json!({
-        "name": info.name,
-        "summary": info.summary,
-        "paper": info.paper,
-        "assumptions": info.assumptions,
-        "deviations": info.deviations,
-        "refuses": info.refuses,
-    })
+    json!({"name": info.name, "summary": info.summary, "paper": info.paper,
+           "assumptions": info.assumptions, "deviations": info.deviations,
+           "refuses": info.refuses})
 }
 
 fn write_tracer(out: &mut dyn Write, screen: Screen, info: &TracerInfo) -> io::Result<()> {
@@ -141,22 +121,12 @@ fn write_tracer(out: &mut dyn Write, screen: Screen, info: &TracerInfo) -> io::R
 
 fn structure(info: &StructureInfo, common: &[ParamSpec]) -> Value {
     let params = info.params.iter().chain(common).map(|p| {
-        json!({
-            "name": p.name,
-            "summary": p.summary,
-            "default": p.default,
-            "valid": p.kind.to_string(),
-        })
+        json!({"name": p.name, "summary": p.summary, "default": p.default,
+               "valid": p.kind.to_string()})
     });
-    json!({
-        "name": info.name,
-        "summary": info.summary,
-        "paper": info.paper,
-        "deviations": info.deviations,
-        "params": params.collect::<Vec<_>>(),
-        "variants": info.variants,
-        "sampled": info.sampled,
-    })
+    json!({"name": info.name, "summary": info.summary, "paper": info.paper,
+           "deviations": info.deviations, "params": params.collect::<Vec<_>>(),
+           "variants": info.variants, "sampled": info.sampled})
 }
 
 fn write_structure(out: &mut dyn Write, screen: Screen, info: &StructureInfo) -> io::Result<()> {

@@ -81,7 +81,12 @@ pub fn measure_rest(
     let mut run = RunInProgress::new(context, plan, kept, record)?;
     for (i, known) in plan.scenes.iter().enumerate() {
         let kept_well = match run.kept.finished.remove(&i) {
-            Some(scene) => run.keep_finished(scene),
+            Some(scene) => {
+                // finished before: it is written with the next scene, or at the end
+                run.record.scenes.push(scene);
+                run.is_summed_up = false;
+                Ok(false)
+            }
             None => {
                 let deadline = run.schedule(context, i, known.name())?;
                 match run.measure(context, i, &**known, deadline) {
@@ -244,13 +249,6 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         appended.and_then(|()| self.kept.write(outputs, record, false))
     }
 
-    /// Keeps a scene that was finished before: it is written with the next scene, or at the end.
-    fn keep_finished(&mut self, scene: SceneRecord) -> Result<bool, Error> {
-        self.record.scenes.push(scene);
-        self.is_summed_up = false;
-        Ok(false)
-    }
-
     fn keep_failure(
         &mut self,
         context: &mut Context<'_>,
@@ -314,8 +312,7 @@ pub fn exit_code(measured: &PlanResults) -> u8 {
         WRONG_HITS
     } else if measured.failures > 0
         || measured.disturbed
-        || rows().any(|r| r.verdict == Verdict::Panicked)
-        || rows().any(|r| r.verdict == Verdict::OutOfMemory)
+        || rows().any(|r| matches!(r.verdict, Verdict::Panicked | Verdict::OutOfMemory))
         || rows().any(|r| r.verdict == Verdict::NotBuilt && r.known_defect.is_none())
     {
         FAILURE
@@ -346,10 +343,7 @@ pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> Run
         settings: Settings {
             seed: plan.seed,
             threads: plan.threads,
-            precision: match plan.precision {
-                Precision::F32 => "f32".into(),
-                Precision::F64 => "f64".into(),
-            },
+            precision: plan.precision.name().into(),
             resolution: plan.settings.resolution,
             max_depth: plan.settings.max_depth,
             rays: plan.kinds.iter().map(|k| k.name().to_owned()).collect(),
@@ -369,17 +363,10 @@ pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> Run
                 _ => TIME_OF_DAY.into(),
             },
         },
-        scenes: Vec::new(),
-        summary: Vec::new(),
-        conclusions: Vec::new(),
         peak_rss_bytes: world.peak_rss(),
         planned: plan.scenes.iter().map(|scene| scene.name().to_owned()).collect(),
-        complete: false,
         load: [world.load(); 2],
-        warnings: Vec::new(),
         shard: plan.part.as_ref().map(|part| part.record.clone()),
-        parts: Vec::new(),
-        floor: None,
-        scale: None,
+        ..RunRecord::default()
     }
 }

@@ -74,10 +74,8 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
             let table = args.plan.then(|| of(&loaded.scene, &*tracer, &plan));
             progress.message(format!("{name}: rendering {width} x {height} pixels"));
             let row_done = || progress.step(Duration::ZERO);
-            let image = output
-                .is_some()
-                .then(|| render_watched(&loaded.scene, &*tracer, &plan, &row_done).image);
-            Ok((table, image))
+            let image = || render_watched(&loaded.scene, &*tracer, &plan, &row_done).image;
+            Ok((table, output.is_some().then(image)))
         })
         .map_err(|source| MeasureError::Build { scene: name.to_owned(), source });
     progress.finish();
@@ -88,12 +86,11 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
         context.out.flush()?;
     }
     if let (Some((path, format)), Some(image)) = (output, image) {
-        image
-            .save(path, format)
-            .map_err(|source| UnsavedImage { path: path.to_owned(), source })?;
+        let unsaved = |source| UnsavedImage { path: path.to_owned(), source };
+        image.save(path, format).map_err(unsaved)?;
         let (row, took) = (row.label(), seconds(took));
-        context
-            .wrote(path, format_args!("{width} x {height} pixels of {name} through {row}, {took}"));
+        let pixels = format_args!("{width} x {height} pixels of {name} through {row}, {took}");
+        context.wrote(path, pixels);
     }
     Ok(())
 }
@@ -180,11 +177,9 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
         let style = if plan.calls_for(info.effect) { Style::Plain } else { Style::Dim };
         table.rows.push(row.into_iter().map(|text| Cell { text, style }).collect());
     }
+    let all = per_pixel(all.total());
     table.notes = vec![
-        format!(
-            "all rays: {} per pixel, counted on {PROBE} x {PROBE} pixels",
-            per_pixel(all.total())
-        ),
+        format!("all rays: {all} per pixel, counted on {PROBE} x {PROBE} pixels"),
         "rays/pixel: for shadows, mirrors and refraction, their own rays; for sampled effects, \
          all rays that the image without the effect does not need"
             .to_owned(),
@@ -194,17 +189,13 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
 
 /// The rays an effect adds to an image.
 fn added(effect: Effect, all: &RayCounts, without: impl FnOnce() -> RayCounts) -> u64 {
+    use Effect::{Focus, Gloss, HardShadows, Mirror, Motion};
+    use Effect::{Refraction, SmoothNormals, SoftShadows, Supersampling, Textures};
     match effect {
-        Effect::HardShadows
-        | Effect::Mirror
-        | Effect::Refraction
-        | Effect::SmoothNormals
-        | Effect::Textures => all.effect(effect),
-        Effect::SoftShadows
-        | Effect::Gloss
-        | Effect::Focus
-        | Effect::Motion
-        | Effect::Supersampling => all.total().saturating_sub(without().total()),
+        HardShadows | Mirror | Refraction | SmoothNormals | Textures => all.effect(effect),
+        SoftShadows | Gloss | Focus | Motion | Supersampling => {
+            all.total().saturating_sub(without().total())
+        }
     }
 }
 

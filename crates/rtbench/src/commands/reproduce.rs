@@ -13,7 +13,6 @@ use measurement::settings::MeasuringSettings;
 use measurement::system::files::write_text;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::csv;
-use presentation::json::FormatError;
 use presentation::numbers::short;
 use presentation::table::{Cell, Style, Table, dash};
 use renderer::RayKind;
@@ -46,11 +45,8 @@ fn chosen<'v>(
     if let Some(name) = asked.iter().find(|name| !valid.contains(&name.as_str())) {
         return Err(PlanError::unknown(what, name, valid.iter().copied()));
     }
-    Ok(valid
-        .iter()
-        .copied()
-        .filter(|v| asked.is_empty() || asked.iter().any(|name| name == v))
-        .collect())
+    let is_asked = |v: &&str| asked.is_empty() || asked.iter().any(|name| name == v);
+    Ok(valid.iter().copied().filter(is_asked).collect())
 }
 
 /// Reproduces scene after scene, prints the table of a scene as soon as it is done, and the
@@ -117,7 +113,10 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
     let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
     let mut outputs = context.outputs_in(args.output.as_ref(), &[ZACHMANN])?;
-    outputs.add_in_folder(ZACHMANN, |run| csv_text(&comparisons(run, &published)))?;
+    outputs.add_in_folder(ZACHMANN, |run| {
+        let comparisons = comparisons(run, &published);
+        column::csv(&columns(), comparisons.iter().flat_map(of_scene))
+    })?;
     let screen = context.terminal.screen(Color::Never);
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);
@@ -140,8 +139,7 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
             screen.write_fitted(context.out, &now, &[])?;
         }
     }
-    let sentences = comparisons(&measured.record, &published);
-    for comparison in &sentences {
+    for comparison in comparisons(&measured.record, &published) {
         screen.write_line(context.out, &comparison.sentence())?;
     }
     Ok(exit_code(&measured))
@@ -178,12 +176,8 @@ fn plan<'r>(
         args.rays = kinds.map(|k| k.name().to_owned()).collect();
     }
     let names: Vec<String> = scenes.iter().map(|&s| s.to_owned()).collect();
-    let rows = STRUCTURES
-        .iter()
-        .map(|(_, row)| *row)
-        .chain([MODERN])
-        .map(|row| Row::parse(context.registry, row))
-        .collect::<Result<Vec<_>, _>>()?;
+    let rows = STRUCTURES.iter().map(|(_, row)| *row).chain([MODERN]);
+    let rows = rows.map(|row| Row::parse(context.registry, row)).collect::<Result<Vec<_>, _>>()?;
     let mut plan = Plan::over(context.scenes.resolve(&names)?, rows, 0, &args, context.registry)?;
     // the lecture's ratios are to that row
     plan.keeps_baseline = true;
@@ -242,8 +236,4 @@ fn table(comparison: &Comparison) -> Table {
         )],
         ..column::table(&columns(), &heads, of_scene(comparison))
     }
-}
-
-fn csv_text(comparisons: &[Comparison]) -> Result<String, FormatError> {
-    column::csv(&columns(), comparisons.iter().flat_map(of_scene))
 }

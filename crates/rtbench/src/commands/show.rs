@@ -18,8 +18,7 @@ use crate::error::Error;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::error::MeasureError;
-use measurement::system::created::CreatedFiles;
-use measurement::system::created::WriteError;
+use measurement::system::created::{CreatedFiles, WriteError};
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::drawing::Drawing;
@@ -76,11 +75,8 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         }
     };
     if args.window.is_some() && plane.cut(&bounds).is_none() {
-        return Err(PlanError::Malformed {
-            text: "--window".into(),
-            expected: "a box that the plane of --slice cuts",
-        }
-        .into());
+        let expected = "a box that the plane of --slice cuts";
+        return Err(PlanError::Malformed { text: "--window".into(), expected }.into());
     }
     let pool = pool(machine::threads())?;
     let mut shown = Vec::with_capacity(rows.len());
@@ -103,11 +99,8 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     }
     if let Some((path, format)) = output {
         let surfaces = if args.project { Vec::new() } else { outline(&loaded, &plane) };
-        let view = if args.project {
-            View::Boxes(Projection::of(camera))
-        } else {
-            View::Cut(plane, &surfaces)
-        };
+        let boxes = || View::Boxes(Projection::of(camera));
+        let view = if args.project { boxes() } else { View::Cut(plane, &surfaces) };
         let title = title(args, &loaded, &plane);
         let way = shown.first().and_then(|shown| shown.path.as_ref());
         let focus = ray.zip(way).and_then(|(ray, way)| focus(&plane, &ray, &bounds, &way.hit));
@@ -127,8 +120,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     for shown in shown.iter().filter(|_| args.ray.is_some()) {
         context.terminal.screen(color).write_table(context.out, &steps(&loaded.name, shown))?;
     }
-    context.out.flush()?;
-    Ok(())
+    Ok(context.out.flush()?)
 }
 
 /// A structure with settings; occluders are handled separately.
@@ -190,9 +182,8 @@ pub fn save(drawing: &Drawing, path: &Path, format: Format) -> Result<(), Error>
         Format::Png => drawing.png(),
     };
     let bytes = bytes.map_err(|source| Error::Undrawn { path: path.to_owned(), source })?;
-    let failed = |source| WriteError { path: path.to_owned(), source };
-    std::fs::write(path, bytes).map_err(failed)?;
-    Ok(())
+    let failed = |source| WriteError { path: path.to_owned(), source }.into();
+    std::fs::write(path, bytes).map_err(failed)
 }
 
 /// The steps of a ray, one line each.

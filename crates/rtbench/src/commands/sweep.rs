@@ -105,16 +105,21 @@ mod tests {
     use accel_core::structures::REGISTRY;
     use clap::Parser;
 
-    use crate::args::{Cli, Command};
+    use crate::args::{Cli, Command, SweepArgs};
     use measurement::scenes::InstalledScenes;
     use studies::sweep::sizes::SizeSweep;
     use studies::sweep::{Abscissa, Sweep};
 
-    fn sweep(arguments: &str) -> Result<Sweep<'static>, String> {
-        let words = ["rtbench", "sweep", "tetra:2"].into_iter().chain(arguments.split(' '));
+    fn args(arguments: &str) -> Result<SweepArgs, String> {
+        let words = ["rtbench", "sweep"].into_iter().chain(arguments.split(' '));
         let cli = Cli::try_parse_from(words).map_err(|e| e.to_string())?;
         let Command::Sweep(args) = cli.command else { return Err("another command".into()) };
-        let settings = args.settings().map_err(|e| e.to_string())?;
+        Ok(args)
+    }
+
+    fn sweep(arguments: &str) -> Result<Sweep<'static>, String> {
+        let settings = args(&format!("tetra:2 {arguments}"))?.settings();
+        let settings = settings.map_err(|e| e.to_string())?;
         Sweep::new(&settings, REGISTRY, &InstalledScenes).map_err(|e| e.to_string())
     }
 
@@ -171,9 +176,7 @@ mod tests {
     }
 
     fn sizes(arguments: &str) -> Result<SizeSweep<'static>, String> {
-        let words = ["rtbench", "sweep"].into_iter().chain(arguments.split(' '));
-        let cli = Cli::try_parse_from(words).map_err(|e| e.to_string())?;
-        let Command::Sweep(args) = cli.command else { return Err("another command".into()) };
+        let args = args(arguments)?;
         let settings = args.size_settings(args.sizes.as_ref().unwrap());
         let settings = settings.map_err(|e| e.to_string())?;
         SizeSweep::new(&settings, REGISTRY, occluders::REGISTRY, &InstalledScenes)
@@ -190,10 +193,8 @@ mod tests {
         let s = sizes("balls --sizes 1k,1778,3162,5623,10k -s uniform-grid").unwrap();
         let asked: Vec<usize> = s.record.sizes.iter().map(|size| size.asked.len()).collect();
         assert_eq!((s.record.sizes[0].name.as_str(), asked), ("balls:3", vec![2, 3]));
-        assert_eq!(
-            s.plan.kinds.iter().map(|k| k.name()).collect::<Vec<_>>(),
-            ["primary", "shadow"]
-        );
+        let kinds: Vec<&str> = s.plan.kinds.iter().map(|k| k.name()).collect();
+        assert_eq!(kinds, ["primary", "shadow"]);
         assert_eq!(s.plan.settings.resolution, [256, 256]);
     }
 

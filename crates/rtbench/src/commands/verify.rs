@@ -62,16 +62,12 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     }
     context.out.flush()?;
     Ok(match report.cut {
-        Some(StopReason::Interrupted(signal)) => signal_code(signal),
+        // as shells count them
+        Some(StopReason::Interrupted(signal)) => u8::try_from(128 + signal).unwrap_or(INTERRUPTED),
         _ if report.is_failure() => WRONG_HITS,
         Some(StopReason::OutOfTime) => INCONCLUSIVE,
         None => SUCCESS,
     })
-}
-
-/// As shells count them.
-fn signal_code(signal: usize) -> u8 {
-    u8::try_from(128 + signal).unwrap_or(INTERRUPTED)
 }
 
 /// All cases of the plan, or those until it is cut short. The output files hold what is done after

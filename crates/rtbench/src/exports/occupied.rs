@@ -46,21 +46,14 @@ pub enum OccupiedError {
     Record(#[from] RecordError),
 }
 
-/// Returns whether there is nothing at a path.
-fn is_absent(error: &io::Error) -> bool {
-    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
-}
-
 /// Refuses files that are there and hold something. What is no file, a pipe or a device, is written
 /// to.
 pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OccupiedError> {
     let holds_something = |path: &PathBuf| {
         path.as_os_str() != "-" && fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0)
     };
-    match paths.into_iter().find(holds_something) {
-        Some(path) => Err(OccupiedError::File { path }),
-        None => Ok(()),
-    }
+    let found = paths.into_iter().find(holds_something);
+    found.map_or(Ok(()), |path| Err(OccupiedError::File { path }))
 }
 
 pub struct PlannedOutput<'a> {
@@ -78,11 +71,12 @@ impl PlannedOutput<'_> {
     /// expected.
     pub fn check(&self, folder: &Path) -> Result<(), OccupiedError> {
         let journal = self.manifest.map(|_| journal::NAME);
+        let absent = [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory];
         let mut sizes = Vec::new();
         for name in self.names.iter().copied().chain(journal) {
             let path = folder.join(name);
             sizes.push(file::length(&path).or_else(|error| match error {
-                RecordError::Io { source, .. } if is_absent(&source) => Ok(0),
+                RecordError::Io { source, .. } if absent.contains(&source.kind()) => Ok(0),
                 other => Err(other),
             })?);
         }

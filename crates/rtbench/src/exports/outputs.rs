@@ -5,11 +5,9 @@
 use crate::exports::occupied::OccupiedError;
 use measurement::record::{RunRecord, file};
 use measurement::system::created::{CreatedFiles, WriteError};
-use measurement::system::files;
-use measurement::system::files::{open, put, replace, write_text};
+use measurement::system::files::{self, open, put, replace, write_text};
 use measurement::system::interrupt::undisturbed;
-use presentation::json;
-use presentation::json::FormatError;
+use presentation::json::{self, FormatError};
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Write};
