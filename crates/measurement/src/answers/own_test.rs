@@ -58,9 +58,8 @@ impl Oracle<'_> {
         }
         let moved = self.moved::<S>(&exact).into_iter().chain([exact]).map(with_open_ends);
         let found: Vec<f64> = moved.filter_map(|ray| self.distance_to(hit.id, &ray)).collect();
-        let [least, most] = found
-            .iter()
-            .fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], &t| [a.min(t), b.max(t)]);
+        let [least, most] = [1.0, -1.0]
+            .map(|sign| sign * found.iter().fold(f64::INFINITY, |least, t| least.min(sign * t)));
         let slack = self.slack::<S>(&exact) + self.ulps * S::EPSILON.to_f64() * t.abs();
         let slack = slack + TEST_ROUNDING * (most - least).max(0.0);
         t >= least - slack && t <= most + slack

@@ -79,11 +79,8 @@ fn count_scene<S: Buildable>(
             let stride = |rays: usize| rays.div_ceil(most).max(1);
             let thinned = asked.batches.iter().map(|b| b.thinned(stride(b.rays.len())));
             let set = BatchSet { stride: 1, batches: thinned.collect() };
-            let phases = caught(|| {
-                // within the pool: what is called from outside would run beside the counted
-                // function
-                pool.install(|| phases(row, geometry, lights, &set))
-            });
+            // within the pool: what is called from outside would run beside the counted function
+            let phases = caught(|| pool.install(|| phases(row, geometry, lights, &set)));
             let [is_built, is_asked] = phases.unwrap_or([true, false]);
             let mut next = |happened: bool| {
                 happened.then(|| {

@@ -8,12 +8,12 @@
 
 pub mod counted;
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
+use tempfile::TempDir;
 
 use crate::record::RunRecord;
 use crate::system::child_process::{ChildError, answer, arguments, without_samples};
@@ -77,14 +77,11 @@ pub struct CountedRow {
 
 /// The version of the valgrind that is installed.
 pub fn version() -> Result<String, CallgrindError> {
-    let missing = |why: String| CallgrindError::NoValgrind(why);
     let output = Command::new("valgrind").arg("--version").output();
-    let output = output.map_err(|e| missing(e.to_string()))?;
-    if output.status.success() {
-        Ok(String::from_utf8_lossy(&output.stdout).trim().to_owned())
-    } else {
-        Err(missing(String::from_utf8_lossy(&output.stderr).trim().to_owned()))
-    }
+    let output = output.map_err(|e| CallgrindError::NoValgrind(e.to_string()))?;
+    let said = |text: &[u8]| String::from_utf8_lossy(text).trim().to_owned();
+    let version = output.status.success().then(|| said(&output.stdout));
+    version.ok_or_else(|| CallgrindError::NoValgrind(said(&output.stderr)))
 }
 
 /// Counts what `program` takes for the rows of a record; sources of scene files may lie outside
@@ -96,11 +93,11 @@ pub fn count(
 ) -> Result<Counts, CallgrindError> {
     let valgrind = version()?;
     let program = program.ok_or(CallgrindError::NoProgram)?;
-    let folder = Scratch::new()?;
-    let mut command = callgrind(&folder);
+    let folder = scratch()?;
+    let mut command = callgrind(folder.path());
     command.arg(program).args(arguments(allow_outside)).arg("count-instructions");
     let phases: Vec<counted::CountedCalls> = answer(&mut command, &without_samples(record))?;
-    let totals = totals(&folder.0)?;
+    let totals = totals(folder.path())?;
     let expected = phases.iter().flat_map(|p| [p.build_call, p.trace_call]).flatten().count();
     if totals.len() != expected {
         let (program, found) = (program.to_owned(), totals.len());
@@ -119,7 +116,7 @@ pub fn count(
 }
 
 /// Callgrind, counting the phase function alone, a file a call; its program is to be added.
-fn callgrind(folder: &Scratch) -> Command {
+fn callgrind(folder: &Path) -> Command {
     let mut command = Command::new("valgrind");
     // what allocating costs must not depend on what was freed before; threads keep their own
     // arenas, or it would depend on what other threads allocate, and no caches of chunks: into
@@ -130,7 +127,7 @@ fn callgrind(folder: &Scratch) -> Command {
         .args(["--tool=callgrind", "--collect-atstart=no", "--quiet"])
         .arg(format!("--toggle-collect={PHASE}"))
         .arg(format!("--dump-after={PHASE}"))
-        .arg(format!("--callgrind-out-file={}", folder.0.join("out").display()));
+        .arg(format!("--callgrind-out-file={}", folder.join("out").display()));
     command
 }
 
@@ -173,26 +170,9 @@ fn part(text: &str) -> Result<Option<(u64, u64)>, String> {
 }
 
 /// A folder for callgrind's files, removed when it is dropped.
-struct Scratch(PathBuf);
-
-impl Scratch {
-    fn new() -> Result<Self, CallgrindError> {
-        use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
-        static NUMBER: AtomicUsize = AtomicUsize::new(0);
-        let number = NUMBER.fetch_add(1, Relaxed);
-        let name = format!("rtbench-callgrind-{}-{number}", std::process::id());
-        let path = std::env::temp_dir().join(name);
-        match fs::create_dir(&path) {
-            Ok(()) => Ok(Self(path)),
-            Err(source) => Err(CallgrindError::Io { path, source }),
-        }
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
+fn scratch() -> Result<TempDir, CallgrindError> {
+    let made = tempfile::Builder::new().prefix("rtbench-callgrind-").tempdir();
+    made.map_err(|source| CallgrindError::Io { path: std::env::temp_dir(), source })
 }
 
 #[cfg(test)]
@@ -220,13 +200,13 @@ mod tests {
 
     #[test]
     fn callgrind_parts_are_sorted_by_number() {
-        let folder = Scratch::new().unwrap();
+        let folder = scratch().unwrap();
         for (name, number, total) in [("out.10", "10", "5"), ("out.9", "9", "4"), ("out", "x", "9")]
         {
             let text = PART.replace("part: 3", &format!("part: {number}")).replace("1234", total);
             let text = if name == "out" { text.replace("--dump-after", "end") } else { text };
-            fs::write(folder.0.join(name), text).unwrap();
+            fs::write(folder.path().join(name), text).unwrap();
         }
-        assert_eq!(totals(&folder.0).unwrap(), [4, 5]);
+        assert_eq!(totals(folder.path()).unwrap(), [4, 5]);
     }
 }

@@ -38,10 +38,7 @@ pub fn hexadecimal(x: f64) -> String {
 
 /// Reads a decimal number, or a hexadecimal one that f64 holds exactly.
 pub fn number(text: &str) -> Option<f64> {
-    let (sign, rest) = match text.strip_prefix('-') {
-        Some(rest) => (-1.0, rest),
-        None => (1.0, text),
-    };
+    let (sign, rest) = text.strip_prefix('-').map_or((1.0, text), |rest| (-1.0, rest));
     let Some(digits) = rest.strip_prefix("0x").or_else(|| rest.strip_prefix("0X")) else {
         return text.parse().ok();
     };
@@ -79,10 +76,8 @@ pub fn read(file: &Path, text: &str) -> Result<Vec<Ray<f64>>, RayTextError> {
             continue;
         }
         let &[x, y, z, t_min, a, b, c, t_max] = words.as_slice() else {
-            let n = words.len();
-            return Err(wrong(format!(
-                "{n} numbers, expected eight: origin, t_min, direction, t_max"
-            )));
+            let expected = "expected eight: origin, t_min, direction, t_max";
+            return Err(wrong(format!("{} numbers, {expected}", words.len())));
         };
         let read = |word: &str| number(word).ok_or_else(|| wrong(format!("'{word}' is no number")));
         let origin = DVec3::new(read(x)?, read(y)?, read(z)?);

@@ -96,12 +96,9 @@ mod tests {
         let of = |copy: u32| {
             FloorRecord::of(factors(&run.scenes[0], |process| process == copy)).unwrap()
         };
-        assert!(
-            (of(2).floor - 0.1).abs() < 1e-12 && of(2).row.starts_with("tetra: b, "),
-            "{:?}",
-            of(2)
-        );
-        assert_eq!(of(2).figures, 2);
+        let found = of(2);
+        assert!((found.floor - 0.1).abs() < 1e-12 && found.figures == 2, "{found:?}");
+        assert!(found.row.starts_with("tetra: b, "), "{found:?}");
         assert!((of(1).floor - 0.05).abs() < 0.01, "{:?}", of(1));
         assert_eq!(FloorRecord::of(factors(&run.scenes[0], |_| false)), None);
         // a copy that is faster is as far away

@@ -115,10 +115,10 @@ pub fn over_machines(
         }
     }
     let records: Vec<&RunRecord> = runs.iter().map(|run| &run.record).collect();
-    let machine = |record: &&RunRecord| MachineRun {
-        machine: record.machine.clone(),
-        started_unix_s: record.started_unix_s,
-        processes: record.settings.processes,
+    let machine = |RunRecord { machine, started_unix_s, settings, .. }: &&RunRecord| MachineRun {
+        machine: machine.clone(),
+        started_unix_s: *started_unix_s,
+        processes: settings.processes,
     };
     let mut ratios = ratios(&records);
     let rounds_needed = mark_apart(&mut ratios);
@@ -227,12 +227,9 @@ fn mark_apart(all: &mut [RatioOnMachines]) -> Option<usize> {
     for (place, RatioOnMachines { rounds, .. }) in all.iter().enumerate() {
         for (i, one) in rounds.iter().enumerate() {
             for other in rounds.iter().skip(i + 1) {
-                let groups: Vec<[&Series; 2]> = one
-                    .iter()
-                    .zip(other)
-                    .filter(|(a, b)| !a.is_empty() && !b.is_empty())
-                    .map(|(a, b)| [a, b])
-                    .collect();
+                let pairs = one.iter().zip(other).map(|(a, b)| [a, b]);
+                let groups = pairs.filter(|pair| pair.iter().all(|series| !series.is_empty()));
+                let groups: Vec<[&Series; 2]> = groups.collect();
                 has_processes |= groups.iter().flatten().any(|series| series.has_levels());
                 tested.extend(Change::of_mean(&groups).map(|change| (place, change)));
             }
@@ -286,13 +283,10 @@ impl MachinesRecord {
             of(a) == of(b)
         };
         let runs = || self.machines.iter().zip(1..);
-        let pairs = runs().flat_map(|(one, i)| {
-            let later = runs().filter(move |(_, j)| *j > i);
-            later
-                .filter(move |(other, _)| is_alike(&one.machine, &other.machine))
-                .map(move |(_, j)| [i, j])
-        });
-        pairs.collect()
+        let pairs = runs().flat_map(|one| runs().map(move |other| (one, other)));
+        let alike =
+            pairs.filter(|((one, i), (other, j))| i < j && is_alike(&one.machine, &other.machine));
+        alike.map(|((_, i), (_, j))| [i, j]).collect()
     }
 }
 
@@ -323,11 +317,9 @@ mod tests {
         let joined = over_machines(&parts, &[]).unwrap();
         assert_eq!(joined.machines.len(), 2);
         let of = |scene: Option<&str>, quantity: &str| {
-            joined.ratios.iter().find(|r| {
-                r.scene.as_deref() == scene
-                    && r.structure == "uniform-grid"
-                    && r.quantity == quantity
-            })
+            let asked = (scene, "uniform-grid", quantity);
+            let is = |r: &&MachineRatio| (r.scene.as_deref(), &*r.structure, &*r.quantity) == asked;
+            joined.ratios.iter().find(is)
         };
         for scene in [None, Some("tetra"), Some("balls")] {
             let ratio = of(scene, "trace").unwrap();

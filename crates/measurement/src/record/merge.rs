@@ -14,7 +14,10 @@ use serde_json::Value;
 use crate::journal::lines::compare;
 use crate::record::file::RecordError;
 use crate::record::summary::summarize;
-use crate::record::{Machine, PartRecord, RowRecord, RunRecord, SceneRecord};
+use crate::record::{
+    Compiler, Machine, OracleRecord, PartRecord, RowRecord, RunRecord, SceneRecord, Settings,
+    StatsRecord, Tool, Verdict, WorkRecord,
+};
 use crate::settings::shard::ShardRecord;
 
 /// Reasons why parts cannot be merged.
@@ -39,13 +42,10 @@ pub enum MergeProblem {
 
 /// The parts cannot be joined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("the shards do not belong to one run:{}", problem_list(problems))]
+#[error("the shards do not belong to one run:{}",
+        problems.iter().map(|problem| format!("\n  {problem}")).collect::<String>())]
 pub struct MergeError {
     pub problems: Vec<MergeProblem>,
-}
-
-fn problem_list(problems: &[MergeProblem]) -> String {
-    problems.iter().map(|problem| format!("\n  {problem}")).collect()
 }
 
 /// A part and where it was read from.
@@ -58,11 +58,11 @@ pub struct PartialRun {
 /// Settings shared by the parts of one run.
 #[derive(Serialize)]
 struct SharedSettings<'a> {
-    tool: &'a crate::record::Tool,
-    compiler: &'a crate::record::Compiler,
+    tool: &'a Tool,
+    compiler: &'a Compiler,
     #[serde(skip_serializing_if = "Option::is_none")]
     machine: Option<&'a Machine>,
-    settings: &'a crate::record::Settings,
+    settings: &'a Settings,
     count: u32,
     scenes: &'a [String],
     rows: &'a [String],
@@ -75,16 +75,16 @@ struct CommonScene<'a> {
     sha256: &'a str,
     primitives: u64,
     rays: &'a BTreeMap<String, u64>,
-    oracle: &'a crate::record::OracleRecord,
+    oracle: &'a OracleRecord,
     reference: Option<CountedResults<'a>>,
 }
 
 /// Results of a row that do not depend on a clock.
 #[derive(Serialize)]
 struct CountedResults<'a> {
-    verdict: crate::record::Verdict,
-    stats: &'a Option<crate::record::StatsRecord>,
-    work: &'a Option<crate::record::WorkRecord>,
+    verdict: Verdict,
+    stats: &'a Option<StatsRecord>,
+    work: &'a Option<WorkRecord>,
     answers_sha256: &'a Option<String>,
 }
 
@@ -100,16 +100,11 @@ pub fn merge(
     let mut problems = Vec::new();
     let mut sharded: Vec<(ShardRecord, PartialRun)> = Vec::new();
     for part in parts {
-        let mut part = match part {
-            Ok(part) => part,
-            Err(error) => {
-                problems.push(MergeProblem::Unreadable(error.to_string()));
-                continue;
-            }
-        };
-        match part.record.shard.take() {
-            Some(shard) => sharded.push((shard, part)),
-            None => problems.push(MergeProblem::NotAPart { path: part.path }),
+        let part = part.map(|mut part| (part.record.shard.take(), part));
+        match part {
+            Ok((Some(shard), part)) => sharded.push((shard, part)),
+            Ok((None, part)) => problems.push(MergeProblem::NotAPart { path: part.path }),
+            Err(error) => problems.push(MergeProblem::Unreadable(error.to_string())),
         }
     }
     sharded.sort_by_key(|(shard, _)| shard.index);
@@ -196,12 +191,9 @@ fn has_its_rows(shard: &ShardRecord, part: &PartialRun, problems: &mut Vec<Merge
         return;
     }
     for (i, name) in shard.scenes.iter().enumerate() {
-        let expected: Vec<&str> = shard
-            .matrix()
-            .rows_of(shard.shard(), i)
-            .into_iter()
-            .filter_map(|row| shard.rows.get(row).map(String::as_str))
-            .collect();
+        let expected = shard.matrix().rows_of(shard.shard(), i).into_iter();
+        let expected = expected.filter_map(|row| shard.rows.get(row).map(String::as_str));
+        let expected: Vec<&str> = expected.collect();
         let scene = scene_at(shard, part, i);
         let found: Vec<String> =
             scene.map(|s| s.rows.iter().map(RowRecord::label).collect()).unwrap_or_default();

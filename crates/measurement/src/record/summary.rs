@@ -69,6 +69,7 @@ fn summarize_row(row: &RowRecord, rows: &[RowInScene<'_>], seed: u64) -> Summary
         let groups: Vec<&Series> = groups.iter().collect();
         if groups.is_empty() { None } else { geometric_mean_of(&groups, seed) }
     };
+    let of_kind = |(kind, groups): (&&str, &Vec<_>)| Some(((*kind).to_owned(), mean(groups)?));
     let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
     let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));
     let (panicked, memory) = (count(Verdict::Panicked), count(Verdict::OutOfMemory));
@@ -82,10 +83,7 @@ fn summarize_row(row: &RowRecord, rows: &[RowInScene<'_>], seed: u64) -> Summary
         mismatches,
         answers: row.answers,
         ratio: mean(&ratios),
-        ratio_by_kind: kinds
-            .iter()
-            .filter_map(|(kind, groups)| Some(((*kind).to_owned(), mean(groups)?)))
-            .collect(),
+        ratio_by_kind: kinds.iter().filter_map(of_kind).collect(),
         batch_scenes,
         build_ratio: mean(&builds),
         verdict: if wrong > 0 {

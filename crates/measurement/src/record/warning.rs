@@ -89,11 +89,8 @@ impl fmt::Display for Warning {
                 )
             }
             Self::Drift { change, governor } => {
-                let (by, how) = if *change > 1.0 {
-                    (change - 1.0, "slower")
-                } else {
-                    (1.0 / change - 1.0, "faster")
-                };
+                let how = if *change > 1.0 { "slower" } else { "faster" };
+                let by = change.max(1.0 / change) - 1.0;
                 let governed = governor.as_ref().map(|g| format!(" (governor: {g})"));
                 write!(
                     f,

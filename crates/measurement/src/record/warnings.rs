@@ -112,8 +112,8 @@ mod tests {
     fn only(run: &RunRecord) -> String {
         let found = of(run);
         assert_eq!(found.len(), 1, "{found:?}");
-        let back: Warning =
-            serde_json::from_str(&serde_json::to_string(&found[0]).unwrap()).unwrap();
+        let text = serde_json::to_string(&found[0]).unwrap();
+        let back: Warning = serde_json::from_str(&text).unwrap();
         assert_eq!(back, found[0]);
         back.to_string()
     }
@@ -150,10 +150,8 @@ mod tests {
         let mut run = run(&[&slower, &slower]);
         run.machine.governor = Some("powersave".into());
         let said = only(&run);
-        assert!(
-            said.contains("became 13% slower") && said.contains("governor: powersave"),
-            "{said}"
-        );
+        assert!(said.contains("became 13% slower"), "{said}");
+        assert!(said.contains("governor: powersave"), "{said}");
         for scene in &mut run.scenes {
             scene.rows[0].samples.reverse();
         }

@@ -57,24 +57,21 @@ pub enum TrialOutcome {
 impl TrialBuild {
     /// Builds in a separate process.
     pub fn run(&self) -> TrialOutcome {
-        self.started().map_or_else(
-            |e| TrialOutcome::Died(format!("cannot start a process: {e}")),
-            |mut child| {
-                let (events, reader) = listen(&mut child);
-                let outcome = self.watch(&mut child, &events);
-                // one that is over is not hurt by this
-                let _ = child.kill();
-                let ended = child.wait();
-                let said = reader.and_then(|reader| reader.join().ok()).unwrap_or_default();
-                outcome.unwrap_or_else(|| {
-                    let how = ended.map_or_else(|e| e.to_string(), |status| status.to_string());
-                    TrialOutcome::Died(format!(
-                        "the process that built it ended with {how}: {}",
-                        said.trim()
-                    ))
-                })
-            },
-        )
+        let mut child = match self.started() {
+            Ok(child) => child,
+            Err(e) => return TrialOutcome::Died(format!("cannot start a process: {e}")),
+        };
+        let (events, reader) = listen(&mut child);
+        let outcome = self.watch(&mut child, &events);
+        // one that is over is not hurt by this
+        let _ = child.kill();
+        let ended = child.wait();
+        let said = reader.and_then(|reader| reader.join().ok()).unwrap_or_default();
+        outcome.unwrap_or_else(|| {
+            let (how, said) =
+                (ended.map_or_else(|e| e.to_string(), |s| s.to_string()), said.trim());
+            TrialOutcome::Died(format!("the process that built it ended with {how}: {said}"))
+        })
     }
 
     fn started(&self) -> std::io::Result<Child> {
@@ -120,11 +117,8 @@ impl TrialBuild {
                 return Some(too_long());
             }
             if machine::resident(&process).is_some_and(|n| n > bytes) {
-                return Some(too_much(if begun.is_some() {
-                    "building"
-                } else {
-                    "loading the scene"
-                }));
+                let what = begun.map_or("loading the scene", |_| "building");
+                return Some(too_much(what));
             }
         }
     }

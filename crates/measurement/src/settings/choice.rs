@@ -26,10 +26,6 @@ pub mod as_typed {
         to.serialize_str(value.as_typed())
     }
 
-    /// Reads it.
-    ///
-    /// # Errors
-    /// Those of the format; values that there are not.
     pub fn deserialize<'de, C: Choice, D: Deserializer<'de>>(from: D) -> Result<C, D::Error> {
         let text = String::deserialize(from)?;
         C::typed(&text).ok_or_else(|| D::Error::custom(format!("'{text}' is not a valid value")))

@@ -19,12 +19,8 @@ impl CreatedFiles {
     pub fn file(&mut self, path: &Path) -> Result<File, WriteError> {
         let error = |source| WriteError { path: path.to_owned(), source };
         let was_there = path.exists();
-        let file = OpenOptions::new()
-            .create(true)
-            .write(true)
-            .truncate(false)
-            .open(path)
-            .map_err(error)?;
+        let mut options = OpenOptions::new();
+        let file = options.create(true).write(true).truncate(false).open(path).map_err(error)?;
         if !was_there {
             // what a link points to, and whatever the working directory is by then
             self.files.push(fs::canonicalize(path).map_err(error)?);

@@ -45,12 +45,7 @@ mod tests {
     fn a_panic_is_an_error_with_its_message() {
         assert_eq!(caught(|| 7), Ok(7));
         let n = 3;
-        let error = caught(|| {
-            if n == 3 {
-                panic!("tile {n}")
-            }
-        })
-        .unwrap_err();
+        let error = caught(|| assert!(n != 3, "tile {n}")).unwrap_err();
         assert!(error.to_string().contains("panicked: tile 3"), "{error}");
     }
 }

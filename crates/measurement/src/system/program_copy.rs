@@ -41,11 +41,8 @@ impl ProgramCopy {
                 None => Self { _folder: Some(folder), _open: None, path },
             })
         };
-        made().map_err(|source| CopyError {
-            program: program.into(),
-            folder: temporary.into(),
-            source,
-        })
+        let (program, folder) = (program.to_owned(), temporary.to_owned());
+        made().map_err(|source| CopyError { program, folder, source })
     }
 
     pub fn path(&self) -> &Path {
@@ -80,10 +77,8 @@ mod tests {
         assert_eq!(std::fs::read(copy.path()).unwrap(), b"code");
         assert_ne!(copy.path(), program);
         let names = || std::fs::read_dir(folder.path()).unwrap().count();
-        assert!(
-            names() == 1 || cfg!(not(target_os = "linux")),
-            "nothing is left if this is killed"
-        );
+        // nothing is left if this is killed
+        assert!(names() == 1 || cfg!(not(target_os = "linux")));
         drop(copy);
         assert_eq!(names(), 1);
         let error = ProgramCopy::of(&folder.path().join("none"), folder.path()).unwrap_err();
