@@ -3,9 +3,8 @@
 //! A file is the record as `rtbench run -o` writes it, with the instruction counts of
 //! the same program beside it where they were asked for.
 
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use serde::{Deserialize, Serialize};
 
@@ -110,11 +109,8 @@ impl Store {
 
     /// Path of the baseline of this name, whether or not it exists.
     pub fn path(&self, name: &str) -> Result<PathBuf, BaselineError> {
-        if is_name(name) {
-            Ok(self.0.join(format!("{name}.{EXTENSION}")))
-        } else {
-            Err(BaselineError::Name(name.to_owned()))
-        }
+        let path = is_name(name).then(|| self.0.join(format!("{name}.{EXTENSION}")));
+        path.ok_or_else(|| BaselineError::Name(name.to_owned()))
     }
 
     pub fn existing(&self, name: &str) -> Result<PathBuf, BaselineError> {
@@ -163,11 +159,8 @@ impl Store {
     /// The path of a baseline that is not there yet, or may be replaced.
     pub fn free(&self, name: &str, replace: bool) -> Result<PathBuf, BaselineError> {
         let path = self.path(name)?;
-        if path.exists() && !replace {
-            Err(BaselineError::Exists(name.to_owned()))
-        } else {
-            Ok(path)
-        }
+        let is_taken = path.exists() && !replace;
+        if is_taken { Err(BaselineError::Exists(name.to_owned())) } else { Ok(path) }
     }
 
     pub fn remove(&self, name: &str) -> Result<(), BaselineError> {

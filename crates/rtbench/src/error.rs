@@ -185,6 +185,8 @@ impl From<OutputError> for Error {
 impl Error {
     /// The exit code it stands for.
     pub fn exit_code(&self) -> u8 {
+        use CompareError::{Filter, Match, NothingMatches};
+        use OutputError::{IsRead, NothingSelected, SameFile};
         match self {
             Self::Plan(PlanError::Scene(e)) | Self::Load(e) => {
                 use LoadError::{NoSizes, Procedural, UnknownScene};
@@ -192,11 +194,7 @@ impl Error {
                     matches!(e, UnknownScene { .. } | Procedural { .. } | NoSizes { .. });
                 if is_usage { USAGE } else { FAILURE }
             }
-            Self::Compare(
-                CompareError::Filter { .. }
-                | CompareError::Match { .. }
-                | CompareError::NothingMatches { .. },
-            ) => USAGE,
+            Self::Compare(Filter { .. } | Match { .. } | NothingMatches { .. }) => USAGE,
             Self::Gate(error) if error.is_usage() => USAGE,
             Self::Gate(error) if matches!(**error, GateError::NothingCompared(_)) => {
                 NOTHING_COMPARED
@@ -208,11 +206,7 @@ impl Error {
             | Self::Animate(_)
             | Self::SetOptions(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
-            Self::Outputs(
-                OutputError::SameFile(_)
-                | OutputError::IsRead(_)
-                | OutputError::NothingSelected(..),
-            ) => USAGE,
+            Self::Outputs(SameFile(_) | IsRead(_) | NothingSelected(..)) => USAGE,
             _ => FAILURE,
         }
     }

@@ -39,14 +39,10 @@ pub fn merged(
         return Err(ForeignRowError::Incomplete { path });
     }
     let valid: Vec<&str> = record.scenes.iter().map(|scene| &*scene.name).collect();
-    let missing = ForeignRowError::NoScene {
-        path: path.clone(),
-        scene: name.to_owned(),
-        valid: valid.join(", "),
-    };
+    let valid = valid.join(", ");
     let what = other_settings(&record, about);
     let Some(scene) = record.scenes.iter_mut().find(|scene| scene.sha256 == sha256) else {
-        return Err(missing);
+        return Err(ForeignRowError::NoScene { path, scene: name.to_owned(), valid });
     };
     if let Some(what) = what.or_else(|| other_counts(scene, about)) {
         return Err(ForeignRowError::OtherRays { path, what });

@@ -42,12 +42,9 @@ impl Plugins {
         let mut loaded = Vec::new();
         for file in &args.plugin {
             let read = |source| PluginError::Read { file: file.clone(), source };
-            let options = Options {
-                program: program().map_err(read)?,
-                limit: args.plugin_limit,
-                in_process: args.in_process,
-                restarts,
-            };
+            let (limit, in_process) = (args.plugin_limit, args.in_process);
+            let program = program().map_err(read)?;
+            let options = Options { program, limit, in_process, restarts };
             let bytes = std::fs::read(file).map_err(read)?;
             let sha256 = sha256_of_bytes(&bytes);
             let names = registry.iter().map(|entry| entry.info.name);

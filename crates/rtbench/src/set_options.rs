@@ -189,7 +189,7 @@ mod tests {
     use super::*;
     use measurement::scenes::{InstalledScenes, KnownScene, LoadError};
 
-    struct SingleSet(serde_json::Value);
+    struct SingleSet(Value);
 
     impl SceneSource for SingleSet {
         fn resolve(&self, _: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
@@ -204,11 +204,7 @@ mod tests {
             Ok(vec![("own".into(), Vec::new()), ("plain".into(), Vec::new())])
         }
 
-        fn run_options(
-            &self,
-            set: &str,
-            quick: bool,
-        ) -> Result<Map<String, serde_json::Value>, LoadError> {
+        fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
             let mut options = Map::new();
             if set == "own" {
                 options.extend(self.0.as_object().unwrap().clone());
@@ -218,7 +214,7 @@ mod tests {
         }
     }
 
-    fn joined(options: serde_json::Value, typed: &str) -> Result<String, String> {
+    fn joined(options: Value, typed: &str) -> Result<String, String> {
         let mut arguments: Vec<OsString> = typed.split_whitespace().map(Into::into).collect();
         let added = added_by_set(&arguments, &SingleSet(options)).map_err(|e| e.to_string())?;
         join(&mut arguments, added);
@@ -227,33 +223,23 @@ mod tests {
 
     #[test]
     fn a_set_supplies_options_not_on_the_command_line() {
-        let of = |typed| {
+        let of = |typed: &str| {
             let options = json!({"size": 1024, "order": "both", "structures": ["hug", "octree"],
                                  "by-kind": true});
             joined(options, typed).unwrap()
         };
         let all = "--by-kind --order=both --size=1024 --structures=hug --structures=octree";
-        for typed in [
-            "rtbench run own",
-            "rtbench run tetra balls --as own",
-            "rtbench baseline save main own",
-        ] {
-            assert_eq!(of(typed), format!("{typed} {all}"));
+        for typed in ["run own", "run tetra balls --as own", "baseline save main own"] {
+            let typed = format!("rtbench {typed}");
+            assert_eq!(of(&typed), format!("{typed} {all}"));
         }
-        assert_eq!(
-            of("rtbench run own -s octree --order scanline"),
-            "rtbench run own -s octree --order scanline --by-kind --size=1024"
-        );
+        let typed = "rtbench run own -s octree --order scanline";
+        assert_eq!(of(typed), format!("{typed} --by-kind --size=1024"));
         assert!(of("rtbench run own --quick").contains("--size=64"));
         // no other runs, no other commands
-        for typed in [
-            "rtbench run",
-            "rtbench run own tetra",
-            "rtbench run plain",
-            "rtbench list sets",
-            "rtbench baseline list",
-        ] {
-            assert_eq!(of(typed), typed);
+        for typed in ["run", "run own tetra", "run plain", "list sets", "baseline list"] {
+            let typed = format!("rtbench {typed}");
+            assert_eq!(of(&typed), typed);
         }
     }
 
@@ -262,14 +248,10 @@ mod tests {
         let of = |options, typed| joined(options, typed).unwrap();
         let options = || json!({"rounds": 7, "quick": false, "seed": 3});
         assert_eq!(of(options(), "rtbench run own"), "rtbench run own --rounds=7 --seed=3");
-        assert_eq!(
-            of(options(), "rtbench run own --time-budget 9s"),
-            "rtbench run own --time-budget 9s --seed=3"
-        );
-        assert_eq!(
-            of(options(), "rtbench run --rounds 2 -- own"),
-            "rtbench run --rounds 2 --seed=3 -- own"
-        );
+        let typed = "rtbench run own --time-budget 9s";
+        assert_eq!(of(options(), typed), format!("{typed} --seed=3"));
+        let separated = of(options(), "rtbench run --rounds 2 -- own");
+        assert_eq!(separated, "rtbench run --rounds 2 --seed=3 -- own");
         for typed in ["rtbench run --resume x", "rtbench run own --bogus"] {
             assert_eq!(of(options(), typed), typed);
         }
@@ -281,15 +263,18 @@ mod tests {
         let error = of(json!({"szie": 9}));
         let said = "own.json: run: unknown option 'szie' (did you mean 'size'?)";
         assert!(error.contains(said), "{error}");
-        assert!(of(json!({"size": 0})).contains("own.json: run: size: "));
-        assert!(of(json!({"scenes": ["tetra"]})).contains("scenes: not an option of sets"));
-        assert!(of(json!({"size": null})).contains("size: expected a string or a number"));
-        assert!(of(json!({"by-kind": "yes"})).contains("by-kind: expected true or false"));
-        assert!(
-            of(json!({"structures": [1, {}]})).contains("structures: expected a list of strings")
-        );
-        assert!(of(json!({"plugin": ["evil.so"]})).contains("plugin: not an option of sets"));
-        assert!(of(json!({"resume": "x"})).contains("resume: not an option of sets"));
+        for (options, said) in [
+            (json!({"size": 0}), "own.json: run: size: "),
+            (json!({"scenes": ["tetra"]}), "scenes: not an option of sets"),
+            (json!({"size": null}), "size: expected a string or a number"),
+            (json!({"by-kind": "yes"}), "by-kind: expected true or false"),
+            (json!({"structures": [1, {}]}), "structures: expected a list of strings"),
+            (json!({"plugin": ["evil.so"]}), "plugin: not an option of sets"),
+            (json!({"resume": "x"}), "resume: not an option of sets"),
+        ] {
+            let error = of(options);
+            assert!(error.contains(said), "{said}: {error}");
+        }
         let error = joined(json!({"size": 9}), "rtbench run tetra --as onw").unwrap_err();
         assert!(error.contains("'onw' (did you mean 'own'?); valid: own"), "{error}");
     }

@@ -23,12 +23,9 @@ pub fn of_check(
     if entries.is_empty() && as_set.is_some() {
         return Err(without_thresholds(set, context.scenes)?.into());
     }
-    let read = |(place, entry)| {
-        threshold(context, entry).map_err(|message| SetOptionsError::Threshold {
-            set: set.to_owned(),
-            entry: place,
-            message,
-        })
+    let read = |(entry, own)| {
+        let error = |message| SetOptionsError::Threshold { set: set.to_owned(), entry, message };
+        threshold(context, own).map_err(error)
     };
     (1..).zip(&entries).map(read).collect()
 }

@@ -3,8 +3,7 @@
 use serde::Serialize;
 
 use crate::comparison::differences::other_reference;
-use crate::comparison::entry::ComparisonSettings;
-use crate::comparison::entry::{ComparisonOutcome, exact_ratio};
+use crate::comparison::entry::{ComparisonOutcome, ComparisonSettings, exact_ratio};
 use crate::comparison::pairing::RowPair;
 use measurement::record::RowRecord;
 use measurement::record::metrics::Metric;
@@ -92,10 +91,8 @@ fn mean<'p, 'r: 'p>(
     }
     if !metric.is_exact() {
         let groups: Vec<[&Series; 2]> = values.iter().map(|[old, new]| [old, new]).collect();
-        return Some((
-            mean(None, ComparisonOutcome::Inconclusive),
-            Some(Change::of_mean(&groups)?),
-        ));
+        let mean = mean(None, ComparisonOutcome::Inconclusive);
+        return Some((mean, Some(Change::of_mean(&groups)?)));
     }
     let first = |side: &Series| side.values().first().copied();
     let all: Option<Vec<(f64, f64)>> =

@@ -103,10 +103,8 @@ impl<'r> ScenePair<'r> {
     /// The rows of a scene in two records.
     pub fn of(scenes: [&'r SceneRecord; 2]) -> Self {
         let [old, new] = scenes;
-        let rows = new
-            .rows
-            .iter()
-            .filter_map(|row| Some(RowPair { scenes, rows: [row_like(old, row)?, row] }));
+        let pair = |row| Some(RowPair { scenes, rows: [row_like(old, row)?, row] });
+        let rows = new.rows.iter().filter_map(pair);
         let only = |scene: &'r SceneRecord, other: &SceneRecord| -> Vec<&'r RowRecord> {
             scene.rows.iter().filter(|row| row_like(other, row).is_none()).collect()
         };
@@ -139,20 +137,10 @@ mod tests {
         let both: Vec<String> = pairing.rows().map(|pair| pair.rows[1].label()).collect();
         assert_eq!(both, ["grid", "bvh"]);
         assert!(pairing.rows().all(|pair| pair.rows[0].is_same(pair.rows[1])));
-        let missing: Vec<(String, bool)> = pairing
-            .missing()
-            .into_iter()
-            .map(|m| (format!("{}: {}", m.scene, m.row), m.is_new))
-            .collect();
-        let named = |text: &str, is_new| (text.to_owned(), is_new);
-        assert_eq!(
-            missing,
-            [
-                named("tetra: hug a=1", false),
-                named("balls: bvh", false),
-                named("tetra: hug a=2", true),
-                named("rings: bvh", true)
-            ]
-        );
+        let missing = pairing.missing().into_iter();
+        let missing = missing.map(|m| format!("{}: {} {}", m.scene, m.row, m.is_new));
+        let expected =
+            "tetra: hug a=1 false, balls: bvh false, tetra: hug a=2 true, rings: bvh true";
+        assert_eq!(missing.collect::<Vec<_>>().join(", "), expected);
     }
 }

@@ -43,10 +43,9 @@ pub fn matched(
     old: &RunRecord,
     others: &[RunRecord],
 ) -> Result<Renaming, CompareError> {
-    let cuts = text.match_indices('=').filter_map(|(place, _)| {
-        let (before, after) = (text.get(..place)?, text.get(place + 1..)?);
-        Some((before, after))
-    });
+    let cuts = text
+        .match_indices('=')
+        .filter_map(|(place, _)| Some((text.get(..place)?, text.get(place + 1..)?)));
     let mut found: Vec<Renaming> = Vec::new();
     for (before, after) in cuts.clone() {
         let row = |text: &str, runs: &[RunRecord]| runs.iter().find_map(|run| row(text, run));

@@ -11,12 +11,11 @@ pub const STAGE: Stage =
     Stage { name: "answers", summary: "no wrong hits; all answers as in the baseline", judge };
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
+    let of_row = |row: &RowPair<'_>| {
+        let (outcome, note) = outcome(row);
+        Finding::of(STAGE.name, row, "answers", outcome, note)
+    };
     evidence.rows().iter().map(of_row).collect()
-}
-
-fn of_row(row: &RowPair<'_>) -> Finding {
-    let (outcome, note) = outcome(row);
-    Finding::of(STAGE.name, row, "answers", outcome, note)
 }
 
 fn outcome(row: &RowPair<'_>) -> (GateOutcome, String) {
@@ -41,10 +40,8 @@ fn outcome(row: &RowPair<'_>) -> (GateOutcome, String) {
     }
     if now.mismatches > base.mismatches && now.checked_rays == base.checked_rays {
         let (was, is) = (base.mismatches.to_string(), now.mismatches.to_string());
-        return (
-            GateOutcome::Regression,
-            format!("wrong hits by design: {}", was_and_is(&was, &is)),
-        );
+        let note = format!("wrong hits by design: {}", was_and_is(&was, &is));
+        return (GateOutcome::Regression, note);
     }
     if now.verdict != base.verdict {
         return (GateOutcome::Improved, verdicts());

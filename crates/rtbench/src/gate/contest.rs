@@ -17,8 +17,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use crate::comparison::pairing::RowPair;
-use crate::gate::against::is_look;
-use crate::gate::against::{Contest, Program};
+use crate::gate::against::{Contest, Program, is_look};
 use crate::gate::lap::{Lap, Runner};
 use measurement::record::{FloorRecord, RunRecord};
 use measurement::rounds::interleaved::round_order;
@@ -148,11 +147,8 @@ impl Contest {
                 }
                 // the first lap finds neither memory nor caches
                 if let (true, [Some(old), Some(new), Some(copy)]) = (lap > 0, seen) {
-                    let key = |quantity| Key {
-                        scene: scene.name.clone(),
-                        row: rows[row].clone(),
-                        quantity,
-                    };
+                    let (name, label) = (&scene.name, &rows[row]);
+                    let key = |quantity| Key { scene: name.clone(), row: label.clone(), quantity };
                     let [a, b, c] = [&old, &new, &copy];
                     add(all, key("build"), process, [a.build_s, b.build_s, c.build_s]);
                     let traces = [a, b, c].map(|lap| lap.trace_s.values().sum());
@@ -174,13 +170,10 @@ impl Contest {
 }
 
 fn add(all: &mut Vec<PairedTimes>, key: Key, process: u32, seconds: [f64; 3]) {
-    let known = match all.iter().position(|known| known.key == key) {
-        Some(place) => place,
-        None => {
-            all.push(PairedTimes { key, times: Vec::new(), processes: Vec::new() });
-            all.len() - 1
-        }
-    };
+    let known = all.iter().position(|known| known.key == key).unwrap_or_else(|| {
+        all.push(PairedTimes { key, times: Vec::new(), processes: Vec::new() });
+        all.len() - 1
+    });
     all[known].times.push(seconds);
     all[known].processes.push(process);
 }

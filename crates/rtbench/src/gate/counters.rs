@@ -37,21 +37,17 @@ fn of(metric: &Metric, row: &RowPair<'_>) -> Option<Finding> {
         // whether it was built is judged with its answers
         _ => return Some(finding(GateOutcome::NotJudged, "one side has none")),
     };
-    let counted = |row: &measurement::record::RowRecord| row.work.as_ref().map(|w| w.rays);
-    if counted(base) != counted(current) {
+    let [before_rays, now_rays] = row.rows.map(|row| row.work.as_ref().map(|work| work.rays));
+    if before_rays != now_rays {
         return Some(finding(GateOutcome::NotJudged, "other rays were counted"));
     }
     if !metric.is_cost && before != now {
-        return Some(finding(
-            GateOutcome::NotJudged,
-            "changed; not a cost by itself, but part of one",
-        ));
+        let note = "changed; not a cost by itself, but part of one";
+        return Some(finding(GateOutcome::NotJudged, note));
     }
     if before > 0.0 && now == 0.0 {
-        return Some(finding(
-            GateOutcome::NotJudged,
-            "nothing was counted: less work, or no longer counted",
-        ));
+        let note = "nothing was counted: less work, or no longer counted";
+        return Some(finding(GateOutcome::NotJudged, note));
     }
     let outcome = match before.total_cmp(&now) {
         std::cmp::Ordering::Less => GateOutcome::Regression,

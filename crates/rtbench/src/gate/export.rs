@@ -1,8 +1,7 @@
 //! A check as Markdown and CSV, and as annotations of GitHub Actions.
 
 use crate::gate::evidence::{Finding, GateOutcome};
-use crate::gate::report::columns;
-use crate::gate::report::{GLOSSARY, Report};
+use crate::gate::report::{GLOSSARY, Report, columns};
 use presentation::column;
 use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};

@@ -23,10 +23,11 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let rows = evidence.rows();
     match evidence.instructions {
         Instructions::NotAsked => Vec::new(),
-        Instructions::Missing(why) => rows
-            .iter()
-            .map(|row| Finding::of(STAGE.name, row, "trace", GateOutcome::Inconclusive, why))
-            .collect(),
+        Instructions::Missing(why) => {
+            let missing =
+                |row| Finding::of(STAGE.name, row, "trace", GateOutcome::Inconclusive, why);
+            rows.iter().map(missing).collect()
+        }
         Instructions::Counted { base, now } => {
             rows.iter().flat_map(|row| of_row(row, base, now, evidence.thresholds)).collect()
         }
@@ -48,13 +49,12 @@ fn of_row(
     let note = match (of(base), of(now)) {
         (Some(before), Some(now)) if before.rays != now.rays => "other rays were counted",
         (Some(before), Some(now)) => {
-            return [("build", before.build, now.build), ("trace", before.trace, now.trace)]
-                .into_iter()
-                .filter_map(|(what, before, now)| {
-                    let threshold = thresholds.instructions_of(&row.rows[1].label(), what);
-                    Some(compared(row, what, before? as f64, now? as f64, threshold))
-                })
-                .collect();
+            let both = [("build", before.build, now.build), ("trace", before.trace, now.trace)];
+            let found = both.into_iter().filter_map(|(what, before, now)| {
+                let threshold = thresholds.instructions_of(&row.rows[1].label(), what);
+                Some(compared(row, what, before? as f64, now? as f64, threshold))
+            });
+            return found.collect();
         }
         (None, _) => "the baseline does not have this count",
         (_, None) => "not counted now",

@@ -150,22 +150,13 @@ impl Thresholds {
         let share = "a share from 0 to 10";
         let is_share = |x: f64| (0.0..=10.0).contains(&x);
         let [not_negative, probability] = ["seconds, not negative", "between 0 and 1"];
+        let &Self { instructions, time, busiest, significance, shortest, .. } = &self;
         for (name, value, is_valid, expected) in [
-            ("instructions", self.instructions, is_share(self.instructions), share),
-            ("time", self.time, is_share(self.time), share),
-            ("busiest", self.busiest, is_share(self.busiest), share),
-            (
-                "significance",
-                self.significance,
-                self.significance > 0.0 && self.significance < 1.0,
-                probability,
-            ),
-            (
-                "shortest",
-                self.shortest,
-                self.shortest.is_finite() && self.shortest >= 0.0,
-                not_negative,
-            ),
+            ("instructions", instructions, is_share(instructions), share),
+            ("time", time, is_share(time), share),
+            ("busiest", busiest, is_share(busiest), share),
+            ("significance", significance, significance > 0.0 && significance < 1.0, probability),
+            ("shortest", shortest, shortest.is_finite() && shortest >= 0.0, not_negative),
         ] {
             if !is_valid {
                 return Err(ThresholdError { name, value, expected });

@@ -118,13 +118,11 @@ fn finding(
         (Verdict::Same, _) => (GateOutcome::Unchanged, String::new()),
         // a row that takes longer than the reference is interrupted more often: its ratio grows
         // with the load
-        (_, Some(share)) => (
-            GateOutcome::Inconclusive,
-            format!(
-                "the machine was too busy (try --against): threads waited {:.0}% of the time",
-                share * 100.0
-            ),
-        ),
+        (_, Some(share)) => {
+            let waited = format!("threads waited {:.0}% of the time", share * 100.0);
+            let note = format!("the machine was too busy (try --against): {waited}");
+            (GateOutcome::Inconclusive, note)
+        }
         (Verdict::Slower, _) => (GateOutcome::Regression, String::new()),
         (Verdict::Faster, _) => (GateOutcome::Improved, String::new()),
         (Verdict::Unclear, _) => (GateOutcome::Inconclusive, rule.missing(change, units)),
@@ -237,11 +235,11 @@ pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
         });
         let seen = again.and_then(|s| s.change);
         let seen = seen.map_or_else(|| "no time".to_owned(), |e| presentation::numbers::ratio(&e));
-        if again.is_some_and(is_suspect) {
-            finding.note = format!("found again in a second measurement: {}", seen.trim_end());
-        } else {
+        let not = if again.is_some_and(is_suspect) { "" } else { "not " };
+        if !not.is_empty() {
             finding.outcome = GateOutcome::Inconclusive;
-            finding.note = format!("not found again in a second measurement: {}", seen.trim_end());
         }
+        let seen = seen.trim_end();
+        finding.note = format!("{not}found again in a second measurement: {seen}");
     }
 }
