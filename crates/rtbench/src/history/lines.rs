@@ -168,11 +168,9 @@ fn is_measured(row: &RowRecord) -> bool {
 }
 
 fn figures(row: &RowRecord) -> Vec<(Quantity, Estimate)> {
-    let kinds = METRICS.iter().filter_map(|metric| match metric.reading {
-        Reading::RatioOf(kind) => {
-            Some((Quantity::Kind(kind), row.ratio_by_kind.get(kind).copied()))
-        }
-        _ => None,
+    let kinds = METRICS.iter().filter_map(|metric| {
+        let Reading::RatioOf(kind) = metric.reading else { return None };
+        Some((Quantity::Kind(kind), row.ratio_by_kind.get(kind).copied()))
     });
     let all = [(Quantity::Trace, row.ratio), (Quantity::Build, row.build_ratio)];
     let known =

@@ -43,11 +43,8 @@ impl Names {
             let folder = scenes.entry(key.scene.clone());
             let folder = folder.or_insert_with(|| distinct(file_name(&key.scene)));
             pages.entry(page_of(key)).or_insert_with(|| {
-                let kind = file_name(key.quantity.head());
-                format!(
-                    "{}.html",
-                    distinct(format!("{folder}/{}-{kind}", file_name(&key.structure)))
-                )
+                let [kind, row] = [key.quantity.head(), &key.structure].map(file_name);
+                distinct(format!("{folder}/{row}-{kind}")) + ".html"
             });
         }
         let scenes = scenes.into_iter().map(|(scene, folder)| (scene, format!("{folder}/{INDEX}")));

@@ -131,36 +131,32 @@ fn points(history: &History, lines: &[Line]) -> (Table, Vec<Vec<String>>) {
         for (place, point) in line.points.iter().enumerate() {
             let Some(visit) = history.visits.get(point.visit) else { continue };
             let change = line.changes.iter().find(|change| change.place == place);
-            let changed = match change {
-                None => Cell { text: String::new(), style: Style::Plain },
-                Some(change) => Cell {
+            let changed = change.map_or_else(
+                || String::new().into(),
+                |change| Cell {
                     text: ratio(&change.times).trim_end().to_owned(),
                     style: if change.times.low > 1.0 { Style::Bad } else { Style::Best },
                 },
-            };
-            rows.push((
-                point.visit,
-                vec![
-                    visit.id().into(),
-                    ratio(&point.ratio).into(),
-                    changed,
-                    utc(visit.unix_s()).into(),
-                    bench_name(line.bench).into(),
-                    visit.name.clone().into(),
-                    visit.subject().to_owned().into(),
-                ],
-            ));
+            );
+            let cells = vec![
+                visit.id().into(),
+                ratio(&point.ratio).into(),
+                changed,
+                utc(visit.unix_s()).into(),
+                bench_name(line.bench).into(),
+                visit.name.clone().into(),
+                visit.subject().to_owned().into(),
+            ];
+            rows.push((point.visit, cells));
         }
     }
     rows.sort_by_key(|(visit, _)| std::cmp::Reverse(*visit));
-    let links = rows.iter().map(|(visit, _)| vec![format!("../{INDEX}#run-{}", visit + 1)]);
-    let links = links.collect();
+    let link = |(visit, _): &(usize, _)| vec![format!("../{INDEX}#run-{}", visit + 1)];
+    let links = rows.iter().map(link).collect();
     let header = vec!["commit", "ratio [95%]", "change", "when", "machine", "folder", "subject"];
     let rows = rows.into_iter().map(|(_, cells)| cells).collect();
-    (
-        Table { title: "All runs, the newest first".to_owned(), header, rows, notes: Vec::new() },
-        links,
-    )
+    let title = "All runs, the newest first".to_owned();
+    (Table { title, header, rows, notes: Vec::new() }, links)
 }
 
 pub fn scene_page(history: &History, names: &Names, scene: &str) -> String {

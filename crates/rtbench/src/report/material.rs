@@ -87,10 +87,8 @@ impl Material {
         let mut run = file::record(record, &text)?;
         // what a record says of itself is not believed, and those from before say nothing
         conclude(&mut run);
-        let folder = match record.parent() {
-            Some(folder) if folder != Path::new("") => folder.to_owned(),
-            _ => PathBuf::from("."),
-        };
+        let folder = record.parent().filter(|folder| *folder != Path::new(""));
+        let folder = folder.unwrap_or(Path::new(".")).to_owned();
         let data = DataFile {
             name: record.file_name().unwrap_or_default().to_string_lossy().into_owned(),
             bytes: text.len(),

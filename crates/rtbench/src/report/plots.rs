@@ -64,10 +64,8 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     let best = rows.iter().find(|r| r.may_lead && is_comparable(r)).and_then(|r| r.trace);
-    let column = |label: &str| Column {
-        axis: Axis { label: label.to_owned(), scale: Scale::Log },
-        base: 1.0,
-    };
+    let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
+    let column = |label| Column { axis: axis(label), base: 1.0 };
     BarChart {
         title,
         subtitle:
@@ -100,11 +98,9 @@ fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
         _ if !row.verdict.is_timed() => Bar::Words(row.verdict.name().to_owned()),
         None => Bar::Words("-".to_owned()),
         Some(e) => {
-            let ring = match best {
-                Some(best) if row.may_lead && e == best => Ring::Best,
-                Some(best) if row.may_lead && is_comparable(row) && e.low <= best.high => {
-                    Ring::AsGood
-                }
+            let ring = match best.filter(|_| row.may_lead) {
+                Some(best) if e == best => Ring::Best,
+                Some(best) if is_comparable(row) && e.low <= best.high => Ring::AsGood,
                 _ => Ring::None,
             };
             Bar::Of(e, short(e.median), ring)
