@@ -191,6 +191,7 @@ impl Study {
         // builds and rays use the threads of this pool: one, so that nothing is timed beside
         // another
         let one_thread = pool(1)?;
+        let (registry, occluders, clock) = (context.registry, context.occluders, context.clock);
         let mut of_axis = AxisRecord {
             axis: axis.name.into(),
             metric: axis.metric.into(),
@@ -207,15 +208,23 @@ impl Study {
                 }
             };
             for subject in subjects {
-                let shared = AxisContext {
-                    registry: context.registry,
-                    occluders: context.occluders,
-                    clock: context.clock,
-                };
+                let (name, limits) = (known.name(), &self.limits);
                 let outcome = self.scenes.of(&*known, context).and_then(|prepared| {
-                    let on_scene =
-                        || shared.on_scene((axis, subject), known.name(), prepared, &self.limits);
-                    one_thread.install(on_scene)
+                    let stage = Stage {
+                        axis: axis.name,
+                        name,
+                        prepared,
+                        registry,
+                        occluders,
+                        clock,
+                        seed: limits.seed,
+                        rounds: limits.rounds,
+                        timed_rays: limits.timed_rays,
+                        aims: limits.aims,
+                        quick: limits.quick,
+                        only_times: limits.only_times,
+                    };
+                    Ok(one_thread.install(|| axis.measure.outcome(&stage, subject))?)
                 });
                 match outcome {
                     Ok(outcome) => {
@@ -248,39 +257,6 @@ struct Limits {
     only_times: bool,
 }
 
-/// Context shared by all axes.
-struct AxisContext<'a> {
-    registry: &'a [accel_core::structures::Entry],
-    occluders: &'a [accel_core::occluders::Entry],
-    clock: &'a dyn measurement::system::clock::Clock,
-}
-
-impl AxisContext<'_> {
-    fn on_scene(
-        &self,
-        (axis, subject): (&'static Axis, &str),
-        name: &str,
-        prepared: &PreparedScene,
-        limits: &Limits,
-    ) -> Result<SceneOutcome, Error> {
-        let stage = Stage {
-            axis: axis.name,
-            name,
-            prepared,
-            registry: self.registry,
-            occluders: self.occluders,
-            clock: self.clock,
-            seed: limits.seed,
-            rounds: limits.rounds,
-            timed_rays: limits.timed_rays,
-            aims: limits.aims,
-            quick: limits.quick,
-            only_times: limits.only_times,
-        };
-        Ok(axis.measure.outcome(&stage, subject)?)
-    }
-}
-
 /// Scenes that are loaded once.
 struct Scenes {
     size: u32,
@@ -295,11 +271,8 @@ impl Scenes {
         context: &Context<'_>,
     ) -> Result<&PreparedScene, Error> {
         if !self.prepared.contains_key(known.name()) {
-            let settings = RaySettings {
-                resolution: [self.size; 2],
-                seed: self.seed,
-                ..RaySettings::default()
-            };
+            let (resolution, seed) = ([self.size; 2], self.seed);
+            let settings = RaySettings { resolution, seed, ..RaySettings::default() };
             let scene = known.load()?.scene;
             let prepared = PreparedScene::new(scene, context.registry, &settings)?;
             self.prepared.insert(known.name().to_owned(), prepared);

@@ -45,15 +45,12 @@ pub fn run(
     let [first, last] = animate.frames;
     let start = context.clock.now();
     let mut record = new_record(context, &animate);
-    let mut strip = match &args.output {
-        Some(_) => Some(Strip::new(&animate, structure(context.registry, None)?)?),
-        None => None,
-    };
+    let strip = || Strip::new(&animate, structure(context.registry, None)?);
+    let mut strip = args.output.as_ref().map(|_| strip()).transpose()?;
     let progress = Progress::new(context.shows_progress(), u64::from(last - first) + 1, None);
     let clock = context.clock;
     let equipment = AnimationInput { clock, progress: &progress };
-    let mut unwritten = None;
-    let mut too_fine = None;
+    let (mut unwritten, mut too_fine) = (None, None);
     let load = |number: u32| {
         let mut scene = scene.frame(number)?;
         view.apply(&mut scene)?;
@@ -66,7 +63,9 @@ pub fn run(
         Ok(scene)
     };
     let watch = |measured: &AnimationResults| {
-        fill(&mut record, measured, clock.seconds_since(start));
+        record.frames.clone_from(&measured.frames);
+        record.lanes.clone_from(&measured.lanes);
+        record.took_s = clock.seconds_since(start);
         if let Some(folder) = &args.output {
             unwritten = write_all(folder, &record).err();
         }
@@ -129,12 +128,6 @@ fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
         frames: Vec::new(),
         lanes: Vec::new(),
     }
-}
-
-fn fill(record: &mut AnimationRecord, measured: &AnimationResults, took_s: f64) {
-    record.frames.clone_from(&measured.frames);
-    record.lanes.clone_from(&measured.lanes);
-    record.took_s = took_s;
 }
 
 /// Everything so far, so that a killed run keeps what it finished.

@@ -28,11 +28,8 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
     }
     let paths: Vec<String> = args.results.iter().map(|p| p.display().to_string()).collect();
     let letters: Vec<String> = (0..runs.len()).map(letter).collect();
-    let mut named = letters.iter().zip(&paths).zip(&runs).map(|((letter, path), run)| NamedRun {
-        letter,
-        path,
-        run,
-    });
+    let all = letters.iter().zip(&paths).zip(&runs);
+    let mut named = all.map(|((letter, path), run)| NamedRun { letter, path, run });
     let mut comparisons = Vec::new();
     if let Some(old) = named.next() {
         for new in named {
@@ -57,8 +54,8 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
 
 fn choice(args: &CompareArgs) -> Result<ComparisonSettings, Error> {
     let filter = |text: &String| {
-        Regex::new(text)
-            .map_err(|e| CompareError::Filter { filter: text.clone(), message: e.to_string() })
+        let error = |message| CompareError::Filter { filter: text.clone(), message };
+        Regex::new(text).map_err(|e| error(e.to_string()))
     };
     let metrics = match &args.metrics[..] {
         [] => default_metrics(),

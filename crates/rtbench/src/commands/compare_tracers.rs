@@ -30,8 +30,9 @@ use studies::error::UnsavedImage;
 use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
 use studies::tracer_comparison::record::{ReferenceRecord, TracersRecord};
 use studies::tracer_comparison::report::Report;
-use studies::tracer_comparison::{ComparisonInput, KINDS, compare, without};
-use studies::tracer_comparison::{SampledReference, converged};
+use studies::tracer_comparison::{
+    ComparisonInput, KINDS, SampledReference, compare, converged, without,
+};
 
 /// Longest chain of rays; eye rays have depth 1.
 const MAX_DEPTH: u32 = 5;
@@ -48,21 +49,20 @@ pub fn run(
     let row = structure(context.registry, None)?;
     let frusta = Row::parse(frustum_queries::REGISTRY, &args.through)?;
     let tracers = tracers(&args.tracers)?;
-    let kinds = check_kinds(&args.without, KINDS)?;
+    if let Some(word) = args.without.iter().find(|word| !KINDS.contains(&word.as_str())) {
+        return Err(PlanError::unknown("kind of primitive", word, KINDS).into());
+    }
     let known = one_scene(context.scenes, &args.scene)?;
     let names = ["tracers.json", "tracers.csv", "tracers.md", "tracers.svg"];
     let _created = context.created_folder(args.output.as_ref(), &names)?;
     let loaded = known.load()?;
     context.warn_in_f32(&loaded.scene);
-    let scene = without(loaded.scene, &kinds);
+    let scene = without(loaded.scene, &args.without);
     let choice = |given: Option<u32>, full: u32, quick: u32| {
         given.unwrap_or(if args.quick { quick } else { full })
     };
-    let frame = SampledReference {
-        resolution: [choice(args.size, 64, 32); 2],
-        max_depth: MAX_DEPTH,
-        seed: args.seed,
-    };
+    let resolution = [choice(args.size, 64, 32); 2];
+    let frame = SampledReference { resolution, max_depth: MAX_DEPTH, seed: args.seed };
     let mut samples = args.samples.clone();
     if samples.is_empty() {
         samples = if args.quick { QUICK_SAMPLES.to_vec() } else { SAMPLES.to_vec() };
@@ -140,19 +140,6 @@ fn tracers(names: &[String]) -> Result<Vec<&'static str>, PlanError> {
     names.iter().map(named).collect()
 }
 
-/// The words, if all are among those that are valid.
-fn check_kinds<const N: usize>(
-    words: &[String],
-    valid: [&'static str; N],
-) -> Result<Vec<String>, PlanError> {
-    for word in words {
-        if !valid.contains(&word.as_str()) {
-            return Err(PlanError::unknown("kind of primitive", word, valid));
-        }
-    }
-    Ok(words.to_vec())
-}
-
 /// A pyramid a pixel, with what the ray through the pixel's centre hits.
 fn frusta_of(
     scene: &Scene,
@@ -165,8 +152,8 @@ fn frusta_of(
         let direction = eye.direction_within(x, y, DVec2::splat(0.5));
         Ray::<f64>::new(Vec3::<f64>::from_dvec3(eye.origin()), Vec3::<f64>::from_dvec3(direction))
     };
-    let rays: Vec<Ray<f64>> =
-        (0..h).flat_map(|y| (0..w).map(move |x| (x, y))).map(centre).collect();
+    let pixels = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
+    let rays: Vec<Ray<f64>> = pixels.map(centre).collect();
     let mut hits = vec![Hit::NONE; rays.len()];
     tracer.closest_hits(&rays, &mut hits);
     let frusta = pixel_frusta(&scene.camera, resolution, scene.bounds());

@@ -30,14 +30,13 @@ pub fn run(context: &mut Context<'_>, args: &HistoryArgs) -> Result<(), Error> {
     for (path, page) in &files {
         let path = args.output.join(path);
         let folder = path.parent().unwrap_or(Path::new(""));
-        fs::create_dir_all(folder)
-            .map_err(|source| WriteError { path: folder.to_owned(), source })?;
+        let failed = |source| WriteError { path: folder.to_owned(), source };
+        fs::create_dir_all(folder).map_err(failed)?;
         write_text(&path, page)?;
     }
     let (runs, changes) = (history.visits.len(), history.changes().count());
-    context.wrote(
-        &args.output,
-        format_args!("{} pages of {runs} runs; {changes} changes found", files.len()),
-    );
+    let pages = files.len();
+    let what = format_args!("{pages} pages of {runs} runs; {changes} changes found");
+    context.wrote(&args.output, what);
     Ok(())
 }

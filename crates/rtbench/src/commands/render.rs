@@ -36,10 +36,8 @@ use studies::run::lines::seconds;
 pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result<(), Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
-    let output = match &args.output {
-        Some(path) => Some((path.as_path(), format_of(path)?)),
-        None => None,
-    };
+    let output = args.output.as_deref().map(|path| Ok::<_, PlanError>((path, format_of(path)?)));
+    let output = output.transpose()?;
     let occluder = shadows(context, &args.shadows)?;
     let pool = pool(args.threads.map_or_else(machine::threads, usize::from))?;
     // all that was typed is valid: an unwritable path is found before a scene is loaded, and where

@@ -25,10 +25,7 @@ const BEGINNING: u64 = 1024;
 pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let read = |folder: &PathBuf| Material::read(&file::path_of(folder));
     let mut runs = args.folders.iter().map(read).collect::<Result<Vec<_>, _>>()?;
-    let folder = match &runs[..] {
-        [run] => Some(run.folder.clone()),
-        _ => None,
-    };
+    let folder = if let [run] = &runs[..] { Some(run.folder.clone()) } else { None };
     let usual = folder.as_deref().unwrap_or(Path::new("")).join(NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
     let is_stdout = output == Path::new("-");
@@ -70,10 +67,7 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
 /// Returns whether an earlier report is there: it may be replaced.
 fn is_page_of_ours(path: &Path) -> bool {
     // a pipe would have to be waited for
-    if !path.is_file() {
-        return false;
-    }
-    let Ok(file) = fs::File::open(path) else { return false };
+    let Some(Ok(file)) = path.is_file().then(|| fs::File::open(path)) else { return false };
     let mut beginning = Vec::new();
     let read = file.take(BEGINNING).read_to_end(&mut beginning);
     read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
@@ -81,12 +75,7 @@ fn is_page_of_ours(path: &Path) -> bool {
 
 /// Returns whether the file lies in the folder, however both are named.
 fn is_within(file: &Path, folder: &Path) -> bool {
-    let parent = match file.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    match (fs::canonicalize(parent), fs::canonicalize(folder)) {
-        (Ok(parent), Ok(folder)) => parent == folder,
-        _ => false,
-    }
+    let parent = file.parent().filter(|parent| *parent != Path::new(""));
+    let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
+    parent.is_ok_and(|parent| fs::canonicalize(folder).is_ok_and(|folder| parent == folder))
 }

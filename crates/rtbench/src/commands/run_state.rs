@@ -82,30 +82,20 @@ pub fn saved(
     outputs: &Outputs<'_>,
     record: &RunRecord,
 ) -> Result<bool, Error> {
-    let error = match kept_well {
-        Ok(was_gone) => {
-            if was_gone {
-                context.warn(
-                    "result files were removed during the run; they are written again with all \
-                     results",
-                );
-            }
-            return Ok(was_gone);
-        }
-        Err(error) => error,
-    };
-    if outputs.are_files() && !record.scenes.is_empty() {
-        let scenes = record.scenes.len();
-        match keep_elsewhere(context.environment.temporary.as_deref(), record) {
-            Ok(path) => context.error(format_args!(
-                "results so far ({scenes} scene(s)) are saved in {}",
-                path.display()
-            )),
-            Err(why) => context
-                .error(format_args!("results so far ({scenes} scene(s)) are only printed: {why}")),
-        }
+    if let Ok(true) = kept_well {
+        context.warn(
+            "result files were removed during the run; they are written again with all results",
+        );
     }
-    Err(error)
+    if kept_well.is_err() && outputs.are_files() && !record.scenes.is_empty() {
+        let what = match keep_elsewhere(context.environment.temporary.as_deref(), record) {
+            Ok(path) => format!("saved in {}", path.display()),
+            Err(why) => format!("only printed: {why}"),
+        };
+        let scenes = record.scenes.len();
+        context.error(format_args!("results so far ({scenes} scene(s)) are {what}"));
+    }
+    kept_well
 }
 
 /// The time budget of a run, if it has one.

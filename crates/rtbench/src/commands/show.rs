@@ -41,10 +41,8 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     let rows: Vec<Row<'_>> =
         args.structures.iter().map(|text| row(context, text)).collect::<Result<_, _>>()?;
     let scene = one_scene(context.scenes, &args.scene)?;
-    let output = match &args.output {
-        Some(path) => Some((path.as_path(), format_of(path)?)),
-        None => None,
-    };
+    let output = args.output.as_deref().map(|path| Ok::<_, PlanError>((path, format_of(path)?)));
+    let output = output.transpose()?;
     let mut created = CreatedFiles::default();
     if let Some((path, _)) = output {
         created.file(path)?;

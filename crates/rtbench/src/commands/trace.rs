@@ -2,6 +2,7 @@
 
 use accel_core::primitives::PrimsRef;
 use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
 use accel_core::{Ray, Scalar, Vec3, Vector};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Row};
@@ -69,9 +70,8 @@ fn traced<S: Buildable>(
                     Answers::Hits(hits) => hits.get(i).filter(|hit| hit.is_hit()),
                     Answers::Blocked(_) => None,
                 };
-                let exact = exact
-                    .map(|hit| format!(" ({})", hexadecimal(hit.t.to_f64())))
-                    .unwrap_or_default();
+                let exact = exact.map(|hit| format!(" ({})", hexadecimal(hit.t.to_f64())));
+                let exact = exact.unwrap_or_default();
                 writeln!(context.out, "{label}: ray {number}: {}{exact}", answers.describe(i))?;
             }
         }
@@ -113,9 +113,8 @@ fn read(
     }
     let about = FileSubject::read(&args.rays, &bytes, Content::Rays)?;
     if about.scene != scene {
-        return Err(
-            wrong(80, format!("the rays belong to another scene than {}", args.scene)).into()
-        );
+        let what = format!("the rays belong to another scene than {}", args.scene);
+        return Err(wrong(80, what).into());
     }
     let mut all = files::rays(&about, &bytes).map(|ray| Ray::<f32>::from(&ray).widened());
     let kinds = RayKind::ALL.into_iter().zip(about.rays);
@@ -128,8 +127,7 @@ fn answers<S: Buildable>(
     prims: PrimsRef<'_, S>,
     row: &Row<'_>,
     by_kind: &AskedRays,
-) -> Result<Vec<Answers<S>>, accel_core::structure::BuildError> {
-    use accel_core::structure::BuildError;
+) -> Result<Vec<Answers<S>>, BuildError> {
     let pool = deep_pool(machine::threads())
         .map_err(|e| BuildError::Library { structure: row.structure(), message: e.to_string() })?;
     pool.install(|| {
@@ -144,10 +142,8 @@ fn answers<S: Buildable>(
             }
             all.push(answers);
         }
-        match tracer.foreign().and_then(|foreign| foreign.failure()) {
-            Some(how) => Err(BuildError::Died(how)),
-            None => Ok(all),
-        }
+        let failure = tracer.foreign().and_then(|foreign| foreign.failure());
+        failure.map_or(Ok(all), |how| Err(BuildError::Died(how)))
     })
 }
 
