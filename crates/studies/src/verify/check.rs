@@ -82,7 +82,7 @@ impl CheckPlan<'_> {
                 of_round
             })
             .reduce(|| vec![SubjectCounts::default(); subjects.len()], added);
-        let complete = tallies.iter().map(SubjectCounts::rounds).min().unwrap_or_default();
+        let complete = tallies.iter().map(|tally| tally.rounds).min().unwrap_or_default();
         let told = |(tally, subject): (SubjectCounts, &Subject<'_>)| {
             let replay = |round: u64, ray| Replay {
                 case: case.id.to_owned(),
@@ -95,7 +95,7 @@ impl CheckPlan<'_> {
             };
             Line::new(group.name, case.id, precision, subject, &tally, replay)
         };
-        let asked = tallies.into_iter().zip(&subjects).filter(|(tally, _)| tally.rounds() > 0);
+        let asked = tallies.into_iter().zip(&subjects).filter(|(tally, _)| tally.rounds > 0);
         Ok((asked.map(told).collect(), complete))
     }
 }

@@ -95,11 +95,7 @@ pub fn is_out_of_its_box<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) 
 const PADDING: f64 = 64.0;
 
 /// Says which of these hits lies outside the padded box of its primitive, if one does.
-pub fn out_of_padded_box<S: Scalar>(
-    model: &Model<S>,
-    ray: &Ray<S>,
-    hits: &[Hit<S>],
-) -> Option<String> {
+pub fn outside_box<S: Scalar>(model: &Model<S>, ray: &Ray<S>, hits: &[Hit<S>]) -> Option<String> {
     let pad = PADDING * S::EPSILON.to_f64() * model.magnitude();
     hits.iter().find_map(|hit| {
         let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * hit.t.to_f64();

@@ -198,13 +198,9 @@ pub fn in_soup<S: Scalar>(triangles: &Soup, ray: &Ray<S>) -> Option<OracleAnswer
 }
 
 /// The same for a ray whose components are off by as much as `epsilon` of the largest one.
-pub fn in_soup_within<S: Scalar>(
-    epsilon: f64,
-    triangles: &Soup,
-    ray: &Ray<S>,
-) -> Option<OracleAnswer> {
-    let shift = SHIFT * epsilon * triangles.reach(ray.origin.to_dvec3());
-    let meetings = ExactRay::new(ray)?.meetings(triangles, UNCLEAR, shift);
+pub fn in_soup_within<S: Scalar>(epsilon: f64, soup: &Soup, ray: &Ray<S>) -> Option<OracleAnswer> {
+    let shift = SHIFT * epsilon * soup.reach(ray.origin.to_dvec3());
+    let meetings = ExactRay::new(ray)?.meetings(soup, UNCLEAR, shift);
     let slack = |m: &LineCrossing| (m.t.abs() * UNCLEAR).max(m.blur.t * shift);
     let mut ahead = meetings.iter().filter(|m| m.t > -UNCLEAR - slack(m));
     let Some(first) = ahead.next() else { return Some(OracleAnswer::Miss) };

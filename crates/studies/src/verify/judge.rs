@@ -53,11 +53,11 @@ impl<'a, S: Buildable> Judge<'a, S> {
             Some(near) => Answers::near(&round.model, &round.rays, near),
             None => with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?,
         };
-        let pairs = round
-            .pairs
-            .iter()
-            .map(|pair| with_brute_force(pair.model.prims(), |t| closest(t, &pair.rays)));
-        Ok(Self { round, reference, pairs: pairs.collect::<Result<_, _>>()? })
+        let of_pair = |pair: &MetamorphicPair<S>| {
+            with_brute_force(pair.model.prims(), |t| closest(t, &pair.rays))
+        };
+        let pairs = round.pairs.iter().map(of_pair).collect::<Result<_, _>>()?;
+        Ok(Self { round, reference, pairs })
     }
 
     /// Asks a subject. A panic, or the end of a plugin's process, is a mismatch of the first ray.
@@ -115,7 +115,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
             pairs.extend(subject.over(&pair.model, |t| closest(t, &pair.rays))?);
         }
         if exactness.has_own_test()
-            && let Some(judged) = self.judged_by_oracle(&answers, &pairs)
+            && let Some(judged) = self.by_oracle(&answers, &pairs)
         {
             return Ok(judged);
         }
@@ -147,11 +147,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
     }
 
     /// Judges answers by another primitive test than ours; none where there are no exact triangles.
-    fn judged_by_oracle(
-        &self,
-        answers: &Answers<S>,
-        pairs: &[Vec<Hit<S>>],
-    ) -> Option<RoundVerdict> {
+    fn by_oracle(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<RoundVerdict> {
         let exact = |model: &Model<S>| Model::<f64>::triangles(&model.corners()?).ok();
         let model = exact(&self.round.model)?;
         let judge = OwnTestJudge::new(&model);
@@ -288,17 +284,11 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let both = pairs.iter().zip(&self.pairs).zip(&self.round.pairs);
         both.into_iter().find_map(|((said, right), pair)| {
             let (said, right) = (said.get(ray)?, right.get(ray)?);
-            let back = pair.told_back(*said);
             let expected = self.round.expected.get(ray)?;
             let is_right = said.id == right.id && is_kept(pair, hit, said, expected);
             (!is_right).then(|| {
-                format!(
-                    "said {}, {} {}, brute force {}",
-                    told(hit),
-                    pair.name,
-                    told(&back),
-                    told(&pair.told_back(*right))
-                )
+                let [said, right] = [said, right].map(|hit| told(&pair.told_back(*hit)));
+                format!("said {}, {} {said}, brute force {right}", told(hit), pair.name)
             })
         })
     }

@@ -4,6 +4,7 @@ use glam::{DVec3, dvec3};
 
 use super::draw::single;
 use super::model::Corners;
+use super::polygons::{block, ring};
 
 /// A closed mesh around `center`: an icosahedron whose faces are divided by four `levels` times.
 pub fn icosphere(levels: u32, center: DVec3) -> Vec<Corners> {
@@ -50,32 +51,20 @@ pub fn sheet(side: u32, height: impl Fn(f64, f64) -> f64) -> Vec<Corners> {
         let (x, y) = (f64::from(x), f64::from(y));
         single(dvec3(x, y, height(x, y)))
     };
+    let square =
+        |(x, y): (u32, u32)| [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(i, j)| corner(x + i, y + j));
     let squares = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
-    squares
-        .flat_map(|(x, y)| {
-            let [a, b] = [corner(x, y), corner(x + 1, y)];
-            let [c, d] = [corner(x + 1, y + 1), corner(x, y + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect()
+    squares.flat_map(|at| halves(&square(at))).collect()
+}
+
+fn halves(square: &[DVec3]) -> [Corners; 2] {
+    [[square[0], square[1], square[2]], [square[0], square[2], square[3]]]
 }
 
 /// A closed mesh around the z axis: a ring of `around` x `tube` squares, two triangles each.
-pub fn torus(around: u32, tube: u32) -> Vec<Corners> {
-    let turn = |i: u32, of: u32| f64::from(i % of) / f64::from(of) * std::f64::consts::TAU;
-    let corner = |i: u32, k: u32| {
-        let (big, small) = (turn(i, around), turn(k, tube));
-        let away = 1.0 + 0.4 * small.cos();
-        single(dvec3(away * big.cos(), away * big.sin(), 0.4 * small.sin()))
-    };
-    let squares = (0..around).flat_map(|i| (0..tube).map(move |k| (i, k)));
-    squares
-        .flat_map(|(i, k)| {
-            let [a, b] = [corner(i, k), corner(i + 1, k)];
-            let [c, d] = [corner(i + 1, k + 1), corner(i, k + 1)];
-            [[a, b, c], [a, c, d]]
-        })
-        .collect()
+pub fn torus(around: usize, tube: usize) -> Vec<Corners> {
+    let faces = ring(around, tube).into_iter();
+    faces.flat_map(|face| halves(&face)).map(|corners| corners.map(single)).collect()
 }
 
 /// A block of unit cubes, its corner at the origin: all of them, or every second as on a
@@ -102,21 +91,10 @@ impl Cubes {
 }
 
 /// The twelve triangles of a unit cube, wound alike.
-pub fn cube(at: [i32; 3]) -> [Corners; 12] {
+pub fn cube(at: [i32; 3]) -> impl Iterator<Item = Corners> {
     let low = DVec3::from_array(at.map(f64::from));
-    let face = |axis: usize, level: f64| {
-        let corner = |u: f64, v: f64| {
-            let mut p = [0.0; 3];
-            p[axis] = level;
-            p[(axis + 1) % 3] = if level > 0.5 { u } else { v };
-            p[(axis + 2) % 3] = if level > 0.5 { v } else { u };
-            low + DVec3::from_array(p)
-        };
-        let [a, b, c, d] = [corner(0., 0.), corner(1., 0.), corner(1., 1.), corner(0., 1.)];
-        [[a, b, c], [a, c, d]]
-    };
-    let faces = [0, 1, 2].map(|axis| [face(axis, 0.0), face(axis, 1.0)]);
-    std::array::from_fn(|i| faces[i / 4][i / 2 % 2][i % 2])
+    let faces = block(1).into_iter().flat_map(|face| halves(&face));
+    faces.map(move |corners| corners.map(|p| low + p))
 }
 
 #[cfg(test)]
@@ -140,7 +118,7 @@ mod tests {
     fn meshes_are_closed() {
         let ball = icosphere(2, dvec3(3.0, -7.0, 100.0));
         assert_eq!(ball.len(), 320);
-        for (mesh, many) in [(ball, 480), (torus(5, 4), 60), (cube([2, 0, -3]).to_vec(), 18)] {
+        for (mesh, many) in [(ball, 480), (torus(5, 4), 60), (cube([2, 0, -3]).collect(), 18)] {
             let edges = edges(&mesh);
             assert!(edges.len() == many && edges.iter().all(|&n| n == 2), "{edges:?}");
         }

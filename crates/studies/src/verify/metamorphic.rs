@@ -80,10 +80,8 @@ impl<S: Scalar> OriginalScene<'_, S> {
             DVec3::from_array([0, 1, 2].map(at))
         };
         let pair = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
-        Some(MetamorphicPair {
-            same: if order == 0 { Invariant::Bits } else { Invariant::Ids },
-            ..pair
-        })
+        let same = if order == 0 { Invariant::Bits } else { Invariant::Ids };
+        Some(MetamorphicPair { same, ..pair })
     }
 
     /// The triangles in another order: `order[new] = old`.

@@ -46,12 +46,10 @@ impl Difference {
         match (said.is_hit(), right.is_hit()) {
             (false, _) => Self::Lost,
             (true, false) => Self::Invented,
-            _ if is_apart(said, right, ray) && said.t > right.t && said.id != right.id => {
-                Self::Lost
-            }
-            _ if is_apart(said, right, ray) => Self::Invented,
-            _ if said.id != right.id => Self::WrongId,
-            _ => Self::LastBits,
+            _ if !is_apart(said, right, ray) && said.id == right.id => Self::LastBits,
+            _ if !is_apart(said, right, ray) => Self::WrongId,
+            _ if said.t > right.t && said.id != right.id => Self::Lost,
+            _ => Self::Invented,
         }
     }
 
@@ -88,6 +86,9 @@ impl Mismatch {
 /// Primitives up to which the oracle tests all of them; above, it asks a structure.
 const MOST_FOR_BRUTE_FORCE: usize = 4096;
 
+/// How an answer differs from ours; whether it is wrong.
+type Judged = (Difference, bool);
+
 /// An oracle over a scene, built when the first answer differs by more than last bits.
 pub(super) struct OwnTestJudge<'a> {
     exact: &'a Model<f64>,
@@ -99,13 +100,8 @@ impl<'a> OwnTestJudge<'a> {
         Self { exact, oracle: OnceCell::new() }
     }
 
-    /// How a hit differs from ours; whether it is wrong.
-    pub(super) fn hit<S: Buildable>(
-        &self,
-        ray: &Ray<S>,
-        said: &Hit<S>,
-        ours: &Hit<S>,
-    ) -> Option<(Difference, bool)> {
+    /// How a hit differs from ours.
+    pub fn hit<S: Buildable>(&self, ray: &Ray<S>, said: &Hit<S>, ours: &Hit<S>) -> Option<Judged> {
         let difference = Difference::of_hits(ray, said, ours);
         if said.id == ours.id && !is_apart(said, ours, ray) {
             let is_equal = !said.is_hit() || said.t == ours.t;
@@ -115,27 +111,17 @@ impl<'a> OwnTestJudge<'a> {
     }
 
     /// The same of an occlusion.
-    pub(super) fn occlusion<S: Buildable>(
-        &self,
-        ray: &Ray<S>,
-        said: bool,
-        ours: bool,
-    ) -> Option<(Difference, bool)> {
+    pub fn occlusion<S: Buildable>(&self, ray: &Ray<S>, said: bool, ours: bool) -> Option<Judged> {
         let difference = Difference::of_occlusion(said);
         (said != ours).then(|| self.judged(ray, &Answers::Blocked(vec![said]), difference))
     }
 
-    fn judged<S: Buildable>(
-        &self,
-        ray: &Ray<S>,
-        said: &Answers<S>,
-        difference: Difference,
-    ) -> (Difference, bool) {
+    fn judged<S: Buildable>(&self, ray: &Ray<S>, said: &Answers<S>, how: Difference) -> Judged {
         let oracle = self.oracle.get_or_init(|| self.build().ok()).as_ref();
         match oracle.and_then(|oracle| oracle.strict_opinion(ray, said, 0)) {
             Some(Opinion::Right) => (Difference::LastBits, false),
             Some(Opinion::Borderline) => (Difference::Edge, false),
-            Some(Opinion::Wrong(_)) | None => (difference, true),
+            Some(Opinion::Wrong(_)) | None => (how, true),
         }
     }
 

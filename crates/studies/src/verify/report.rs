@@ -25,7 +25,7 @@ pub struct SubjectCounts {
     mismatches: u64,
     differences: [u64; Difference::ALL.len()],
     refused: u64,
-    rounds: u64,
+    pub rounds: u64,
     answers: Digest,
     /// Why the first of the refused rounds was.
     reason: Option<(u64, String)>,
@@ -60,10 +60,6 @@ impl SubjectCounts {
     /// Counts of a round that was refused.
     pub fn refused(round: u64, why: String) -> Self {
         Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
-    }
-
-    pub fn rounds(&self) -> u64 {
-        self.rounds
     }
 
     /// Adds another; the order does not matter.
@@ -127,6 +123,7 @@ impl Line {
             replay: replay(*round, *ray).to_string(),
             what: what.clone(),
         };
+        let names = Difference::ALL.into_iter().map(|(_, name)| name);
         Self {
             group,
             case,
@@ -135,11 +132,7 @@ impl Line {
             known_defect: subject.known_defect(),
             trials: tally.trials,
             mismatches: tally.mismatches,
-            differences: Difference::ALL
-                .map(|(_, name)| name)
-                .into_iter()
-                .zip(tally.differences)
-                .collect(),
+            differences: names.zip(tally.differences).collect(),
             refused: tally.refused,
             reason: tally.reason.as_ref().map(|(_, why)| why.clone()),
             rounds: tally.rounds,
@@ -222,8 +215,7 @@ impl Report {
             cells
         });
         let rows = rows.collect();
-        let header =
-            std::iter::once("structure").chain(groups.iter().copied()).chain([""]).collect();
+        let header = ["structure"].into_iter().chain(groups.iter().copied()).chain([""]).collect();
         let title = match self.cut {
             None => "mismatches/trials".to_owned(),
             Some(cut) => format!("INCOMPLETE ({}): mismatches/trials", self.stop_text(cut)),
@@ -244,10 +236,8 @@ impl Report {
     pub fn answers(&self) -> String {
         let mut all = Digest::default();
         let asked = self.lines.iter().filter(|l| l.known_defect.is_none());
-        for line in asked {
-            let of = u64::from_str_radix(&line.answers, 16).unwrap_or_default();
-            all.word(of);
-        }
+        let digests = asked.map(|l| u64::from_str_radix(&l.answers, 16).unwrap_or_default());
+        digests.for_each(|digest| all.word(digest));
         format!("{:016x}", all.0)
     }
 

@@ -23,7 +23,7 @@ use crate::verify::meshes::{Cubes, cube, torus};
 /// Links of a chain that are asked.
 const LINKS: usize = 60;
 
-pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let side = one_of(random, &[2.0, 3.0, 4.0]);
     let kind = random.below(4);
     let is_lattice = kind == 3;
@@ -49,11 +49,7 @@ pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
         };
         let ray = if is_lattice && random.below(2) == 0 {
             // through corners and edges of many cubes, exactly
-            let d = dvec3(
-                random_integer(random, 2),
-                random_integer(random, 2),
-                random_integer(random, 2),
-            );
+            let d = DVec3::from([(); 3].map(|()| random_integer(random, 2)));
             ray(target - d * (side + 1.0), d)
         } else {
             let origin = single(middle + direction(random) * (size + 3.0 * unit(random)));
@@ -120,12 +116,9 @@ fn holds_moved_origin([a, b, c]: [Coord<f64>; 3]) -> bool {
 mod tests {
     use super::*;
 
-    fn coord(x: f64, y: f64) -> Coord<f64> {
-        Coord { x, y }
-    }
-
     #[test]
     fn exactly_one_triangle_around_a_corner_holds_the_moved_origin() {
+        let coord = |x: f64, y: f64| Coord { x, y };
         for many in [3, 4, 6, 8, 12] {
             let rim: Vec<_> = (0..many)
                 .map(|i| (f64::from(i) / f64::from(many) * std::f64::consts::TAU).sin_cos())

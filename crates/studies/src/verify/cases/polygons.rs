@@ -1,24 +1,24 @@
 //! Polygons that share edges and vertices, seen from above, edge-on and from within.
 
 use super::prelude::*;
-use crate::verify::every_hit::out_of_padded_box;
+use crate::verify::every_hit::outside_box;
 use crate::verify::polygons::{body, placed, tangled, tiling, wound};
 use crate::verify::surface::{Outlines, Surface};
 
 /// Links of a chain that are asked.
 const LINKS: usize = 12;
 
-pub fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+pub fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let outlines = surface(random, 1.0);
     surface_round(random, rays, &outlines, at_edge)
 }
 
-pub fn nearly_in_plane<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+pub fn nearly_in_plane<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let outlines = surface(random, 1.0);
     surface_round(random, rays, &outlines, near_plane)
 }
 
-pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let most = one_of(random, &[1e1, 1e2, 1e3, 1e4]);
     let outlines = surface(random, most);
     surface_round(random, rays, &outlines, |random, outlines| match random.below(2) {
@@ -86,7 +86,7 @@ fn surface_round<S: Buildable>(
     rays: usize,
     outlines: &Outlines,
     aim: impl Fn(&mut Random, &Outlines) -> Aim,
-) -> RoundResult<S> {
+) -> Drawn<S> {
     let surface = Surface::new(outlines);
     let magnitude = surface.magnitude();
     let model = Model::mixed(|set| {
@@ -115,7 +115,7 @@ fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
     }
     let hits = every_hit(&round.model, &ray);
     let fault = surface.fault(&ray, &hits);
-    match fault.or_else(|| out_of_padded_box(&round.model, &ray, &hits)) {
+    match fault.or_else(|| outside_box(&round.model, &ray, &hits)) {
         Some(fault) => round.push(ray, OracleAnswer::Broken(fault)),
         None => push_chain(round, ray, &hits, LINKS),
     }
@@ -123,7 +123,7 @@ fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
 
 /// One polygon in a plane of any slant: the arrow whose fan of triangles is nine times too large, a
 /// star, a square with collinear and repeated vertices; some with vertices 10^-4 off the plane.
-pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let square = [(0., 0.), (1., 0.), (2., 0.), (2., 0.), (2., 2.), (1.5, 2.), (0., 2.), (0., 1.)];
     let outline: Vec<DVec2> = match random.below(3) {
         0 => vec![dvec2(0.0, 0.0), dvec2(2.0, 0.0), dvec2(0.2, 0.2), dvec2(0.0, 2.0)],
@@ -136,16 +136,12 @@ pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     outline_round(random, rays, outline)
 }
 
-pub fn tangled_alone<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+pub fn tangled_alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     let outline = tangled(random);
     outline_round(random, rays, outline)
 }
 
-fn outline_round<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    outline: Vec<DVec3>,
-) -> RoundResult<S> {
+fn outline_round<S: Buildable>(random: &mut Random, rays: usize, outline: Vec<DVec3>) -> Drawn<S> {
     let outlines = placed(random, &vec![outline], 1.0);
     surface_round(random, rays, &outlines, |random, outlines| {
         let aim = at_edge(random, outlines);

@@ -18,7 +18,7 @@ const A_HIT: usize = 8;
 const NARROW: f64 = 16.0;
 
 /// A round under a rule of choice: a fixed distance skips shells.
-pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> RoundResult<S> {
+pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
     let apart = (1.0 + 11.0 * unit(random)).exp2().round();
     let gap = apart * S::EPSILON.to_f64();
     let mut scene = Scene::new("shells");
@@ -48,14 +48,9 @@ pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) 
             let along = if is_inner { along } else { -along };
             let slant = along.dot(out).abs();
             let far = 4.0 * gap / slant + 64.0 * S::EPSILON.to_f64();
-            let expected = if is_clear {
-                OracleAnswer::Hit {
-                    id: Some(if is_inner { 1 - inner } else { inner }),
-                    t: [0.0, far],
-                }
-            } else {
-                OracleAnswer::Anything
-            };
+            let id = Some(if is_inner { 1 - inner } else { inner });
+            let hit = OracleAnswer::Hit { id, t: [0.0, far] };
+            let expected = if is_clear { hit } else { OracleAnswer::Anything };
             round.push(offset.along(point, along), expected);
         }
     })?;
