@@ -8,8 +8,7 @@
 //!   from several seeds, lies farther from it than both errors together explain.
 
 use crate::accuracy::pareto::{self, FrontPoint};
-use crate::accuracy::record::ErrorOf;
-use crate::accuracy::record::{SceneOutcome, VariantStanding};
+use crate::accuracy::record::{ErrorOf, SceneOutcome, VariantStanding};
 
 /// Factor by which a variant's distance from the reference may exceed its scatter plus the
 /// reference's own error. Both are estimates, which few pixels may decide.

@@ -123,25 +123,20 @@ mod tests {
     fn parts_are_compared_with_those_of_the_first_variant() {
         let with_parts = |name: &str, seconds: [f64; 2]| {
             let mut row = row(name, seconds[0] + seconds[1], 0);
-            row.parts = ["primary", "shadow"]
-                .into_iter()
-                .zip(seconds)
-                .map(|(part, s)| {
-                    let ratio = Estimate { median: s, low: s, high: s };
-                    PartTime { part: part.into(), seconds: vec![s; 3], ratio }
-                })
-                .collect();
+            let part = |(part, s): (&str, f64)| {
+                let ratio = Estimate { median: s, low: s, high: s };
+                PartTime { part: part.into(), seconds: vec![s; 3], ratio }
+            };
+            row.parts = ["primary", "shadow"].into_iter().zip(seconds).map(part).collect();
             row
         };
+        assert!(over_scenes(&axis(vec![row("a", 1.0, 0)]), 1).is_empty());
         let axis = axis(vec![with_parts("leaky", [2.0, 4.0]), with_parts("tight", [3.0, 4.0])]);
         let tables = over_scenes(&axis, 1);
         assert_eq!(tables.len(), 1);
         assert_eq!(tables[0].header, ["variant", "primary", "shadow"]);
         assert_eq!(tables[0].rows[1][1].text.trim(), "1.50 [1.50, 1.50]");
         assert_eq!(tables[0].rows[1][2].text, "1.00 [1.00, 1.00] =");
-        assert!(
-            over_scenes(&super::super::test_records::axis(vec![row("a", 1.0, 0)]), 1).is_empty()
-        );
     }
 
     #[test]

@@ -1,8 +1,8 @@
 //! An axis as a plot: time against error, the front pointed out, one panel per scene.
 
-use crate::accuracy::record::ErrorOf;
-use crate::accuracy::record::{AxisRecord, SceneOutcome, VariantRecord, VariantStanding};
+use crate::accuracy::record::{AxisRecord, ErrorOf, SceneOutcome, VariantRecord, VariantStanding};
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
+use statistics::estimate::Estimate;
 
 /// From this ratio of the largest to the smallest on, an axis is logarithmic.
 const WIDE: f64 = 8.0;
@@ -19,11 +19,9 @@ pub fn panel(axis: &AxisRecord, scene: &SceneOutcome) -> Plot {
         _ => floor.unwrap_or(0.0),
     };
     let is_log = floor.is_some();
-    let point = |row: &VariantRecord| Point {
-        x: error(row),
-        y: row.ratio.median,
-        low: row.ratio.low,
-        high: row.ratio.high,
+    let point = |row: &VariantRecord| {
+        let Estimate { median: y, low, high } = row.ratio;
+        Point { x: error(row), y, low, high }
     };
     let mut front: Vec<Point> =
         scene.rows.iter().filter(|r| r.standing == VariantStanding::OnFront).map(point).collect();

@@ -99,26 +99,22 @@ mod tests {
 
     #[test]
     fn processes_with_other_results_are_refused() {
-        let mut judged = measured([1.0, 1.0]);
-        let mut other = measured([1.0, 1.0]);
+        let refused = |judged: &mut AxisRecord, other: &AxisRecord, process| {
+            join(judged, other, process, 1).unwrap_err().to_string()
+        };
+        let [mut judged, mut other] = [(); 2].map(|()| measured([1.0, 1.0]));
         other.scenes[0].rows.pop();
-        assert!(
-            join(&mut judged, &other, 0, 1).unwrap_err().to_string().contains("other variants")
-        );
+        assert!(refused(&mut judged, &other, 0).contains("other variants"));
         other.scenes.clear();
-        let error = join(&mut judged, &other, 0, 1).unwrap_err().to_string();
-        assert_eq!(
-            error,
-            "triangle-test on kitchen: process 1 measured nothing, which differs from what was judged"
-        );
+        let nothing = "process 1 measured nothing, which differs from what was judged";
+        let error = refused(&mut judged, &other, 0);
+        assert_eq!(error, format!("triangle-test on kitchen: {nothing}"));
         join(&mut judged, &measured([1.0, 1.0]), 0, 1).unwrap();
         let mut fewer = measured([1.0, 1.0]);
         fewer.scenes[0].timed = "100 rays".into();
-        assert!(
-            join(&mut judged, &fewer, 1, 1).unwrap_err().to_string().contains("timed 100 rays")
-        );
+        assert!(refused(&mut judged, &fewer, 1).contains("timed 100 rays"));
         let mut shorter = measured([1.0, 1.0]);
         shorter.scenes[0].rows[0].seconds.pop();
-        assert!(join(&mut judged, &shorter, 1, 1).unwrap_err().to_string().contains("2 rounds"));
+        assert!(refused(&mut judged, &shorter, 1).contains("2 rounds"));
     }
 }

@@ -115,9 +115,8 @@ impl SampledEffect<'_> {
             });
         }
         for &n in plan.samples {
-            let images = (0..seeds).map(|i| stage.seed.wrapping_mul(31).wrapping_add(i));
-            let images =
-                images.map(|seed| image(n, seed)).collect::<Result<Vec<Image>, StudyError>>()?;
+            let of_seed = |i| image(n, stage.seed.wrapping_mul(31).wrapping_add(i));
+            let images = (0..seeds).map(of_seed).collect::<Result<Vec<Image>, StudyError>>()?;
             let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
             let error = (squares / seeds as f64).sqrt();
             if Some(&n) == plan.samples.last() && !stage.only_times {
@@ -126,14 +125,10 @@ impl SampledEffect<'_> {
             let error = ErrorOf::Rmse { rmse: error };
             let plan = self.plan(plan.size, n, stage.seed)?;
             let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
+            let setting = format!("render --samples {}={n}", self.option);
             variants.push(Variant {
                 also: vec![("samples", f64::from(n))],
-                ..Variant::new(
-                    format!("{n} samples"),
-                    format!("render --samples {}={n}", self.option),
-                    error,
-                    work,
-                )
+                ..Variant::new(format!("{n} samples"), setting, error, work)
             });
         }
         let said = AxisReport {

@@ -33,14 +33,10 @@ pub struct PreparedScene {
 }
 
 impl PreparedScene {
-    pub fn new(
-        scene: Scene,
-        registry: &[Entry],
-        settings: &RaySettings,
-    ) -> Result<Self, StudyError> {
+    pub fn new(scene: Scene, registry: &[Entry], rays: &RaySettings) -> Result<Self, StudyError> {
         let geometry = Geometry::<f32>::of(&scene)?;
         let tracer = build(registry, TRACER, &scene.name, &geometry)?;
-        let rays = generate_rays(&scene, &*tracer, settings);
+        let rays = generate_rays(&scene, &*tracer, rays);
         drop(tracer);
         Ok(Self { scene, geometry, rays })
     }
@@ -122,12 +118,8 @@ impl<'a> Stage<'a> {
         let tracer = build(self.prepared.geometry.prims(), None);
         let tracer = tracer.map_err(|source| self.refused(source))?;
         let build_s = self.clock.seconds_since(start);
-        Ok(StagedStructure {
-            label: row.label(),
-            known_defect: row.known_defect(),
-            tracer,
-            build_s,
-        })
+        let (label, known_defect) = (row.label(), row.known_defect());
+        Ok(StagedStructure { label, known_defect, tracer, build_s })
     }
 
     pub fn built_all(
@@ -164,9 +156,14 @@ impl<'a> Stage<'a> {
         }
     }
 
-    /// The rays that are timed: of the kinds that `keep` says, evenly thinned.
+    /// At most `most` of the rays, evenly thinned, of the kinds that `keep` says and that have any.
     pub fn batches(&self, most: usize, keep: impl Fn(RayKind) -> bool) -> Batches<f32> {
-        batches(&self.prepared.rays, most, keep)
+        let rays = &self.prepared.rays;
+        let kinds = || RayKind::ALL.into_iter().filter(|kind| keep(*kind));
+        let all: usize = kinds().map(|kind| rays.rays(kind).len()).sum();
+        let stride = all.div_ceil(most.max(1)).max(1);
+        let thinned = |kind| rays.rays(kind).iter().step_by(stride).copied().collect::<Vec<_>>();
+        kinds().map(|kind| (kind, thinned(kind))).filter(|(_, rays)| !rays.is_empty()).collect()
     }
 
     /// The rays that are timed, of all kinds.
@@ -176,20 +173,6 @@ impl<'a> Stage<'a> {
 }
 
 pub type Batches<S> = Vec<(RayKind, Vec<Ray<S>>)>;
-
-/// At most `most` of the rays, evenly thinned, kinds without rays left out.
-pub fn batches<S: Buildable>(
-    rays: &RayBatches<S>,
-    most: usize,
-    keep: impl Fn(RayKind) -> bool,
-) -> Batches<S> {
-    let kinds = || RayKind::ALL.into_iter().filter(|kind| keep(*kind));
-    let all: usize = kinds().map(|kind| rays.rays(kind).len()).sum();
-    let stride = all.div_ceil(most.max(1)).max(1);
-    let thinned =
-        |kind| -> Vec<Ray<S>> { rays.rays(kind).iter().step_by(stride).copied().collect() };
-    kinds().map(|kind| (kind, thinned(kind))).filter(|(_, rays)| !rays.is_empty()).collect()
-}
 
 pub fn count<S: Scalar>(batches: &Batches<S>) -> usize {
     batches.iter().map(|(_, rays)| rays.len()).sum()

@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::accuracy::record::ErrorOf;
-use crate::accuracy::record::{AccuracyRecord, AxisRecord, VariantRecord};
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, ErrorOf, VariantRecord};
 use crate::accuracy::tables::{push_facts, push_table};
 use crate::accuracy::{effect_prices, parts};
 use presentation::markdown::escaped;
@@ -93,9 +92,8 @@ fn advice_of(axis: &AxisRecord, seed: u64) -> Option<[String; 3]> {
         "nothing: it is the cheapest".to_owned()
     } else {
         let pairs = axis.scenes.iter().zip(best.rows.iter().zip(&cheapest.rows));
-        let ratios: Vec<Series> = pairs
-            .map(|(scene, (best, other))| scene.ratios(&best.seconds, &other.seconds))
-            .collect();
+        let ratios = pairs.map(|(scene, (best, of))| scene.ratios(&best.seconds, &of.seconds));
+        let ratios: Vec<Series> = ratios.collect();
         more(&geometric_mean_of(&ratios.iter().collect::<Vec<_>>(), seed)?)
     };
     Some([best.name.into(), costs, worst.error_in_words()])
@@ -104,13 +102,8 @@ fn advice_of(axis: &AxisRecord, seed: u64) -> Option<[String; 3]> {
 /// A cost in percent, or as a factor where it is large.
 fn more(e: &Estimate) -> String {
     if e.median < 2.0 {
-        let percent = |x: f64| (x - 1.0) * 100.0;
-        return format!(
-            "{:+.1}% [{:.1}, {:.1}]",
-            percent(e.median),
-            percent(e.low),
-            percent(e.high)
-        );
+        let [median, low, high] = [e.median, e.low, e.high].map(|x| (x - 1.0) * 100.0);
+        return format!("{median:+.1}% [{low:.1}, {high:.1}]");
     }
     format!("{:.2} x [{:.2}, {:.2}]", e.median, e.low, e.high)
 }

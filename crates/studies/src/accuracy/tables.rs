@@ -63,37 +63,18 @@ pub(super) fn push_table(text: &mut String, table: &Table) {
 }
 
 pub fn facts(run: &AccuracyRecord) -> [String; 5] {
-    let unknown = || "unknown".to_owned();
-    let AccuracyRecord { machine, compiler, tool, .. } = run;
+    let known = |text: &Option<String>| text.clone().unwrap_or_else(|| "unknown".to_owned());
+    let AccuracyRecord { machine, compiler, tool, seed, processes, rounds, .. } = run;
+    let (cpu, revision) = (known(&machine.cpu), known(&tool.git_revision));
+    let (rustc, level) = (known(&compiler.rustc), known(&compiler.opt_level));
+    let of = if *processes > 1 { format!("{processes} processes of ") } else { String::new() };
+    let took = took(run.took_s);
     [
         format!("command: {}", run.command_line.join(" ")),
-        format!(
-            "machine: {}, {} threads, {}",
-            machine.cpu.clone().unwrap_or_else(unknown),
-            machine.threads,
-            machine.os
-        ),
-        format!(
-            "compiler: {}, opt-level {}",
-            compiler.rustc.clone().unwrap_or_else(unknown),
-            compiler.opt_level.clone().unwrap_or_else(unknown)
-        ),
-        format!(
-            "rtbench {} at {}",
-            tool.version,
-            tool.git_revision.clone().unwrap_or_else(unknown)
-        ),
-        format!(
-            "seed {}, {}{} rounds, one thread; {} in all",
-            run.seed,
-            if run.processes > 1 {
-                format!("{} processes of ", run.processes)
-            } else {
-                String::new()
-            },
-            run.rounds,
-            took(run.took_s)
-        ),
+        format!("machine: {cpu}, {} threads, {}", machine.threads, machine.os),
+        format!("compiler: {rustc}, opt-level {level}"),
+        format!("rtbench {} at {revision}", tool.version),
+        format!("seed {seed}, {of}{rounds} rounds, one thread; {took} in all"),
     ]
 }
 

@@ -57,10 +57,6 @@ pub fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
         faults: Vec::new(),
         processes: 1,
     };
-    AxisRecord {
-        axis: "triangle-test".into(),
-        metric: "misses".into(),
-        reference: "exact".into(),
-        scenes: vec![scene],
-    }
+    let [axis, metric, reference] = ["triangle-test", "misses", "exact"].map(str::to_owned);
+    AxisRecord { axis, metric, reference, scenes: vec![scene] }
 }

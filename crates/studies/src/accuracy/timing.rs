@@ -189,13 +189,8 @@ fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
 const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
 
 /// Record of a variant before [`figure`] evaluates its times.
-fn row(
-    variant: Variant<'_>,
-    seconds: Vec<f64>,
-    parts: Parts,
-    reference_error: f64,
-) -> VariantRecord {
-    let is_below_reference = variant.error.value() < TIMES_REFERENCE * reference_error;
+fn row(variant: Variant<'_>, seconds: Vec<f64>, parts: Parts, own_error: f64) -> VariantRecord {
+    let is_below_reference = variant.error.value() < TIMES_REFERENCE * own_error;
     let part = |(part, seconds)| PartTime { part, ratio: NO_TIME, seconds };
     VariantRecord {
         variant: variant.name,

@@ -186,12 +186,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let is_reference = gating == Gating::AsCalledFor;
         Variant { is_reference, ..Variant::new(name, setting, error, work) }
     });
-    let said = AxisReport {
-        pixels: size * size,
-        ..AxisReport::new(
-            format!("the image of {size} x {size} pixels, one thread"),
-            "the same image",
-        )
-    };
+    let timed_image = format!("the image of {size} x {size} pixels, one thread");
+    let said = AxisReport { pixels: size * size, ..AxisReport::new(timed_image, "the same image") };
     Ok(timed(stage, said, variants))
 }

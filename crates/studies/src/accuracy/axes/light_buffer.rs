@@ -29,6 +29,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     }
     let structure = stage.built(TRACER)?;
     let reference = Replay::new(&*structure.tracer, &batches);
+    let error = |wrong| ErrorOf::Counted { wrong, trials: rays as u64 };
     let mut variants = Vec::new();
     for resolution in RESOLUTIONS {
         let row = Row::parse(stage.occluders, &format!("light-buffer:resolution={resolution}"))?;
@@ -42,26 +43,17 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         work.run();
         let pairs = work.answers.iter().zip(&reference.answers);
         let wrong = pairs.map(|(a, b)| a.differing(b).count() as u64).sum();
+        let setting = format!("run -s {}", row.label().replace(' ', ":"));
         variants.push(Variant {
             known_defect: row.known_defect(),
             also: build_columns(bytes, build_s).into(),
-            ..Variant::new(
-                format!("{resolution}^2"),
-                format!("run -s {}", row.label().replace(' ', ":")),
-                ErrorOf::Counted { wrong, trials: rays as u64 },
-                work,
-            )
+            ..Variant::new(format!("{resolution}^2"), setting, error(wrong), work)
         });
     }
     variants.push(Variant {
         is_reference: true,
         also: build_columns(structure.stats().bytes, structure.build_s).into(),
-        ..Variant::new(
-            TRACER,
-            structure.setting(),
-            ErrorOf::Counted { wrong: 0, trials: rays as u64 },
-            reference,
-        )
+        ..Variant::new(TRACER, structure.setting(), error(0), reference)
     });
     let work = format!("{rays} shadow rays of the scene to {} lights", positions.len());
     Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))

@@ -27,13 +27,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let batches = stage.all_batches();
     let rays = count(&batches);
     let replays = replays(&built, &batches);
-    let errors: Vec<ErrorOf> = replays
-        .iter()
-        .map(|r| {
-            let wrong = replays.first().map_or(0, |reference| r.differing(reference));
-            ErrorOf::Counted { wrong, trials: rays as u64 }
-        })
-        .collect();
+    let error = |r: &Replay<'_, f32>| {
+        let wrong = replays.first().map_or(0, |reference| r.differing(reference));
+        ErrorOf::Counted { wrong, trials: rays as u64 }
+    };
+    let errors: Vec<ErrorOf> = replays.iter().map(error).collect();
     let variants = built.iter().zip(replays).zip(errors).zip(VARIANTS);
     let variants = variants.map(|(((built, replay), error), (name, _))| {
         let work = replay.counted();

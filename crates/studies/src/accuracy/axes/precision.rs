@@ -33,14 +33,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let mut variants = Vec::new();
     for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
         let replay = Replay::new(&*built.tracer, &batches).by_kind();
+        let error = compared(&replay.answers, &reference.answers).error();
         variants.push(Variant {
             also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes() as u64))],
-            ..Variant::built(
-                name,
-                built,
-                compared(&replay.answers, &reference.answers).error(),
-                replay,
-            )
+            ..Variant::built(name, built, error, replay)
         });
     }
     variants.push(Variant {

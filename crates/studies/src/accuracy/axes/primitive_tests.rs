@@ -105,20 +105,15 @@ const SPHERE_TESTS: [(&str, SphereChoice); 3] = [
 ];
 
 fn test_spheres(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let has_spheres = !stage.scene().spheres.is_empty();
-    if has_spheres {
+    if !stage.scene().spheres.is_empty() {
         return test_spheres_of(stage, "the scene");
     }
     let beads = beads(stage.scene()).ok_or_else(|| stage.unfit("it has no corners"))?;
-    let settings = RaySettings {
-        resolution: [if stage.quick { 32 } else { 96 }; 2],
-        ..RaySettings::default()
-    };
+    let resolution = [if stage.quick { 32 } else { 96 }; 2];
+    let settings = RaySettings { resolution, ..RaySettings::default() };
     let prepared = PreparedScene::new(beads, stage.registry, &settings)?;
-    test_spheres_of(
-        &Stage { prepared: &prepared, ..*stage },
-        "a bead at a corner of each primitive",
-    )
+    let stage = &Stage { prepared: &prepared, ..*stage };
+    test_spheres_of(stage, "a bead at a corner of each primitive")
 }
 
 /// A scene without spheres as beads: one at the first corner of each primitive, its radius a

@@ -57,11 +57,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         also.extend(smallest.columns(&here, &work));
         also.extend(glass.columns(&here, rule));
         also.extend(lit.columns(&here, rule));
-        variants.push(Variant {
-            error: tally.error(),
-            also,
-            ..work.variant(name, stage.timed_rays)
-        });
+        let error = tally.error();
+        variants.push(Variant { error, also, ..work.variant(name, stage.timed_rays) });
     }
     let rays = here.departures.len();
     let said = AxisReport::new(

@@ -13,7 +13,7 @@ use renderer::ray_offset::OffsetRule;
 use renderer::surface::{SurfacePoint, refract};
 
 use super::prelude::*;
-use super::secondary_rays::{Departure, GAP, RayPurpose, SecondaryRays, quantile};
+use super::secondary_rays::{Columns, Departure, GAP, RayPurpose, SecondaryRays, Ways, quantile};
 
 const INDEX: f64 = 1.5;
 
@@ -23,7 +23,7 @@ const BEGIN: f64 = 1e-10;
 /// Rays into what the eye sees, and where they leave it without an offset.
 pub struct GlassEntries<'a> {
     double: Box<dyn Tracer<f64> + 'a>,
-    ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
+    ways: Ways<'a>,
     exact: Vec<DVec3>,
 }
 
@@ -41,11 +41,9 @@ impl<'a> GlassEntries<'a> {
         };
         let entries: Vec<_> = secondary.departures.iter().filter_map(entering).collect();
         let t_min = BEGIN * secondary.diagonal;
-        let ray = |(point, along): &(SurfacePoint<'_>, DVec3)| Ray {
-            t_min,
-            ..Ray::new(point.refined.position, *along)
-        };
-        let exact: Vec<Ray<f64>> = entries.iter().map(ray).collect();
+        let rays = entries.iter().map(|(point, along)| (point.refined.position, *along));
+        let rays = rays.map(|(from, along)| Ray { t_min, ..Ray::new(from, along) });
+        let exact: Vec<Ray<f64>> = rays.collect();
         let exits = exits(&*double, &exact);
         // what goes into an open surface may not come out
         let inside = entries.into_iter().zip(exits);
@@ -56,11 +54,7 @@ impl<'a> GlassEntries<'a> {
     }
 
     /// How far a rule moves the exits; nothing where no refracted ray leaves what it enters.
-    pub fn columns(
-        &self,
-        secondary: &SecondaryRays<'_>,
-        rule: OffsetRule,
-    ) -> Vec<(&'static str, f64)> {
+    pub fn columns(&self, secondary: &SecondaryRays<'_>, rule: OffsetRule) -> Columns {
         if self.exact.is_empty() {
             return Vec::new();
         }
@@ -69,11 +63,9 @@ impl<'a> GlassEntries<'a> {
         let diagonal = secondary.diagonal;
         let found = Shifts::of(&self.exact, &exits(&*self.double, &made), GAP * diagonal);
         let shift = |share| quantile(&found.shifts, share) / diagonal * 1e9;
+        let elsewhere = in_a_million(found.elsewhere, self.exact.len() as u64);
         vec![
-            (
-                "refracted rays elsewhere in 10^6",
-                in_a_million(found.elsewhere, self.exact.len() as u64),
-            ),
+            ("refracted rays elsewhere in 10^6", elsewhere),
             ("refracted rays moved by 10^-9 diagonals, median", shift(0.5)),
             ("refracted rays moved by 10^-9 diagonals, most", shift(1.0)),
         ]
@@ -140,10 +132,8 @@ mod tests {
         let mut scene = Scene::new("pane");
         let material = scene.push_material(Material::default());
         for z in [0.0, -1.0] {
-            scene.push_triangle(
-                material,
-                [dvec3(-9.0, -9.0, z), dvec3(9.0, -9.0, z), dvec3(0.0, 9.0, z)],
-            );
+            let corners = [(-9.0, -9.0), (9.0, -9.0), (0.0, 9.0)];
+            scene.push_triangle(material, corners.map(|(x, y)| dvec3(x, y, z)));
         }
         let incoming = dvec3(1.0, 0.0, -1.0).normalize();
         let point = Surfaces::new(&scene, false).at(0, DVec3::ZERO);

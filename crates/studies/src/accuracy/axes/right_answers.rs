@@ -132,21 +132,14 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         });
     }
     let (all, left) = (count(&batches), secondary.departures.len());
-    let said = AxisReport {
-        is_stepwise: true,
-        ..AxisReport::new(
-            format!(
-                "{all} rays of the scene and {} that leave surfaces, made and traced",
-                left.min(stage.timed_rays / KINDS)
-            ),
-            format!(
-                "{} rays at corners and edges, {} along axes and from close by, {} off surfaces",
-                aims[0].len(),
-                aims[1].len(),
-                left.min(most)
-            ),
-        )
-    };
+    let (made, judged) = (left.min(stage.timed_rays / KINDS), left.min(most));
+    let work = format!("{all} rays of the scene and {made} that leave surfaces, made and traced");
+    let [edges, middles] = aims.each_ref().map(Vec::len);
+    let judged = format!(
+        "{edges} rays at corners and edges, {middles} along axes and from close by, {judged} off \
+         surfaces"
+    );
+    let said = AxisReport { is_stepwise: true, ..AxisReport::new(work, judged) };
     Ok(timed(stage, said, variants))
 }
 

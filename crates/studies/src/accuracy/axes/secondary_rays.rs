@@ -4,6 +4,7 @@
 use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
+use measurement::plan::ray_overrides::RULES;
 use measurement::rays::batches::Answers;
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
@@ -39,6 +40,12 @@ pub enum RayPurpose {
     To(DVec3),
 }
 
+/// Rays to make: the points they leave, and where they go.
+pub type Ways<'a> = Vec<(SurfacePoint<'a>, RayPurpose)>;
+
+/// Columns of a variant, by name.
+pub type Columns = Vec<(&'static str, f64)>;
+
 /// Points of surfaces that rays leave, and who answers those.
 pub struct SecondaryRays<'a> {
     pub surfaces: Surfaces<'a>,
@@ -66,11 +73,8 @@ impl<'a> SecondaryRays<'a> {
         let eye = scene.camera.from;
         let by = eye - stage.scene().camera.from;
         let batches = stage.batches(stage.timed_rays, |kind| kind == RayKind::Primary);
-        let eye_rays = batches.iter().flat_map(|(_, rays)| rays).map(|ray| {
-            let origin = ray.origin.to_dvec3() + by;
-            Ray { origin: origin.as_vec3(), ..*ray }
-        });
-        let eye_rays: Vec<Ray<f32>> = eye_rays.collect();
+        let moved = |ray: &Ray<f32>| Ray { origin: (ray.origin.to_dvec3() + by).as_vec3(), ..*ray };
+        let eye_rays: Vec<_> = batches.iter().flat_map(|(_, rays)| rays).map(moved).collect();
         let mut hits = vec![Hit::NONE; eye_rays.len()];
         tracer.closest_hits(&eye_rays, &mut hits);
         let surfaces = Surfaces::new(scene, false);
@@ -104,16 +108,12 @@ impl<'a> SecondaryRays<'a> {
         self.surfaces.at(departure.id, departure.position)
     }
 
-    pub fn outward(&self) -> Vec<(SurfacePoint<'a>, RayPurpose)> {
+    pub fn outward(&self) -> Ways<'a> {
         self.departures.iter().map(|d| (self.point(d), RayPurpose::Along(d.out))).collect()
     }
 
     /// The rays of a rule, made and traced.
-    pub fn work(
-        &self,
-        rule: OffsetRule,
-        ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
-    ) -> SecondaryWork<'_> {
+    pub fn work(&self, rule: OffsetRule, ways: Ways<'a>) -> SecondaryWork<'_> {
         let mut work = SecondaryWork {
             offset: RayOffset::new(rule, self.magnitude),
             tracer: &*self.tracer,
@@ -129,7 +129,7 @@ impl<'a> SecondaryRays<'a> {
 
 /// Rays made under a rule and traced.
 pub struct SecondaryWork<'a> {
-    ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
+    ways: Ways<'a>,
     offset: RayOffset,
     tracer: &'a dyn Tracer<f32>,
     rays: Vec<Ray<f32>>,
@@ -150,18 +150,10 @@ impl<'a> SecondaryWork<'a> {
     pub fn variant(mut self, name: &str, most: usize) -> Variant<'a> {
         self.ways.truncate(most);
         self.answers = vec![Answers::new(RayKind::Diffuse, self.ways.len())];
-        let is_default = measurement::plan::ray_overrides::RULES
-            .iter()
-            .any(|(rule, offset)| *rule == name && *offset == OffsetRule::default());
-        Variant {
-            is_reference: is_default,
-            ..Variant::new(
-                name,
-                format!("run --set rays.offset={name}"),
-                TrialCounts::default().error(),
-                self,
-            )
-        }
+        let is_reference = RULES.contains(&(name, OffsetRule::default()));
+        let setting = format!("run --set rays.offset={name}");
+        let error = TrialCounts::default().error();
+        Variant { is_reference, ..Variant::new(name, setting, error, self) }
     }
 }
 

@@ -13,11 +13,10 @@ use accel_core::Ray;
 use glam::DVec3;
 use measurement::rounds::scene_run::light_positions;
 use renderer::ray_offset::OffsetRule;
-use renderer::surface::SurfacePoint;
 use scene_loading::{Scene, Shape};
 
 use super::prelude::in_a_million;
-use super::secondary_rays::{Departure, RayPurpose, SecondaryRays, SecondaryWork};
+use super::secondary_rays::{Columns, Departure, RayPurpose, SecondaryRays, SecondaryWork, Ways};
 
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]
@@ -25,7 +24,7 @@ pub struct LitPoints<'a> {
     /// The mesh of each primitive.
     meshes: Vec<u32>,
     ids: Vec<u32>,
-    ways: Vec<(SurfacePoint<'a>, RayPurpose)>,
+    ways: Ways<'a>,
     /// True if the facet faces away from the light.
     turned_away: Vec<bool>,
 }
@@ -55,11 +54,7 @@ impl<'a> LitPoints<'a> {
     }
 
     /// What a rule leaves blocked; nothing where the eye sees no smooth surface that faces a light.
-    pub fn columns(
-        &self,
-        secondary: &SecondaryRays<'_>,
-        rule: OffsetRule,
-    ) -> Vec<(&'static str, f64)> {
+    pub fn columns(&self, secondary: &SecondaryRays<'_>, rule: OffsetRule) -> Columns {
         if self.ids.is_empty() {
             return Vec::new();
         }
@@ -68,11 +63,9 @@ impl<'a> LitPoints<'a> {
             let n = blocked.iter().filter(|b| is(**b)).count();
             in_a_million(n as u64, self.ids.len() as u64)
         };
+        let by_mesh = part(|b| matches!(b, FirstBlocker::Itself | FirstBlocker::Mesh));
         vec![
-            (
-                "lit shadow rays blocked by their own mesh in 10^6",
-                part(|b| matches!(b, FirstBlocker::Itself | FirstBlocker::Mesh)),
-            ),
+            ("lit shadow rays blocked by their own mesh in 10^6", by_mesh),
             ("of these by the facet itself in 10^6", part(|b| b == FirstBlocker::Itself)),
         ]
     }

@@ -14,7 +14,9 @@ use renderer::Geometry;
 use renderer::refined_hit::RefinedHit;
 
 use super::prelude::in_a_million;
-use super::secondary_rays::{Departure, GAP, SecondaryRays, SecondaryWork, height, quantile};
+use super::secondary_rays::{
+    Columns, Departure, GAP, SecondaryRays, SecondaryWork, height, quantile,
+};
 
 /// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for
 /// any less than it with which a ray is safe that is not without.
@@ -48,11 +50,7 @@ impl<'a> SmallestOffsets<'a> {
     }
 
     /// How loose a rule is: the offsets of its outward rays over the smallest.
-    pub fn columns(
-        &self,
-        secondary: &SecondaryRays<'_>,
-        work: &SecondaryWork<'_>,
-    ) -> [(&'static str, f64); 4] {
+    pub fn columns(&self, secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> Columns {
         let ids = secondary.departures.iter().map(|d| d.id);
         let chosen: Vec<ChosenOffset> = ids
             .zip(work.outcomes())
@@ -64,7 +62,7 @@ impl<'a> SmallestOffsets<'a> {
             .collect();
         let found = OffsetComparison::of(&self.needed, &chosen);
         let rays = self.needed.len() as u64;
-        [
+        vec![
             ("found again by their own test in 10^6", in_a_million(found.self_hits, rays)),
             ("times the smallest, median", quantile(&found.ratios, 0.5)),
             ("times the smallest, most", quantile(&found.ratios, 1.0)),

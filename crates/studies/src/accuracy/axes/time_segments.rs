@@ -61,20 +61,14 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     for n in PARTS {
         let label = format!("{TRACER}:time-segments={n}");
         let setting = format!("run -s {label}");
-        rows.push((
-            named(n, "segment"),
-            setting,
-            built(stage, &label, &moving, vec![batches.clone()])?,
-        ));
+        let row = built(stage, &label, &moving, vec![batches.clone()])?;
+        rows.push((named(n, "segment"), setting, row));
     }
     for (geometries, n) in still.iter().zip(PARTS) {
         let parts = (0..n).map(|k| part(&batches, k, n, shutter)).collect();
         let setting = format!("run -s {TRACER}, of {n} scenes at rest");
-        rows.push((
-            format!("held still, {}", named(n, "moment")),
-            setting,
-            built(stage, TRACER, geometries, parts)?,
-        ));
+        let row = built(stage, TRACER, geometries, parts)?;
+        rows.push((format!("held still, {}", named(n, "moment")), setting, row));
     }
     let Some((_, _, reference)) = rows.first() else { return Err(stage.unfit("no variants")) };
     let Some(reference) = reference.tracers.first() else {

@@ -46,10 +46,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built_all(&labels)?;
     let batches = stage.all_batches();
     let replays = replays(&built, &batches);
-    let differing: Vec<u64> = replays
-        .iter()
-        .map(|r| replays.last().map_or(0, |reference| r.differing(reference)))
-        .collect();
+    let differing = |r: &Replay<'_, f32>| replays.last().map_or(0, |last| r.differing(last));
+    let differing: Vec<u64> = replays.iter().map(differing).collect();
     let aimed = lattice_rays(stage, FINE);
     let mut found = TRAVERSALS.map(|_| (TrialCounts::default(), 0));
     for aim in &aimed {
