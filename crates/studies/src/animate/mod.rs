@@ -99,13 +99,8 @@ impl<'r> Animate<'r> {
         plan.limits.oracle_tests = plan.limits.oracle_tests.min(ORACLE_TESTS);
         let mut threads = vec![1, plan.threads];
         threads.dedup();
-        Ok(Self {
-            scene: scene.into(),
-            frames: [first, last],
-            plan,
-            rounds: rounds as usize,
-            threads,
-        })
+        let (scene, rounds) = (scene.into(), rounds as usize);
+        Ok(Self { scene, frames: [first, last], plan, rounds, threads })
     }
 
     /// Arithmetic of primitives and rays.

@@ -10,7 +10,13 @@ struct Quantity {
     title: &'static str,
     label: &'static str,
     scale: Scale,
-    of: fn(&LaneRecord, &LaneFrame) -> Option<Estimate>,
+    of: FrameValue,
+}
+
+type FrameValue = fn(&LaneRecord, &LaneFrame) -> Option<Estimate>;
+
+const fn in_milliseconds(title: &'static str, of: FrameValue) -> Quantity {
+    Quantity { title, label: "milliseconds", scale: Scale::Log, of }
 }
 
 fn measured(samples: &[f64]) -> Option<Estimate> {
@@ -23,27 +29,12 @@ fn exactly(x: f64) -> Estimate {
 }
 
 const QUANTITIES: [Quantity; 4] = [
-    Quantity {
-        title: "update and rays",
-        label: "milliseconds",
-        scale: Scale::Log,
-        of: |_, frame| {
-            let both = frame.update_s.iter().zip(&frame.trace_s).map(|(a, b)| a + b);
-            measured(&both.collect::<Vec<_>>())
-        },
-    },
-    Quantity {
-        title: "update",
-        label: "milliseconds",
-        scale: Scale::Log,
-        of: |_, frame| measured(&frame.update_s),
-    },
-    Quantity {
-        title: "rays",
-        label: "milliseconds",
-        scale: Scale::Log,
-        of: |_, frame| measured(&frame.trace_s),
-    },
+    in_milliseconds("update and rays", |_, frame| {
+        let both = frame.update_s.iter().zip(&frame.trace_s).map(|(a, b)| a + b);
+        measured(&both.collect::<Vec<_>>())
+    }),
+    in_milliseconds("update", |_, frame| measured(&frame.update_s)),
+    in_milliseconds("rays", |_, frame| measured(&frame.trace_s)),
     Quantity {
         title: "expected cost (surface-area heuristic)",
         label: "times that of the first frame",

@@ -75,11 +75,9 @@ impl CodeDifferences {
             Some("packets") => QueryMode::Packets,
             _ => QueryMode::OneRay,
         };
-        Self {
-            adapter,
-            kernel: if has_blocks && !has_mailbox(params) { Kernel::Block } else { Kernel::Scalar },
-            query,
-        }
+        let is_block = has_blocks && !has_mailbox(params);
+        let kernel = if is_block { Kernel::Block } else { Kernel::Scalar };
+        Self { adapter, kernel, query }
     }
 
     /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too;
@@ -155,10 +153,8 @@ impl Variant {
     pub fn of(row: &Row<'_>) -> Self {
         let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
         let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
-        Self {
-            structure: format!("{}{settings}", row.structure()),
-            craft: CodeDifferences::of(&row.params),
-        }
+        let structure = format!("{}{settings}", row.structure());
+        Self { structure, craft: CodeDifferences::of(&row.params) }
     }
 }
 

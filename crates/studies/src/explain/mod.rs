@@ -290,14 +290,8 @@ mod tests {
         let explanation = Explanation::of(&explain, &record, &record.scenes[0]);
         let found = factors(&explanation);
         let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(
-            names,
-            [
-                "adapter: direct to robust",
-                "kernel: scalar to block",
-                "structure: obvhs-cwbvh to uniform-grid"
-            ]
-        );
+        assert_eq!(names[..2], ["adapter: direct to robust", "kernel: scalar to block"]);
+        assert_eq!(names[2..], ["structure: obvhs-cwbvh to uniform-grid"]);
         // medians of ratios to the reference
         let [grid, grid_scalar, bvh_scalar, bvh]: [f64; 4] = [2.0, 3.0, 1.2, 1.1];
         let kernel = (bvh / bvh_scalar * grid / grid_scalar).sqrt();

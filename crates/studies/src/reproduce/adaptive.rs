@@ -12,9 +12,7 @@ use accel_core::structure::Structure;
 use accel_core::structures::adaptive_grid::AdaptiveGrid;
 use renderer::RayKind;
 
-use super::setting::{
-    PaperCounters, PublishedScene, ReproduceError, Setting, grid_counters, registered,
-};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// The settings of `adaptive-grid` for a published one like `f=1.5 m=0.1 o=-`.
 fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
@@ -33,10 +31,7 @@ fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
 }
 
 /// Builds the adaptive grid with the published setting and counts.
-pub(super) fn counters(
-    scene: &PublishedScene,
-    setting: &Setting,
-) -> Result<PaperCounters, ReproduceError> {
+pub(super) fn counters(scene: &PublishedScene, setting: &Setting) -> Counted {
     let params = registered("adaptive-grid")?.params(settings(setting.params)?)?;
     match scene.geometry.prims() {
         PrimsRef::Mixed(prims) => count_over(scene, prims, &params),
@@ -44,11 +39,7 @@ pub(super) fn counters(
     }
 }
 
-fn count_over<P: PrimSet<f64>>(
-    scene: &PublishedScene,
-    prims: &P,
-    params: &Params,
-) -> Result<PaperCounters, ReproduceError> {
+fn count_over<P: PrimSet<f64>>(scene: &PublishedScene, prims: &P, params: &Params) -> Counted {
     let grid = AdaptiveGrid::<f64>::build(prims, &Settings::of(params))?;
     let (orphans, hierarchy_nodes) = (grid.orphans(), grid.hierarchy_nodes());
     let mut nodes_entered = 0;

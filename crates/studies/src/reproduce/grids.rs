@@ -6,7 +6,7 @@ use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{
-    PaperCounters, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
+    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
 /// Builds the uniform grid at the published resolution and counts.
@@ -25,10 +25,7 @@ pub(super) fn count_uniform(
 }
 
 /// The counters of a setting of the uniform grid.
-pub(super) fn uniform(
-    scene: &PublishedScene,
-    setting: &Setting,
-) -> Result<PaperCounters, ReproduceError> {
+pub(super) fn uniform(scene: &PublishedScene, setting: &Setting) -> Counted {
     let work = count_uniform(scene, setting.figures.get("resolution").copied())?;
     Ok(grid_counters(scene, &work))
 }
@@ -54,10 +51,7 @@ fn build<'g>(
 }
 
 /// The counters of a setting of the recursive grid.
-pub(super) fn recursive(
-    scene: &PublishedScene,
-    setting: &Setting,
-) -> Result<PaperCounters, ReproduceError> {
+pub(super) fn recursive(scene: &PublishedScene, setting: &Setting) -> Counted {
     let tracer = build(&scene.geometry, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell);
     Ok(grid_counters(scene, &work))

@@ -6,9 +6,7 @@ use accel_core::query::tracer::{ShadowRule, Tracer};
 use accel_core::structure::StructureStats;
 use renderer::Geometry;
 
-use super::setting::{
-    PaperCounters, PublishedScene, ReproduceError, Setting, grid_counters, registered,
-};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// The settings of `hug` for a published one like `HNG=2 HCN=0`.
 fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
@@ -24,10 +22,7 @@ fn settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> {
 }
 
 /// Builds HUG with the published setting and counts.
-pub(super) fn counters(
-    scene: &PublishedScene,
-    setting: &Setting,
-) -> Result<PaperCounters, ReproduceError> {
+pub(super) fn counters(scene: &PublishedScene, setting: &Setting) -> Counted {
     let own = build(&scene.geometry, setting.params, 0)?;
     let cells = own.stats().cells;
     let sized = sized_as_published(&scene.geometry, setting, own.stats())?;

@@ -53,12 +53,8 @@ pub fn published() -> Result<Vec<PublishedTimes>, csv::Error> {
         .deserialize()
         .map(|record| {
             let Record { structure, scene, counter, value } = record?;
-            Ok(PublishedTimes {
-                structure,
-                scene,
-                is_build: counter.starts_with("T_B"),
-                seconds: value,
-            })
+            let is_build = counter.starts_with("T_B");
+            Ok(PublishedTimes { structure, scene, is_build, seconds: value })
         })
         .collect()
 }

@@ -15,7 +15,7 @@ use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
 use super::setting::{
-    PaperCounters, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
+    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
 };
 
 /// The columns, as named in the table.
@@ -24,10 +24,7 @@ pub const COLUMNS: [&str; 5] =
 
 /// Builds the octree of a column at a published depth (`depth=6`) and counts: steps per ray, tests
 /// per required hit.
-pub(super) fn counters(
-    scene: &PublishedScene,
-    setting: &Setting,
-) -> Result<PaperCounters, ReproduceError> {
+pub(super) fn counters(scene: &PublishedScene, setting: &Setting) -> Counted {
     let tracer = build(&scene.geometry, setting.structure, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::Historical);
     let required = work.primary_hits + work.secondary_hits + work.shadow_hits;

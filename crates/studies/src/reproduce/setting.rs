@@ -42,7 +42,8 @@ pub enum ReproduceError {
 pub(super) type PaperCounters = Vec<(&'static str, f64)>;
 
 /// Counts one setting of a structure in a scene, given the figures published for it.
-pub(super) type Count = fn(&PublishedScene, &Setting) -> Result<PaperCounters, ReproduceError>;
+pub(super) type Counted = Result<PaperCounters, ReproduceError>;
+pub(super) type Count = fn(&PublishedScene, &Setting) -> Counted;
 
 /// A setting as published, with its figures.
 pub(super) struct Setting<'f> {
@@ -110,14 +111,8 @@ impl PublishedScene {
         let shadow_hits =
             answers.iter().map(|a| if a.blocked { 1 } else { u64::from(a.glass) }).sum();
         let blocked = answers.iter().filter(|a| a.blocked).count() as u64;
-        SceneWork {
-            stats: tracer.stats(),
-            counters,
-            primary_hits,
-            secondary_hits,
-            shadow_hits,
-            blocked,
-        }
+        let stats = tracer.stats();
+        SceneWork { stats, counters, primary_hits, secondary_hits, shadow_hits, blocked }
     }
 
     /// The figures that no structure changes.

@@ -44,12 +44,8 @@ fn notes(record: &MachinesRecord) -> Vec<String> {
             1 => "one process".to_owned(),
             n => format!("{n} processes"),
         };
-        format!(
-            "{}: {cpu}, {} threads, {}, {processes}.",
-            i + 1,
-            run.machine.threads,
-            run.machine.os
-        )
+        let measurement::record::Machine { threads, os, .. } = &run.machine;
+        format!("{}: {cpu}, {threads} threads, {os}, {processes}.", i + 1)
     };
     let mut notes: Vec<String> = record.machines.iter().enumerate().map(machine).collect();
     let of_scenes = || record.ratios.iter().filter(|ratio| ratio.scene.is_some());

@@ -104,7 +104,7 @@ fn with_answers(
 
 fn facts(run: &RunRecord) -> Vec<String> {
     let (machine, compiler, settings) = (&run.machine, &run.compiler, &run.settings);
-    let unknown = || "unknown".to_owned();
+    let known = |text: &Option<String>| text.clone().unwrap_or_else(|| "unknown".to_owned());
     let mut clock = String::new();
     if let Some(governor) = &machine.governor {
         let _ = write!(clock, ", governor {governor}");
@@ -122,35 +122,15 @@ fn facts(run: &RunRecord) -> Vec<String> {
     if let [Some(before), Some(after)] = averages {
         let _ = write!(clock, ", load average {before:.2} before, {after:.2} after");
     }
+    let (cpu, mib) = (known(&machine.cpu), machine.memory_bytes.unwrap_or(0) >> 20);
+    let (rustc, target) = (known(&compiler.rustc), known(&compiler.target));
+    let (level, features) = (known(&compiler.opt_level), compiler.target_features.join(" "));
+    let Settings { resolution: [w, h], max_depth, precision, threads, seed, .. } = settings;
     let mut facts = vec![
-        format!(
-            "machine: {}, {} threads, {} MiB, {}{clock}",
-            machine.cpu.clone().unwrap_or_else(unknown),
-            machine.threads,
-            machine.memory_bytes.unwrap_or(0) >> 20,
-            machine.os
-        ),
-        format!(
-            "compiler: {}, {}, opt-level {}, features {}",
-            compiler.rustc.clone().unwrap_or_else(unknown),
-            compiler.target.clone().unwrap_or_else(unknown),
-            compiler.opt_level.clone().unwrap_or_else(unknown),
-            compiler.target_features.join(" ")
-        ),
-        format!(
-            "rtbench {} at {}",
-            run.tool.version,
-            run.tool.git_revision.clone().unwrap_or_else(unknown)
-        ),
-        format!(
-            "image {}x{}, depth {}, {}, {} thread(s), seed {}",
-            settings.resolution[0],
-            settings.resolution[1],
-            settings.max_depth,
-            settings.precision,
-            settings.threads,
-            settings.seed
-        ),
+        format!("machine: {cpu}, {} threads, {mib} MiB, {}{clock}", machine.threads, machine.os),
+        format!("compiler: {rustc}, {target}, opt-level {level}, features {features}"),
+        format!("rtbench {} at {}", run.tool.version, known(&run.tool.git_revision)),
+        format!("image {w}x{h}, depth {max_depth}, {precision}, {threads} thread(s), seed {seed}"),
     ];
     if settings.order != Orders::Scanline.name() || settings.lights != Lights::Each.name() {
         let Settings { order, lights, .. } = settings;

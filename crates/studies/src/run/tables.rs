@@ -249,10 +249,8 @@ fn plugin_note(row: &RowRecord) -> Option<String> {
 /// Rays that the figures of an occluder cover.
 fn shadow_note(row: &RowRecord) -> Option<String> {
     (row.answers == AnsweredRays::ShadowRays).then(|| {
-        format!(
-            "{}: answers shadow rays only; its trace time and ratio are over these",
-            row.label()
-        )
+        let label = row.label();
+        format!("{label}: answers shadow rays only; its trace time and ratio are over these")
     })
 }
 

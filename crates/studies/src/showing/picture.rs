@@ -361,11 +361,8 @@ fn legend(
     LegendContents { classes, is_exceeded, has_path }: LegendContents,
 ) -> f64 {
     let font = Font { size: 12.0, is_bold: true, ..PLAIN };
-    drawing.text(
-        [left, top + 11.0],
-        font,
-        "references to primitives in a cell, one scale for all:",
-    );
+    let title = "references to primitives in a cell, one scale for all:";
+    drawing.text([left, top + 11.0], font, title);
     let (mut x, mut y) = (left, top + TEXT + 6.0);
     let mut entry = |drawing: &mut Drawing, label: &str, paint: Paint| {
         let room = 24.0 + 7.0 * label.len() as f64 + 14.0;

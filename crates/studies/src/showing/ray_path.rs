@@ -100,16 +100,8 @@ pub fn path_through(
     let line = [wide.t_min, last].map(|t| plane.coordinates(wide.at(t)));
     let depths = cells.iter().map(depth_of);
     let steps = way.steps.iter().cloned().zip(depths).collect();
-    Ok(PathThrough {
-        entered,
-        around,
-        missed,
-        struck,
-        line,
-        steps,
-        hit: way.hit,
-        counters: way.counters,
-    })
+    let (hit, counters) = (way.hit, way.counters);
+    Ok(PathThrough { entered, around, missed, struck, line, steps, hit, counters })
 }
 
 /// A square around what a ray meets of a box until its hit, in the plane that holds it.

@@ -56,12 +56,8 @@ pub fn costs(scene: &SceneRecord) -> Vec<Option<Estimate>> {
             return row.ratio;
         }
         let rays = row.rays.max(1) as f64;
-        let of = |e: Estimate| Estimate {
-            median: e.median / rays,
-            low: e.low / rays,
-            high: e.high / rays,
-        };
-        row.trace_s.map(of)
+        let Estimate { median, low, high } = row.trace_s?;
+        Some(Estimate { median: median / rays, low: low / rays, high: high / rays })
     };
     scene.rows.iter().map(cost).collect()
 }

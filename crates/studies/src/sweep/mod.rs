@@ -243,14 +243,10 @@ impl<'r> Lines<'r> {
 
     /// Index of the reference row: the one named, else [`default_baseline`], else the
     /// first.
-    fn baseline(
-        &mut self,
-        registry: &'r [Entry],
-        reference: Option<&str>,
-    ) -> Result<usize, PlanError> {
-        let index = match (reference, default_baseline(registry)) {
+    fn baseline(&mut self, registry: &'r [Entry], named: Option<&str>) -> Result<usize, PlanError> {
+        let index = match (named, default_baseline(registry)) {
             (None, Ok(row)) => self.index(row),
-            _ => baseline(registry, &mut self.rows, reference)?,
+            _ => baseline(registry, &mut self.rows, named)?,
         };
         self.lines.resize_with(self.rows.len(), Line::default);
         Ok(index)

@@ -107,17 +107,12 @@ fn words(sweep: &Sweep<'_>) -> Vec<String> {
 }
 
 /// Position of a row on the horizontal axis; `None` for the reference.
-fn abscissa(
-    sweep: &Sweep<'_>,
-    line: &Line,
-    judgement: &Judgement,
-    words: &[String],
-) -> Option<f64> {
+fn abscissa(sweep: &Sweep<'_>, line: &Line, judged: &Judgement, words: &[String]) -> Option<f64> {
     let value = line.value.as_ref();
     match sweep.abscissa {
         Abscissa::CellsPerPrimitive => {
             let is_own = value.is_some() || !line.rules.is_empty();
-            judgement.cells_per_primitive.filter(|_| is_own)
+            judged.cells_per_primitive.filter(|_| is_own)
         }
         Abscissa::Number { .. } => value?.parse().ok(),
         Abscissa::Words => Some(words.iter().position(|w| Some(w) == value)? as f64),
@@ -159,11 +154,6 @@ fn mark(placed: &PlottedRow<'_>) -> Option<Mark> {
     }
     let is_in_series = placed.line.is_swept;
     let is_marked = !label.is_empty() || ring != Ring::None;
-    is_marked.then_some(Mark {
-        point: placed.point,
-        label,
-        hover: String::new(),
-        ring,
-        is_in_series,
-    })
+    let (point, hover) = (placed.point, String::new());
+    is_marked.then_some(Mark { point, label, hover, ring, is_in_series })
 }

@@ -103,9 +103,8 @@ fn number(x: Option<f64>) -> Cell {
 pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     let of = |standing| {
         let lines = sweep.lines.iter().zip(judgements);
-        lines
-            .filter(move |(_, j)| j.standing == Some(standing))
-            .filter_map(|(line, _)| line.value.as_deref())
+        let lines = lines.filter(move |(_, j)| j.standing == Some(standing));
+        lines.filter_map(|(line, _)| line.value.as_deref())
     };
     let parameter = sweep.parameter.name;
     let Some(best) = of(ValueStanding::Best).next() else {
@@ -120,11 +119,9 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     let mut swept = sweep.lines.iter().filter(|l| l.is_swept).filter_map(|l| l.value.as_deref());
     let ends = [swept.next(), swept.next_back()];
     if sweep.has_numbers() && ends.contains(&Some(best)) {
-        notes.push(
-            "The best value is at an end of those measured: a wider range may have a \
-                    better one."
-                .into(),
-        );
+        let end =
+            "The best value is at an end of those measured: a wider range may have a better one.";
+        notes.push(end.into());
     }
     notes
 }

@@ -109,12 +109,9 @@ impl Report {
 
     /// Structures down; what a candidate query of a pixel costs across.
     pub fn query_table(&self) -> Option<Table> {
-        let first = self.record.queries.first()?;
+        let (first, scene) = (self.record.queries.first()?, &self.record.scene);
         let mut table = Table {
-            title: format!(
-                "{}: candidates of a pixel's beam or cone, one thread",
-                self.record.scene
-            ),
+            title: format!("{scene}: candidates of a pixel's beam or cone, one thread"),
             header: vec![
                 "structure",
                 "us/query",
@@ -143,10 +140,8 @@ impl Report {
             texts.push(verdict);
             table.rows.push(texts.into_iter().map(|text| Cell { text, style }).collect());
         }
-        table.notes.push(format!(
-            "{} queries a round, rounds interleaved; counts are means a query",
-            first.queries
-        ));
+        let note = "queries a round, rounds interleaved; counts are means a query";
+        table.notes.push(format!("{} {note}", first.queries));
         Some(table)
     }
 
@@ -182,25 +177,16 @@ impl Report {
                 standing: m.standing,
             })
         });
-        let own_error = self.record.reference.own_error;
-        let images = images.collect();
-        figure(&[error_over_time(
-            &self.record.scene,
-            self.record.resolution,
-            self.record.threads,
-            own_error,
-            images,
-        )])
+        let TracersRecord { scene, resolution, threads, reference, .. } = &self.record;
+        let (own_error, images) = (reference.own_error, images.collect());
+        figure(&[error_over_time(scene, *resolution, *threads, own_error, images)])
     }
 }
 
 fn image_record(row: &TracerRow) -> ImageRecord {
+    let tracer = row.tracer.to_owned();
     ImageRecord {
-        row: RowName {
-            tracer: row.tracer.to_owned(),
-            settings: row.settings.clone(),
-            samples: row.samples,
-        },
+        row: RowName { tracer, settings: row.settings.clone(), samples: row.samples },
         outcome: match &row.outcome {
             Ok(m) => Outcome::Made {
                 seconds: m.seconds.clone(),

@@ -3,6 +3,7 @@
 use crate::sweep::sizes::quantities::{QUANTITIES, Quantity, points, rows};
 use measurement::record::{RowRecord, RunRecord, Verdict};
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
+use statistics::estimate::Estimate;
 
 /// The panels that have something to show.
 pub fn to_svg(run: &RunRecord) -> String {
@@ -32,12 +33,7 @@ fn panel(run: &RunRecord, quantity: &Quantity) -> Option<Plot> {
 
 /// A row's curve; the legend has its slope.
 fn series(run: &RunRecord, row: &RowRecord, quantity: &Quantity) -> Series {
-    let point = |&(x, y): &(f64, statistics::estimate::Estimate)| Point {
-        x,
-        y: y.median,
-        low: y.low,
-        high: y.high,
-    };
+    let point = |&(x, Estimate { median: y, low, high }): &_| Point { x, y, low, high };
     let label = row.label();
     let slope = run.scale.as_ref().and_then(|scale| scale.slope(&label, quantity.name));
     Series {

@@ -44,14 +44,10 @@ fn exactly(n: u64) -> Option<Estimate> {
 
 /// The points of a row over finished sizes: primitives and the quantity. Rows that are wrong, were
 /// not built or are over a limit have none.
-pub fn points(
-    scenes: &[SceneRecord],
-    like: &RowRecord,
-    quantity: &Quantity,
-) -> Vec<(f64, Estimate)> {
+pub fn points(scenes: &[SceneRecord], like: &RowRecord, what: &Quantity) -> Vec<(f64, Estimate)> {
     let point = |scene: &SceneRecord| {
         let row = scene.rows.iter().find(|row| row.is_same(like))?;
-        let value = (quantity.of)(row).filter(|_| row.verdict.is_timed())?;
+        let value = (what.of)(row).filter(|_| row.verdict.is_timed())?;
         Some((scene.primitives as f64, value))
     };
     scenes.iter().filter_map(point).collect()
