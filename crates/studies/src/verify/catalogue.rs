@@ -172,7 +172,7 @@ pub static GROUPS: &[Group] = &[
             "rays that leave a convex shape of a size of 10^-8 to 10^8"),
         case!("S2", by default secondary::from_far_away, "convexity",
             "rays that leave a ball or a mesh up to 10^6 of its sizes from the origin"),
-        case!("S3", by default secondary::in_a_gap, "closed form",
+        case!("S3", by default secondary::between_planes, "closed form",
             "shadow rays through a gap of 10^-3, none may leak"),
         case!("S3ball", by default secondary::under_a_ball, "closed form",
             "shadow rays where a ball touches its plane"),

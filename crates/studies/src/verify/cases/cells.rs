@@ -5,7 +5,7 @@ use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
 
 use super::prelude::*;
 
-pub fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let near = 1.0 + 1e-5;
     let triangles = match random.below(3) {
         0 => vec![[DVec3::ONE, dvec3(near, 1.0, 1.0), dvec3(1.0, near, 1.0)].map(single)],
@@ -14,7 +14,7 @@ pub fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     aimed_round(random, rays, &triangles, 1.0)
 }
 
-pub fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let stretched = |p: DVec3| single(p * dvec3(1e9, 1.0, 1.0));
     let triangles: Vec<Corners> = soup(random, 200, 0.4).iter().map(|t| t.map(stretched)).collect();
     soup_round(random, rays, &triangles, |random| {
@@ -24,7 +24,7 @@ pub fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     })
 }
 
-pub fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let place = |t: &Corners| t.map(|p| single(p * 0.05 + dvec3(0.0, 0.0, 0.1)));
     let mut triangles: Vec<Corners> = soup(random, 1000, 0.2).iter().map(place).collect();
     let floor = |t: &Corners| t.map(|p| (p - dvec3(0.5, 0.5, 0.0)) * 1e4);
@@ -38,7 +38,7 @@ pub fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 }
 
 /// Sheets in planes of the lattice, which divides as cells do.
-pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = lattice_soup(random, 10);
     for _ in 0..40 {
         let axis = random.below(3);
@@ -51,7 +51,7 @@ pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     })
 }
 
-pub fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 60);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
@@ -68,7 +68,7 @@ pub fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 }
 
 /// Triangles from tiny to large.
-pub fn scattered<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn scattered<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = soup(random, 80, 0.02);
     triangles.extend(soup(random, 80, 0.2));
     triangles.extend(soup(random, 4, 0.6));
@@ -76,7 +76,7 @@ pub fn scattered<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 }
 
 /// Triangles of a few cells of a very fine grid.
-pub fn specks<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn specks<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 150, 0.006);
     aimed_round(random, rays, &triangles, 1.5)
 }
@@ -84,7 +84,7 @@ pub fn specks<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 /// Rays within planes that divide the scene's padded box into 2 to 64 parts, computed as grids
 /// compute them: the planes of the cells themselves, of children that share them with their parents
 /// as well. A thousand equal triangles in a corner make nested structures divide to their limit.
-pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = soup(random, 150, 0.3);
     let same: Corners = one_of(random, &triangles);
     triangles.extend(std::iter::repeat_n(same, 1000));
@@ -108,7 +108,7 @@ pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Draw
     })
 }
 
-pub fn lattice_ties<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn lattice_ties<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 80);
     lattice_round(random, rays, &triangles, |random| {
         // the largest component a power of two: all arithmetic stays exact
@@ -119,7 +119,7 @@ pub fn lattice_ties<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> 
     })
 }
 
-pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 80);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let zero = one_of(random, &[0.0, -0.0]);
@@ -133,13 +133,13 @@ pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S>
     Ok(round)
 }
 
-pub fn spanning<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn spanning<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = soup(random, 30, 2.0);
     triangles.extend(soup(random, 150, 0.1));
     aimed_round(random, rays, &triangles, 2.0)
 }
 
-pub fn any_and_closest<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn any_and_closest<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 150, 0.3);
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     for (ray, expected) in round.rays.iter_mut().zip(&mut round.expected) {

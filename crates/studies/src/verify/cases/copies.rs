@@ -8,7 +8,7 @@ use super::prelude::*;
 /// Triangles of the object.
 const TRIANGLES: usize = 24;
 
-pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let object = soup(random, TRIANGLES, 0.5);
     let far = one_of(random, &[3.0, 3.0, 1e3, 1e5]);
     let (mut all, mut claims): (Vec<Corners>, Vec<Instance>) = (Vec::new(), Vec::new());

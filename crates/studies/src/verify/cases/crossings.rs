@@ -23,7 +23,7 @@ use crate::verify::meshes::{Cubes, cube, torus};
 /// Links of a chain that are asked.
 const LINKS: usize = 60;
 
-pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let side = one_of(random, &[2.0, 3.0, 4.0]);
     let kind = random.below(4);
     let is_lattice = kind == 3;

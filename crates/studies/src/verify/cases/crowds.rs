@@ -4,7 +4,7 @@
 use super::prelude::*;
 use crate::verify::exact::on_mesh;
 
-pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let many = one_of(random, &[1, 2, 40, 300]);
     let places: Vec<DVec3> = (0..1 + many / 4).map(|_| point(random)).collect();
     let points: Vec<Corners> = (0..many).map(|_| [one_of(random, &places); 3]).collect();
@@ -20,7 +20,7 @@ pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let others = soup(random, 3, 1.0);
     let one = soup(random, 1, 1.0);
     let mut all = others.clone();
@@ -39,7 +39,7 @@ pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     const MANY: usize = 1000;
     let vertex = single(point(random) * one_of(random, &[0.0, 1.0, 10.0]));
     // up to a needle, down to a disc
@@ -80,7 +80,7 @@ pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let least = if S::NAME == "f32" { -140f64 } else { -1060f64 }.exp2();
     let tiny = |random: &mut Random, p: DVec3| {
         let mut p = p.to_array();
@@ -111,7 +111,7 @@ pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 /// Enough for three parts.
 const TRIANGLES: usize = 13_000;
 
-pub fn threads<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn threads<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, TRIANGLES, 0.05);
     let mut round = aimed_round(random, rays, &triangles, 2.0)?;
     round.threads = &[1, 3];

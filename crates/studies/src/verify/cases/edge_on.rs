@@ -6,7 +6,7 @@ use crate::verify::every_hit::{is_beside_it, is_out_of_its_box};
 /// Rays within a plane of triangles at any slant: the triangles are lines to them, one behind the
 /// other, often several at the same parameter. Whatever the tests say, all structures must say it:
 /// of equal parameters the lowest id; and no hit may lie before or behind its triangle.
-pub fn tilted_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn tilted_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let side = one_of(random, &[2, 4, 8, 12, 16, 24]);
     let normal = direction(random);
     let turn = unit(random) * std::f64::consts::TAU;
@@ -74,7 +74,7 @@ fn flat(random: &mut Random, side: u32) -> Vec<Corners> {
 /// edges of 11.2, 9.7 and 1.4, all corners within 600, was met at 12,291. The exact oracle says where
 /// rays that it can judge meet the sliver; where it cannot, no hit may lie beyond the triangle's own
 /// bounds, by more than rounding explains at that angle.
-pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let spread = one_of(random, &[0.0, 30.0, 600.0]);
     let many = 1 + random.below(40);
     let triangles: Vec<Corners> = (0..many).map(|_| sliver(random, spread)).collect();

@@ -12,7 +12,7 @@ use crate::verify::exact::in_soup_within;
 /// open.
 const NOTHING: f64 = 1.0 / (1_u64 << 27) as f64;
 
-pub fn extreme_components<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn extreme_components<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     if random.below(2) == 0 {
         in_a_flat_scene(random, rays)
     } else {
@@ -21,7 +21,7 @@ pub fn extreme_components<S: Buildable>(random: &mut Random, rays: usize) -> Dra
 }
 
 /// All triangles lie in a plane across an axis, and so do the origins, outside.
-fn in_a_flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+fn in_a_flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let axis = random.below(3);
     let level = one_of(random, &[0.0, 1.0, -0.75, 3.5]);
     let put = |p: DVec3, x: f64| with(p, axis, x);
@@ -49,7 +49,7 @@ fn in_a_flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-fn in_loose_triangles<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+fn in_loose_triangles<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 100, 0.4);
     let exact = Soup::new(&triangles);
     let mut round = Round::new(Model::triangles(&triangles)?);

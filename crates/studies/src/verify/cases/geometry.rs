@@ -4,16 +4,16 @@ use super::prelude::*;
 use crate::verify::exact::{ExactRay, on_mesh};
 use crate::verify::metamorphic::MetamorphicPair;
 
-pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     around_mesh(random, rays, DVec3::ZERO)
 }
 
-pub fn closed_mesh_far<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn closed_mesh_far<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     around_mesh(random, rays, dvec3(148_376.0, 1234.0, -223_423.0))
 }
 
 /// Rays from within and from without, at a corner or at a point of an edge that faces them.
-fn around_mesh<S: Buildable>(random: &mut Random, rays: usize, center: DVec3) -> Drawn<S> {
+fn around_mesh<S: Buildable>(random: &mut Random, rays: usize, center: DVec3) -> RoundResult<S> {
     let mesh = icosphere(3, center);
     let oracle = |exact: &Soup, ray: &Ray<S>| on_mesh(exact, ray, 0.25);
     exact_round(random, rays, &mesh, oracle, |random| {
@@ -28,7 +28,7 @@ fn around_mesh<S: Buildable>(random: &mut Random, rays: usize, center: DVec3) ->
     })
 }
 
-pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let side = one_of(random, &[2, 4, 8, 16, 32, 48]);
     let phase = unit(random) * 6.0;
     let mesh = sheet(side, |x, y| (x * 7.3 + phase).sin() * (y * 5.1).cos() * 0.2);
@@ -51,7 +51,7 @@ pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mesh = sheet(64, |_, _| 0.0);
     lattice_round(random, rays, &mesh, |random| {
         let mut half = || random.below(129) as f64 / 2.0;
@@ -63,7 +63,7 @@ pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     })
 }
 
-pub fn needle<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn needle<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = [[DVec3::ZERO, dvec3(1e4, 0.0, 0.0), dvec3(0.0, 1e-4, 0.0)].map(single)];
     soup_round(random, rays, &triangles, |random| {
         let target = dvec3(unit(random) * 1e4, unit(random) * 1.2e-4, 0.0);
@@ -72,7 +72,7 @@ pub fn needle<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     })
 }
 
-pub fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let clean = soup(random, 80, 0.4);
     let mut triangles: Vec<Corners> = (0..40)
         .map(|_| {
@@ -95,7 +95,7 @@ pub fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = soup(random, 60, 0.6);
     triangles.extend_from_within(..);
     random.shuffle(&mut triangles);
@@ -107,14 +107,14 @@ pub fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn duplicates<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn duplicates<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut triangles = soup(random, 20, 0.5);
     let same: Corners = one_of(random, &triangles);
     triangles.extend(std::iter::repeat_n(same, 10_000));
     aimed_round(random, rays, &triangles, 2.0)
 }
 
-pub fn fine_detail_far_away<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn fine_detail_far_away<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let center = dvec3(1e6, -1e6, 1e6);
     let far = |t: &Corners| t.map(|p| single(center + p));
     let triangles: Vec<Corners> = soup(random, 200, 0.4).iter().map(far).collect();
@@ -127,7 +127,7 @@ pub fn fine_detail_far_away<S: Buildable>(random: &mut Random, rays: usize) -> D
 
 /// A ray at an angle of 10^-1 to 10^-6 to the plane of a triangle of size 1 to 10^3. Its shadow on
 /// the plane passes beside the triangle, or it crosses the plane beyond it and is still high above.
-pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let size = one_of(random, &[1.0, 32.0, 1024.0]);
     let normal = direction(random);
     let along = normal.any_orthonormal_vector();
@@ -159,7 +159,7 @@ pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<
     Ok(round)
 }
 
-pub fn tiny_or_huge<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn tiny_or_huge<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     // about the powers of ten; no rounding
     let scale = one_of(random, &[-83, -27, 27, 67].map(|k| 2f64.powi(k)));
     let unscaled = soup(random, 100, 0.4);

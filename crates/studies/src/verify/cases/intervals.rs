@@ -12,7 +12,7 @@ use crate::verify::subject::with_brute_force;
 /// Links of a chain that are asked.
 const LINKS: usize = 40;
 
-pub fn intervals<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn intervals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (model, targets) = scene(random)?;
     let mut round = Round::new(model);
     while round.rays.len() < rays {
@@ -92,7 +92,7 @@ const SHIFT: f64 = 16.0;
 /// Origins far from the scene, on either side of it. A structure may move such an origin before it
 /// looks at the ray; its answers are about the ray as it was asked. So a hit that is told at `t` is
 /// within `[0, t]`, `[t, infinity]` and `[t, t]`.
-pub fn far_intervals<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn far_intervals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (model, triangles) = scene::<S>(random)?;
     let soup = matches!(model, Model::Triangles(_)).then(|| Soup::new(&triangles));
     let endless = S::from_f64(1e30);

@@ -3,7 +3,7 @@
 use super::prelude::*;
 
 /// Structures are taken from one frame to the next, and not built anew.
-pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let before = soup(random, 150, 0.4);
     let share = one_of(random, &[0.02, 0.3, 1.0]);
     let way = one_of(random, &[1e-3, 0.5, 30.0]);
@@ -35,7 +35,7 @@ pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 const TIMES: usize = 12;
 
 /// Rays with a time over triangles that move, neighbours in opposite directions.
-pub fn moving<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn moving<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let exposure = one_of(random, &[1.0, 0.75, (-80f64).exp2(), 80f64.exp2()]);
     let size = one_of(random, &[0.1, 0.4, 1.0]);
     let triangles = soup(random, 60, size);

@@ -15,7 +15,7 @@ const MOST_CUBES: [f64; 2] = [24.0, 12.0];
 /// Rounding error of the position of a ray, in epsilons of the distance to the farthest corner.
 const ROUNDING: f64 = 64.0;
 
-pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let is_solid = random.below(4) == 0;
     let most = if is_solid { MOST_CUBES[1] } else { MOST_CUBES[0] };
     // small ones more often: large ones take long to build

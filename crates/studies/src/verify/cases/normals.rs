@@ -29,7 +29,7 @@ impl KnownNormals {
     }
 }
 
-pub fn normals<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn normals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let at = point(random) * one_of(random, &[0.0, 1.0, 100.0]);
     let mut scene = Scene::new("normals");
     let material = scene.push_material(Material::default());

@@ -8,17 +8,17 @@ use crate::verify::surface::{Outlines, Surface};
 /// Links of a chain that are asked.
 const LINKS: usize = 12;
 
-pub fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn at_edges<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let outlines = surface(random, 1.0);
     surface_round(random, rays, &outlines, at_edge)
 }
 
-pub fn nearly_in_plane<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn nearly_in_plane<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let outlines = surface(random, 1.0);
     surface_round(random, rays, &outlines, near_plane)
 }
 
-pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let most = one_of(random, &[1e1, 1e2, 1e3, 1e4]);
     let outlines = surface(random, most);
     surface_round(random, rays, &outlines, |random, outlines| match random.below(2) {
@@ -86,7 +86,7 @@ fn surface_round<S: Buildable>(
     rays: usize,
     outlines: &Outlines,
     aim: impl Fn(&mut Random, &Outlines) -> Aim,
-) -> Drawn<S> {
+) -> RoundResult<S> {
     let surface = Surface::new(outlines);
     let magnitude = surface.magnitude();
     let model = Model::mixed(|set| {
@@ -123,7 +123,7 @@ fn push<S: Buildable>(round: &mut Round<S>, surface: &Surface, ray: Ray<S>) {
 
 /// One polygon in a plane of any slant: the arrow whose fan of triangles is nine times too large, a
 /// star, a square with collinear and repeated vertices; some with vertices 10^-4 off the plane.
-pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let square = [(0., 0.), (1., 0.), (2., 0.), (2., 0.), (2., 2.), (1.5, 2.), (0., 2.), (0., 1.)];
     let outline: Vec<DVec2> = match random.below(3) {
         0 => vec![dvec2(0.0, 0.0), dvec2(2.0, 0.0), dvec2(0.2, 0.2), dvec2(0.0, 2.0)],
@@ -136,12 +136,16 @@ pub fn alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     outline_round(random, rays, outline)
 }
 
-pub fn tangled_alone<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn tangled_alone<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let outline = tangled(random);
     outline_round(random, rays, outline)
 }
 
-fn outline_round<S: Buildable>(random: &mut Random, rays: usize, outline: Vec<DVec3>) -> Drawn<S> {
+fn outline_round<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    outline: Vec<DVec3>,
+) -> RoundResult<S> {
     let outlines = placed(random, &vec![outline], 1.0);
     surface_round(random, rays, &outlines, |random, outlines| {
         let aim = at_edge(random, outlines);

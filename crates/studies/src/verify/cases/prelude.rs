@@ -19,7 +19,7 @@ pub(super) use crate::verify::model::{Corners, Model, ray};
 pub(super) use crate::verify::round::{NearbyPrimitives, OracleAnswer, Round};
 
 /// A round of a case, or why its scene cannot be made.
-pub(super) type Drawn<S> = Result<Round<S>, PrimitiveError>;
+pub(super) type RoundResult<S> = Result<Round<S>, PrimitiveError>;
 
 /// A round over lattice triangles: rays of `draw`, whole-numbered as well, compared with the
 /// exact oracle.
@@ -28,7 +28,7 @@ pub(super) fn lattice_round<S: Buildable>(
     rays: usize,
     triangles: &[Corners],
     draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
-) -> Drawn<S> {
+) -> RoundResult<S> {
     exact_round(random, rays, triangles, on_lattice, draw)
 }
 
@@ -38,7 +38,7 @@ pub(super) fn soup_round<S: Buildable>(
     rays: usize,
     triangles: &[Corners],
     draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
-) -> Drawn<S> {
+) -> RoundResult<S> {
     exact_round(random, rays, triangles, in_soup, draw)
 }
 
@@ -48,7 +48,7 @@ pub(super) fn aimed_round<S: Buildable>(
     rays: usize,
     triangles: &[Corners],
     distance: f64,
-) -> Drawn<S> {
+) -> RoundResult<S> {
     soup_round(random, rays, triangles, |random| {
         let target = point_within(random, triangles);
         toward(random, target, distance)
@@ -62,7 +62,7 @@ pub(super) fn exact_round<S: Buildable>(
     triangles: &[Corners],
     oracle: impl Fn(&Soup, &Ray<S>) -> Option<OracleAnswer>,
     mut draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
-) -> Drawn<S> {
+) -> RoundResult<S> {
     let mut round = Round::new(Model::triangles(triangles)?);
     let exact = Soup::new(triangles);
     for _ in 0..rays {

@@ -3,7 +3,7 @@
 use super::prelude::*;
 use crate::verify::metamorphic::MetamorphicPair;
 
-pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 60);
     let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
         let d = sign_direction(random);
@@ -24,7 +24,7 @@ pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn tiny_components<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn tiny_components<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     const HALF: f64 = 1e-4;
     const FAR: f64 = 1e3;
     let [a, b] = [-HALF, HALF];
@@ -48,7 +48,7 @@ pub fn tiny_components<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<
     Ok(round)
 }
 
-pub fn scaled_directions<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn scaled_directions<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 100, 0.3);
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
@@ -59,7 +59,7 @@ pub fn scaled_directions<S: Buildable>(random: &mut Random, rays: usize) -> Draw
     Ok(round)
 }
 
-pub fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 100, 0.3);
     let mut round = Round::new(Model::triangles(&triangles)?);
     for i in 0..rays {
@@ -81,7 +81,7 @@ pub fn meaningless<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn interval_ends<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn interval_ends<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = sheet(12, |_, _| 0.0);
     let mut round = Round::new(Model::triangles(&triangles)?);
     for _ in 0..rays {
@@ -106,7 +106,7 @@ pub fn interval_ends<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S>
     Ok(round)
 }
 
-pub fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 60, 1.0);
     soup_round(random, rays, &triangles, |random| {
         let target = point_within(random, &triangles);
@@ -115,7 +115,7 @@ pub fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     })
 }
 
-pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let side = f64::from(LATTICE);
     let mut triangles = lattice_soup(random, 60);
     // the scene's box is that of the lattice

@@ -15,7 +15,7 @@ use crate::verify::subject::with_brute_force;
 const A_HIT: usize = 20;
 
 /// Draws a round whose rays leave surfaces under a rule.
-pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> Drawn<S>;
+pub type Draw<S> = fn(&mut Random, usize, OffsetRule) -> RoundResult<S>;
 
 /// The cases by name, under a rule of choice: with none, rays hit what they leave. Each draws the
 /// same scenes and the same number of rays for each rule.
@@ -23,13 +23,17 @@ pub fn draws<S: Buildable>() -> [(&'static str, Draw<S>); 5] {
     [
         ("S1", from_a_shape),
         ("S2", from_far_away),
-        ("S3", in_a_gap),
+        ("S3", between_planes),
         ("S3ball", under_a_ball),
         ("S4", to_a_light_on_a_surface),
     ]
 }
 
-pub fn from_a_shape<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
+pub fn from_a_shape<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> RoundResult<S> {
     let size = 10.0_f64.powf(unit(random) * 16.0 - 8.0);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 10.0, 1000.0]);
     let mut scene = Scene::new("a shape");
@@ -61,7 +65,11 @@ pub fn from_a_shape<S: Buildable>(random: &mut Random, rays: usize, rule: Offset
     offset_rays(random, rays, &scene, at, size, rule)
 }
 
-pub fn from_far_away<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
+pub fn from_far_away<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> RoundResult<S> {
     let size: f64 = one_of(random, &[1e-3, 1.0, 1e3]);
     let away = one_of(random, &[0.0, 1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6]);
     let at = direction(random) * size * away;
@@ -85,7 +93,7 @@ fn offset_rays<S: Buildable>(
     at: DVec3,
     size: f64,
     rule: OffsetRule,
-) -> Drawn<S> {
+) -> RoundResult<S> {
     let aimed: Vec<Ray<S>> = (0..rays.div_ceil(A_HIT))
         .map(|_| {
             let from = at + direction(random) * size * 4.0;
@@ -111,7 +119,11 @@ fn offset_rays<S: Buildable>(
 }
 
 /// A plane, another just above it, a light above both: all of the lower one is dark.
-pub fn in_a_gap<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
+pub fn between_planes<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> RoundResult<S> {
     const GAP: f64 = 1e-3;
     let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
     let turn = one_of(random, &[0, 1, 2]);
@@ -150,7 +162,11 @@ fn turned(p: DVec3, by: usize) -> DVec3 {
 
 /// A ball on a plane: whether the ball is in the way of the light follows from its distance to
 /// the ray.
-pub fn under_a_ball<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
+pub fn under_a_ball<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    rule: OffsetRule,
+) -> RoundResult<S> {
     let radius: f64 = one_of(random, &[0.01, 1.0, 100.0]);
     let mut scene = Scene::new("a ball on a plane");
     let material = scene.push_material(Material::default());
@@ -199,7 +215,7 @@ pub fn to_a_light_on_a_surface<S: Buildable>(
     random: &mut Random,
     rays: usize,
     rule: OffsetRule,
-) -> Drawn<S> {
+) -> RoundResult<S> {
     let size: f64 = one_of(random, &[1e-6, 1.0, 1e6]);
     let at = point(random) * size * one_of(random, &[0.0, 1.0, 100.0]);
     let mut scene = Scene::new("a light on a ceiling");
@@ -239,7 +255,7 @@ pub(super) fn from_hits<S: Buildable>(
     scene: &Scene,
     aimed: &[Ray<S>],
     mut leave: impl FnMut(&SurfacePoint<'_>, DVec3, &mut Round<S>),
-) -> Drawn<S> {
+) -> RoundResult<S> {
     let mut round = Round::new(match Geometry::<S>::of(scene).map_err(|e| e.source)? {
         Geometry::Triangles(set) => Model::Triangles(set),
         Geometry::Mixed(set) => Model::Mixed(set),

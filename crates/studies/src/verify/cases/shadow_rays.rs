@@ -5,7 +5,7 @@ use accel_core::primitives::{PrimSet, TriangleSet};
 use super::prelude::*;
 
 /// Glass before and behind opaque primitives, and in the same place.
-pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let size = one_of(random, &[0.3, 0.8]);
     let mut triangles = soup(random, 60, size);
     // glass and what is not in one place
@@ -54,7 +54,7 @@ pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
 
 const LIGHTS: usize = 3;
 
-pub fn lights<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn lights<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let size = one_of(random, &[0.2, 0.8]);
     let triangles: Vec<Corners> = match random.below(3) {
         0 => icosphere(2, DVec3::ZERO),

@@ -7,7 +7,7 @@ use super::prelude::*;
 use crate::verify::closed_form::{ConeShape, first_of};
 use crate::verify::every_hit::outside_box;
 
-pub fn small_far_sphere<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn small_far_sphere<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     const RADIUS: f64 = 0.1;
     let model = Model::mixed(|set| set.sphere(DVec3::ZERO, RADIUS))?;
     let mut round = Round::new(model);
@@ -29,7 +29,7 @@ pub fn small_far_sphere<S: Buildable>(random: &mut Random, rays: usize) -> Drawn
     Ok(round)
 }
 
-pub fn spheres_within<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn spheres_within<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let radius: f64 = one_of(random, &[1.0, 1e6]);
     let model = Model::mixed(|set| set.sphere(DVec3::ZERO, radius))?;
     let mut round = Round::new(model);
@@ -54,16 +54,16 @@ pub fn spheres_within<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S
 }
 
 /// A cone, a cylinder, a truncated cone or one without height, alone in its scene.
-pub fn cones<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn cones<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     around_cone(random, rays, false)
 }
 
 /// The same in two parts of half the height.
-pub fn rims<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn rims<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     around_cone(random, rays, true)
 }
 
-fn around_cone<S: Buildable>(random: &mut Random, rays: usize, is_split: bool) -> Drawn<S> {
+fn around_cone<S: Buildable>(random: &mut Random, rays: usize, is_split: bool) -> RoundResult<S> {
     let axis = one_of(random, &[DVec3::X, DVec3::Y, DVec3::Z, -DVec3::Z, dvec3(0.6, 0.0, 0.8)]);
     let base = single(point(random));
     let (radii, height): ([f64; 2], f64) = one_of(
@@ -115,20 +115,25 @@ fn around_cone<S: Buildable>(random: &mut Random, rays: usize, is_split: bool) -
     Ok(round)
 }
 
-pub fn slender_cones<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn slender_cones<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let length = one_of(random, &[1.0, 10.0, 100.0]);
     let ratio = 10f64.powf(2.0 + 3.0 * unit(random));
     cone_rays(random, rays, length, length / ratio)
 }
 
-pub fn flat_cones<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn flat_cones<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let radius = one_of(random, &[1.0, 10.0, 100.0]);
     let ratio = 10f64.powf(5.0 * unit(random));
     cone_rays(random, rays, radius / ratio, radius)
 }
 
 /// Some cones of about that length and radius, in any direction.
-fn cone_rays<S: Buildable>(random: &mut Random, rays: usize, length: f64, radius: f64) -> Drawn<S> {
+fn cone_rays<S: Buildable>(
+    random: &mut Random,
+    rays: usize,
+    length: f64,
+    radius: f64,
+) -> RoundResult<S> {
     let size = length.max(radius);
     let away = direction(random) * size * one_of(random, &[0.0, 0.0, 1.0, 10.0]);
     let many = 1 + random.below(6);

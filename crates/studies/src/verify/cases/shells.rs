@@ -18,7 +18,7 @@ const A_HIT: usize = 8;
 const NARROW: f64 = 16.0;
 
 /// A round under a rule of choice: a fixed distance skips shells.
-pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> Drawn<S> {
+pub fn shells<S: Buildable>(random: &mut Random, rays: usize, rule: OffsetRule) -> RoundResult<S> {
     let apart = (1.0 + 11.0 * unit(random)).exp2().round();
     let gap = apart * S::EPSILON.to_f64();
     let mut scene = Scene::new("shells");

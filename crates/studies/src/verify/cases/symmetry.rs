@@ -19,7 +19,7 @@ fn scene<S: Buildable>(
     Ok((triangles, round))
 }
 
-pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     // a magnitude of up to 2 and rays of up to 4 stay within what is served
@@ -33,7 +33,7 @@ pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
     Ok(round)
 }
 
-pub fn turned<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn turned<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
     let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let mirrored = original.permuted(0, 1 + random.below(7) as u8);
@@ -48,7 +48,7 @@ const PARTS: usize = 16;
 /// The whole served range of scales, power of two by power of two: a sparse set of scales passes
 /// over a fault at one of them. Each round tries one exponent from each of [`PARTS`] equal parts: a
 /// few rounds try all of f32, a few hundred all of f64.
-pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> Drawn<S> {
+pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles: Vec<Corners> = match random.below(4) {
         0 => soup(random, 80, 0.3),
         1 => icosphere(1, DVec3::ZERO),
