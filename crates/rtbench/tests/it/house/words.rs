@@ -25,7 +25,7 @@ const LISTED: [(&str, &str); 12] = [
 const NO_TYPES: &str = "Told Said Took Unlike Reign Crowd Company From Seen Found Asked Kept Left \
                         Made Met Put Own Other Both Next Near Over Within Beside Before Below \
                         Above Around Along Across Whole Wanted Narrowed Begun Entangled Way Part \
-                        Tally Timed Judged Built Placed RoundResult Shown Lower Upper";
+                        Tally Timed Judged Built Placed Drawn Shown Lower Upper";
 
 /// Limit of doc comments of at most three words; lower it when there are fewer.
 const MOST_TRIVIAL: usize = 140;
