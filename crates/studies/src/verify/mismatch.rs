@@ -87,7 +87,7 @@ impl Mismatch {
 const MOST_FOR_BRUTE_FORCE: usize = 4096;
 
 /// How an answer differs from ours; whether it is wrong.
-type Judged = (Difference, bool);
+type Judgement = (Difference, bool);
 
 /// An oracle over a scene, built when the first answer differs by more than last bits.
 pub(super) struct OwnTestJudge<'a> {
@@ -101,7 +101,12 @@ impl<'a> OwnTestJudge<'a> {
     }
 
     /// How a hit differs from ours.
-    pub fn hit<S: Buildable>(&self, ray: &Ray<S>, said: &Hit<S>, ours: &Hit<S>) -> Option<Judged> {
+    pub fn hit<S: Buildable>(
+        &self,
+        ray: &Ray<S>,
+        said: &Hit<S>,
+        ours: &Hit<S>,
+    ) -> Option<Judgement> {
         let difference = Difference::of_hits(ray, said, ours);
         if said.id == ours.id && !is_apart(said, ours, ray) {
             let is_equal = !said.is_hit() || said.t == ours.t;
@@ -111,12 +116,17 @@ impl<'a> OwnTestJudge<'a> {
     }
 
     /// The same of an occlusion.
-    pub fn occlusion<S: Buildable>(&self, ray: &Ray<S>, said: bool, ours: bool) -> Option<Judged> {
+    pub fn occlusion<S: Buildable>(
+        &self,
+        ray: &Ray<S>,
+        said: bool,
+        ours: bool,
+    ) -> Option<Judgement> {
         let difference = Difference::of_occlusion(said);
         (said != ours).then(|| self.judged(ray, &Answers::Blocked(vec![said]), difference))
     }
 
-    fn judged<S: Buildable>(&self, ray: &Ray<S>, said: &Answers<S>, how: Difference) -> Judged {
+    fn judged<S: Buildable>(&self, ray: &Ray<S>, said: &Answers<S>, how: Difference) -> Judgement {
         let oracle = self.oracle.get_or_init(|| self.build().ok()).as_ref();
         match oracle.and_then(|oracle| oracle.strict_opinion(ray, said, 0)) {
             Some(Opinion::Right) => (Difference::LastBits, false),
