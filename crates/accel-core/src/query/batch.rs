@@ -227,26 +227,35 @@ pub(crate) fn answer_in_order<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: P
     while first < rays.len() {
         let places = first..rays.len().min(first + ORDERED_AT_A_TIME);
         let Some(order) = ray_order::of(&rays[places.clone()], unit) else { break };
-        let own = &rays[places.clone()];
-        let ordered: Vec<Ray<S>> = order.iter().map(|&place| own[place as usize]).collect();
-        match answers.of(places.clone()) {
+        let ordered: Vec<Ray<S>> = order.iter().map(|&at| rays[first + at as usize]).collect();
+        let ask = |into: BatchAnswers<'_, S>| {
+            answer::<D, C, _, _, _>(structure, prims, &ordered, reach, into)
+        };
+        first = places.end;
+        work += match answers.of(places) {
             BatchAnswers::Closest(hits) => {
-                let mut found = vec![Hit::NONE; own.len()];
-                let into = BatchAnswers::Closest(&mut found);
-                work += answer::<D, C, _, _, _>(structure, prims, &ordered, reach, into);
-                order.iter().zip(found).for_each(|(&place, hit)| hits[place as usize] = hit);
+                put_back(&order, hits, Hit::NONE, |found| ask(BatchAnswers::Closest(found)))
             }
             BatchAnswers::Occlusion(blocked) => {
-                let mut found = vec![false; own.len()];
-                let into = BatchAnswers::Occlusion(&mut found);
-                work += answer::<D, C, _, _, _>(structure, prims, &ordered, reach, into);
-                order.iter().zip(found).for_each(|(&place, found)| blocked[place as usize] = found);
+                put_back(&order, blocked, false, |found| ask(BatchAnswers::Occlusion(found)))
             }
-        }
-        first = places.end;
+        };
     }
     let rest = answers.of(first..rays.len());
     work += answer::<D, C, _, _, _>(structure, prims, &rays[first..], reach, rest);
+    work
+}
+
+/// Has answers written in an order, and puts each at its place; `unwritten` is overwritten.
+fn put_back<A: Copy, C>(
+    order: &[u32],
+    answers: &mut [A],
+    unwritten: A,
+    ask: impl FnOnce(&mut [A]) -> C,
+) -> C {
+    let mut found = vec![unwritten; order.len()];
+    let work = ask(&mut found);
+    order.iter().zip(found).for_each(|(&place, answer)| answers[place as usize] = answer);
     work
 }
 
