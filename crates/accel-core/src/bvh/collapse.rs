@@ -101,43 +101,6 @@ pub(super) struct Collapse<'a> {
     choices: Vec<Choice>,
 }
 
-/// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after
-/// their parents.
-pub(super) struct CollapsedTree {
-    pub(super) nodes: Vec<CollapsedNode>,
-    /// The ids of all leaves, one after the other, and where each ends.
-    ids: Vec<u32>,
-    ends: Vec<usize>,
-}
-
-impl CollapsedTree {
-    /// The ids of each leaf.
-    pub(super) fn leaves(&self) -> Vec<&[u32]> {
-        let mut first = 0;
-        let ids = |&end| &self.ids[std::mem::replace(&mut first, end)..end];
-        self.ends.iter().map(ids).collect()
-    }
-}
-
-/// A node that is no leaf.
-#[derive(Clone, Copy)]
-pub(super) struct CollapsedNode {
-    /// The subtrees that became its children, so many.
-    subtrees: [u32; WIDTH],
-    /// Node numbers, or leaf numbers with [`LEAF`].
-    places: [u32; WIDTH],
-    children: usize,
-}
-
-impl CollapsedNode {
-    const NONE: Self = Self { subtrees: [0; WIDTH], places: [0; WIDTH], children: 0 };
-
-    /// Its children: of each the subtree and which node or leaf it is.
-    pub(super) fn children(&self) -> impl Iterator<Item = (u32, u32)> {
-        self.subtrees.into_iter().zip(self.places).take(self.children)
-    }
-}
-
 /// The place of an inner node's choice.
 fn pair_of(node: &Bvh2Node) -> usize {
     node.first_index as usize / 2
@@ -176,6 +139,11 @@ impl<'a> Collapse<'a> {
         let root = planner.subtree(0, forks());
         let choices = planner.choices.into_iter().map(|bits| Choice(bits.into_inner())).collect();
         (choices, root.map_or(0, |root| root.levels))
+    }
+
+    /// How many nodes have two children, at most.
+    pub(super) fn inner_nodes(&self) -> usize {
+        self.choices.len()
     }
 
     /// The box of a subtree.
@@ -220,38 +188,8 @@ impl<'a> Collapse<'a> {
         (children, n)
     }
 
-    /// All nodes and leaves.
-    pub(super) fn collapsed(&self) -> CollapsedTree {
-        let mut all = CollapsedTree { nodes: Vec::new(), ids: Vec::new(), ends: Vec::new() };
-        let mut below = Vec::new();
-        if self.is_leaf(0) {
-            self.ids(0, &mut below, &mut all.ids);
-            all.ends.push(all.ids.len());
-            return all;
-        }
-        all.nodes.push(CollapsedNode::NONE);
-        let mut waiting = vec![(0, 0)];
-        while let Some((number, subtree)) = waiting.pop() {
-            let (subtrees, n) = self.children(subtree);
-            let mut places = [0; WIDTH];
-            for (place, &child) in places.iter_mut().zip(&subtrees[..n]) {
-                if self.is_leaf(child) {
-                    *place = LEAF | all.ends.len() as u32;
-                    self.ids(child, &mut below, &mut all.ids);
-                    all.ends.push(all.ids.len());
-                } else {
-                    *place = all.nodes.len() as u32;
-                    waiting.push((all.nodes.len(), child));
-                    all.nodes.push(CollapsedNode::NONE);
-                }
-            }
-            all.nodes[number] = CollapsedNode { subtrees, places, children: n };
-        }
-        all
-    }
-
-    /// The ids of a subtree's primitives.
-    fn ids(&self, node: u32, waiting: &mut Vec<u32>, ids: &mut Vec<u32>) {
+    /// Adds the ids of a subtree's primitives.
+    pub(super) fn ids(&self, node: u32, waiting: &mut Vec<u32>, ids: &mut Vec<u32>) {
         waiting.push(node);
         while let Some(node) = waiting.pop() {
             let inner = &self.bvh.nodes[node as usize];

@@ -14,6 +14,7 @@
 pub(crate) mod box_ray;
 pub(crate) mod build;
 mod collapse;
+mod collapsed;
 pub(crate) mod items;
 mod node;
 mod node_ray_lanes;
@@ -44,6 +45,7 @@ use box_ray::RaySetup;
 use build::agglomerated::{preset_named, reinserted};
 use build::{BINNED, BUILDS, MORTON, binned, morton};
 use collapse::{Collapse, Costs, LEAF, LEVELS, WIDTH};
+use collapsed::CollapsedTree;
 use items::{Padding, items_of};
 use node::Node;
 
@@ -190,7 +192,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             Build::Preset(preset) => reinserted(&items.boxes, &preset),
         };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
-        let collapsed = collapse.collapsed();
+        let collapsed = CollapsedTree::of(&collapse);
         let leaves = collapsed.leaves();
         let references: u64 = leaves.iter().map(|ids| ids.len() as u64).sum();
         let layout = Layout::of(prims, &leaves, LEAF).ok_or(BuildError::TooLarge {
