@@ -51,6 +51,7 @@
 
 pub mod bvh;
 mod capacity;
+mod counting_sort;
 pub mod geometry;
 pub mod grid;
 pub mod historical;

@@ -96,6 +96,27 @@ pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
     }
 }
 
+/// Exchanges the values of the first pieces, in their order, for those of the others, as many.
+pub(crate) fn exchange<T: Send>(first: Vec<&mut [T]>, others: Vec<&mut [T]>) {
+    const LONGEST: usize = 1 << 12;
+    let mut pairs = Vec::new();
+    let mut others = others.into_iter();
+    let mut other: &mut [T] = &mut [];
+    for mut one in first {
+        while !one.is_empty() {
+            if other.is_empty() {
+                let Some(next) = others.next() else { break };
+                other = next;
+                continue;
+            }
+            let n = one.len().min(other.len()).min(LONGEST);
+            let (a, b) = (one.split_off_mut(..n), other.split_off_mut(..n));
+            pairs.extend(a.zip(b));
+        }
+    }
+    pairs.into_par_iter().for_each(|(a, b)| a.swap_with_slice(b));
+}
+
 /// Concatenates the pieces, each mapped by `moved`.
 pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
     pieces: &[(&[T], M)],
@@ -167,6 +188,7 @@ mod tests {
         let pieces: Vec<(&[u32], u32)> = pieces.collect();
         let joined = pieces.iter().flat_map(|(piece, by)| piece.iter().map(move |n| n + by));
         let joined: Vec<u32> = joined.collect();
+        let exchanged: Vec<u32> = [&numbers[25_000..50_000], &numbers[..25_000]].concat();
         for threads in [1, 2, 5] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
@@ -179,6 +201,10 @@ mod tests {
                 assert_eq!(own[..4], [0, 0, 0, sorted[3] + 1]);
                 assert!(map(&numbers, &|n| n + 1).iter().zip(&numbers).all(|(n, m)| *n == m + 1));
                 assert!(concat(&pieces, &|n, by| n + by) == joined);
+                let mut own = numbers[..50_000].to_vec();
+                let (a, b) = own.split_at_mut(25_000);
+                exchange(a.chunks_mut(7000).collect(), b.chunks_mut(9999).collect());
+                assert!(own == exchanged);
             });
         }
     }

@@ -160,17 +160,17 @@ impl<S: Scalar> BoxScale<S> {
 #[inline(always)]
 pub(crate) fn outward<S: Scalar>(b: &Aabb<S>, margins: [f64; 3], unit: f64) -> ObvhsAabb {
     let (min, max) = (b.min.to_array(), b.max.to_array());
-    let lo = [0, 1, 2].map(|k| {
+    let low = |k: usize| {
         let exact = (min[k].to_f64() - margins[k]) * unit;
         let y = exact as f32;
         moved(y, -i32::from(f64::from(y) > exact))
-    });
-    let hi = [0, 1, 2].map(|k| {
+    };
+    let high = |k: usize| {
         let exact = (max[k].to_f64() + margins[k]) * unit;
         let y = exact as f32;
         moved(y, i32::from(f64::from(y) < exact))
-    });
-    ObvhsAabb::new(Vec3A::from_array(lo), Vec3A::from_array(hi))
+    };
+    ObvhsAabb::new(Vec3A::new(low(0), low(1), low(2)), Vec3A::new(high(0), high(1), high(2)))
 }
 
 /// The number so many places further on in the order of all finite ones, in which -0 is before 0.

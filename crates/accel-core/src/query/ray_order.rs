@@ -9,6 +9,7 @@
 
 use std::array::from_fn;
 
+use crate::counting_sort::{DIGIT_BITS, by_two_digits};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 
@@ -24,8 +25,7 @@ const NEARER: f32 = 4.0;
 pub(crate) const ALIKE: f32 = 0.125;
 
 /// Bits of a code: two digits of a sort.
-const CODE_BITS: usize = 24;
-const DIGIT_BITS: usize = CODE_BITS / 2;
+const CODE_BITS: usize = 2 * DIGIT_BITS as usize;
 /// Bits of each coordinate at most.
 const MOST_BITS: usize = 8;
 
@@ -141,26 +141,7 @@ impl RayCells {
     fn order<S: Scalar>(&self, rays: &[Ray<S>], unit: f32) -> Vec<u32> {
         let code = |ray| u64::from(self.code(&coordinates(ray, unit)));
         let coded = rays.iter().zip(0..).map(|(ray, place)| code(ray) << 32 | place);
-        let coded = sorted_by_digit(coded.collect(), 0);
-        sorted_by_digit(coded, 1).into_iter().map(|coded| coded as u32).collect()
+        let coded = by_two_digits(coded.collect(), 32);
+        coded.into_iter().map(|coded| coded as u32).collect()
     }
-}
-
-/// Numbers, a code above a place, by one digit of the codes; equal ones stay as they lie.
-fn sorted_by_digit(coded: Vec<u64>, digit: usize) -> Vec<u64> {
-    let digit =
-        |coded: u64| (coded >> (32 + digit * DIGIT_BITS)) as usize & ((1 << DIGIT_BITS) - 1);
-    let mut places = [0u32; 1 << DIGIT_BITS];
-    coded.iter().for_each(|&coded| places[digit(coded)] += 1);
-    let mut sum = 0;
-    for place in &mut places {
-        sum += std::mem::replace(place, sum);
-    }
-    let mut sorted = vec![0; coded.len()];
-    for coded in coded {
-        let place = &mut places[digit(coded)];
-        sorted[*place as usize] = coded;
-        *place += 1;
-    }
-    sorted
 }

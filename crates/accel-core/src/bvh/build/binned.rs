@@ -38,9 +38,9 @@ fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
     }
     let around = SetBounds::of_all(&items);
     let set = Set { items: &mut items, first: 0, around, level, node: 0 };
-    let sizes = Sizes { few: FEW.min(longest_leaf) as usize, many: MANY };
+    let sizes = Sizes { few: FEW.min(longest_leaf) as usize, many: MANY, is_parallel: true };
     let nodes = set.tree(sizes);
-    let primitive_indices = items.iter().map(Item::number).collect();
+    let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
     (Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() }, nodes.upper)
 }
 

@@ -3,12 +3,13 @@
 use std::ops::Range;
 
 use obvhs::aabb::Aabb;
-use wide::{f32x4, i32x4};
+use wide::{f32x4, f32x8};
 
-use crate::geometry::lanes::{Four, Lanes};
+use crate::geometry::lanes::Lanes;
 use crate::parallel::map_parts;
 
-/// A box and its number, which stands in the fourth lane of `low`.
+/// A box and its number, which stands in the lane behind the lower corner's; behind the upper one's
+/// stands of how many boxes it is made.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Item(pub(super) Bounds);
 
@@ -19,70 +20,71 @@ impl Item {
 
     /// The box around so many.
     pub(super) fn of_cluster(aabb: &Aabb, number: u32, boxes: u32) -> Self {
-        let ([x, y, z], [u, v, w]) = (aabb.min.to_array(), aabb.max.to_array());
-        Self(Bounds {
-            low: f32x4::new([x, y, z, f32::from_bits(number)]),
-            high: f32x4::new([u, v, w, f32::from_bits(boxes)]),
-        })
+        let low = aabb.min.extend(f32::from_bits(number)).to_array();
+        let negated = (-aabb.max).extend(f32::from_bits(boxes)).to_array();
+        Self(Bounds(bytemuck::cast([f32x4::new(low), f32x4::new(negated)])))
     }
 
     pub(super) fn half_area(&self) -> f32 {
         self.0.half_area()
     }
 
+    #[inline(always)]
     pub(super) fn boxes(&self) -> u32 {
-        self.0.high.to_array()[3].to_bits()
-    }
-
-    pub(super) fn number(&self) -> u32 {
-        self.0.low.to_array()[3].to_bits()
+        self.0.0.to_array()[7].to_bits()
     }
 
     #[inline(always)]
-    pub(super) fn centre(&self) -> f32x4 {
-        (self.0.low + self.0.high) & XYZ
+    pub(super) fn number(&self) -> u32 {
+        self.0.0.to_array()[3].to_bits()
+    }
+
+    /// Around the sum of both corners.
+    #[inline(always)]
+    pub(super) fn centre(&self) -> Bounds {
+        let [low, negated] = self.0.corners();
+        let exchanged: f32x8 = bytemuck::cast([negated, low]);
+        Bounds(self.0.0 - exchanged)
     }
 }
 
-/// All ones for the axes. A number would be a subnormal one, slow to multiply on some processors.
-const XYZ: f32x4 =
-    f32x4::new([f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), 0.0]);
-
-/// A box; of what is in the fourth lanes nothing is known.
+/// A box: the lower corner, then the upper one negated, so that one operation joins two boxes; of
+/// what is in the fourth and in the last lane nothing is known.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bounds {
-    pub(super) low: f32x4,
-    pub(super) high: f32x4,
-}
+pub(super) struct Bounds(f32x8);
 
 impl Bounds {
-    pub(super) const NONE: Self =
-        Self { low: f32x4::splat(f32::INFINITY), high: f32x4::splat(f32::NEG_INFINITY) };
+    pub(super) const NONE: Self = Self(f32x8::splat(f32::INFINITY));
+
+    /// The lower corner, and the upper one negated.
+    #[inline(always)]
+    pub(super) fn corners(&self) -> [f32x4; 2] {
+        bytemuck::cast(self.0)
+    }
 
     #[inline(always)]
     pub(super) fn add(&mut self, other: &Self) {
-        self.low = self.low.lesser(other.low);
-        self.high = self.high.greater(other.high);
+        self.0 = self.0.lesser(other.0);
     }
 
-    /// Adds the other where the mask is set.
+    /// Adds the other if its sign is set, else nothing.
     #[inline(always)]
-    fn add_where(&mut self, mask: i32x4, other: &Self) {
-        self.add(&Self {
-            low: other.low.where_set(mask, Self::NONE.low),
-            high: other.high.where_set(mask, Self::NONE.high),
-        });
+    pub(super) fn add_if_negative(&mut self, sign: i32, other: &Self) {
+        let infinity = f32::INFINITY.to_bits() | sign as u32 & 1 << 31;
+        self.0 = self.0.lesser(other.0.greater(f32x8::splat(f32::from_bits(infinity))));
     }
 
     #[inline(always)]
     pub(super) fn half_area(&self) -> f32 {
-        let [x, y, z, _] = (self.high - self.low).to_array();
+        let [low, negated] = self.corners();
+        // negative, of which products are not
+        let [x, y, z, _] = (low + negated).to_array();
         x * y + y * z + z * x
     }
 
     pub(super) fn aabb(&self) -> Aabb {
-        let ([x, y, z, _], [u, v, w, _]) = (self.low.to_array(), self.high.to_array());
-        Aabb::new([x, y, z].into(), [u, v, w].into())
+        let [x, y, z, _, u, v, w, _] = self.0.to_array();
+        Aabb::new([x, y, z].into(), [-u, -v, -w].into())
     }
 }
 
@@ -98,17 +100,8 @@ impl SetBounds {
 
     #[inline(always)]
     fn add(&mut self, item: &Item) {
-        let centre = item.centre();
         self.items.add(&item.0);
-        self.centres.add(&Bounds { low: centre, high: centre });
-    }
-
-    /// Adds the item where the mask is set.
-    #[inline(always)]
-    pub(super) fn add_where(&mut self, mask: i32x4, item: &Item) {
-        let centre = item.centre();
-        self.items.add_where(mask, &item.0);
-        self.centres.add_where(mask, &Bounds { low: centre, high: centre });
+        self.centres.add(&item.centre());
     }
 
     pub(super) fn of(items: &[Item]) -> Self {
@@ -121,10 +114,13 @@ impl SetBounds {
     pub(super) fn of_all(items: &[Item]) -> Self {
         let of_part = |part: Range<u32>| Self::of(&items[part.start as usize..part.end as usize]);
         let mut around = Self::NONE;
-        for part in map_parts(items.len(), of_part) {
-            around.items.add(&part.items);
-            around.centres.add(&part.centres);
-        }
+        map_parts(items.len(), of_part).iter().for_each(|part| around.join(part));
         around
+    }
+
+    /// Adds the items of the other.
+    pub(super) fn join(&mut self, other: &Self) {
+        self.items.add(&other.items);
+        self.centres.add(&other.centres);
     }
 }

@@ -1,17 +1,21 @@
 //! Divides a set of boxes between two of equal bins of their centres, where the surface-area
 //! heuristic is least.
 
+use rayon::prelude::*;
 use wide::{f32x4, i32x4};
 
 use super::boxes::{Bounds, Item, SetBounds};
 use crate::bvh::collapse::blocks;
 use crate::geometry::lanes::Four;
-use crate::parallel::{map_parts, parts};
+use crate::parallel::{exchange, map_parts, parts};
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;
 const BOXES_PER_BIN: usize = 20;
 const MOST_BINS: usize = 32;
+
+/// So many items are counted into two sets of bins by turns.
+const MANY: usize = 256;
 
 /// Maps the centres of items to bins.
 #[derive(Clone, Copy)]
@@ -22,20 +26,27 @@ struct Binning {
 
 impl Binning {
     fn of(centres: &Bounds, bins: usize) -> Self {
-        let extent = (centres.high - centres.low).to_array();
+        let [low, negated] = centres.corners();
+        let extent = (-negated - low).to_array();
         // the last bin ends a little behind the last centre; no bins are on an axis along which all
         // are alike
         let scale = |extent: f32| if extent > 1e-30 { bins as f32 * 0.9999 / extent } else { 0.0 };
         let [x, y, z, _] = extent;
-        Self { low: centres.low, scale: f32x4::new([scale(x), scale(y), scale(z), 0.0]) }
+        Self { low, scale: f32x4::new([scale(x), scale(y), scale(z), 0.0]) }
     }
 
     #[inline(always)]
-    fn bins(&self, item: &Item) -> [i32; 4] {
-        let places: i32x4 = ((item.centre() - self.low) * self.scale).truncate();
+    fn bins(&self, centre: &Bounds) -> [i32; 4] {
+        let [centre, _] = centre.corners();
+        let places: i32x4 = (((centre - self.low) & XYZ) * self.scale).truncate();
         places.to_array()
     }
 }
+
+/// All ones for the axes. What else is there may be a subnormal number, slow to multiply on some
+/// processors.
+const XYZ: f32x4 =
+    f32x4::new([f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), f32::from_bits(u32::MAX), 0.0]);
 
 /// Contents of the bins of each axis.
 pub(super) struct Bins {
@@ -57,14 +68,7 @@ impl Bins {
             bins
         });
         *self = Self::NONE;
-        for part in parts {
-            for axis in 0..3 {
-                let bounds = self.bounds[axis].iter_mut().zip(&part.bounds[axis]);
-                bounds.for_each(|(bounds, more)| bounds.add(more));
-                let numbers = self.numbers[axis].iter_mut().zip(&part.numbers[axis]);
-                numbers.for_each(|(number, more)| *number += more);
-            }
-        }
+        parts.iter().for_each(|part| self.join(part));
     }
 
     /// Counts the items into so many bins.
@@ -72,14 +76,36 @@ impl Bins {
     fn fill(&mut self, count: usize, binning: &Binning, items: &[Item]) {
         self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
         self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
-        for item in items {
-            let axes = self.bounds.iter_mut().zip(&mut self.numbers);
-            for ((bounds, numbers), place) in axes.zip(binning.bins(item)) {
-                let bin = place as usize & (MOST_BINS - 1);
-                bounds[bin].add(&item.0);
-                numbers[bin] += item.boxes();
-            }
+        if items.len() < MANY {
+            items.iter().for_each(|item| self.count(binning, item));
+            return;
         }
+        // neighbours are often in one bin, and a bin waits for what was last added to it
+        let mut others = Self::NONE;
+        let (pairs, last) = items.as_chunks::<2>();
+        for [one, other] in pairs {
+            self.count(binning, one);
+            others.count(binning, other);
+        }
+        last.iter().for_each(|item| self.count(binning, item));
+        self.join(&others);
+    }
+
+    #[inline(always)]
+    fn count(&mut self, binning: &Binning, item: &Item) {
+        let axes = self.bounds.iter_mut().zip(&mut self.numbers);
+        for ((bounds, numbers), place) in axes.zip(binning.bins(&item.centre())) {
+            let bin = place as usize & (MOST_BINS - 1);
+            bounds[bin].add(&item.0);
+            numbers[bin] += item.boxes();
+        }
+    }
+
+    fn join(&mut self, other: &Self) {
+        let bounds = self.bounds.as_flattened_mut().iter_mut().zip(other.bounds.as_flattened());
+        bounds.for_each(|(bounds, more)| bounds.add(more));
+        let numbers = self.numbers.as_flattened_mut().iter_mut().zip(other.numbers.as_flattened());
+        numbers.for_each(|(number, more)| *number += more);
     }
 }
 
@@ -89,6 +115,8 @@ pub(super) struct BinSplit {
     axis: usize,
     /// The first bin of the upper side.
     bin: i32,
+    /// Around the items of the lower and of the upper side.
+    sides: [Bounds; 2],
 }
 
 impl BinSplit {
@@ -121,29 +149,73 @@ impl BinSplit {
                 n += numbers[bin - 1];
                 let cost = above[bin] + around.half_area() * blocks(n);
                 if cost < least {
-                    (least, best) = (cost, Some(Self { binning, axis, bin: bin as i32 }));
+                    (least, best) = (cost, Some((axis, bin)));
                 }
             }
         }
-        best
+        let (axis, bin) = best?;
+        let around = |bins: &[Bounds]| {
+            bins.iter().fold(Bounds::NONE, |mut all, bin| {
+                all.add(bin);
+                all
+            })
+        };
+        let (lower, upper) = bins.bounds[axis][..count].split_at(bin);
+        Some(Self { binning, axis, bin: bin as i32, sides: [around(lower), around(upper)] })
     }
 
     /// Brings the items of the lower side before the others: how many they are, and what is around
-    /// both. Without branches (N. Lomuto's way to partition), as no processor can guess on which
-    /// side an item is.
+    /// both. In which order the items of a side are depends on the number of threads.
     pub(super) fn partition(&self, items: &mut [Item]) -> (usize, [SetBounds; 2]) {
-        let [mut lower, mut upper] = [SetBounds::NONE; 2];
+        let (middle, centres) = match parts(items.len()) {
+            1 => self.partition_alone(items),
+            parts => self.partition_in_parts(items, items.len().div_ceil(parts)),
+        };
+        let side = |k: usize| SetBounds { items: self.sides[k], centres: centres[k] };
+        (middle, [side(0), side(1)])
+    }
+
+    /// Of the items of this thread the middle, and what is around the centres of both sides.
+    /// Without branches (N. Lomuto's way to partition), as no processor can guess on which side an
+    /// item is.
+    fn partition_alone(&self, items: &mut [Item]) -> (usize, [Bounds; 2]) {
+        let [mut lower, mut upper] = [Bounds::NONE; 2];
         let mut middle = 0;
         for i in 0..items.len() {
             let item = items[i];
-            let is_lower = self.binning.bins(&item)[self.axis] < self.bin;
+            let centre = item.centre();
+            let from_middle = self.binning.bins(&centre)[self.axis] - self.bin;
             items[i] = items[middle];
             items[middle] = item;
-            middle += usize::from(is_lower);
-            let mask = i32x4::splat(-i32::from(is_lower));
-            lower.add_where(mask, &item);
-            upper.add_where(!mask, &item);
+            middle += (from_middle as u32 >> 31) as usize;
+            lower.add_if_negative(from_middle, &centre);
+            upper.add_if_negative(!from_middle, &centre);
         }
         (middle, [lower, upper])
+    }
+
+    /// The same on all threads: each part by itself, then the items that are on the wrong side of
+    /// the middle of all change places.
+    #[cold]
+    #[inline(never)]
+    fn partition_in_parts(&self, items: &mut [Item], size: usize) -> (usize, [Bounds; 2]) {
+        let parts = items.par_chunks_mut(size).map(|part| self.partition_alone(part));
+        let parts: Vec<(usize, [Bounds; 2])> = parts.collect();
+        let middle: usize = parts.iter().map(|(own_middle, _)| own_middle).sum();
+        let mut sides = [Bounds::NONE; 2];
+        let (mut lower, mut upper) = (Vec::new(), Vec::new());
+        for ((part, first), (own_middle, around)) in
+            items.chunks_mut(size).zip((0..).step_by(size)).zip(&parts)
+        {
+            sides.iter_mut().zip(around).for_each(|(side, around)| side.add(around));
+            let (below, above) = part.split_at_mut(*own_middle);
+            let in_front = |from: usize, n: usize| middle.saturating_sub(from).min(n);
+            let right_below = in_front(first, below.len());
+            let wrong_above = in_front(first + own_middle, above.len());
+            lower.push(&mut below[right_below..]);
+            upper.push(&mut above[..wrong_above]);
+        }
+        exchange(lower, upper);
+        (middle, sides)
     }
 }

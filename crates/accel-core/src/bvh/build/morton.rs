@@ -20,6 +20,8 @@ use super::binned::{MANY, insert_anew};
 use super::boxes::{Item, SetBounds};
 use super::cut::Bins;
 use super::sets::{MOST_CUTS, Nodes, Set, Sizes};
+use crate::counting_sort::{DIGIT_BITS, by_two_digits};
+use crate::memory::prefetch;
 use crate::parallel;
 use crate::primitives::TriangleBlock;
 
@@ -35,6 +37,9 @@ const MANY_CLUSTERS: usize = 4;
 /// Levels within a cluster, of the [`MOST_CUTS`] of a tree, below which its sets are halved.
 const LEVELS: u32 = 12;
 
+/// A box is asked for so many places before its turn.
+const AHEAD: usize = 16;
+
 /// The tree over these boxes, so many in a leaf at most; the same for any number of threads.
 pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     if boxes.is_empty() {
@@ -42,20 +47,21 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     }
     let keys = Keys::of(boxes);
     let item = |place: usize| {
+        prefetch(&boxes[keys.number((place + AHEAD).min(boxes.len() - 1)) as usize]);
         let number = keys.number(place);
         Item::of(&boxes[number as usize], number)
     };
     let mut items: Vec<Item> = parallel::collect(boxes.len(), item);
-    let clusters = clusters(keys.clusters(), &mut items);
+    let clusters = clusters(&keys.clusters(), &mut items);
     drop(keys);
-    let mut heads: Vec<Item> = Vec::with_capacity(clusters.len());
-    heads.extend(clusters.iter().zip(0..).map(|(cluster, number)| cluster.head(number)));
-    let around = SetBounds::of(&heads);
+    let head = |number: usize| clusters[number].head(number as u32);
+    let mut heads: Vec<Item> = parallel::collect(clusters.len(), head);
+    let around = SetBounds::of_all(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
-    let sizes = Sizes { few: 1, many: MANY_CLUSTERS };
+    let sizes = Sizes { few: 1, many: MANY_CLUSTERS, is_parallel: true };
     let nodes = set.tree(sizes);
     let nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
-    let primitive_indices = items.iter().map(Item::number).collect();
+    let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
     let mut bvh = Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() };
     insert_anew(&mut bvh, nodes.upper);
     bvh
@@ -90,9 +96,8 @@ impl Keys {
             let cell = ((centre(number) - low) * scale).to_array();
             code(cell.map(|x| x as u32)) << number_bits | number as u64
         };
-        let mut keys: Vec<u64> = parallel::collect(boxes.len(), key);
-        parallel::sort(&mut keys);
-        Self { keys, number_bits }
+        let keys = parallel::collect(boxes.len(), key);
+        Self { keys: sorted(keys, 3 * axis_bits + number_bits), number_bits }
     }
 
     fn number(&self, place: usize) -> u32 {
@@ -124,12 +129,25 @@ impl Keys {
     }
 }
 
+/// The keys in order, of which so many bits count.
+fn sorted(mut keys: Vec<u64>, bits: u32) -> Vec<u64> {
+    let lowest = bits.saturating_sub(2 * DIGIT_BITS);
+    if parallel::parts(keys.len()) > 1 || keys.len() < 1 << DIGIT_BITS {
+        parallel::sort(&mut keys);
+        return keys;
+    }
+    let mut keys = by_two_digits(keys, lowest);
+    keys.chunk_by_mut(|a, b| a >> lowest == b >> lowest).for_each(<[u64]>::sort_unstable);
+    keys
+}
+
 /// The code of a cell: that of its place along x has the highest bit.
 fn code([x, y, z]: [u32; 3]) -> u64 {
     morton_encode_u64(z, y, x)
 }
 
 /// Items side by side that are near each other.
+#[derive(Clone, Copy)]
 struct Cluster {
     first: usize,
     items: usize,
@@ -147,42 +165,58 @@ impl Cluster {
     }
 }
 
-/// The clusters of these runs of items, one after the other. Large ones are brought behind the
-/// others of their run, to be clusters of their own, where the boxes of all clusters then cost less
-/// than half of that of the run.
-fn clusters(runs: Vec<Range<usize>>, items: &mut [Item]) -> Vec<Cluster> {
-    let mut clusters = Vec::with_capacity(runs.len());
-    for run in runs {
-        let first = run.start;
-        let items = &mut items[run];
-        let whole = Cluster::of(first, items);
-        let n = items.len() as f32;
-        let area = whole.around.items.half_area();
-        let most = area * (2.0 / n).max(0.25);
-        let (mut middle, mut of_large) = (0, 0.0);
-        for i in 0..items.len() {
-            if items[i].half_area() <= most {
-                items.swap(i, middle);
-                middle += 1;
-            } else {
-                of_large += items[i].half_area();
-            }
+/// The clusters of these runs, which are all items one after the other.
+fn clusters(runs: &[Range<usize>], mut items: &mut [Item]) -> Vec<Cluster> {
+    let size = runs.len().div_ceil(parallel::parts(items.len()));
+    let mut parts = Vec::new();
+    for runs in runs.chunks(size.max(1)) {
+        let n = runs.iter().map(ExactSizeIterator::len).sum();
+        let Some(own) = items.split_off_mut(..n) else { break };
+        parts.push((runs, own, Vec::with_capacity(runs.len())));
+    }
+    parallel::for_each_part(&mut parts, &|(runs, items, clusters)| {
+        let mut items = std::mem::take(items);
+        for run in *runs {
+            let Some(own) = items.split_off_mut(..run.len()) else { break };
+            add_clusters(run.start, own, clusters);
         }
-        let (others, large) = items.split_at(middle);
-        if large.is_empty() || others.is_empty() {
-            clusters.push(whole);
-            continue;
-        }
-        let apart = Cluster::of(first, others);
-        if apart.around.items.half_area() * middle as f32 + of_large < 0.5 * area * n {
-            clusters.push(apart);
-            let large = large.chunks(1).zip(first + middle..);
-            clusters.extend(large.map(|(item, first)| Cluster::of(first, item)));
+    });
+    match parts.as_mut_slice() {
+        [(_, _, only)] => std::mem::take(only),
+        parts => parts.iter().flat_map(|(_, _, clusters)| clusters).copied().collect(),
+    }
+}
+
+/// Adds the clusters of a run, whose first item is in that place. Large ones are brought behind the
+/// others, to be clusters of their own, where the boxes of all clusters then cost less than half of
+/// that of the run.
+fn add_clusters(first: usize, items: &mut [Item], clusters: &mut Vec<Cluster>) {
+    let whole = Cluster::of(first, items);
+    let n = items.len() as f32;
+    let area = whole.around.items.half_area();
+    let most = area * (2.0 / n).max(0.25);
+    let (mut middle, mut of_large) = (0, 0.0);
+    for i in 0..items.len() {
+        if items[i].half_area() <= most {
+            items.swap(i, middle);
+            middle += 1;
         } else {
-            clusters.push(whole);
+            of_large += items[i].half_area();
         }
     }
-    clusters
+    let (others, large) = items.split_at(middle);
+    if large.is_empty() || others.is_empty() {
+        clusters.push(whole);
+        return;
+    }
+    let apart = Cluster::of(first, others);
+    if apart.around.items.half_area() * middle as f32 + of_large < 0.5 * area * n {
+        clusters.push(apart);
+        let large = large.chunks(1).zip(first + middle..);
+        clusters.extend(large.map(|(item, first)| Cluster::of(first, item)));
+    } else {
+        clusters.push(whole);
+    }
 }
 
 /// Makes a tree of each cluster at the leaf that stands for it, so `few` boxes being a leaf.
@@ -193,7 +227,7 @@ fn within(
     items: &mut [Item],
     few: usize,
 ) -> Nodes {
-    let sizes = Sizes { few, many: MANY };
+    let sizes = Sizes { few, many: MANY, is_parallel: false };
     let items_in_all = items.len();
     let parts = parallel::parts(items_in_all);
     let mut slices: Vec<&mut [Item]> = Vec::with_capacity(clusters.len());
@@ -222,7 +256,8 @@ fn within(
     let mut sets = sets.into_iter();
     let parts: Vec<Vec<Set<'_>>> = (0..parts).map(|_| sets.by_ref().take(size).collect()).collect();
     let built = parts.into_par_iter().map(|sets| {
-        let (mut nodes, mut bins) = (Nodes::with_root(0), Bins::NONE);
+        let room = sets.iter().map(|set| set.items.len()).sum::<usize>() / 2;
+        let (mut nodes, mut bins) = (Nodes::with_root(room), Bins::NONE);
         let root = |set: Set<'_>| {
             let place = set.node;
             Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes);
@@ -300,7 +335,7 @@ mod tests {
         }
         boxes[7] = Aabb::new(Vec3A::splat(-3.0), Vec3A::splat(3.0));
         let mut items: Vec<Item> = (0..30).map(|i| Item::of(&boxes[i], i as u32)).collect();
-        let clusters = clusters(vec![0..20, 20..30], &mut items);
+        let clusters = clusters(&[0..20, 20..30], &mut items);
         let number: Vec<_> =
             clusters.iter().map(|cluster| (cluster.first, cluster.items)).collect();
         assert_eq!(number, [(0, 19), (19, 1), (20, 10)]);

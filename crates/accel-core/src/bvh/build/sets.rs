@@ -7,8 +7,8 @@ use super::boxes::{Item, SetBounds};
 use super::cut::{BinSplit, Bins};
 use crate::parallel;
 
-/// Levels below which sets are halved as they lie: with those of a balanced tree a stack of obvhs
-/// has room for them.
+/// Levels below which sets are halved in the order of their numbers: with those of a balanced tree a
+/// stack of obvhs has room for them.
 pub(super) const MOST_CUTS: u32 = 48;
 
 /// Nodes of a tree: its root, then pairs of siblings, those below the lower one before those below
@@ -80,6 +80,8 @@ pub(super) struct Sizes {
     pub(super) few: usize,
     /// The nodes of more are those which are inserted anew.
     pub(super) many: usize,
+    /// Sets may be divided by several threads, so that the order of their items is nobody's.
+    pub(super) is_parallel: bool,
 }
 
 /// Items that a node is to be made of, at least one.
@@ -105,9 +107,11 @@ impl Set<'_> {
     /// Both sides at once, `forks` times one below the other.
     fn forked(self, sizes: Sizes, forks: u32) -> ForkedNodes {
         let n = self.items.len();
-        let (mut nodes, mut bins) = (Nodes::with_root(2 * n), Bins::NONE);
+        let is_alone = forks == 0 || !parallel::should_parallelize(n);
+        let room = if is_alone { 2 * n } else { 3 };
+        let (mut nodes, mut bins) = (Nodes::with_root(room), Bins::NONE);
         let root = Set { node: 0, ..self };
-        if forks == 0 || !parallel::should_parallelize(n) {
+        if is_alone {
             root.build(&mut nodes, &mut bins, sizes);
             return ForkedNodes { nodes, below: Vec::new() };
         }
@@ -136,6 +140,9 @@ impl Set<'_> {
         let Self { items, first, around, level, node } = self;
         let (bounds, n, pair) = (around.items.aabb(), items.len(), nodes.all.len());
         if n <= sizes.few {
+            if sizes.is_parallel {
+                items.sort_unstable_by_key(Item::number);
+            }
             nodes.all[node] = Bvh2Node::new(bounds, n as u32, first as u32);
             return None;
         }
@@ -147,7 +154,10 @@ impl Set<'_> {
         };
         let (middle, [lower, upper]) = match cut {
             Some(cut) => cut.partition(items),
-            None => (n / 2, [SetBounds::of(&items[..n / 2]), SetBounds::of(&items[n / 2..])]),
+            None => {
+                items.sort_unstable_by_key(Item::number);
+                (n / 2, [SetBounds::of(&items[..n / 2]), SetBounds::of(&items[n / 2..])])
+            }
         };
         let (lower_items, upper_items) = items.split_at_mut(middle);
         let level = level + 1;
