@@ -6,6 +6,9 @@
 # cargo fetches the crates that `rust` and `wgpu` need. On a machine with a GPU: peers/wgpu/README.md has the command
 # of a run.
 set -uo pipefail
+# empty would compile without optimisation
+[ -n "${CXXFLAGS:-}" ] || unset CXXFLAGS
+[ -n "${CFLAGS:-}" ] || unset CFLAGS
 for variable in TINYBVH BVH_V2 NANORT; do
     [ -z "${!variable:-}" ] || export "$variable=$(realpath "${!variable}")"
 done
