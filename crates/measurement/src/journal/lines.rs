@@ -79,7 +79,7 @@ impl Line {
     /// Its text, before it is sealed.
     pub fn text(&self) -> Result<String, FormatError> {
         let text = serde_json::to_string(self);
-        text.map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+        text.map_err(FormatError::from)
     }
 }
 

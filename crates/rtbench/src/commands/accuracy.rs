@@ -293,9 +293,7 @@ fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
     let mut page = summary::to_markdown(record);
     page.push_str(&pictures::captions());
     write("summary.md", page)?;
-    let json = serde_json::to_string(record)
-        .map_err(|e| FormatError { format: "JSON", message: e.to_string() })?;
-    write("accuracy.json", json)?;
+    write("accuracy.json", serde_json::to_string(record).map_err(FormatError::from)?)?;
     if let Some(axis) = record.axes.last() {
         write(&format!("{}.svg", axis.axis), plot::to_svg(axis))?;
     }

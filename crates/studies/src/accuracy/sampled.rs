@@ -13,7 +13,7 @@ use scene_loading::{SampleWishes, Scene};
 use crate::accuracy::audit;
 use crate::accuracy::record::{ErrorOf, SceneOutcome};
 use crate::accuracy::stage::{Stage, Work};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
+use crate::accuracy::timing::{Variant, timed};
 use crate::effect_plan::plan_of;
 use crate::error::StudyError;
 use crate::image_error::{ConvergedImage, rmse};
@@ -131,16 +131,17 @@ impl SampledEffect<'_> {
                 ..Variant::new(format!("{n} samples"), setting, error, work)
             });
         }
-        let said = AxisReport {
-            timed: format!("the image of {0} x {0} pixels, one thread", plan.size),
-            judged: format!(
-                "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
-                plan.reference
-            ),
+        let said = SceneOutcome {
             reference_error: reference.own_error,
             faults,
             pixels: plan.size * plan.size,
-            ..AxisReport::default()
+            ..SceneOutcome::new(
+                format!("the image of {0} x {0} pixels, one thread", plan.size),
+                format!(
+                    "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
+                    plan.reference
+                ),
+            )
         };
         Ok(ImageCheck { variants, said, reference })
     }
@@ -150,7 +151,7 @@ impl SampledEffect<'_> {
 pub struct ImageCheck<'a> {
     pub variants: Vec<Variant<'a>>,
     /// Report on the images.
-    pub said: AxisReport,
+    pub said: SceneOutcome,
     /// Reference that they were compared with.
     pub reference: ConvergedImage,
 }

@@ -200,15 +200,7 @@ impl<'a> Explanation<'a> {
 
 /// Names the changes between two rows on these axes.
 fn name(axes: &[Axis], from: &Variant, to: &Variant) -> String {
-    let ends = |axis: &Axis| {
-        let of = |v: &Variant| match axis {
-            Axis::Adapter => v.craft.adapter.name().to_owned(),
-            Axis::Kernel => v.craft.kernel.name().to_owned(),
-            Axis::Structure => v.structure.clone(),
-            Axis::Query => v.craft.query.name().to_owned(),
-        };
-        format!("{}: {} to {}", axis.name(), of(from), of(to))
-    };
+    let ends = |axis: &Axis| format!("{}: {} to {}", axis.name(), axis.value(from), axis.value(to));
     axes.iter().map(ends).collect::<Vec<_>>().join("; ")
 }
 

@@ -48,7 +48,7 @@ pub fn to_markdown(sweep: &Sweep<'_>, run: &RunRecord) -> String {
 }
 
 fn scene_table(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Table {
-    let measured = tables::scene_table(run, scene, false);
+    let measured = tables::scene_table(run, scene, &scene.rows, false);
     let judgements = judge(sweep, scene);
     let taken: Vec<(usize, &'static str)> = TAKEN
         .iter()

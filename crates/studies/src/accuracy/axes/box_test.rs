@@ -63,7 +63,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(name, built, lost.error(), replay)
         }
     });
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
         format!("{} rays at corners, edges and faces of boxes", aims.len()),
     );

@@ -187,6 +187,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         Variant { is_reference, ..Variant::new(name, setting, error, work) }
     });
     let timed_image = format!("the image of {size} x {size} pixels, one thread");
-    let said = AxisReport { pixels: size * size, ..AxisReport::new(timed_image, "the same image") };
+    let said =
+        SceneOutcome { pixels: size * size, ..SceneOutcome::new(timed_image, "the same image") };
     Ok(timed(stage, said, variants))
 }

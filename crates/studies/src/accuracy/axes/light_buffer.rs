@@ -56,7 +56,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         ..Variant::new(TRACER, structure.setting(), error(0), reference)
     });
     let work = format!("{rays} shadow rays of the scene to {} lights", positions.len());
-    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
+    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }
 
 struct OccluderQuery<'a> {

@@ -68,7 +68,7 @@ fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, Stud
         let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
         variant(name, built, &batches, answers)
     });
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through {subject}"),
         format!("{} rays at corners and edges within the mesh", aims.len()),
     );
@@ -174,7 +174,7 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
         let answers = answers.map(|((t, exact), is_met)| (t, *exact, t.is_some() != *is_met));
         variant(name, built, &batches, answers)
     });
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of {what} through {TRACER}"),
         format!("{} rays beside and through spheres of {what}", aims.len()),
     );

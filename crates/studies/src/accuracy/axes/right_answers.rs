@@ -139,7 +139,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         "{edges} rays at corners and edges, {middles} along axes and from close by, {judged} off \
          surfaces"
     );
-    let said = AxisReport { is_stepwise: true, ..AxisReport::new(work, judged) };
+    let said = SceneOutcome { is_stepwise: true, ..SceneOutcome::new(work, judged) };
     Ok(timed(stage, said, variants))
 }
 

@@ -70,7 +70,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(traversal, built, tally.error(), replay)
         });
     }
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through {n}^3 cells"),
         format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
     );
