@@ -58,12 +58,6 @@ pub enum Error {
     Measure(Box<MeasureError>),
     #[error(transparent)]
     Plugin(#[from] PluginError),
-    #[error(transparent)]
-    HitsFile(#[from] FileError),
-    #[error(transparent)]
-    RayText(#[from] RayTextError),
-    #[error(transparent)]
-    ForeignRow(#[from] ForeignRowError),
     #[error(
         "scene {scene}: has other primitives than static triangles; scenes named ...-tess are tessellated"
     )]
@@ -71,45 +65,41 @@ pub enum Error {
     #[error(transparent)]
     Study(Box<StudyError>),
     #[error(transparent)]
-    Write(#[from] WriteError),
-    #[error(transparent)]
-    Outputs(OutputError),
-    #[error(transparent)]
-    Occupied(#[from] OccupiedError),
+    Outputs(#[from] OutputError),
     #[error("the images of {scenes} were too fast to predict from")]
     NoModel { scenes: String },
-    #[error(transparent)]
-    Format(#[from] FormatError),
-    #[error(transparent)]
-    Journal(#[from] JournalError),
     #[error("cannot watch for signals: {0}")]
     Signals(io::Error),
-    #[error(transparent)]
-    Record(#[from] RecordError),
     #[error(transparent)]
     Compare(#[from] CompareError),
     #[error(transparent)]
     Gate(Box<GateError>),
     #[error(transparent)]
     SetOptions(Box<SetOptionsError>),
-    #[error(transparent)]
-    Merge(#[from] MergeError),
-    #[error(transparent)]
-    Machines(#[from] MachinesError),
-    #[error(transparent)]
-    Report(#[from] ReportError),
-    #[error(transparent)]
-    History(#[from] HistoryError),
-    #[error(transparent)]
-    Copy(#[from] CopyError),
     #[error("structure {row}: {source}")]
     NoCells { row: String, source: NoCells },
     #[error("cannot draw {}: {source}", path.display())]
     Undrawn { path: PathBuf, source: ImageError },
-    #[error(transparent)]
-    Reproduce(#[from] ReproduceError),
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
+    /// An error of a subsystem that is never told apart from others.
+    #[error(transparent)]
+    Other(Box<dyn std::error::Error + Send + Sync>),
+}
+
+macro_rules! other {
+    ($($error:ty),+ $(,)?) => {$(
+        impl From<$error> for Error {
+            fn from(error: $error) -> Self {
+                Self::Other(Box::new(error))
+            }
+        }
+    )+};
+}
+
+other! {
+    FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
+    RecordError, MergeError, MachinesError, ReportError, HistoryError, CopyError, ReproduceError,
 }
 
 /// Equal errors of several subsystems become one; the others are boxed.
@@ -168,16 +158,6 @@ impl From<ReplanError> for Error {
         match error {
             ReplanError::Plan(error) => Self::Plan(error),
             other => GateError::from(other).into(),
-        }
-    }
-}
-
-impl From<OutputError> for Error {
-    fn from(error: OutputError) -> Self {
-        match error {
-            OutputError::Write(error) => Self::Write(error),
-            OutputError::Occupied(error) => Self::Occupied(error),
-            other => Self::Outputs(other),
         }
     }
 }

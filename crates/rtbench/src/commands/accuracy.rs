@@ -22,7 +22,7 @@ use studies::accuracy::axes::select;
 use studies::accuracy::axis::Axis;
 use studies::accuracy::processes::join;
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
-use studies::accuracy::stage::{PreparedScene, Stage};
+use studies::accuracy::stage::{Limits, PreparedScene, Stage};
 use studies::accuracy::{effect_prices, parts, pictures, plot, summary, tables};
 use studies::error::StudyError;
 
@@ -57,8 +57,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         quick: args.quick,
         rounds,
         processes: args.processes,
-        took_s: 0.0,
-        axes: Vec::new(),
+        ..AccuracyRecord::default()
     };
     let screen = context.terminal.screen(color);
     let start = context.clock.now();
@@ -208,7 +207,7 @@ impl Study {
                 }
             };
             for subject in subjects {
-                let (name, limits) = (known.name(), &self.limits);
+                let (name, limits) = (known.name(), self.limits);
                 let outcome = self.scenes.of(&*known, context).and_then(|prepared| {
                     let stage = Stage {
                         axis: axis.name,
@@ -217,12 +216,7 @@ impl Study {
                         registry,
                         occluders,
                         clock,
-                        seed: limits.seed,
-                        rounds: limits.rounds,
-                        timed_rays: limits.timed_rays,
-                        aims: limits.aims,
-                        quick: limits.quick,
-                        only_times: limits.only_times,
+                        limits,
                     };
                     Ok(one_thread.install(|| axis.measure.outcome(&stage, subject))?)
                 });
@@ -246,15 +240,6 @@ impl Study {
         }
         Ok(of_axis)
     }
-}
-
-struct Limits {
-    rounds: usize,
-    timed_rays: usize,
-    aims: usize,
-    quick: bool,
-    seed: u64,
-    only_times: bool,
 }
 
 /// Scenes that are loaded once.

@@ -123,10 +123,7 @@ fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
         resolution: animate.plan.settings.resolution,
         precision: animate.precision().name().into(),
         kinds: animate.plan.kinds.iter().map(|kind| kind.name().into()).collect(),
-        took_s: 0.0,
-        complete: false,
-        frames: Vec::new(),
-        lanes: Vec::new(),
+        ..AnimationRecord::default()
     }
 }
 

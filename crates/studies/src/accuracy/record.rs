@@ -168,7 +168,7 @@ impl AxisRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyRecord {
     pub command_line: Vec<String>,
     pub tool: measurement::record::Tool,

@@ -85,8 +85,8 @@ pub fn timed<'v>(
         first.push((answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
-    let is_left = |round| round < stage.rounds;
-    interleaved(variants.len(), stage.seed, &purpose, is_left, |Visit { row, .. }| {
+    let is_left = |round| round < stage.limits.rounds;
+    interleaved(variants.len(), stage.limits.seed, &purpose, is_left, |Visit { row, .. }| {
         let (Some(variant), Some(of)) = (variants.get_mut(row), seconds.get_mut(row)) else {
             return;
         };
@@ -102,7 +102,7 @@ pub fn timed<'v>(
     let rows = timed.map(|((variant, s), parts)| row(variant, s, parts, outcome.reference_error));
     outcome.rows = rows.collect();
     stage.name.clone_into(&mut outcome.scene);
-    figure(&mut outcome, stage.seed);
+    figure(&mut outcome, stage.limits.seed);
     let found = audit::faults(&outcome);
     outcome.faults.extend(found);
     outcome

@@ -59,11 +59,8 @@ impl<'p> Lane<'p> {
                 settings: row.settings(),
                 threads: pool.current_num_threads(),
                 known_defect: row.known_defect().map(Into::into),
-                error: None,
-                mismatches: 0,
-                example: None,
                 stride: 1,
-                frames: Vec::new(),
+                ..LaneRecord::default()
             },
         })
     }
@@ -100,13 +97,10 @@ impl<'p> Lane<'p> {
             let quality = is_looked_at.then(|| quality(&*tracer, on.points)).flatten();
             self.record.frames.push(LaneFrame {
                 frame: number,
-                updated: 0,
-                update_s: Vec::new(),
-                trace_s: Vec::new(),
                 bytes: tracer.stats().bytes,
-                work: None,
                 expected_cost: quality.map(|q| q.expected_cost),
                 overlap: quality.and_then(|q| q.overlap),
+                ..LaneFrame::default()
             });
         }
         self.record.stride = stride;

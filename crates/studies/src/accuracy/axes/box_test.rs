@@ -35,7 +35,7 @@ const SHARE: usize = 40;
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = TESTS.map(|(name, _)| format!("bounding-volumes:group=4:box-test={name}"));
     let built = stage.built_all(&labels)?;
-    let most = (stage.timed_rays / SHARE).max(50);
+    let most = (stage.limits.timed_rays / SHARE).max(50);
     let batches = stage.batches(most, |kind| kind != RayKind::Shadow);
     let rays = count(&batches);
     let aims = match stage.prepared.geometry.prims() {

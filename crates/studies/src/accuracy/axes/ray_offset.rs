@@ -58,11 +58,11 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         also.extend(glass.columns(&here, rule));
         also.extend(lit.columns(&here, rule));
         let error = tally.error();
-        variants.push(Variant { error, also, ..work.variant(name, stage.timed_rays) });
+        variants.push(Variant { error, also, ..work.variant(name, stage.limits.timed_rays) });
     }
     let rays = here.departures.len();
     let said = SceneOutcome::new(
-        format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
+        format!("{} rays made and traced through {TRACER}", rays.min(stage.limits.timed_rays)),
         format!(
             "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above; {}; {}; {}",
             smallest.words(),
