@@ -197,32 +197,26 @@ impl FileSubject {
 pub fn ray_record(ray: &abi::Ray) -> [u8; 32] {
     let [x, y, z] = ray.origin;
     let [a, b, c] = ray.direction;
-    record([x, y, z, ray.t_min, a, b, c, ray.t_max])
+    record([x, y, z, ray.t_min, a, b, c, ray.t_max].map(f32::to_le_bytes))
 }
 
 /// A triangle as a record.
 pub fn triangle_record(corners: &[[f32; 3]; 3], lets_light_pass: bool) -> [u8; 40] {
-    let mut record = [0; 40];
     let flag = u32::from(lets_light_pass).to_le_bytes();
-    let numbers = corners.as_flattened().iter().map(|x| x.to_le_bytes()).chain([flag]);
+    record(corners.as_flattened().iter().map(|x| x.to_le_bytes()).chain([flag]))
+}
+
+fn record<const N: usize>(numbers: impl IntoIterator<Item = [u8; 4]>) -> [u8; N] {
+    let mut record = [0; N];
     for (to, bytes) in record.chunks_exact_mut(4).zip(numbers) {
         to.copy_from_slice(&bytes);
     }
     record
 }
 
-fn record(numbers: [f32; 8]) -> [u8; 32] {
-    let mut record = [0; 32];
-    for (to, x) in record.chunks_exact_mut(4).zip(numbers) {
-        to.copy_from_slice(&x.to_le_bytes());
-    }
-    record
-}
-
 /// A hit as a record.
 pub fn hit_record(hit: &abi::Hit) -> [u8; 8] {
-    let [[a, b, c, d], [e, f, g, h]] = [hit.t.to_le_bytes(), hit.id.to_le_bytes()];
-    [a, b, c, d, e, f, g, h]
+    record([hit.t.to_le_bytes(), hit.id.to_le_bytes()])
 }
 
 /// The rays behind the header of a file, which [`FileSubject::read`] has read.
@@ -238,13 +232,9 @@ pub fn rays<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = ab
 
 /// The hits behind the header of a file, which [`FileSubject::read`] has read.
 pub fn hits<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
-    let records = bytes.get(about.header_bytes()..).unwrap_or_default().chunks_exact(8);
-    records.map(|record| {
-        let number = |i: usize| {
-            let part = record.get(i..).and_then(|rest| rest.first_chunk::<4>());
-            part.copied().unwrap_or_default()
-        };
-        abi::Hit::new(f32::from_le_bytes(number(0)), u32::from_le_bytes(number(4)))
+    let records = bytes.get(about.header_bytes()..).unwrap_or_default().as_chunks::<8>().0;
+    records.iter().map(|&[a, b, c, d, e, f, g, h]| {
+        abi::Hit::new(f32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]))
     })
 }
 

@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::args::Cli;
 use measurement::plan::error::PlanError;
-use measurement::scenes::SceneSource;
+use measurement::scenes::{LoadError, SceneSource};
 use measurement::settings::choice;
 
 /// Options that a set file may not have: scenes are the set's own, output files the user's, and
@@ -72,7 +72,8 @@ pub fn added_by_set(
     };
     let options = scenes.run_options(set, is_typed(run, "quick")).map_err(PlanError::Scene)?;
     if options.is_empty() && is_typed(run, "as_set") {
-        return Err(without_options(set, scenes)?.into());
+        let has = |set: &str| Ok(!scenes.run_options(set, false)?.is_empty());
+        return Err(without("set with options of its own", set, scenes, has)?.into());
     }
     let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
     let mut added = Vec::new();
@@ -171,15 +172,23 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
     Ok(SetOption { id, arguments })
 }
 
-fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, SetOptionsError> {
+/// The error that a set lacks something, with the names of those that have it.
+pub fn without(
+    what: &'static str,
+    set: &str,
+    scenes: &dyn SceneSource,
+    has: impl Fn(&str) -> Result<bool, LoadError>,
+) -> Result<PlanError, PlanError> {
     let mut valid = Vec::new();
-    for (name, _) in scenes.sets().map_err(PlanError::Scene)? {
-        if !scenes.run_options(&name, false).map_err(PlanError::Scene)?.is_empty() {
+    for (name, _) in scenes.sets()? {
+        if has(&name)? {
             valid.push(name);
         }
     }
-    let valid = valid.iter().map(String::as_str);
-    Ok(PlanError::unknown("set with options of its own", set, valid))
+    if valid.is_empty() {
+        valid.push("none".to_owned());
+    }
+    Ok(PlanError::unknown(what, set, valid.iter().map(String::as_str)))
 }
 
 #[cfg(test)]
@@ -187,7 +196,7 @@ mod tests {
     use serde_json::{Map, json};
 
     use super::*;
-    use measurement::scenes::{InstalledScenes, KnownScene, LoadError};
+    use measurement::scenes::{InstalledScenes, KnownScene};
 
     struct SingleSet(Value);
 

@@ -126,14 +126,21 @@ pub struct ThresholdError {
 impl Thresholds {
     /// The share by which a time of a row may be longer.
     pub fn time_of(&self, label: &str, quantity: &str) -> f64 {
-        let own = self.rows.iter().filter(|own| own.is_of(label, quantity));
-        own.filter_map(|own| own.time).next_back().unwrap_or(self.time)
+        self.last_of(label, quantity, |own| own.time).unwrap_or(self.time)
     }
 
     /// The share by which instructions of a row's build or traversal may be more.
     pub fn instructions_of(&self, label: &str, quantity: &str) -> f64 {
-        let own = self.rows.iter().filter(|own| own.is_of(label, quantity));
-        own.filter_map(|own| own.instructions).next_back().unwrap_or(self.instructions)
+        self.last_of(label, quantity, |own| own.instructions).unwrap_or(self.instructions)
+    }
+
+    fn last_of(
+        &self,
+        label: &str,
+        quantity: &str,
+        share: fn(&RowThreshold) -> Option<f64>,
+    ) -> Option<f64> {
+        self.rows.iter().rev().filter(|own| own.is_of(label, quantity)).find_map(share)
     }
 
     /// Kinds of rays that are judged apart, since a threshold for the row names them.

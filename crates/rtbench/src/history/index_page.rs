@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 
 use crate::history::lines::{Change, History, Key, Line};
 use crate::history::names::Names;
-use crate::history::shell::{bench_name, day, section, start_page, verdict};
+use crate::history::shell::{bench_name, change_cell, day, section, start_page, verdict};
 use crate::report::utc;
 use measurement::record::label;
 use presentation::html::Html;
 use presentation::numbers::ratio;
 use presentation::page::finished;
 use presentation::page::tables::{self, TableStyle, words};
-use presentation::table::{Cell, Style, Table};
+use presentation::table::{Cell, Table};
 
 pub fn page(history: &History, names: &Names) -> String {
     let visits = &history.visits;
@@ -87,10 +87,9 @@ fn table_of(
 ) -> (Table, Vec<Vec<String>>) {
     let row = |(key, line, change): &ChangedLine<'_>| {
         let before = line.around(change).and_then(|[before, _]| history.visits.get(before.visit));
-        let style = if change.times.low > 1.0 { Style::Bad } else { Style::Best };
         vec![
             Cell::from(label(&key.structure, &key.settings)),
-            Cell { text: ratio(&change.times).trim_end().to_owned(), style },
+            change_cell(ratio(&change.times).trim_end().to_owned(), &change.times),
             key.scene.clone().into(),
             key.quantity.head().to_owned().into(),
             verdict(&change.times).to_owned().into(),

@@ -103,7 +103,8 @@ impl SampledEffect<'_> {
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         if let Some((scene, tracer)) = self.without {
-            let plain = self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.limits.seed)?;
+            let plain =
+                self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.limits.seed)?;
             let image = helper.install(|| render_plan(scene, tracer, &plain).image);
             let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
             let setting = "render, of the scene without what calls for it";

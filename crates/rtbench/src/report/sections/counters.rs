@@ -89,9 +89,7 @@ fn plot(rows: &[ReproducedFigure]) -> Plot {
         x: axis("published in 1999"),
         y: axis("ours"),
         series,
-        marks: Vec::new(),
-        marks_name: String::new(),
-        levels: Vec::new(),
+        ..Plot::default()
     }
 }
 

@@ -45,13 +45,7 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let mut commands = vec![run.command_line.join(" ")];
     commands.extend(material.accuracy.iter().map(|a| a.command_line.join(" ")));
     commands.extend(material.tracers.iter().map(|t| t.command_line.join(" ")));
-    html.open("ul", &[]);
-    for command in commands {
-        html.open("li", &[]);
-        html.element("code", &[], &command);
-        html.close();
-    }
-    html.close();
+    html.items(&[], commands, |html, command| html.element("code", &[], &command));
     html.element("h3", &[], "Raw data");
     html.open("p", &[]);
     html.text("Every sample of every round is in ");

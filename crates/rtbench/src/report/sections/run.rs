@@ -64,14 +64,10 @@ fn links(html: &mut Html, scenes: &[(String, &str)]) {
 /// A question a line.
 pub fn list(html: &mut Html, Lines { title, lines }: &Lines) {
     html.element("p", &[("class", "headline")], title);
-    html.open("ul", &[("class", "headlines")]);
-    for Line { head, text } in lines {
-        html.open("li", &[]);
+    html.items(&[("class", "headlines")], lines, |html, Line { head, text }| {
         html.element("strong", &[], head);
         html.text(&format!(": {text}"));
-        html.close();
-    }
-    html.close();
+    });
 }
 
 fn alert(html: &mut Html, text: &str) {

@@ -173,8 +173,11 @@ const SIZE: [u32; 2] = [96, 24];
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built(TRACER)?;
     let size = SIZE[usize::from(stage.limits.quick)];
-    let settings =
-        RenderSettings { resolution: [size; 2], seed: stage.limits.seed, ..RenderSettings::default() };
+    let settings = RenderSettings {
+        resolution: [size; 2],
+        seed: stage.limits.seed,
+        ..RenderSettings::default()
+    };
     let plan = EffectPlan::of(stage.scene(), &settings);
     let image = |plan: &EffectPlan| render_plan(stage.scene(), &*built.tracer, plan).image;
     let reference = image(&plan);
