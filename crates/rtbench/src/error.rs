@@ -20,12 +20,8 @@ use plugins::PluginError;
 use plugins::files::FileError;
 use presentation::json::FormatError;
 use renderer::GeometryError;
-use studies::animate::AnimateError;
 use studies::error::{StudyError, UnsavedImage};
-use studies::explain::ExplainError;
 use studies::reproduce::ReproduceError;
-use studies::sweep::SweepError;
-use studies::sweep::sizes::SizesError;
 
 use crate::comparison::CompareError;
 use crate::exit_code::{FAILURE, NOTHING_COMPARED, USAGE};
@@ -36,7 +32,6 @@ use crate::gate::GateError;
 use crate::history::HistoryError;
 use crate::replan::ReplanError;
 use crate::report::ReportError;
-use crate::set_options::SetOptionsError;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -45,17 +40,7 @@ pub enum Error {
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error(transparent)]
-    Sweep(Box<SweepError>),
-    #[error(transparent)]
-    Sizes(Box<SizesError>),
-    #[error(transparent)]
-    Animate(Box<AnimateError>),
-    #[error(transparent)]
-    Explain(Box<ExplainError>),
-    #[error(transparent)]
     Load(#[from] LoadError),
-    #[error(transparent)]
-    Measure(Box<MeasureError>),
     #[error(transparent)]
     Plugin(#[from] PluginError),
     #[error(
@@ -74,8 +59,6 @@ pub enum Error {
     Compare(#[from] CompareError),
     #[error(transparent)]
     Gate(Box<GateError>),
-    #[error(transparent)]
-    SetOptions(Box<SetOptionsError>),
     #[error("structure {row}: {source}")]
     NoCells { row: String, source: NoCells },
     #[error("cannot draw {}: {source}", path.display())]
@@ -102,27 +85,13 @@ other! {
     RecordError, MergeError, MachinesError, ReportError, HistoryError, CopyError, ReproduceError,
 }
 
-/// Equal errors of several subsystems become one; the others are boxed.
-macro_rules! boxed {
-    ($($error:ident as $variant:ident, $($inner:ident to $own:ident),+;)+) => {$(
-        impl From<$error> for Error {
-            fn from(error: $error) -> Self {
-                match error {
-                    $($error::$inner(error) => Self::$own(error),)+
-                    other => Self::$variant(Box::new(other)),
-                }
-            }
+impl From<MeasureError> for Error {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Load(error) => Self::Load(error),
+            other => Self::Other(Box::new(other)),
         }
-    )+};
-}
-
-boxed! {
-    MeasureError as Measure, Load to Load;
-    SweepError as Sweep, Plan to Plan, Scene to Load;
-    SizesError as Sizes, Plan to Plan, Scene to Load;
-    AnimateError as Animate, Plan to Plan;
-    ExplainError as Explain, Plan to Plan;
-    SetOptionsError as SetOptions, Plan to Plan;
+    }
 }
 
 impl From<GeometryError> for Error {
@@ -179,12 +148,7 @@ impl Error {
             Self::Gate(error) if matches!(**error, GateError::NothingCompared(_)) => {
                 NOTHING_COMPARED
             }
-            Self::Plan(_)
-            | Self::Sweep(_)
-            | Self::Sizes(_)
-            | Self::Explain(_)
-            | Self::Animate(_)
-            | Self::SetOptions(_) => USAGE,
+            Self::Plan(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(SameFile(_) | IsRead(_) | NothingSelected(..)) => USAGE,
             _ => FAILURE,

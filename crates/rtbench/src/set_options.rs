@@ -34,17 +34,6 @@ const NOT_IN_SETS: [&str; 11] = [
 /// Options of which the later one wins, whatever their names: one typed takes both from the set.
 const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
 
-/// Why the options of a set cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum SetOptionsError {
-    #[error("scenes/sets/{set}.json: run: {message}")]
-    Invalid { set: String, message: String },
-    #[error("scenes/sets/{set}.json: check, entry {entry}: {message}")]
-    Threshold { set: String, entry: usize, message: String },
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-}
-
 /// An option of a set file, as it would have been typed.
 struct SetOption {
     /// Clap's name of the option.
@@ -57,7 +46,7 @@ struct SetOption {
 pub fn added_by_set(
     arguments: &[OsString],
     scenes: &dyn SceneSource,
-) -> Result<Vec<OsString>, SetOptionsError> {
+) -> Result<Vec<OsString>, PlanError> {
     let cli = Cli::command();
     let Ok(matches) = cli.clone().try_get_matches_from(arguments) else { return Ok(Vec::new()) };
     let Some(run) = run_of(&matches) else { return Ok(Vec::new()) };
@@ -70,16 +59,16 @@ pub fn added_by_set(
         (None, [only]) => only,
         _ => return Ok(Vec::new()),
     };
-    let options = scenes.run_options(set, is_typed(run, "quick")).map_err(PlanError::Scene)?;
+    let options = scenes.run_options(set, is_typed(run, "quick"))?;
     if options.is_empty() && is_typed(run, "as_set") {
         let has = |set: &str| Ok(!scenes.run_options(set, false)?.is_empty());
-        return Err(without("set with options of its own", set, scenes, has)?.into());
+        return Err(without("set with options of its own", set, scenes, has)?);
     }
     let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
     let mut added = Vec::new();
     for (name, value) in &options {
         let option = valid_option(&cli, known, name, value)
-            .map_err(|message| SetOptionsError::Invalid { set: set.clone(), message })?;
+            .map_err(|why| PlanError::Invalid(format!("scenes/sets/{set}.json: run: {why}")))?;
         if !is_given(run, &option.id) {
             added.extend(option.arguments);
         }

@@ -3,7 +3,7 @@
 use crate::args::percent;
 use crate::context::Context;
 use crate::gate::thresholds::{RowThreshold, quantity_named};
-use crate::set_options::{SetOptionsError, without};
+use crate::set_options::without;
 use measurement::plan::error::PlanError;
 use measurement::plan::measured_row::select;
 use measurement::scenes::SetThreshold;
@@ -13,20 +13,20 @@ pub fn of_check(
     context: &Context<'_>,
     as_set: Option<&str>,
     scenes: &[String],
-) -> Result<Vec<RowThreshold>, SetOptionsError> {
+) -> Result<Vec<RowThreshold>, PlanError> {
     let set = match (as_set, scenes) {
         (Some(set), _) => set,
         (None, [only]) => only,
         _ => return Ok(Vec::new()),
     };
-    let entries = context.scenes.check_thresholds(set).map_err(PlanError::Scene)?;
+    let entries = context.scenes.check_thresholds(set)?;
     if entries.is_empty() && as_set.is_some() {
         let has = |set: &str| Ok(!context.scenes.check_thresholds(set)?.is_empty());
-        return Err(without("set with thresholds of its own", set, context.scenes, has)?.into());
+        return Err(without("set with thresholds of its own", set, context.scenes, has)?);
     }
-    let read = |(entry, own)| {
-        let error = |message| SetOptionsError::Threshold { set: set.to_owned(), entry, message };
-        threshold(context, own).map_err(error)
+    let read = |(entry, own): (usize, &SetThreshold)| {
+        let place = format!("scenes/sets/{set}.json: check, entry {entry}");
+        threshold(context, own).map_err(|why| PlanError::Invalid(format!("{place}: {why}")))
     };
     (1..).zip(&entries).map(read).collect()
 }
