@@ -179,9 +179,9 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
     let has_path = structures.iter().any(|shown| shown.path.is_some());
     let end = if frame.has_legend {
         let is_exceeded = classes != Classes::up_to(most.max(frame.scale.unwrap_or(most)));
-        let meaning = LegendContents { classes, is_exceeded, has_path };
         let is_cut = matches!(frame.view, View::Cut(..));
-        legend(&mut drawing, [MARGIN, below], wide, is_cut, meaning) + MARGIN
+        let shown = [is_cut, has_path, is_exceeded];
+        legend(&mut drawing, [MARGIN, below], wide, classes, shown) + MARGIN
     } else {
         below
     };
@@ -344,20 +344,14 @@ fn overlay(drawing: &mut Drawing, placed: &ViewTransform, path: &PathThrough) {
     }
 }
 
-struct LegendContents {
-    classes: Classes,
-    /// True if a cell has more references than the last class says.
-    is_exceeded: bool,
-    has_path: bool,
-}
-
-/// The classes' colours, and what lines mean; where it ends.
+/// The classes' colours, and what lines mean; where it ends. `is_exceeded` where a cell has more
+/// references than the last class says.
 fn legend(
     drawing: &mut Drawing,
     [left, top]: [f64; 2],
     wide: f64,
-    is_cut: bool,
-    LegendContents { classes, is_exceeded, has_path }: LegendContents,
+    classes: Classes,
+    [is_cut, has_path, is_exceeded]: [bool; 3],
 ) -> f64 {
     let font = Font { size: 12.0, is_bold: true, ..PLAIN };
     let title = "references to primitives in a cell, one scale for all:";
@@ -383,18 +377,13 @@ fn legend(
         entry(drawing, &(Classes::label(class) + more), Paint { fill, stroke: side });
     }
     let mut y = y + TEXT + 10.0;
-    let mut words = vec![];
-    if is_cut {
-        words.push("black lines: surfaces of the scene".to_owned());
-    }
-    if has_path {
-        words.push(
-            "numbers: the step into a cell, in the order of the traversal; orange: cells entered and \
-             primitives tested; grey: the inner cells around them; green: what is hit"
-                .to_owned(),
-        );
-    }
-    for line in words.iter().flat_map(|words| wrapped(words, wide, 12.0)) {
+    let of_surfaces = is_cut.then_some("black lines: surfaces of the scene");
+    let of_path = has_path.then_some(
+        "numbers: the step into a cell, in the order of the traversal; orange: cells entered and \
+         primitives tested; grey: the inner cells around them; green: what is hit",
+    );
+    let words = of_surfaces.into_iter().chain(of_path);
+    for line in words.flat_map(|words| wrapped(words, wide, 12.0)) {
         drawing.text([left, y + 11.0], Font { color: INK, ..PLAIN }, line);
         y += TEXT;
     }
