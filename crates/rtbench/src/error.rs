@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use accel_core::query::cells::NoCells;
 use presentation::drawing::ImageError;
 
+use measurement::callgrind::CallgrindError;
 use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
 use measurement::rays::text::RayTextError;
@@ -23,12 +24,14 @@ use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
 use studies::reproduce::ReproduceError;
 
+use crate::baselines::BaselineError;
 use crate::comparison::CompareError;
+use crate::comparison::pairing::{MissingRow, in_words};
 use crate::exit_code::{FAILURE, NOTHING_COMPARED, USAGE};
 use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
 use crate::foreign_row::ForeignRowError;
-use crate::gate::GateError;
+use crate::gate::against::AgainstError;
 use crate::history::HistoryError;
 use crate::replan::ReplanError;
 use crate::report::ReportError;
@@ -58,7 +61,18 @@ pub enum Error {
     #[error(transparent)]
     Compare(#[from] CompareError),
     #[error(transparent)]
-    Gate(Box<GateError>),
+    Replan(Box<ReplanError>),
+    #[error(transparent)]
+    Baseline(#[from] BaselineError),
+    #[error("this cannot be compared with the baseline: {}", .0.join("; "))]
+    NotComparable(Vec<String>),
+    #[error("nothing was compared: no row is in both; {}", in_words(.0).join("; "))]
+    NothingCompared(Vec<MissingRow>),
+    #[error(
+        "the baseline has no instruction counts; save one that has them: `rtbench baseline save \
+         NAME --instructions ...`"
+    )]
+    NoCounts,
     #[error("structure {row}: {source}")]
     NoCells { row: String, source: NoCells },
     #[error("cannot draw {}: {source}", path.display())]
@@ -83,6 +97,7 @@ macro_rules! other {
 other! {
     FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
     RecordError, MergeError, MachinesError, ReportError, HistoryError, CopyError, ReproduceError,
+    CallgrindError, AgainstError,
 }
 
 impl From<MeasureError> for Error {
@@ -116,17 +131,11 @@ impl From<UnsavedImage> for Error {
     }
 }
 
-impl From<GateError> for Error {
-    fn from(error: GateError) -> Self {
-        Self::Gate(Box::new(error))
-    }
-}
-
 impl From<ReplanError> for Error {
     fn from(error: ReplanError) -> Self {
         match error {
             ReplanError::Plan(error) => Self::Plan(error),
-            other => GateError::from(other).into(),
+            other => Self::Replan(Box::new(other)),
         }
     }
 }
@@ -144,10 +153,9 @@ impl Error {
                 if is_usage { USAGE } else { FAILURE }
             }
             Self::Compare(Filter { .. } | Match { .. } | NothingMatches { .. }) => USAGE,
-            Self::Gate(error) if error.is_usage() => USAGE,
-            Self::Gate(error) if matches!(**error, GateError::NothingCompared(_)) => {
-                NOTHING_COMPARED
-            }
+            Self::Replan(error) if matches!(**error, ReplanError::Unknown { .. }) => USAGE,
+            Self::Baseline(error) if error.is_usage() => USAGE,
+            Self::NothingCompared(_) => NOTHING_COMPARED,
             Self::Plan(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(SameFile(_) | IsRead(_) | NothingSelected(..)) => USAGE,

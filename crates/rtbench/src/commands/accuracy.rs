@@ -10,7 +10,6 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::gate::GateError;
 use crate::gate::against::{AgainstError, own_program};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
@@ -111,14 +110,13 @@ fn in_processes(
     args: &AccuracyArgs,
     axis: &mut AxisRecord,
 ) -> Result<(), Error> {
-    let program = own_program(context.environment.program.as_ref()).map_err(GateError::from)?;
+    let program = own_program(context.environment.program.as_ref())?;
     let asked = AccuracyArgs { axes: vec![axis.axis.clone()], output: None, ..args.clone() };
     for process in 0..args.processes {
         let mut command = Command::new(program);
         command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
         let answered: Result<Vec<AxisRecord>, ChildError> = answer(&mut command, &asked);
-        let answered = answered.map_err(|e| GateError::from(AgainstError::New(e)))?;
-        for other in &answered {
+        for other in &answered.map_err(AgainstError::New)? {
             join(axis, other, process, args.seed).map_err(StudyError::from)?;
         }
     }

@@ -12,6 +12,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use measurement::plan::error::PlanError;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::settings::choice;
 
@@ -115,14 +116,6 @@ impl Default for Thresholds {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{name}: {value} is out of range; expected {expected}")]
-pub struct ThresholdError {
-    name: &'static str,
-    value: f64,
-    expected: &'static str,
-}
-
 impl Thresholds {
     /// The share by which a time of a row may be longer.
     pub fn time_of(&self, label: &str, quantity: &str) -> f64 {
@@ -153,7 +146,7 @@ impl Thresholds {
     }
 
     /// These, where each is in its range.
-    pub fn checked(self) -> Result<Self, ThresholdError> {
+    pub fn checked(self) -> Result<Self, PlanError> {
         let share = "a share from 0 to 10";
         let is_share = |x: f64| (0.0..=10.0).contains(&x);
         let [not_negative, probability] = ["seconds, not negative", "between 0 and 1"];
@@ -166,7 +159,8 @@ impl Thresholds {
             ("shortest", shortest, shortest.is_finite() && shortest >= 0.0, not_negative),
         ] {
             if !is_valid {
-                return Err(ThresholdError { name, value, expected });
+                let text = format!("{name}: {value} is out of range; expected {expected}");
+                return Err(PlanError::Invalid(text));
             }
         }
         Ok(self)
