@@ -97,7 +97,7 @@ macro_rules! other {
 other! {
     FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
     RecordError, MergeError, MachinesError, ReportError, HistoryError, CopyError, ReproduceError,
-    CallgrindError, AgainstError,
+    CallgrindError, AgainstError, UnsavedImage,
 }
 
 impl From<MeasureError> for Error {
@@ -122,12 +122,6 @@ impl From<StudyError> for Error {
             StudyError::Measure(error) => (*error).into(),
             other => Self::Study(Box::new(other)),
         }
-    }
-}
-
-impl From<UnsavedImage> for Error {
-    fn from(error: UnsavedImage) -> Self {
-        StudyError::from(error).into()
     }
 }
 

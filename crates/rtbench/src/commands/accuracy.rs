@@ -117,7 +117,7 @@ fn in_processes(
         command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
         let answered: Result<Vec<AxisRecord>, ChildError> = answer(&mut command, &asked);
         for other in &answered.map_err(AgainstError::New)? {
-            join(axis, other, process, args.seed).map_err(StudyError::from)?;
+            join(axis, other, process, args.seed)?;
         }
     }
     Ok(())
