@@ -56,7 +56,8 @@ impl Oracle<'_> {
         if self.is_near::<S>(&exact, hit.id, t) {
             return true;
         }
-        let moved = self.moved::<S>(&exact).into_iter().chain([exact]).map(with_open_ends);
+        let open = |ray| Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray };
+        let moved = self.moved::<S>(&exact).into_iter().chain([exact]).map(open);
         let found: Vec<f64> = moved.filter_map(|ray| self.distance_to(hit.id, &ray)).collect();
         let [least, most] = [1.0, -1.0]
             .map(|sign| sign * found.iter().fold(f64::INFINITY, |least, t| least.min(sign * t)));
@@ -120,10 +121,6 @@ impl Oracle<'_> {
         let ends = hit.t - ray.t_min < slack || ray.t_max - hit.t < slack;
         ends || self.moved::<S>(ray).iter().any(|moved| self.distance_to(hit.id, moved).is_none())
     }
-}
-
-fn with_open_ends(ray: Ray<f64>) -> Ray<f64> {
-    Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray }
 }
 
 /// C. Ericson, Real-Time Collision Detection, 2005, 5.1.5: the nearest point is a corner, on an

@@ -100,7 +100,10 @@ impl Material {
         for scene in folders(&folder.join("tracers"))? {
             tracers.extend(json(&scene.join("tracers.json"), "rtbench compare-tracers -o DIR")?);
         }
-        let of_scenes = pictures(&folder.join("pictures"), "rtbench render -o FILE")?;
+        let mut of_scenes = BTreeMap::new();
+        pictures(&folder.join("pictures"), "rtbench render -o FILE", |name, _, png| {
+            of_scenes.insert(name, png);
+        })?;
         Ok(Self {
             accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
             machines: json(&folder.join("machines.json"), "rtbench merge --machines -o DIR")?,
@@ -109,7 +112,7 @@ impl Material {
             sweeps: sweeps(&folder)?,
             counters: csv(&folder.join("havran1999.csv"), "rtbench reproduce havran1999 -o DIR")?,
             lecture: csv(&lecture, "rtbench reproduce zachmann2007 -o DIR")?,
-            pictures: of_scenes.into_iter().map(|(name, _, png)| (name, png)).collect(),
+            pictures: of_scenes,
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
             data,
@@ -179,26 +182,26 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
 fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     let mut maps = Vec::new();
     for scene in folders(folder)? {
-        for (name, size, png) in pictures(&scene, "rtbench cost --heat-maps DIR")? {
+        pictures(&scene, "rtbench cost --heat-maps DIR", |name, size, png| {
             maps.push(HeatMap { scene: text(scene.file_name()), name, size, png });
-        }
+        })?;
     }
     Ok(maps)
 }
 
-/// The PNG files in a folder: names, sizes and bytes.
+/// Takes name, size and bytes of each PNG file in a folder.
 fn pictures(
     folder: &Path,
     written_by: &'static str,
-) -> Result<Vec<(String, [u32; 2], Vec<u8>)>, ReportError> {
-    let mut pictures = Vec::new();
+    mut take: impl FnMut(String, [u32; 2], Vec<u8>),
+) -> Result<(), ReportError> {
     let is_png = |path: &PathBuf| path.extension().is_some_and(|e| e == "png");
     for path in entries(folder)?.into_iter().filter(is_png) {
         let (name, png) = (text(path.file_stem()), file::bytes(&path)?);
         let size = size_of_png(&png).ok_or(ReportError::NotAPicture { path, written_by })?;
-        pictures.push((name, size, png));
+        take(name, size, png);
     }
-    Ok(pictures)
+    Ok(())
 }
 
 fn text(part: Option<&std::ffi::OsStr>) -> String {

@@ -111,13 +111,6 @@ impl<'r> Sweep<'r> {
     }
 }
 
-impl Sweep<'_> {
-    /// Returns whether the values are numbers, which have an order.
-    pub fn has_numbers(&self) -> bool {
-        matches!(self.parameter.kind, ParamKind::Integer { .. } | ParamKind::Real { .. })
-    }
-}
-
 /// The structure, its settings and the parameter, as typed.
 struct SweptParameter<'r, 't> {
     entry: &'r Entry,
