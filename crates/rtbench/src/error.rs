@@ -79,7 +79,7 @@ pub enum Error {
     Undrawn { path: PathBuf, source: ImageError },
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
-    /// An error of a subsystem that is never told apart from others.
+    /// An error of a subsystem that nobody distinguishes from others.
     #[error(transparent)]
     Other(Box<dyn std::error::Error + Send + Sync>),
 }
