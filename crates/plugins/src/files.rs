@@ -244,6 +244,10 @@ mod tests {
 
     use super::*;
 
+    fn read_hits(bytes: &[u8]) -> Result<FileSubject, FileError> {
+        FileSubject::read(Path::new("f"), bytes, Content::Hits)
+    }
+
     fn about() -> FileSubject {
         FileSubject {
             rays: [2, 0, 0, 0, 1],
@@ -261,7 +265,7 @@ mod tests {
         let mut bytes = about().header(Content::Hits);
         assert_eq!(bytes.len(), HEADER);
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
-        assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
+        assert_eq!(read_hits(&bytes), Ok(about()));
         let all: Vec<_> = hits(&about(), &bytes).collect();
         assert_eq!(all, [abi::Hit::new(1.0, 4); 3]);
         let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
@@ -278,16 +282,15 @@ mod tests {
         let mut bytes = about.header(Content::Hits);
         assert_eq!((bytes.len(), bytes[8]), (152, 2));
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
-        assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits).as_ref(), Ok(&about));
+        assert_eq!(read_hits(&bytes).as_ref(), Ok(&about));
         assert_eq!(hits(&about, &bytes).count(), 3);
         // planted: a number that is none, no origin, a header that ends within it
         let mut bad = bytes.clone();
         bad[128..136].copy_from_slice(&f64::NAN.to_le_bytes());
-        assert_eq!(FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
+        assert_eq!(read_hits(&bad).unwrap_err().offset, 128);
         bad[128..152].fill(0);
-        assert_eq!(FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
-        let error = FileSubject::read(Path::new("f"), &bytes[..140], Content::Hits).unwrap_err();
-        assert_eq!(error.offset, 140);
+        assert_eq!(read_hits(&bad).unwrap_err().offset, 128);
+        assert_eq!(read_hits(&bytes[..140]).unwrap_err().offset, 140);
     }
 
     #[test]
@@ -299,18 +302,17 @@ mod tests {
         for (at, byte, offset) in planted {
             let mut bad = good.clone();
             bad[at] = byte;
-            let error = FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err();
+            let error = read_hits(&bad).unwrap_err();
             assert_eq!(error.offset, offset, "{error}");
         }
         for length in [0, 100, HEADER, HEADER + 23] {
-            let error =
-                FileSubject::read(Path::new("f"), &good[..length], Content::Hits).unwrap_err();
+            let error = read_hits(&good[..length]).unwrap_err();
             assert_eq!(error.offset, length, "{error}");
         }
         // so many rays that their bytes are no number
         let mut bad = good.clone();
         bad[16..56].fill(255);
-        assert!(FileSubject::read(Path::new("f"), &bad, Content::Hits).is_err());
+        assert!(read_hits(&bad).is_err());
         assert!(FileSubject::read(Path::new("f"), &good, Content::Rays).is_err());
     }
 }

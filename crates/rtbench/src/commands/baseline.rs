@@ -14,7 +14,7 @@ use crate::gate::ROUNDS;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::record::{RunRecord, label};
 use measurement::system::machine::PressureWatch;
-use presentation::table::Table;
+use presentation::table::words;
 use presentation::text::Screen;
 use studies::run::conclusions::conclude;
 use studies::run::text;
@@ -120,22 +120,21 @@ pub(super) fn counted(
 
 fn list(context: &mut Context<'_>, store: &Store, screen: Screen) -> Result<(), Error> {
     let header = vec!["baseline", "scenes", "rows", "rounds", "instructions", "commit"];
-    let mut table = Table { title: "Baselines".into(), header, ..Table::default() };
+    let mut lines = Vec::new();
     for name in store.names()? {
         let Baseline { record, instructions, .. } = read(&store.existing(&name)?)?;
         let rows = record.scenes.iter().map(|s| s.rows.len()).max().unwrap_or(0);
         let commit = record.tool.git_revision.as_deref().and_then(|r| r.get(..12));
-        let cells = vec![
+        lines.push(vec![
             name,
             record.scenes.len().to_string(),
             rows.to_string(),
             rounds(&record).to_string(),
             if instructions.is_some() { "counted" } else { "-" }.to_owned(),
             commit.unwrap_or("-").to_owned(),
-        ];
-        table.rows.push(cells.into_iter().map(Into::into).collect());
+        ]);
     }
-    Ok(screen.write_table(context.out, &table)?)
+    Ok(screen.write_table(context.out, &words("Baselines", header, lines))?)
 }
 
 /// Rounds of a record: the samples of its most visited row.
@@ -157,16 +156,14 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Re
         let title = format!("Instructions ({})", counts.valgrind);
         let number = |n: Option<u64>| n.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let rows = counts.rows.iter().map(|row| {
-            let cells = [
+            vec![
                 format!("{}: {}", row.scene, label(&row.structure, &row.settings)),
                 row.rays.to_string(),
                 number(row.build),
                 number(row.trace),
-            ];
-            cells.into_iter().map(Into::into).collect()
+            ]
         });
-        let table = Table { title, header, rows: rows.collect(), notes: Vec::new() };
-        view.screen.write_table(context.out, &table)?;
+        view.screen.write_table(context.out, &words(title, header, rows))?;
     }
     Ok(())
 }

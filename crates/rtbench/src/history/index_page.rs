@@ -11,8 +11,8 @@ use measurement::record::label;
 use presentation::html::Html;
 use presentation::numbers::ratio;
 use presentation::page::finished;
-use presentation::page::tables::{self, TableStyle, words};
-use presentation::table::{Cell, Table};
+use presentation::page::tables::{self, TableStyle};
+use presentation::table::{Cell, Table, words};
 
 pub fn page(history: &History, names: &Names) -> String {
     let visits = &history.visits;
@@ -118,7 +118,7 @@ fn scenes(html: &mut Html, history: &History, names: &Names) {
         rows.push(vec![scene.clone(), series.to_string(), changes.to_string()]);
         links.push(vec![path.clone()]);
     }
-    let table = words("every scene".to_owned(), vec!["scene", "series", "changes"], rows);
+    let table = words("every scene", vec!["scene", "series", "changes"], rows);
     tables::write(html, &table, TableStyle { links: &links, ..TableStyle::default() });
     html.close();
 }
@@ -141,7 +141,7 @@ fn runs(html: &mut Html, history: &History) {
         ]);
     }
     let header = vec!["commit", "when", "machine", "scenes", "run", "folder", "subject"];
-    let table = words("all runs, the newest first".to_owned(), header, rows);
+    let table = words("all runs, the newest first", header, rows);
     tables::write(html, &table, TableStyle { ids: &ids, ..TableStyle::default() });
     html.close();
 }

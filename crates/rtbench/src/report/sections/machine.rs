@@ -7,8 +7,8 @@ use crate::report::page::{Page, SectionOutcome, utc};
 use measurement::record::{Outliers, RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::mebibytes;
-use presentation::page::tables::{self, words};
-use presentation::table::Table;
+use presentation::page::tables;
+use presentation::table::{Table, words};
 
 const UNKNOWN: &str = "unknown";
 
@@ -110,7 +110,7 @@ fn scenes(scenes: &[SceneRecord]) -> Table {
         ]
     });
     let header = vec!["scene", "primitives", "source", "licence", "SHA-256"];
-    words("Scenes".to_owned(), header, rows.collect())
+    words("Scenes", header, rows)
 }
 
 pub fn write_warnings(material: &Material, page: &mut Page) -> SectionOutcome {
@@ -155,5 +155,5 @@ fn outlier_table(scenes: &[SceneRecord]) -> Table {
             }
         }
     }
-    words("Outliers".to_owned(), vec!["scene", "structure", "build", "trace"], rows)
+    words("Outliers", vec!["scene", "structure", "build", "trace"], rows)
 }

@@ -8,8 +8,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
-use presentation::page::tables::{self, words};
-use presentation::table::{Cell, Style, Table};
+use presentation::page::tables;
+use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
 use studies::accuracy::{plot, summary, tables as axis_tables};
 use studies::tracer_comparison::plot::error_over_time;
@@ -160,7 +160,7 @@ fn tracer_table(record: &TracersRecord) -> Table {
         cells
     });
     let header = vec!["tracer", "image, milliseconds", "95%", "RMSE", "stands"];
-    let mut table = words(format!("{}: images", record.scene), header, rows.collect());
+    let mut table = words(format!("{}: images", record.scene), header, rows);
     table.notes.push(format!(
         "Reference: the mean of two images of {} samples per pixel; its own error is {}; errors \
          below ten times that are marked <.",
