@@ -7,27 +7,10 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PluginError {
-    /// The file is no shared library, or lacks something that it needs.
-    #[error("{}: cannot be loaded: {message}", file.display())]
-    Load { file: PathBuf, message: String },
-    /// It lacks the symbol of a plugin.
-    #[error(
-        "{}: has no function rtbench_plugin_describe; export it with extern \"C\" (see rtbench.h)",
-        file.display()
-    )]
-    NoSymbol { file: PathBuf },
-    /// It was compiled for another interface.
-    #[error(
-        "{}: built for version {found} of rtbench.h, but this program has version {own}; compile \
-         it with this program's header", file.display()
-    )]
-    Version { file: PathBuf, found: u32, own: u32 },
-    /// It says something of itself that is not valid.
+    /// It cannot be loaded, says something of itself that is not valid, or its process ends before
+    /// it says anything.
     #[error("{}: {what}", file.display())]
-    Description { file: PathBuf, what: String },
-    /// Its process ended or hung while describing itself.
-    #[error("{}: {how} while describing itself", file.display())]
-    Died { file: PathBuf, how: String },
+    Invalid { file: PathBuf, what: String },
     /// There are no processes of plugins on this system.
     #[error(
         "{}: plugins run in separate processes on Unix only; add --in-process", file.display()

@@ -197,32 +197,26 @@ impl FileSubject {
 pub fn ray_record(ray: &abi::Ray) -> [u8; 32] {
     let [x, y, z] = ray.origin;
     let [a, b, c] = ray.direction;
-    record([x, y, z, ray.t_min, a, b, c, ray.t_max])
+    record([x, y, z, ray.t_min, a, b, c, ray.t_max].map(f32::to_le_bytes))
 }
 
 /// A triangle as a record.
 pub fn triangle_record(corners: &[[f32; 3]; 3], lets_light_pass: bool) -> [u8; 40] {
-    let mut record = [0; 40];
     let flag = u32::from(lets_light_pass).to_le_bytes();
-    let numbers = corners.as_flattened().iter().map(|x| x.to_le_bytes()).chain([flag]);
+    record(corners.as_flattened().iter().map(|x| x.to_le_bytes()).chain([flag]))
+}
+
+fn record<const N: usize>(numbers: impl IntoIterator<Item = [u8; 4]>) -> [u8; N] {
+    let mut record = [0; N];
     for (to, bytes) in record.chunks_exact_mut(4).zip(numbers) {
         to.copy_from_slice(&bytes);
     }
     record
 }
 
-fn record(numbers: [f32; 8]) -> [u8; 32] {
-    let mut record = [0; 32];
-    for (to, x) in record.chunks_exact_mut(4).zip(numbers) {
-        to.copy_from_slice(&x.to_le_bytes());
-    }
-    record
-}
-
 /// A hit as a record.
 pub fn hit_record(hit: &abi::Hit) -> [u8; 8] {
-    let [[a, b, c, d], [e, f, g, h]] = [hit.t.to_le_bytes(), hit.id.to_le_bytes()];
-    [a, b, c, d, e, f, g, h]
+    record([hit.t.to_le_bytes(), hit.id.to_le_bytes()])
 }
 
 /// The rays behind the header of a file, which [`FileSubject::read`] has read.
@@ -238,13 +232,9 @@ pub fn rays<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = ab
 
 /// The hits behind the header of a file, which [`FileSubject::read`] has read.
 pub fn hits<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
-    let records = bytes.get(about.header_bytes()..).unwrap_or_default().chunks_exact(8);
-    records.map(|record| {
-        let number = |i: usize| {
-            let part = record.get(i..).and_then(|rest| rest.first_chunk::<4>());
-            part.copied().unwrap_or_default()
-        };
-        abi::Hit::new(f32::from_le_bytes(number(0)), u32::from_le_bytes(number(4)))
+    let records = bytes.get(about.header_bytes()..).unwrap_or_default().as_chunks::<8>().0;
+    records.iter().map(|&[a, b, c, d, e, f, g, h]| {
+        abi::Hit::new(f32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]))
     })
 }
 
@@ -253,6 +243,10 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+
+    fn read_hits(bytes: &[u8]) -> Result<FileSubject, FileError> {
+        FileSubject::read(Path::new("f"), bytes, Content::Hits)
+    }
 
     fn about() -> FileSubject {
         FileSubject {
@@ -271,7 +265,7 @@ mod tests {
         let mut bytes = about().header(Content::Hits);
         assert_eq!(bytes.len(), HEADER);
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
-        assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits), Ok(about()));
+        assert_eq!(read_hits(&bytes), Ok(about()));
         let all: Vec<_> = hits(&about(), &bytes).collect();
         assert_eq!(all, [abi::Hit::new(1.0, 4); 3]);
         let ray = abi::Ray { origin: [1.0; 3], t_min: 0.0, direction: [2.0; 3], t_max: 3.0 };
@@ -288,16 +282,15 @@ mod tests {
         let mut bytes = about.header(Content::Hits);
         assert_eq!((bytes.len(), bytes[8]), (152, 2));
         bytes.extend([0, 0, 128, 63, 4, 0, 0, 0].repeat(3));
-        assert_eq!(FileSubject::read(Path::new("f"), &bytes, Content::Hits).as_ref(), Ok(&about));
+        assert_eq!(read_hits(&bytes).as_ref(), Ok(&about));
         assert_eq!(hits(&about, &bytes).count(), 3);
         // planted: a number that is none, no origin, a header that ends within it
         let mut bad = bytes.clone();
         bad[128..136].copy_from_slice(&f64::NAN.to_le_bytes());
-        assert_eq!(FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
+        assert_eq!(read_hits(&bad).unwrap_err().offset, 128);
         bad[128..152].fill(0);
-        assert_eq!(FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err().offset, 128);
-        let error = FileSubject::read(Path::new("f"), &bytes[..140], Content::Hits).unwrap_err();
-        assert_eq!(error.offset, 140);
+        assert_eq!(read_hits(&bad).unwrap_err().offset, 128);
+        assert_eq!(read_hits(&bytes[..140]).unwrap_err().offset, 140);
     }
 
     #[test]
@@ -309,18 +302,17 @@ mod tests {
         for (at, byte, offset) in planted {
             let mut bad = good.clone();
             bad[at] = byte;
-            let error = FileSubject::read(Path::new("f"), &bad, Content::Hits).unwrap_err();
+            let error = read_hits(&bad).unwrap_err();
             assert_eq!(error.offset, offset, "{error}");
         }
         for length in [0, 100, HEADER, HEADER + 23] {
-            let error =
-                FileSubject::read(Path::new("f"), &good[..length], Content::Hits).unwrap_err();
+            let error = read_hits(&good[..length]).unwrap_err();
             assert_eq!(error.offset, length, "{error}");
         }
         // so many rays that their bytes are no number
         let mut bad = good.clone();
         bad[16..56].fill(255);
-        assert!(FileSubject::read(Path::new("f"), &bad, Content::Hits).is_err());
+        assert!(read_hits(&bad).is_err());
         assert!(FileSubject::read(Path::new("f"), &good, Content::Rays).is_err());
     }
 }

@@ -145,24 +145,26 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
 
     /// Writes the closest hits; returns what that took. Slices are of one length.
     pub fn closest(&self, rays: &[abi::Ray<S>], hits: &mut [abi::Hit<S>]) -> CallTime {
-        let start = Stopwatch::start(self.by_processor);
-        if self.in_chunks {
-            let chunks = rays.par_chunks(CHUNK).zip(hits.par_chunks_mut(CHUNK));
-            chunks.for_each(|(rays, hits)| self.hits(rays, hits));
-        } else {
-            self.hits(rays, hits);
-        }
-        start.took()
+        self.timed(rays, hits, |rays, hits| self.hits(rays, hits))
     }
 
     /// Writes 1 for blocked rays and 0 for others; returns what that took.
     pub fn occluded(&self, rays: &[abi::Ray<S>], blocked: &mut [u8]) -> CallTime {
+        self.timed(rays, blocked, |rays, blocked| self.blocked(rays, blocked))
+    }
+
+    fn timed<A: Send>(
+        &self,
+        rays: &[abi::Ray<S>],
+        answers: &mut [A],
+        ask: impl Fn(&[abi::Ray<S>], &mut [A]) + Sync,
+    ) -> CallTime {
         let start = Stopwatch::start(self.by_processor);
         if self.in_chunks {
-            let chunks = rays.par_chunks(CHUNK).zip(blocked.par_chunks_mut(CHUNK));
-            chunks.for_each(|(rays, blocked)| self.blocked(rays, blocked));
+            let chunks = rays.par_chunks(CHUNK).zip(answers.par_chunks_mut(CHUNK));
+            chunks.for_each(|(rays, answers)| ask(rays, answers));
         } else {
-            self.blocked(rays, blocked);
+            ask(rays, answers);
         }
         start.took()
     }

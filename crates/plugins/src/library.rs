@@ -18,6 +18,9 @@ unsafe impl Send for Library {}
 // SAFETY: likewise
 unsafe impl Sync for Library {}
 
+const NO_SYMBOL: &str =
+    "has no function rtbench_plugin_describe; export it with extern \"C\" (see rtbench.h)";
+
 impl Library {
     /// Loads a plugin; it stays loaded as long as this process lives.
     ///
@@ -26,17 +29,18 @@ impl Library {
     pub fn load(file: &Path) -> Result<Self, PluginError> {
         let file = &std::path::absolute(file)
             .map_err(|source| PluginError::Read { file: file.into(), source })?;
-        let load = |message: String| PluginError::Load { file: file.clone(), message };
+        let wrong = |what: String| PluginError::Invalid { file: file.clone(), what };
         // SAFETY: that its initialisers run is what the user asks for
         let library = unsafe { libloading::Library::new(file) }.map_err(|e| {
-            load(std::error::Error::source(&e).map_or_else(|| e.to_string(), ToString::to_string))
+            let source = std::error::Error::source(&e);
+            let why = source.map_or_else(|| e.to_string(), ToString::to_string);
+            wrong(format!("cannot be loaded: {why}"))
         })?;
         // what a plugin has started may go on: it is never unloaded
         let library: &'static libloading::Library = Box::leak(Box::new(library));
         // SAFETY: the symbol has that type, by rtbench.h
         let describe = unsafe { library.get::<abi::Describe>(abi::SYMBOL) }
-            .map_err(|_| PluginError::NoSymbol { file: file.clone() })?;
-        let wrong = |what: String| PluginError::Description { file: file.clone(), what };
+            .map_err(|_| wrong(NO_SYMBOL.into()))?;
         // SAFETY: by rtbench.h
         let plugin = unsafe { describe() };
         if plugin.is_null() {
@@ -45,8 +49,11 @@ impl Library {
         // SAFETY: whatever its version, a plugin begins with that number and its size
         let [version, size] = unsafe { plugin.cast::<[u32; 2]>().read_unaligned() };
         if version != abi::VERSION {
-            let own = abi::VERSION;
-            return Err(PluginError::Version { file: file.clone(), found: version, own });
+            return Err(wrong(format!(
+                "built for version {version} of rtbench.h, but this program has version {}; compile \
+                 it with this program's header",
+                abi::VERSION
+            )));
         }
         let least = std::mem::offset_of!(abi::Plugin, in_f64);
         if (size as usize) < least || !plugin.is_aligned() {

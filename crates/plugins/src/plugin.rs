@@ -17,22 +17,12 @@ pub(crate) struct Plugin {
     pub(crate) description: Description,
     pub(crate) origin: Origin,
     pub(crate) library: Option<Arc<Library>>,
-    launch: Launch,
+    pub(crate) launch: Launch,
     /// Processes that wait, by the rows that they are of.
-    waiting: Mutex<BTreeMap<String, Remote>>,
+    pub(crate) waiting: Mutex<BTreeMap<String, Remote>>,
 }
 
 impl Plugin {
-    pub(crate) fn new(
-        info: &'static StructureInfo,
-        description: Description,
-        origin: Origin,
-        library: Option<Arc<Library>>,
-        launch: Launch,
-    ) -> Self {
-        Self { info, description, origin, library, launch, waiting: Mutex::default() }
-    }
-
     fn waiting(&self) -> MutexGuard<'_, BTreeMap<String, Remote>> {
         self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
     }

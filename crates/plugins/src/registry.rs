@@ -68,7 +68,7 @@ pub fn entry(
         return Err(PluginError::NameTaken { file: file.clone(), name: name.into() });
     }
     let specs: Vec<ParamSpec> = description.settings.iter().map(|s| s.leaked()).collect();
-    let invalid = |e: &dyn std::fmt::Display| PluginError::Description {
+    let invalid = |e: &dyn std::fmt::Display| PluginError::Invalid {
         file: file.clone(),
         what: format!("a default is not valid: {e}"),
     };
@@ -99,7 +99,7 @@ pub fn entry(
         own_process: !in_process,
         empty_call_s: 0.0,
     };
-    let plugin = Plugin::new(info, description, origin, library, launch);
+    let plugin = Plugin { info, description, origin, library, launch, waiting: Mutex::default() };
     plugins().insert(name, Arc::new(plugin));
     Ok(Entry::new(info, built::<f32>, built::<f64>))
 }
@@ -108,7 +108,10 @@ pub fn entry(
 fn described(launch: &Launch) -> Result<Description, PluginError> {
     let file = || launch.file.clone();
     std::fs::metadata(&launch.file).map_err(|source| PluginError::Read { file: file(), source })?;
-    let died = |how: String| PluginError::Died { file: file(), how };
+    let died = |how: String| PluginError::Invalid {
+        file: file(),
+        what: format!("{how} while describing itself"),
+    };
     let mut remote = Remote::start(launch).map_err(died)?;
     remote.describe().map_err(|how| match remote.failure() {
         Some(_) => died(how),

@@ -79,6 +79,22 @@ impl Html {
         self.close();
     }
 
+    /// A list with an item of mixed content for each.
+    pub fn items<T>(
+        &mut self,
+        attributes: &[Attribute<'_>],
+        items: impl IntoIterator<Item = T>,
+        write: impl Fn(&mut Self, T),
+    ) {
+        self.open("ul", attributes);
+        for item in items {
+            self.open("li", &[]);
+            write(self, item);
+            self.close();
+        }
+        self.close();
+    }
+
     /// Markup of our own making, such as a plot: must be well-formed.
     pub fn markup(&mut self, markup: &str) {
         self.out.push_str(markup);

@@ -4,9 +4,13 @@ use serde::Serialize;
 
 /// Anything, with a line break behind it.
 pub fn written(value: &impl Serialize) -> Result<String, FormatError> {
-    serde_json::to_string_pretty(value)
-        .map(|text| text + "\n")
-        .map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+    Ok(serde_json::to_string_pretty(value)? + "\n")
+}
+
+impl From<serde_json::Error> for FormatError {
+    fn from(error: serde_json::Error) -> Self {
+        Self { format: "JSON", message: error.to_string() }
+    }
 }
 
 /// Results could not be turned into text.

@@ -24,12 +24,18 @@ pub fn mebibytes(bytes: u64) -> String {
     short(bytes as f64 / f64::from(1 << 20))
 }
 
+/// A figure with its interval.
+pub fn interval(estimate: &Estimate) -> String {
+    let Estimate { median, low, high } = *estimate;
+    format!("{} [{}, {}]", short(median), short(low), short(high))
+}
+
 /// A ratio with its interval; `=` where the interval contains 1: no difference was measured.
 pub fn ratio(estimate: &Estimate) -> String {
     let mark = if estimate.holds(1.0) { " =" } else { "  " };
     let Estimate { median, low, high } = *estimate;
     if median < 0.0995 {
-        return format!("{} [{}, {}]{mark}", short(median), short(low), short(high));
+        return interval(estimate) + mark;
     }
     format!("{median:.2} [{low:.2}, {high:.2}]{mark}")
 }

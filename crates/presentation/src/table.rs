@@ -32,6 +32,16 @@ pub struct Table {
     pub notes: Vec<String>,
 }
 
+/// A table of texts.
+pub fn words(
+    title: impl Into<String>,
+    header: Vec<&'static str>,
+    rows: impl IntoIterator<Item = Vec<String>>,
+) -> Table {
+    let rows = rows.into_iter().map(|row| row.into_iter().map(Cell::from).collect());
+    Table { title: title.into(), header, rows: rows.collect(), notes: Vec::new() }
+}
+
 /// Cell without a value.
 pub fn dash() -> Cell {
     Cell { text: "-".into(), style: Style::Dim }

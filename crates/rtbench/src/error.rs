@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use accel_core::query::cells::NoCells;
 use presentation::drawing::ImageError;
 
+use measurement::callgrind::CallgrindError;
 use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
 use measurement::rays::text::RayTextError;
@@ -20,23 +21,20 @@ use plugins::PluginError;
 use plugins::files::FileError;
 use presentation::json::FormatError;
 use renderer::GeometryError;
-use studies::animate::AnimateError;
 use studies::error::{StudyError, UnsavedImage};
-use studies::explain::ExplainError;
 use studies::reproduce::ReproduceError;
-use studies::sweep::SweepError;
-use studies::sweep::sizes::SizesError;
 
+use crate::baselines::BaselineError;
 use crate::comparison::CompareError;
+use crate::comparison::pairing::{MissingRow, in_words};
 use crate::exit_code::{FAILURE, NOTHING_COMPARED, USAGE};
 use crate::exports::occupied::OccupiedError;
 use crate::exports::outputs::OutputError;
 use crate::foreign_row::ForeignRowError;
-use crate::gate::GateError;
+use crate::gate::against::AgainstError;
 use crate::history::HistoryError;
 use crate::replan::ReplanError;
 use crate::report::ReportError;
-use crate::set_options::SetOptionsError;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -45,25 +43,9 @@ pub enum Error {
     #[error(transparent)]
     Plan(#[from] PlanError),
     #[error(transparent)]
-    Sweep(Box<SweepError>),
-    #[error(transparent)]
-    Sizes(Box<SizesError>),
-    #[error(transparent)]
-    Animate(Box<AnimateError>),
-    #[error(transparent)]
-    Explain(Box<ExplainError>),
-    #[error(transparent)]
     Load(#[from] LoadError),
     #[error(transparent)]
-    Measure(Box<MeasureError>),
-    #[error(transparent)]
     Plugin(#[from] PluginError),
-    #[error(transparent)]
-    HitsFile(#[from] FileError),
-    #[error(transparent)]
-    RayText(#[from] RayTextError),
-    #[error(transparent)]
-    ForeignRow(#[from] ForeignRowError),
     #[error(
         "scene {scene}: has other primitives than static triangles; scenes named ...-tess are tessellated"
     )]
@@ -71,68 +53,60 @@ pub enum Error {
     #[error(transparent)]
     Study(Box<StudyError>),
     #[error(transparent)]
-    Write(#[from] WriteError),
-    #[error(transparent)]
-    Outputs(OutputError),
-    #[error(transparent)]
-    Occupied(#[from] OccupiedError),
+    Outputs(#[from] OutputError),
     #[error("the images of {scenes} were too fast to predict from")]
     NoModel { scenes: String },
-    #[error(transparent)]
-    Format(#[from] FormatError),
-    #[error(transparent)]
-    Journal(#[from] JournalError),
     #[error("cannot watch for signals: {0}")]
     Signals(io::Error),
     #[error(transparent)]
-    Record(#[from] RecordError),
-    #[error(transparent)]
     Compare(#[from] CompareError),
     #[error(transparent)]
-    Gate(Box<GateError>),
+    Replan(Box<ReplanError>),
     #[error(transparent)]
-    SetOptions(Box<SetOptionsError>),
-    #[error(transparent)]
-    Merge(#[from] MergeError),
-    #[error(transparent)]
-    Machines(#[from] MachinesError),
-    #[error(transparent)]
-    Report(#[from] ReportError),
-    #[error(transparent)]
-    History(#[from] HistoryError),
-    #[error(transparent)]
-    Copy(#[from] CopyError),
+    Baseline(#[from] BaselineError),
+    #[error("this cannot be compared with the baseline: {}", .0.join("; "))]
+    NotComparable(Vec<String>),
+    #[error("nothing was compared: no row is in both; {}", in_words(.0).join("; "))]
+    NothingCompared(Vec<MissingRow>),
+    #[error(
+        "the baseline has no instruction counts; save one that has them: `rtbench baseline save \
+         NAME --instructions ...`"
+    )]
+    NoCounts,
     #[error("structure {row}: {source}")]
     NoCells { row: String, source: NoCells },
     #[error("cannot draw {}: {source}", path.display())]
     Undrawn { path: PathBuf, source: ImageError },
-    #[error(transparent)]
-    Reproduce(#[from] ReproduceError),
     #[error("cannot write to standard output: {0}")]
     Output(#[from] io::Error),
+    /// An error of a subsystem that nobody distinguishes from others.
+    #[error(transparent)]
+    Other(Box<dyn std::error::Error + Send + Sync>),
 }
 
-/// Equal errors of several subsystems become one; the others are boxed.
-macro_rules! boxed {
-    ($($error:ident as $variant:ident, $($inner:ident to $own:ident),+;)+) => {$(
+macro_rules! other {
+    ($($error:ty),+ $(,)?) => {$(
         impl From<$error> for Error {
             fn from(error: $error) -> Self {
-                match error {
-                    $($error::$inner(error) => Self::$own(error),)+
-                    other => Self::$variant(Box::new(other)),
-                }
+                Self::Other(Box::new(error))
             }
         }
     )+};
 }
 
-boxed! {
-    MeasureError as Measure, Load to Load;
-    SweepError as Sweep, Plan to Plan, Scene to Load;
-    SizesError as Sizes, Plan to Plan, Scene to Load;
-    AnimateError as Animate, Plan to Plan;
-    ExplainError as Explain, Plan to Plan;
-    SetOptionsError as SetOptions, Plan to Plan;
+other! {
+    FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
+    RecordError, MergeError, MachinesError, ReportError, HistoryError, CopyError, ReproduceError,
+    CallgrindError, AgainstError, UnsavedImage,
+}
+
+impl From<MeasureError> for Error {
+    fn from(error: MeasureError) -> Self {
+        match error {
+            MeasureError::Load(error) => Self::Load(error),
+            other => Self::Other(Box::new(other)),
+        }
+    }
 }
 
 impl From<GeometryError> for Error {
@@ -151,33 +125,11 @@ impl From<StudyError> for Error {
     }
 }
 
-impl From<UnsavedImage> for Error {
-    fn from(error: UnsavedImage) -> Self {
-        StudyError::from(error).into()
-    }
-}
-
-impl From<GateError> for Error {
-    fn from(error: GateError) -> Self {
-        Self::Gate(Box::new(error))
-    }
-}
-
 impl From<ReplanError> for Error {
     fn from(error: ReplanError) -> Self {
         match error {
             ReplanError::Plan(error) => Self::Plan(error),
-            other => GateError::from(other).into(),
-        }
-    }
-}
-
-impl From<OutputError> for Error {
-    fn from(error: OutputError) -> Self {
-        match error {
-            OutputError::Write(error) => Self::Write(error),
-            OutputError::Occupied(error) => Self::Occupied(error),
-            other => Self::Outputs(other),
+            other => Self::Replan(Box::new(other)),
         }
     }
 }
@@ -195,16 +147,10 @@ impl Error {
                 if is_usage { USAGE } else { FAILURE }
             }
             Self::Compare(Filter { .. } | Match { .. } | NothingMatches { .. }) => USAGE,
-            Self::Gate(error) if error.is_usage() => USAGE,
-            Self::Gate(error) if matches!(**error, GateError::NothingCompared(_)) => {
-                NOTHING_COMPARED
-            }
-            Self::Plan(_)
-            | Self::Sweep(_)
-            | Self::Sizes(_)
-            | Self::Explain(_)
-            | Self::Animate(_)
-            | Self::SetOptions(_) => USAGE,
+            Self::Replan(error) if matches!(**error, ReplanError::Unknown { .. }) => USAGE,
+            Self::Baseline(error) if error.is_usage() => USAGE,
+            Self::NothingCompared(_) => NOTHING_COMPARED,
+            Self::Plan(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
             Self::Outputs(SameFile(_) | IsRead(_) | NothingSelected(..)) => USAGE,
             _ => FAILURE,

@@ -123,10 +123,7 @@ pub fn restrict_to_known_rows(record: &RunRecord, context: &Context<'_>) -> RunR
     let mut record = record.clone();
     let is_known =
         |label: &str| select(context.registry, context.occluders, &[label.to_owned()], &[]).is_ok();
-    for scene in &mut record.scenes {
-        scene.rows.retain(|row| row.plugin.is_some() || is_known(&row.label()));
-    }
-    record.scenes.retain(|scene| !scene.rows.is_empty());
+    record.retain_rows(|_, row| row.plugin.is_some() || is_known(&row.label()));
     if !is_known(&record.settings.reference) {
         record.settings.reference.clear();
     }

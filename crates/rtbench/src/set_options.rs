@@ -12,7 +12,7 @@ use serde_json::Value;
 
 use crate::args::Cli;
 use measurement::plan::error::PlanError;
-use measurement::scenes::SceneSource;
+use measurement::scenes::{LoadError, SceneSource};
 use measurement::settings::choice;
 
 /// Options that a set file may not have: scenes are the set's own, output files the user's, and
@@ -34,17 +34,6 @@ const NOT_IN_SETS: [&str; 11] = [
 /// Options of which the later one wins, whatever their names: one typed takes both from the set.
 const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
 
-/// Why the options of a set cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum SetOptionsError {
-    #[error("scenes/sets/{set}.json: run: {message}")]
-    Invalid { set: String, message: String },
-    #[error("scenes/sets/{set}.json: check, entry {entry}: {message}")]
-    Threshold { set: String, entry: usize, message: String },
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-}
-
 /// An option of a set file, as it would have been typed.
 struct SetOption {
     /// Clap's name of the option.
@@ -57,7 +46,7 @@ struct SetOption {
 pub fn added_by_set(
     arguments: &[OsString],
     scenes: &dyn SceneSource,
-) -> Result<Vec<OsString>, SetOptionsError> {
+) -> Result<Vec<OsString>, PlanError> {
     let cli = Cli::command();
     let Ok(matches) = cli.clone().try_get_matches_from(arguments) else { return Ok(Vec::new()) };
     let Some(run) = run_of(&matches) else { return Ok(Vec::new()) };
@@ -70,15 +59,16 @@ pub fn added_by_set(
         (None, [only]) => only,
         _ => return Ok(Vec::new()),
     };
-    let options = scenes.run_options(set, is_typed(run, "quick")).map_err(PlanError::Scene)?;
+    let options = scenes.run_options(set, is_typed(run, "quick"))?;
     if options.is_empty() && is_typed(run, "as_set") {
-        return Err(without_options(set, scenes)?.into());
+        let has = |set: &str| Ok(!scenes.run_options(set, false)?.is_empty());
+        return Err(without("set with options of its own", set, scenes, has)?);
     }
     let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
     let mut added = Vec::new();
     for (name, value) in &options {
         let option = valid_option(&cli, known, name, value)
-            .map_err(|message| SetOptionsError::Invalid { set: set.clone(), message })?;
+            .map_err(|why| PlanError::Invalid(format!("scenes/sets/{set}.json: run: {why}")))?;
         if !is_given(run, &option.id) {
             added.extend(option.arguments);
         }
@@ -171,15 +161,23 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
     Ok(SetOption { id, arguments })
 }
 
-fn without_options(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, SetOptionsError> {
+/// The error that a set lacks something, with the names of those that have it.
+pub fn without(
+    what: &'static str,
+    set: &str,
+    scenes: &dyn SceneSource,
+    has: impl Fn(&str) -> Result<bool, LoadError>,
+) -> Result<PlanError, PlanError> {
     let mut valid = Vec::new();
-    for (name, _) in scenes.sets().map_err(PlanError::Scene)? {
-        if !scenes.run_options(&name, false).map_err(PlanError::Scene)?.is_empty() {
+    for (name, _) in scenes.sets()? {
+        if has(&name)? {
             valid.push(name);
         }
     }
-    let valid = valid.iter().map(String::as_str);
-    Ok(PlanError::unknown("set with options of its own", set, valid))
+    if valid.is_empty() {
+        valid.push("none".to_owned());
+    }
+    Ok(PlanError::unknown(what, set, valid.iter().map(String::as_str)))
 }
 
 #[cfg(test)]
@@ -187,7 +185,7 @@ mod tests {
     use serde_json::{Map, json};
 
     use super::*;
-    use measurement::scenes::{InstalledScenes, KnownScene, LoadError};
+    use measurement::scenes::{InstalledScenes, KnownScene};
 
     struct SingleSet(Value);
 

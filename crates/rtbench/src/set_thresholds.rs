@@ -3,29 +3,30 @@
 use crate::args::percent;
 use crate::context::Context;
 use crate::gate::thresholds::{RowThreshold, quantity_named};
-use crate::set_options::SetOptionsError;
+use crate::set_options::without;
 use measurement::plan::error::PlanError;
 use measurement::plan::measured_row::select;
-use measurement::scenes::{SceneSource, SetThreshold};
+use measurement::scenes::SetThreshold;
 
 /// The thresholds of the set that a check names: by `--as`, or as its only scene.
 pub fn of_check(
     context: &Context<'_>,
     as_set: Option<&str>,
     scenes: &[String],
-) -> Result<Vec<RowThreshold>, SetOptionsError> {
+) -> Result<Vec<RowThreshold>, PlanError> {
     let set = match (as_set, scenes) {
         (Some(set), _) => set,
         (None, [only]) => only,
         _ => return Ok(Vec::new()),
     };
-    let entries = context.scenes.check_thresholds(set).map_err(PlanError::Scene)?;
+    let entries = context.scenes.check_thresholds(set)?;
     if entries.is_empty() && as_set.is_some() {
-        return Err(without_thresholds(set, context.scenes)?.into());
+        let has = |set: &str| Ok(!context.scenes.check_thresholds(set)?.is_empty());
+        return Err(without("set with thresholds of its own", set, context.scenes, has)?);
     }
-    let read = |(entry, own)| {
-        let error = |message| SetOptionsError::Threshold { set: set.to_owned(), entry, message };
-        threshold(context, own).map_err(error)
+    let read = |(entry, own): (usize, &SetThreshold)| {
+        let place = format!("scenes/sets/{set}.json: check, entry {entry}");
+        threshold(context, own).map_err(|why| PlanError::Invalid(format!("{place}: {why}")))
     };
     (1..).zip(&entries).map(read).collect()
 }
@@ -66,18 +67,4 @@ fn row(context: &Context<'_>, text: &str) -> Result<String, String> {
     let labels = structures.iter().map(|row| row.label());
     let mut labels = labels.chain(occluders.iter().map(|row| row.label()));
     labels.next().ok_or_else(|| format!("{text}: no row"))
-}
-
-fn without_thresholds(set: &str, scenes: &dyn SceneSource) -> Result<PlanError, PlanError> {
-    let mut valid = Vec::new();
-    for (name, _) in scenes.sets()? {
-        if !scenes.check_thresholds(&name)?.is_empty() {
-            valid.push(name);
-        }
-    }
-    if valid.is_empty() {
-        valid.push("none".to_owned());
-    }
-    let valid = valid.iter().map(String::as_str);
-    Ok(PlanError::unknown("set with thresholds of its own", set, valid))
 }

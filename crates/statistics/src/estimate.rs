@@ -24,6 +24,17 @@ pub struct Estimate {
 }
 
 impl Estimate {
+    /// Of a quantity that is known without uncertainty.
+    pub fn exactly(x: f64) -> Self {
+        Self { median: x, low: x, high: x }
+    }
+
+    /// Of a quantity that rises with this one.
+    #[must_use]
+    pub fn map(&self, of: impl Fn(f64) -> f64) -> Self {
+        Self { median: of(self.median), low: of(self.low), high: of(self.high) }
+    }
+
     /// Of one over the quantity.
     #[must_use]
     pub fn inverse(&self) -> Self {

@@ -20,29 +20,17 @@ pub enum StudyError {
     /// A scene has nothing that an axis of accuracy is about.
     #[error("{axis}: scene {scene} is not suitable: {reason}")]
     UnfitScene { axis: &'static str, scene: String, reason: &'static str },
-    /// Processes that were to measure the same did not.
-    #[error(transparent)]
-    Unlike(#[from] ProcessMismatch),
+    /// Process number `process`, from 1, measured something else than what was judged.
+    #[error(
+        "{axis} on {place}: process {process} measured {found}, which differs from what was judged"
+    )]
+    Unlike { axis: String, place: String, process: u32, found: String },
     /// An image could not be written.
     #[error(transparent)]
     Image(#[from] UnsavedImage),
     /// Results could not be turned into text.
     #[error(transparent)]
     Format(#[from] FormatError),
-}
-
-/// Another process measured something else.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "{axis} on {place}: process {process} measured {found}, which differs from what was judged"
-)]
-pub struct ProcessMismatch {
-    /// The axis of accuracy.
-    pub axis: String,
-    pub place: String,
-    /// The process, from 1.
-    pub process: u32,
-    pub found: String,
 }
 
 /// An image cannot be written.

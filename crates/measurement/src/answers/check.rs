@@ -101,14 +101,10 @@ pub fn check<S: Buildable>(
         verdict,
         stats,
         query: built.query(),
-        work: built.foreign().is_none_or(Foreign::has_counters).then(|| WorkRecord {
-            rays: set.total() as u64,
-            intersection_tests: work.intersection_tests,
-            traversal_steps: work.traversal_steps,
-            elementary_steps: work.elementary_steps,
-            empty_elementary_steps: work.empty_elementary_steps,
-            tests_saved: work.tests_saved,
-        }),
+        work: built
+            .foreign()
+            .is_none_or(Foreign::has_counters)
+            .then(|| WorkRecord::of(set.total(), &work)),
         checked_rays,
         mismatches,
         example: example(examples, built.foreign().is_some()),

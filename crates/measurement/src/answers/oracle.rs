@@ -63,7 +63,7 @@ pub struct Oracle<'a> {
     /// Largest coordinate of the scene.
     magnitude: f64,
     /// How far rays are moved, and how much more t may be off, in ulps of the tested precision.
-    pub(super) ulps: f64,
+    ulps: f64,
 }
 
 impl<'a> Oracle<'a> {
@@ -148,8 +148,7 @@ impl<'a> Oracle<'a> {
         let truth = self.closest(&exact);
         let slack = self.slack::<S>(&exact);
         let t = hit.t.to_f64();
-        let near =
-            |a: f64, b: f64| (a - b).abs() <= slack + self.ulps * S::EPSILON.to_f64() * b.abs();
+        let near = |a: f64, b: f64| (a - b).abs() <= slack + self.epsilon::<S>() * b.abs();
         if hit.id == truth.id && (!truth.is_hit() || near(t, truth.t)) {
             return Opinion::Right;
         }
@@ -192,7 +191,12 @@ impl<'a> Oracle<'a> {
 
     /// Distance by which origins are moved.
     pub(super) fn reach<S: Scalar>(&self, ray: &Ray<f64>) -> f64 {
-        self.ulps * S::EPSILON.to_f64() * self.magnitude.max(ray.origin.abs().max_element())
+        self.epsilon::<S>() * self.magnitude.max(ray.origin.abs().max_element())
+    }
+
+    /// Its ulps, as a part of a number.
+    pub(super) fn epsilon<S: Scalar>(&self) -> f64 {
+        self.ulps * S::EPSILON.to_f64()
     }
 
     /// The ray, moved along and turned about each axis, both ways.

@@ -56,11 +56,12 @@ impl Oracle<'_> {
         if self.is_near::<S>(&exact, hit.id, t) {
             return true;
         }
-        let moved = self.moved::<S>(&exact).into_iter().chain([exact]).map(with_open_ends);
+        let open = |ray| Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray };
+        let moved = self.moved::<S>(&exact).into_iter().chain([exact]).map(open);
         let found: Vec<f64> = moved.filter_map(|ray| self.distance_to(hit.id, &ray)).collect();
         let [least, most] = [1.0, -1.0]
             .map(|sign| sign * found.iter().fold(f64::INFINITY, |least, t| least.min(sign * t)));
-        let slack = self.slack::<S>(&exact) + self.ulps * S::EPSILON.to_f64() * t.abs();
+        let slack = self.slack::<S>(&exact) + self.epsilon::<S>() * t.abs();
         let slack = slack + TEST_ROUNDING * (most - least).max(0.0);
         t >= least - slack && t <= most + slack
     }
@@ -71,7 +72,7 @@ impl Oracle<'_> {
     fn is_near<S: Scalar>(&self, ray: &Ray<f64>, id: u32, t: f64) -> bool {
         let PrimsRef::Watertight(set) = self.prims else { return false };
         let Some(corners) = set.triangles().get(id as usize) else { return false };
-        let turned = self.ulps * S::EPSILON.to_f64() * ray.direction.length() * t.abs();
+        let turned = self.epsilon::<S>() * ray.direction.length() * t.abs();
         let distance = distance_to_triangle(ray.at(t), &corners.map(DVec3::from_array));
         distance <= self.reach::<S>(ray) + turned
     }
@@ -90,10 +91,8 @@ impl Oracle<'_> {
         let mut exact = ray.widened();
         if blocked {
             let slack = self.slack::<S>(&exact);
-            let t_min =
-                exact.t_min - slack.max(self.ulps * S::EPSILON.to_f64() * exact.t_min.abs());
-            let t_max =
-                exact.t_max + slack.max(self.ulps * S::EPSILON.to_f64() * exact.t_max.abs());
+            let room = |t: f64| slack.max(self.epsilon::<S>() * t.abs());
+            let (t_min, t_max) = (exact.t_min - room(exact.t_min), exact.t_max + room(exact.t_max));
             let widened = Ray { t_min, t_max, ..exact };
             // moved by all of it, the ray may pass on the other side of what is small
             let mut moved =
@@ -116,14 +115,10 @@ impl Oracle<'_> {
     /// Returns whether the ray misses the primitive of a hit when it is moved, or leaves its
     /// interval.
     fn may_be_lost<S: Scalar>(&self, ray: &Ray<f64>, hit: &Hit<f64>) -> bool {
-        let slack = self.slack::<S>(ray) + self.ulps * S::EPSILON.to_f64() * hit.t.abs();
+        let slack = self.slack::<S>(ray) + self.epsilon::<S>() * hit.t.abs();
         let ends = hit.t - ray.t_min < slack || ray.t_max - hit.t < slack;
         ends || self.moved::<S>(ray).iter().any(|moved| self.distance_to(hit.id, moved).is_none())
     }
-}
-
-fn with_open_ends(ray: Ray<f64>) -> Ray<f64> {
-    Ray { t_min: f64::NEG_INFINITY, t_max: f64::INFINITY, ..ray }
 }
 
 /// C. Ericson, Real-Time Collision Detection, 2005, 5.1.5: the nearest point is a corner, on an

@@ -78,8 +78,7 @@ pub enum Line {
 impl Line {
     /// Its text, before it is sealed.
     pub fn text(&self) -> Result<String, FormatError> {
-        let text = serde_json::to_string(self);
-        text.map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+        Ok(serde_json::to_string(self)?)
     }
 }
 

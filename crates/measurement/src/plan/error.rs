@@ -4,7 +4,6 @@ use accel_core::params::ParamError;
 
 use crate::scenes::LoadError;
 use crate::settings::choice;
-use crate::settings::shard::Shard;
 
 /// Invalid requests on the command line.
 #[derive(Debug, thiserror::Error)]
@@ -30,19 +29,11 @@ pub enum PlanError {
     },
     #[error("{what}: {value}, expected a number from 1 to {most}")]
     OutOfRange { what: &'static str, value: u64, most: u64 },
-    #[error("{structure} answers shadow rays only; add shadow to --rays")]
-    NoRaysFor { structure: &'static str },
-    #[error("none of these cases applies to these structures; leave out -s, or name other cases")]
-    NothingAsked,
     #[error("there are no structures to measure")]
     NoRows,
-    #[error(
-        "--shard {shard}: this run has {cells} cells (scenes times rows, without the reference); \
-             use at most {cells} shards"
-    )]
-    TooManyShards { shard: Shard, cells: usize },
-    #[error("--shard: two scenes are named {name}; shards are merged by names")]
-    SameName { name: String },
+    /// What else makes no sense, in words.
+    #[error("{0}")]
+    Invalid(String),
     #[error(transparent)]
     Scene(#[from] LoadError),
 }

@@ -204,7 +204,10 @@ impl<'r> Plan<'r> {
             && !args.structures.is_empty()
             && !args.structures.iter().any(|s| s == "all")
         {
-            return Err(PlanError::NoRaysFor { structure: row.structure() });
+            let structure = row.structure();
+            return Err(PlanError::Invalid(format!(
+                "{structure} answers shadow rays only; add shadow to --rays"
+            )));
         }
         Ok(plan)
     }

@@ -31,7 +31,11 @@ impl<'r> Plan<'r> {
         let matrix =
             Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.baseline };
         if shard.count as usize > matrix.cells() {
-            return Err(PlanError::TooManyShards { shard, cells: matrix.cells() });
+            let cells = matrix.cells();
+            return Err(PlanError::Invalid(format!(
+                "--shard {shard}: this run has {cells} cells (scenes times rows, without the \
+                 reference); use at most {cells} shards"
+            )));
         }
         let record = ShardRecord {
             index: shard.index,
@@ -43,7 +47,9 @@ impl<'r> Plan<'r> {
         };
         let mut names = BTreeSet::new();
         if let Some(name) = record.scenes.iter().find(|name| !names.insert(*name)) {
-            return Err(PlanError::SameName { name: name.clone() });
+            return Err(PlanError::Invalid(format!(
+                "--shard: two scenes are named {name}; shards are merged by names"
+            )));
         }
         let mut rows: Vec<Vec<usize>> =
             (0..matrix.scenes).map(|scene| matrix.rows_of(shard, scene)).collect();

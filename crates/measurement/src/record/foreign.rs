@@ -37,7 +37,6 @@ impl ExternalResult {
         let sum = |of: fn(&JudgedKind) -> u64| self.answers.iter().map(of).sum::<u64>();
         let mismatches = sum(|judged| judged.wrong);
         let verdict = if mismatches > 0 { Verdict::Wrong } else { Verdict::Ok };
-        let single = |s: f64| Estimate { median: s, low: s, high: s };
         let is_timed = |_: &f64| verdict.is_timed();
         RowRecord {
             checked_rays: sum(|judged| judged.compared),
@@ -45,8 +44,8 @@ impl ExternalResult {
             example: self.answers.iter().find_map(|judged| judged.example.clone()),
             rays: sum(|judged| judged.compared),
             rays_by_kind: self.answers.iter().map(|j| (j.kind.clone(), j.compared)).collect(),
-            trace_s: Some(self.trace_s).filter(is_timed).map(single),
-            build_s: self.build_s.filter(is_timed).map(single),
+            trace_s: Some(self.trace_s).filter(is_timed).map(Estimate::exactly),
+            build_s: self.build_s.filter(is_timed).map(Estimate::exactly),
             foreign: Some(ForeignRecord {
                 hits_sha256: self.hits_sha256.clone(),
                 edge_mismatches: sum(|judged| judged.edges),

@@ -20,32 +20,12 @@ use crate::record::{
 };
 use crate::settings::shard::ShardRecord;
 
-/// Reasons why parts cannot be merged.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum MergeProblem {
-    #[error("{0}")]
-    Unreadable(String),
-    #[error("{}: not a shard; expected results of `rtbench run --shard I/N`", path.display())]
-    NotAPart { path: PathBuf },
-    #[error("{}: shard {shard} has {finished} of {scenes} scenes; finish it with `rtbench run \
-             --resume`", path.display())]
-    Unfinished { path: PathBuf, shard: String, finished: usize, scenes: usize },
-    #[error("shard {index}/{count} is missing")]
-    Missing { index: u32, count: u32 },
-    #[error("shard {shard} is given twice: {} and {}", first.display(), second.display())]
-    Doubled { shard: String, first: PathBuf, second: PathBuf },
-    #[error("{}: {difference}, in {}", path.display(), first.display())]
-    Differs { path: PathBuf, first: PathBuf, difference: String },
-    #[error("{}: scene {scene}: expected the rows {expected}; it has {found}", path.display())]
-    Rows { path: PathBuf, scene: String, expected: String, found: String },
-}
-
 /// The parts cannot be joined.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("the shards do not belong to one run:{}",
         problems.iter().map(|problem| format!("\n  {problem}")).collect::<String>())]
 pub struct MergeError {
-    pub problems: Vec<MergeProblem>,
+    pub problems: Vec<String>,
 }
 
 /// A part and where it was read from.
@@ -103,8 +83,11 @@ pub fn merge(
         let part = part.map(|mut part| (part.record.shard.take(), part));
         match part {
             Ok((Some(shard), part)) => sharded.push((shard, part)),
-            Ok((None, part)) => problems.push(MergeProblem::NotAPart { path: part.path }),
-            Err(error) => problems.push(MergeProblem::Unreadable(error.to_string())),
+            Ok((None, part)) => problems.push(format!(
+                "{}: not a shard; expected results of `rtbench run --shard I/N`",
+                part.path.display()
+            )),
+            Err(error) => problems.push(error.to_string()),
         }
     }
     sharded.sort_by_key(|(shard, _)| shard.index);
@@ -121,26 +104,23 @@ pub fn merge(
 }
 
 /// Every part is there once.
-fn complete(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<MergeProblem>) {
+fn complete(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<String>) {
     let Some((first, _)) = parts.first() else { return };
     for index in 1..=first.count {
         let mut same = parts.iter().filter(|(shard, _)| shard.index == index);
         let Some((shard, one)) = same.next() else {
-            problems.push(MergeProblem::Missing { index, count: first.count });
+            problems.push(format!("shard {index}/{} is missing", first.count));
             continue;
         };
-        for (_, other) in same {
-            problems.push(MergeProblem::Doubled {
-                shard: shard.shard().to_string(),
-                first: one.path.clone(),
-                second: other.path.clone(),
-            });
-        }
+        problems.extend(same.map(|(_, other)| {
+            let [one, other] = [one, other].map(|part| part.path.display());
+            format!("shard {} is given twice: {one} and {other}", shard.shard())
+        }));
     }
 }
 
 /// All parts are of the same program, machine, settings and table.
-fn agree(parts: &[(ShardRecord, PartialRun)], mixed: bool, problems: &mut Vec<MergeProblem>) {
+fn agree(parts: &[(ShardRecord, PartialRun)], mixed: bool, problems: &mut Vec<String>) {
     let common = |(shard, part): &(ShardRecord, PartialRun)| {
         let record = &part.record;
         let common = SharedSettings {
@@ -168,26 +148,24 @@ fn differing(
     found: &Value,
     name: &str,
     (first, part): (&PartialRun, &PartialRun),
-    problems: &mut Vec<MergeProblem>,
+    problems: &mut Vec<String>,
 ) {
     let mut differences = Vec::new();
     compare(name, expected, found, &mut differences);
-    problems.extend(differences.into_iter().map(|difference| MergeProblem::Differs {
-        path: part.path.clone(),
-        first: first.path.clone(),
-        difference,
-    }));
+    let [part, first] = [part, first].map(|part| part.path.display());
+    problems.extend(differences.iter().map(|found| format!("{part}: {found}, in {first}")));
 }
 
 /// A part is finished and has the rows that are its own, in order.
-fn has_its_rows(shard: &ShardRecord, part: &PartialRun, problems: &mut Vec<MergeProblem>) {
+fn has_its_rows(shard: &ShardRecord, part: &PartialRun, problems: &mut Vec<String>) {
+    let path = part.path.display();
     if !part.record.complete {
-        problems.push(MergeProblem::Unfinished {
-            path: part.path.clone(),
-            shard: shard.shard().to_string(),
-            finished: part.record.scenes.len(),
-            scenes: part.record.planned.len(),
-        });
+        problems.push(format!(
+            "{path}: shard {} has {} of {} scenes; finish it with `rtbench run --resume`",
+            shard.shard(),
+            part.record.scenes.len(),
+            part.record.planned.len()
+        ));
         return;
     }
     for (i, name) in shard.scenes.iter().enumerate() {
@@ -199,15 +177,14 @@ fn has_its_rows(shard: &ShardRecord, part: &PartialRun, problems: &mut Vec<Merge
             scene.map(|s| s.rows.iter().map(RowRecord::label).collect()).unwrap_or_default();
         if found != expected {
             let or_none = |rows: String| if rows.is_empty() { "none".to_owned() } else { rows };
-            problems.push(MergeProblem::Rows {
-                path: part.path.clone(),
-                scene: name.clone(),
-                expected: or_none(expected.join(", ")),
-                found: match scene {
-                    None if part.record.planned.contains(name) => "none: it failed".to_owned(),
-                    _ => or_none(found.join(", ")),
-                },
-            });
+            let expected = or_none(expected.join(", "));
+            let found = match scene {
+                None if part.record.planned.contains(name) => "none: it failed".to_owned(),
+                _ => or_none(found.join(", ")),
+            };
+            problems.push(format!(
+                "{path}: scene {name}: expected the rows {expected}; it has {found}"
+            ));
         }
     }
 }
@@ -223,7 +200,7 @@ fn scene_at<'a>(
 }
 
 /// Parts that share a scene have the same one, and the same answers of the reference.
-fn scenes_agree(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<MergeProblem>) {
+fn scenes_agree(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<String>) {
     let Some((whole, _)) = parts.first() else { return };
     for place in 0..whole.scenes.len() {
         let mut first: Option<(&PartialRun, Value)> = None;

@@ -99,6 +99,16 @@ pub struct RunRecord {
     pub scale: Option<ScaleRecord>,
 }
 
+impl RunRecord {
+    /// Keeps some rows, and the scenes that have one.
+    pub fn retain_rows(&mut self, is_kept: impl Fn(&str, &RowRecord) -> bool) {
+        for SceneRecord { name, rows, .. } in &mut self.scenes {
+            rows.retain(|row| is_kept(name, row));
+        }
+        self.scenes.retain(|scene| !scene.rows.is_empty());
+    }
+}
+
 /// A part that a run was joined of.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]

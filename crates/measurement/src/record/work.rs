@@ -1,5 +1,6 @@
 //! What was built, and the work it does for rays.
 
+use accel_core::query::counters::WorkCounters;
 use serde::{Deserialize, Serialize};
 
 /// What was built, in the symbols of Havran and Sixta (1999).
@@ -43,6 +44,18 @@ pub struct WorkRecord {
 }
 
 impl WorkRecord {
+    /// Of so many rays.
+    pub fn of(rays: usize, work: &WorkCounters) -> Self {
+        Self {
+            rays: rays as u64,
+            intersection_tests: work.intersection_tests,
+            traversal_steps: work.traversal_steps,
+            elementary_steps: work.elementary_steps,
+            empty_elementary_steps: work.empty_elementary_steps,
+            tests_saved: work.tests_saved,
+        }
+    }
+
     /// The part of all tests that a mailbox spared; none where it spared none.
     pub fn saved_part(&self) -> Option<f64> {
         let all = self.tests_saved + self.intersection_tests;

@@ -62,7 +62,7 @@ unsafe impl GlobalAlloc for HugePageHeap {
 }
 
 /// The word in brackets of the system's file: when it uses huge pages.
-pub(super) fn use_of(file: &str) -> Option<String> {
+pub fn use_of(file: &str) -> Option<String> {
     let (_, rest) = file.split_once('[')?;
     Some(rest.split_once(']')?.0.to_owned())
 }

@@ -131,13 +131,7 @@ impl InterruptedOutput {
 /// The system's, when signals cannot be had.
 #[cfg(unix)]
 pub fn watch(unfinished: InterruptedOutput) -> std::io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-
-    if !IS_ARMED.swap(false, SeqCst) {
-        return Ok(());
-    }
-    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
-    std::thread::Builder::new().name("signals".into()).spawn(move || {
+    take_over(move |mut signals| {
         if let Some(signal) = signals.forever().next() {
             if HAS_ROUNDS.load(SeqCst) {
                 IS_STOPPING.store(true, SeqCst);
@@ -145,7 +139,20 @@ pub fn watch(unfinished: InterruptedOutput) -> std::io::Result<()> {
             }
             end(unfinished, signal);
         }
-    })?;
+    })
+}
+
+/// Gives the signals of this process to a thread of their own; nothing unless [`arm`] was called.
+#[cfg(unix)]
+fn take_over(
+    listen: impl FnOnce(signal_hook::iterator::Signals) + Send + 'static,
+) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+
+    if IS_ARMED.swap(false, SeqCst) {
+        let signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+        std::thread::Builder::new().name("signals".into()).spawn(|| listen(signals))?;
+    }
     Ok(())
 }
 
@@ -164,23 +171,18 @@ pub fn watch(_: InterruptedOutput) -> std::io::Result<()> {
 /// The system's, when signals cannot be had.
 #[cfg(unix)]
 pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-
     let signalled = Arc::new(AtomicUsize::new(0));
-    if IS_ARMED.swap(false, SeqCst) {
-        let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
-        let told = Arc::clone(&signalled);
-        std::thread::Builder::new().name("signals".into()).spawn(move || {
-            let mut requests = Requests::default();
-            for signal in signals.forever() {
-                match requests.next(Instant::now()) {
-                    Request::First => told.store(signal as usize, SeqCst),
-                    Request::Same => {}
-                    Request::Again => signal_hook::low_level::exit(128 + signal),
-                }
+    let told = Arc::clone(&signalled);
+    take_over(move |mut signals| {
+        let mut requests = Requests::default();
+        for signal in signals.forever() {
+            match requests.next(Instant::now()) {
+                Request::First => told.store(signal as usize, SeqCst),
+                Request::Same => {}
+                Request::Again => signal_hook::low_level::exit(128 + signal),
             }
-        })?;
-    }
+        }
+    })?;
     Ok(signalled)
 }
 

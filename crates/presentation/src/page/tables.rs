@@ -129,19 +129,14 @@ fn write_cell(html: &mut Html, column: usize, cell: &Cell, is_words: bool, link:
     html.close();
 }
 
-/// A table of texts.
-pub fn words(title: String, header: Vec<&'static str>, rows: Vec<Vec<String>>) -> Table {
-    let rows = rows.into_iter().map(|row| row.into_iter().map(Cell::from).collect()).collect();
-    Table { title, header, rows, notes: Vec::new() }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::words;
 
     #[test]
     fn long_tables_are_folded_and_rows_keep_their_numbers() {
-        let rows = |n: usize| (0..n).map(|i| vec![format!("row {i}"), "<1>".to_owned()]).collect();
+        let rows = |n: usize| (0..n).map(|i| vec![format!("row {i}"), "<1>".to_owned()]);
         let of = |n: usize, look| {
             let mut html = Html::default();
             write(&mut html, &words("t".to_owned(), vec!["name", "x"], rows(n)), look);

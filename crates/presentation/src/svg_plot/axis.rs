@@ -127,16 +127,13 @@ fn log_ticks(low: f64, high: f64) -> Vec<Tick> {
             let has_label = labelled.contains(&mantissa) && exponent.rem_euclid(every) == 0;
             let is_within = (low..=high).contains(&at.log10());
             if is_within && (has_label || (span <= 6.0 && every == 1)) {
-                let label = has_label.then(|| power_text(at));
-                ticks.push(Tick { at, label });
+                let is_short = (1e-4..1e6).contains(&at);
+                let text = if is_short { at.to_string() } else { format!("{at:e}") };
+                ticks.push(Tick { at, label: has_label.then_some(text) });
             }
         }
     }
     ticks
-}
-
-fn power_text(x: f64) -> String {
-    if (1e-4..1e6).contains(&x) { x.to_string() } else { format!("{x:e}") }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 pub const WIDTH: f64 = 900.0;
 
 /// A panel of a figure.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Plot {
     pub title: String,
     /// Below the title, small.
@@ -19,7 +19,7 @@ pub struct Plot {
     pub levels: Vec<Level>,
 }
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Axis {
     /// Quantity with its unit.
     pub label: String,
@@ -28,9 +28,10 @@ pub struct Axis {
 }
 
 /// How an axis maps numbers to places. Its ends follow from what is plotted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub enum Scale {
     /// Equal differences, equal lengths.
+    #[default]
     Linear,
     /// The same, from zero.
     FromZero,

@@ -10,7 +10,6 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS};
-use crate::gate::GateError;
 use crate::gate::against::{AgainstError, own_program};
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::KnownScene;
@@ -22,7 +21,7 @@ use studies::accuracy::axes::select;
 use studies::accuracy::axis::Axis;
 use studies::accuracy::processes::join;
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
-use studies::accuracy::stage::{PreparedScene, Stage};
+use studies::accuracy::stage::{Limits, PreparedScene, Stage};
 use studies::accuracy::{effect_prices, parts, pictures, plot, summary, tables};
 use studies::error::StudyError;
 
@@ -57,8 +56,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         quick: args.quick,
         rounds,
         processes: args.processes,
-        took_s: 0.0,
-        axes: Vec::new(),
+        ..AccuracyRecord::default()
     };
     let screen = context.terminal.screen(color);
     let start = context.clock.now();
@@ -112,15 +110,14 @@ fn in_processes(
     args: &AccuracyArgs,
     axis: &mut AxisRecord,
 ) -> Result<(), Error> {
-    let program = own_program(context.environment.program.as_ref()).map_err(GateError::from)?;
+    let program = own_program(context.environment.program.as_ref())?;
     let asked = AccuracyArgs { axes: vec![axis.axis.clone()], output: None, ..args.clone() };
     for process in 0..args.processes {
         let mut command = Command::new(program);
         command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
         let answered: Result<Vec<AxisRecord>, ChildError> = answer(&mut command, &asked);
-        let answered = answered.map_err(|e| GateError::from(AgainstError::New(e)))?;
-        for other in &answered {
-            join(axis, other, process, args.seed).map_err(StudyError::from)?;
+        for other in &answered.map_err(AgainstError::New)? {
+            join(axis, other, process, args.seed)?;
         }
     }
     Ok(())
@@ -208,7 +205,7 @@ impl Study {
                 }
             };
             for subject in subjects {
-                let (name, limits) = (known.name(), &self.limits);
+                let (name, limits) = (known.name(), self.limits);
                 let outcome = self.scenes.of(&*known, context).and_then(|prepared| {
                     let stage = Stage {
                         axis: axis.name,
@@ -217,12 +214,7 @@ impl Study {
                         registry,
                         occluders,
                         clock,
-                        seed: limits.seed,
-                        rounds: limits.rounds,
-                        timed_rays: limits.timed_rays,
-                        aims: limits.aims,
-                        quick: limits.quick,
-                        only_times: limits.only_times,
+                        limits,
                     };
                     Ok(one_thread.install(|| axis.measure.outcome(&stage, subject))?)
                 });
@@ -246,15 +238,6 @@ impl Study {
         }
         Ok(of_axis)
     }
-}
-
-struct Limits {
-    rounds: usize,
-    timed_rays: usize,
-    aims: usize,
-    quick: bool,
-    seed: u64,
-    only_times: bool,
 }
 
 /// Scenes that are loaded once.
@@ -293,9 +276,7 @@ fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
     let mut page = summary::to_markdown(record);
     page.push_str(&pictures::captions());
     write("summary.md", page)?;
-    let json = serde_json::to_string(record)
-        .map_err(|e| FormatError { format: "JSON", message: e.to_string() })?;
-    write("accuracy.json", json)?;
+    write("accuracy.json", serde_json::to_string(record).map_err(FormatError::from)?)?;
     if let Some(axis) = record.axes.last() {
         write(&format!("{}.svg", axis.axis), plot::to_svg(axis))?;
     }

@@ -13,7 +13,6 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{SUCCESS, WRONG_HITS};
 use measurement::plan::rows::Row;
-use measurement::rounds::error::MeasureError;
 use measurement::settings::Precision;
 use measurement::system::files::write_text;
 use measurement::system::pools::Pools;
@@ -22,7 +21,7 @@ use presentation::json;
 use studies::animate::measure::{AnimationInput, AnimationResults, measure};
 use studies::animate::record::AnimationRecord;
 use studies::animate::{Animate, plot, table};
-use studies::error::{StudyError, UnsavedImage};
+use studies::error::UnsavedImage;
 
 /// The files of `-o`.
 const NAMES: [&str; 5] = ["animation.json", "frames.csv", "animate.md", "animate.svg", "strip.png"];
@@ -78,13 +77,6 @@ pub fn run(
     if let Some(warning) = too_fine {
         context.warn(format_args!("{name}: {warning}"));
     }
-    let measured = measured.map_err(|error| match error {
-        StudyError::Measure(error) => match *error {
-            MeasureError::Load(error) => Error::Load(error),
-            other => other.into(),
-        },
-        other => other.into(),
-    });
     // what was finished is shown, whatever ended it
     record.complete = measured.is_ok();
     let screen = context.terminal.screen(color);
@@ -123,10 +115,7 @@ fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
         resolution: animate.plan.settings.resolution,
         precision: animate.precision().name().into(),
         kinds: animate.plan.kinds.iter().map(|kind| kind.name().into()).collect(),
-        took_s: 0.0,
-        complete: false,
-        frames: Vec::new(),
-        lanes: Vec::new(),
+        ..AnimationRecord::default()
     }
 }
 

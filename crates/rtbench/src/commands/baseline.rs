@@ -10,11 +10,11 @@ use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::SUCCESS;
-use crate::gate::{GateError, ROUNDS};
+use crate::gate::ROUNDS;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::record::{RunRecord, label};
 use measurement::system::machine::PressureWatch;
-use presentation::table::Table;
+use presentation::table::words;
 use presentation::text::Screen;
 use studies::run::conclusions::conclude;
 use studies::run::text;
@@ -31,28 +31,24 @@ pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Resu
             show(context, &store, name, &tables.view(context.terminal.screen(color)))?;
         }
         BaselineAction::Promote { name, to } => {
-            let baseline = read(&store.existing(name).map_err(gate)?).map_err(gate)?;
-            let path = store.save(to, &baseline, true).map_err(gate)?;
+            let baseline = read(&store.existing(name)?)?;
+            let path = store.save(to, &baseline, true)?;
             context.wrote(&path, format_args!("baseline {to}, a copy of {name}"));
         }
-        BaselineAction::Remove { name } => store.remove(name).map_err(gate)?,
+        BaselineAction::Remove { name } => store.remove(name)?,
     }
     context.out.flush()?;
     Ok(SUCCESS)
 }
 
-fn gate(error: BaselineError) -> Error {
-    GateError::from(error).into()
-}
-
 fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8, Error> {
     // what makes no sense is said before anything is measured
-    store.free(&args.name, context.overwrite).map_err(gate)?;
+    store.free(&args.name, context.overwrite)?;
     if args.run.resume.is_some() {
-        return Err(gate(BaselineError::Resume));
+        return Err(BaselineError::Resume.into());
     }
     if args.instructions {
-        callgrind::version().map_err(GateError::from)?;
+        callgrind::version()?;
     }
     let (mut baseline, code) = match &args.from {
         Some(path) => (finished(path)?, SUCCESS),
@@ -66,9 +62,9 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
         if let Some(path) = &args.from {
             same_program(context, path, &baseline.record)?;
         }
-        baseline.instructions = Some(counted(context, &baseline.record).map_err(GateError::from)?);
+        baseline.instructions = Some(counted(context, &baseline.record)?);
     }
-    let path = store.save(&args.name, &baseline, context.overwrite).map_err(gate)?;
+    let path = store.save(&args.name, &baseline, context.overwrite)?;
     let rows: usize = baseline.record.scenes.iter().map(|scene| scene.rows.len()).sum();
     context.wrote(&path, format_args!("baseline {}, {rows} rows", args.name));
     Ok(SUCCESS)
@@ -76,9 +72,9 @@ fn save(context: &mut Context<'_>, args: &SaveArgs, store: &Store) -> Result<u8,
 
 /// The results of an earlier run.
 fn finished(path: &Path) -> Result<Baseline, Error> {
-    let baseline = read(path).map_err(gate)?;
-    let error = || gate(BaselineError::Incomplete(path.to_owned()));
-    if baseline.record.complete { Ok(baseline) } else { Err(error()) }
+    let baseline = read(path)?;
+    let error = || BaselineError::Incomplete(path.to_owned());
+    if baseline.record.complete { Ok(baseline) } else { Err(error().into()) }
 }
 
 fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8), Error> {
@@ -108,7 +104,7 @@ fn same_program(context: &Context<'_>, path: &Path, record: &RunRecord) -> Resul
         Ok(())
     } else {
         let path = path.to_owned();
-        Err(GateError::from(CallgrindError::OtherProgram { path, was, is }).into())
+        Err(CallgrindError::OtherProgram { path, was, is }.into())
     }
 }
 
@@ -124,23 +120,21 @@ pub(super) fn counted(
 
 fn list(context: &mut Context<'_>, store: &Store, screen: Screen) -> Result<(), Error> {
     let header = vec!["baseline", "scenes", "rows", "rounds", "instructions", "commit"];
-    let mut table = Table { title: "Baselines".into(), header, ..Table::default() };
-    for name in store.names().map_err(gate)? {
-        let Baseline { record, instructions, .. } =
-            read(&store.existing(&name).map_err(gate)?).map_err(gate)?;
+    let mut lines = Vec::new();
+    for name in store.names()? {
+        let Baseline { record, instructions, .. } = read(&store.existing(&name)?)?;
         let rows = record.scenes.iter().map(|s| s.rows.len()).max().unwrap_or(0);
         let commit = record.tool.git_revision.as_deref().and_then(|r| r.get(..12));
-        let cells = vec![
+        lines.push(vec![
             name,
             record.scenes.len().to_string(),
             rows.to_string(),
             rounds(&record).to_string(),
             if instructions.is_some() { "counted" } else { "-" }.to_owned(),
             commit.unwrap_or("-").to_owned(),
-        ];
-        table.rows.push(cells.into_iter().map(Into::into).collect());
+        ]);
     }
-    Ok(screen.write_table(context.out, &table)?)
+    Ok(screen.write_table(context.out, &words("Baselines", header, lines))?)
 }
 
 /// Rounds of a record: the samples of its most visited row.
@@ -150,8 +144,7 @@ pub(super) fn rounds(record: &RunRecord) -> usize {
 }
 
 fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Result<(), Error> {
-    let Baseline { mut record, instructions, .. } =
-        read(&store.existing(name).map_err(gate)?).map_err(gate)?;
+    let Baseline { mut record, instructions, .. } = read(&store.existing(name)?)?;
     // those from before conclusions have none
     conclude(&mut record);
     for scene in &record.scenes {
@@ -163,16 +156,14 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Re
         let title = format!("Instructions ({})", counts.valgrind);
         let number = |n: Option<u64>| n.map_or_else(|| "-".to_owned(), |n| n.to_string());
         let rows = counts.rows.iter().map(|row| {
-            let cells = [
+            vec![
                 format!("{}: {}", row.scene, label(&row.structure, &row.settings)),
                 row.rays.to_string(),
                 number(row.build),
                 number(row.trace),
-            ];
-            cells.into_iter().map(Into::into).collect()
+            ]
         });
-        let table = Table { title, header, rows: rows.collect(), notes: Vec::new() };
-        view.screen.write_table(context.out, &table)?;
+        view.screen.write_table(context.out, &words(title, header, rows))?;
     }
     Ok(())
 }

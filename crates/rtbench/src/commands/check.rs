@@ -18,7 +18,7 @@ use crate::exports::outputs::Outputs;
 use crate::gate::report::Report;
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{
-    Evidence, Finding, GateError, Instructions, ROUNDS, Times, export, judge, refuse, wall_clock,
+    Evidence, Finding, Instructions, ROUNDS, Times, export, judge, refuse, wall_clock,
 };
 use crate::replan::{self, ReplanError, Restriction};
 use crate::set_thresholds;
@@ -42,21 +42,21 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         default.time = OF_TURNS;
     }
     default.rows = set_thresholds::of_check(context, args.as_set.as_deref(), &args.scenes)?;
-    let thresholds = args.thresholds.over(default).checked().map_err(GateError::from)?;
+    let thresholds = args.thresholds.over(default).checked()?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
     let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let wants_counts = match &baseline {
         _ if args.no_instructions || args.results.is_some() => false,
         Some(baseline) if args.instructions && !args.takes_turns() => {
-            baseline.instructions.as_ref().ok_or(GateError::NoCounts)?;
+            baseline.instructions.as_ref().ok_or(Error::NoCounts)?;
             true
         }
         Some(baseline) if !args.takes_turns() => baseline.instructions.is_some(),
         _ => args.instructions,
     };
     if args.instructions {
-        callgrind::version().map_err(GateError::from)?;
+        callgrind::version()?;
     }
     context.warn_of_instructions();
     let measures = |_: &&PathBuf| args.results.is_none();
@@ -68,7 +68,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         (_, Some(baseline), Some(results)) => check.results(context, &baseline, results)?,
         (true, baseline, _) => check.in_turns(context, baseline.as_ref())?,
         (false, Some(baseline), None) => check.against_baseline(context, &baseline)?,
-        (false, None, _) => return Err(GateError::from(ReplanError::Empty).into()),
+        (false, None, _) => return Err(ReplanError::Empty.into()),
     };
     report.write(context.out, context.terminal.screen(color), args.all)?;
     context.out.flush()?;
@@ -100,7 +100,7 @@ fn open(
 ) -> Result<Option<Baseline>, Error> {
     let Some(name) = &args.baseline else { return Ok(None) };
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
-    let mut baseline = store.open(name).map_err(GateError::from)?;
+    let mut baseline = store.open(name)?;
     matches.iter().for_each(|renamed| renamed.apply(&mut baseline.record));
     Ok(Some(baseline))
 }
@@ -121,12 +121,11 @@ impl Check<'_> {
         baseline: &Baseline,
     ) -> Result<Report, Error> {
         let args = self.args;
-        let whole =
-            replan::restrict(&baseline.record, &self.restriction()).map_err(GateError::from)?;
+        let whole = replan::restrict(&baseline.record, &self.restriction())?;
         let base = replan::restrict_to_known_rows(&whole, context);
         if base.scenes.is_empty() {
             let none = RunRecord { scenes: Vec::new(), ..base };
-            return Err(GateError::NothingCompared(Pairing::of(&whole, &none).missing()).into());
+            return Err(Error::NothingCompared(Pairing::of(&whole, &none).missing()));
         }
         let of_base = u32::try_from(rounds(&base)).unwrap_or(u32::MAX).max(ROUNDS);
         let wanted = Restriction {
@@ -173,9 +172,7 @@ impl Check<'_> {
         baseline: &Baseline,
         results: &Path,
     ) -> Result<Report, Error> {
-        let restricted = |record: &RunRecord| {
-            replan::restrict(record, &self.restriction()).map_err(GateError::from)
-        };
+        let restricted = |record: &RunRecord| replan::restrict(record, &self.restriction());
         let (base, now) = (restricted(&baseline.record)?, restricted(&file::read(results)?)?);
         refuse(&base, &now)?;
         let (thresholds, instructions) = (&self.thresholds, Instructions::NotAsked);
@@ -235,7 +232,7 @@ impl Check<'_> {
             Err(CallgrindError::NoValgrind(why)) if !self.args.instructions => Ok(Err(format!(
                 "the baseline has instruction counts, and valgrind is missing: {why}"
             ))),
-            other => Ok(Ok(other.map_err(GateError::from)?)),
+            other => Ok(Ok(other?)),
         }
     }
 

@@ -14,7 +14,7 @@ use crate::gate::against::TurnPlan;
 use crate::gate::against::{AgainstError, Contest, Program, own_program};
 use crate::gate::contest::PairedTimes;
 use crate::gate::report::Report;
-use crate::gate::{Evidence, GateError, Instructions, Times, refuse, wall_clock};
+use crate::gate::{Evidence, Instructions, Times, refuse, wall_clock};
 use crate::replan::{self, ReplanError, Restriction};
 use measurement::callgrind;
 use measurement::plan::{Plan, Rounds};
@@ -31,10 +31,10 @@ impl Check<'_> {
         let plan = self.plan_of_turns(context, baseline)?;
         let PlanResults { record: now, failures, .. } = self.measured(context, &plan)?;
         if now.scenes.is_empty() {
-            return Err(GateError::from(ReplanError::NothingMeasured).into());
+            return Err(ReplanError::NothingMeasured.into());
         }
         let program = context.environment.program.clone();
-        let own = own_program(program.as_ref()).map_err(GateError::from)?;
+        let own = own_program(program.as_ref())?;
         let copied = context.environment.copy_of(own)?;
         context.say(format_args!("measuring once with {}", args.against_in_words()));
         let allow_outside = context.scenes.allows_outside();
@@ -51,18 +51,17 @@ impl Check<'_> {
             matches: self.matches.clone(),
             thresholds: self.thresholds.clone(),
         };
-        let base = contest.record_of_old().map_err(GateError::from)?;
+        let base = contest.record_of_old()?;
         refuse(&base, &now)?;
         let missing = Pairing::of(&base, &now).missing();
         if Pairing::of(&base, &now).rows().next().is_none() {
-            return Err(GateError::NothingCompared(missing).into());
+            return Err(Error::NothingCompared(missing));
         }
         contest.keep_common(&base);
         let counts = if self.wants_counts {
             let common = &contest.like;
-            let base = callgrind::count(args.against.as_deref(), common, allow_outside)
-                .map_err(GateError::from)?;
-            Some((base, counted(context, common).map_err(GateError::from)?))
+            let base = callgrind::count(args.against.as_deref(), common, allow_outside)?;
+            Some((base, counted(context, common)?))
         } else {
             None
         };
@@ -81,7 +80,7 @@ impl Check<'_> {
                     wall_clock::undecided(&Evidence { times, ..untimed })
                 };
                 let times = contest.times(context.clock, progress, &open);
-                times.map_err(|error| AgainstError::from(error).into())
+                times.map_err(AgainstError::from)
             })
         };
         let pairs = raced(context, &contest)?;
@@ -103,8 +102,8 @@ impl Check<'_> {
     ) -> Result<Plan<'c>, Error> {
         let mut plan = match baseline {
             Some(baseline) => {
-                let like = replan::restrict(&baseline.record, &self.restriction());
-                let like = replan::restrict_to_known_rows(&like.map_err(GateError::from)?, context);
+                let like = replan::restrict(&baseline.record, &self.restriction())?;
+                let like = replan::restrict_to_known_rows(&like, context);
                 replan::plan(&like, &Restriction::default(), context)?
             }
             None => {
@@ -135,7 +134,7 @@ impl Check<'_> {
 fn raced(
     context: &Context<'_>,
     pace: &TurnPlan,
-    times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, GateError>,
+    times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, AgainstError>,
 ) -> Result<Vec<PairedTimes>, Error> {
     let steps = u64::from(pace.expected());
     let progress = Progress::new(context.shows_progress(), steps, pace.time_budget);

@@ -40,11 +40,7 @@ const LIGHTLY: usize = 16;
 fn read_request<T: DeserializeOwned>() -> Result<T, Error> {
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text)?;
-    Ok(serde_json::from_slice(&text).map_err(json)?)
-}
-
-fn json(e: serde_json::Error) -> FormatError {
-    FormatError { format: "JSON", message: e.to_string() }
+    Ok(serde_json::from_slice(&text).map_err(FormatError::from)?)
 }
 
 /// Does what was asked and returns the exit code.
@@ -85,7 +81,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&count_all(&plan)?), 0)
         }
     };
-    writeln!(context.out, "{}", answer.map_err(json)?)?;
+    writeln!(context.out, "{}", answer.map_err(FormatError::from)?)?;
     context.out.flush()?;
     Ok(if failures == 0 { SUCCESS } else { FAILURE })
 }
@@ -119,7 +115,7 @@ impl Laps for AskedLaps {
 fn laps(context: &Context<'_>) -> Result<(), Error> {
     let mut line = String::new();
     std::io::stdin().read_line(&mut line)?;
-    let record: RunRecord = serde_json::from_str(&line).map_err(json)?;
+    let record: RunRecord = serde_json::from_str(&line).map_err(FormatError::from)?;
     let mut plan = replan::plan(&record, &Restriction::default(), context)?;
     plan.limits.render_pass = 0.0;
     plan.processes = 1;
@@ -186,7 +182,7 @@ fn built<S: Buildable>(
 }
 
 fn say(context: &mut Context<'_>, event: &Event) -> Result<(), Error> {
-    writeln!(context.out, "{}", serde_json::to_string(event).map_err(json)?)?;
+    writeln!(context.out, "{}", serde_json::to_string(event).map_err(FormatError::from)?)?;
     Ok(context.out.flush()?)
 }
 

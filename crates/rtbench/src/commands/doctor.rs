@@ -14,6 +14,7 @@ use crate::args::{Color, DoctorArgs, Format};
 use crate::commands::noise::Noise;
 use crate::context::Context;
 use crate::error::Error;
+use measurement::system::huge_pages::use_of;
 use measurement::system::machine::{kibibytes, value};
 use measurement::system::world;
 use presentation::fitted::wrapped;
@@ -103,6 +104,18 @@ struct Check {
     /// Whether it is as it should be, and in words; none where the system does not report it.
     look: fn(&System) -> Option<(bool, String)>,
 }
+
+/// Shown only where they are off, which is rare.
+const HUGE_PAGES: Check = Check {
+    name: "huge pages",
+    meaning: "a ray that goes through many megabytes waits for translations of addresses in small \
+              pages; figures of machines that have huge pages are better",
+    advice: "echo madvise | sudo tee /sys/kernel/mm/transparent_hugepage/enabled",
+    look: |system| {
+        let state = use_of(&system.read("sys/kernel/mm/transparent_hugepage/enabled")?)?;
+        Some((state != "never", "off".into()))
+    },
+};
 
 const CHECKS: [Check; 10] = [
     Check {
@@ -237,7 +250,8 @@ impl System {
             let advice = (level == Level::Warning).then_some(advice);
             Finding { name, level, value, meaning, advice }
         };
-        CHECKS.into_iter().map(finding).collect()
+        let huge_pages = Some(finding(HUGE_PAGES)).filter(|found| found.level == Level::Warning);
+        CHECKS.into_iter().map(finding).chain(huge_pages).collect()
     }
 
     fn read(&self, path: &str) -> Option<String> {
@@ -260,7 +274,7 @@ mod tests {
 
     const CPU: &str = "sys/devices/system/cpu";
     /// Files of a quiet machine and of a busy one.
-    const FILES: [(&str, [&str; 2]); 9] = [
+    const FILES: [(&str, [&str; 2]); 10] = [
         ("cpu0/cpufreq/scaling_governor", ["performance", "powersave"]),
         ("intel_pstate/no_turbo", ["", "0"]),
         ("cpufreq/boost", ["0", "1"]),
@@ -276,6 +290,10 @@ mod tests {
         ("/proc/cpuinfo", ["model name\t: X\nflags\t\t: fpu", "flags\t\t: fpu hypervisor sse"]),
         ("/proc/stat", ["cpu  100 0 100 1000 0 0 0 0 0 0", "cpu  100 0 100 1000 0 0 0 100 0 0"]),
         ("/sys/fs/cgroup/cpu.max", ["max 100000", "50000 100000"]),
+        (
+            "/sys/kernel/mm/transparent_hugepage/enabled",
+            ["always [madvise] never", "always madvise [never]"],
+        ),
     ];
 
     fn findings(files: &[(&str, &str)], unused: Vec<&'static str>) -> Vec<Finding> {
@@ -298,7 +316,12 @@ mod tests {
         for finding in of(0, Vec::new()) {
             assert_eq!((finding.level, finding.advice), (Level::Good, None), "{finding:?}");
         }
-        for finding in of(1, vec!["avx2"]) {
+        let busy = of(1, vec!["avx2"]);
+        assert_eq!(
+            busy.last().map(|found| (found.name, &*found.value)),
+            Some(("huge pages", "off"))
+        );
+        for finding in busy {
             assert_eq!(finding.level, Level::Warning, "{finding:?}");
             assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");
         }

@@ -27,7 +27,7 @@ pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Resul
         Ok(context.out.flush()?)
     })?;
     if !measured.record.scenes.is_empty() {
-        table::write_glossary(context.out, screen)?;
+        screen.write_notes(context.out, table::GLOSSARY)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))

@@ -14,7 +14,6 @@ use crate::context::Context;
 use crate::error::Error;
 use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
 use crate::exports::outputs::Outputs;
-use crate::gate::GateError;
 use crate::gate::against::AgainstError;
 use measurement::journal::lines::Line;
 use measurement::plan::Plan;
@@ -219,7 +218,7 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         let Err(error) = joined else { return };
         // a missing A/A floor is not fatal
         self.failures += usize::from(own.processes > 1);
-        let error = GateError::from(AgainstError::New(error));
+        let error = AgainstError::New(error);
         self.progress.suspend(|| match own.processes {
             1 => context.warn(&error),
             _ => context.error(Error::from(error)),

@@ -9,7 +9,6 @@ use std::time::Duration;
 
 use crate::context::Context;
 use crate::error::Error;
-use crate::gate::GateError;
 use crate::gate::against::own_program;
 use measurement::plan::{Plan, Rounds};
 use measurement::record::floor::factors;
@@ -49,7 +48,7 @@ impl Processes {
         if plan.processes < 2 && (!plan.has_copy || program.is_none()) {
             return Ok(None);
         }
-        let program = own_program(program).map_err(GateError::from)?.to_owned();
+        let program = own_program(program)?.to_owned();
         let copy = context.environment.copy_of(&program)?;
         let allow_outside = context.scenes.allows_outside();
         let plugins = context.plugins.arguments().to_vec();

@@ -14,7 +14,7 @@ use measurement::system::files::write_text;
 use presentation::column::{self, Column, Unit, Value};
 use presentation::csv;
 use presentation::numbers::short;
-use presentation::table::{Cell, Style, Table, dash};
+use presentation::table::{Cell, Style, Table, dash, words};
 use renderer::RayKind;
 use studies::reproduce::lecture::{
     self, Comparison, Line, MODERN, PublishedTimes, Ratios, STRUCTURES, SYMBOLS, SecondsTable,
@@ -78,21 +78,15 @@ fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
 fn figures_table(scene: &str, rows: &[ReproducedRow]) -> Table {
     let cells = rows.iter().map(|row| {
         let decimals = if row.ours.fract() == 0.0 { 0 } else { 3 };
-        let cells = [
+        vec![
             format!("{} {}: {}", row.structure, row.params, row.counter),
             row.published.clone(),
             format!("{:.decimals$}", row.ours),
             format!("{:.4}", row.ratio),
             row.verdict.to_string(),
-        ];
-        cells.into_iter().map(Cell::from).collect()
+        ]
     });
-    Table {
-        title: scene.to_owned(),
-        header: vec!["figure", "published", "ours", "ratio", "verdict"],
-        rows: cells.collect(),
-        notes: Vec::new(),
-    }
+    words(scene, vec!["figure", "published", "ours", "ratio", "verdict"], cells)
 }
 
 fn sums(rows: &[ReproducedRow]) -> String {

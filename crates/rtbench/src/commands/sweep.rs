@@ -43,7 +43,7 @@ fn over_values(
         Ok(context.out.flush()?)
     })?;
     if !measured.record.scenes.is_empty() {
-        table::write_glossary(context.out, screen)?;
+        screen.write_notes(context.out, table::GLOSSARY)?;
         context.out.flush()?;
     }
     Ok(measured)

@@ -107,7 +107,9 @@ fn checked(
     if report.rounds_asked < report.rounds {
         report.cut = watch.cut();
     } else if report.lines.is_empty() {
-        return Err(PlanError::NothingAsked.into());
+        let none =
+            "none of these cases applies to these structures; leave out -s, or name other cases";
+        return Err(PlanError::Invalid(none.into()).into());
     }
     report.seconds = context.clock.seconds_since(start);
     save(args, &report)?;

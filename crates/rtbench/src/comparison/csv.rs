@@ -2,9 +2,8 @@
 //! was left out has no metric.
 
 use crate::comparison::Comparison;
-use presentation::csv::{number, written};
+use presentation::csv::{estimate, number, written};
 use presentation::json::FormatError;
-use statistics::estimate::Estimate;
 use statistics::verdict::Change;
 
 /// The columns, in order.
@@ -34,7 +33,7 @@ pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
                 for e in &scene.entries {
                     let Change { old, new, ratio, p, .. } = e.change;
                     let [old, new, p] = [Some(old), Some(new), p].map(number);
-                    let [ratio, low, high] = ends(ratio);
+                    let [ratio, low, high] = estimate(ratio);
                     let row = [&*scene.scene, &*e.structure, &*e.settings, e.metric, e.unit];
                     let figures = [&*old, &*new, &*ratio, &*low, &*high, &*p, e.outcome.name()];
                     writer.write_record(files.iter().chain(&row).chain(&figures))?;
@@ -46,7 +45,7 @@ pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
                 }
             }
             for mean in &comparison.means {
-                let [ratio, low, high] = ends(mean.ratio);
+                let [ratio, low, high] = estimate(mean.ratio);
                 let p = number(mean.p);
                 let row = ["", &*mean.structure, &*mean.settings, mean.metric];
                 let figures = ["", "", "", &*ratio, &*low, &*high, &*p, mean.outcome.name()];
@@ -55,8 +54,4 @@ pub fn to_string(comparisons: &[Comparison]) -> Result<String, FormatError> {
         }
         Ok(())
     })
-}
-
-fn ends(ratio: Option<Estimate>) -> [String; 3] {
-    [ratio.map(|r| r.median), ratio.map(|r| r.low), ratio.map(|r| r.high)].map(number)
 }

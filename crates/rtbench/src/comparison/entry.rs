@@ -139,7 +139,7 @@ pub fn exceeds(ratio: Option<Estimate>, outcome: ComparisonOutcome, share: f64) 
 /// The ratio of two exact values, an interval without width; none where it has no meaning.
 pub fn exact_ratio(old: f64, new: f64) -> Option<Estimate> {
     let ratio = if old == new { 1.0 } else { new / old };
-    (ratio.is_finite()).then_some(Estimate { median: ratio, low: ratio, high: ratio })
+    ratio.is_finite().then(|| Estimate::exactly(ratio))
 }
 
 /// Records to compare, and the parts to show.

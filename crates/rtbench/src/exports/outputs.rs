@@ -5,7 +5,7 @@
 use crate::exports::occupied::OccupiedError;
 use measurement::record::{RunRecord, file};
 use measurement::system::created::{CreatedFiles, WriteError};
-use measurement::system::files::{self, open, put, replace, write_text};
+use measurement::system::files::{self, open, put, replace};
 use measurement::system::interrupt::undisturbed;
 use presentation::json::{self, FormatError};
 use std::collections::BTreeSet;
@@ -117,15 +117,6 @@ impl<'a> Outputs<'a> {
         }
         Ok(())
     }
-}
-
-/// Writes a file, if one is named.
-pub fn write_file(
-    path: Option<&Path>,
-    text: impl FnOnce() -> Result<String, FormatError>,
-) -> Result<(), OutputError> {
-    let Some(path) = path else { return Ok(()) };
-    Ok(write_text(path, &text()?)?)
 }
 
 /// Writes the record to a new folder in `within`, and says where.

@@ -82,11 +82,7 @@ impl Contest {
         let timed = pairing.rows().filter(|pair| pair.rows.iter().all(|r| r.verdict.is_timed()));
         let common: BTreeSet<(String, String)> =
             timed.map(|pair| (pair.scenes[1].name.clone(), pair.rows[1].label())).collect();
-        for scene in &mut self.like.scenes {
-            let name = scene.name.clone();
-            scene.rows.retain(|row| common.contains(&(name.clone(), row.label())));
-        }
-        self.like.scenes.retain(|scene| !scene.rows.is_empty());
+        self.like.retain_rows(|scene, row| common.contains(&(scene.to_owned(), row.label())));
     }
 
     /// Thins the rays of slow rows, so that a pass over a kind is short.

@@ -93,13 +93,10 @@ impl Contest {
         while self.pace.goes_on(process, clock.now().saturating_sub(start)) {
             if is_look(process) {
                 let open = undecided(&all);
-                let is_open =
-                    |scene: &str, row: &str| open.iter().any(|k| k.scene == scene && k.row == row);
-                for scene in &mut like.scenes {
-                    let name = scene.name.clone();
-                    scene.rows.retain(|row| is_open(&name, &row.label()));
-                }
-                like.scenes.retain(|scene| !scene.rows.is_empty());
+                like.retain_rows(|scene, row| {
+                    let label = row.label();
+                    open.iter().any(|key| key.scene == scene && key.row == label)
+                });
                 if like.scenes.is_empty() {
                     break;
                 }

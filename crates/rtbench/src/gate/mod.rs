@@ -9,7 +9,6 @@ pub mod answers;
 #[allow(clippy::indexing_slicing)]
 pub mod contest;
 pub mod counters;
-mod error;
 mod evidence;
 pub mod export;
 pub mod instructions;
@@ -19,10 +18,10 @@ pub mod thresholds;
 pub mod wall_clock;
 
 pub use against::ROUNDS;
-pub use error::GateError;
 pub use evidence::{Evidence, Finding, GateOutcome, Instructions, Stage, Times};
 
 use crate::comparison::differences::refusals;
+use crate::error::Error;
 use measurement::record::{RunRecord, Verdict};
 
 /// All stages, in the order in which they are printed: the surest first.
@@ -34,8 +33,8 @@ pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
 }
 
 /// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
-pub fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), GateError> {
+pub fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), Error> {
     let reasons = refusals(base, now);
     let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
-    if reasons.is_empty() || is_wrong { Ok(()) } else { Err(GateError::NotComparable(reasons)) }
+    if reasons.is_empty() || is_wrong { Ok(()) } else { Err(Error::NotComparable(reasons)) }
 }

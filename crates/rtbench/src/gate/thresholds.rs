@@ -12,6 +12,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use measurement::plan::error::PlanError;
 use measurement::record::metrics::{METRICS, Reading};
 use measurement::settings::choice;
 
@@ -115,25 +116,24 @@ impl Default for Thresholds {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{name}: {value} is out of range; expected {expected}")]
-pub struct ThresholdError {
-    name: &'static str,
-    value: f64,
-    expected: &'static str,
-}
-
 impl Thresholds {
     /// The share by which a time of a row may be longer.
     pub fn time_of(&self, label: &str, quantity: &str) -> f64 {
-        let own = self.rows.iter().filter(|own| own.is_of(label, quantity));
-        own.filter_map(|own| own.time).next_back().unwrap_or(self.time)
+        self.last_of(label, quantity, |own| own.time).unwrap_or(self.time)
     }
 
     /// The share by which instructions of a row's build or traversal may be more.
     pub fn instructions_of(&self, label: &str, quantity: &str) -> f64 {
-        let own = self.rows.iter().filter(|own| own.is_of(label, quantity));
-        own.filter_map(|own| own.instructions).next_back().unwrap_or(self.instructions)
+        self.last_of(label, quantity, |own| own.instructions).unwrap_or(self.instructions)
+    }
+
+    fn last_of(
+        &self,
+        label: &str,
+        quantity: &str,
+        share: fn(&RowThreshold) -> Option<f64>,
+    ) -> Option<f64> {
+        self.rows.iter().rev().filter(|own| own.is_of(label, quantity)).find_map(share)
     }
 
     /// Kinds of rays that are judged apart, since a threshold for the row names them.
@@ -146,7 +146,7 @@ impl Thresholds {
     }
 
     /// These, where each is in its range.
-    pub fn checked(self) -> Result<Self, ThresholdError> {
+    pub fn checked(self) -> Result<Self, PlanError> {
         let share = "a share from 0 to 10";
         let is_share = |x: f64| (0.0..=10.0).contains(&x);
         let [not_negative, probability] = ["seconds, not negative", "between 0 and 1"];
@@ -159,7 +159,8 @@ impl Thresholds {
             ("shortest", shortest, shortest.is_finite() && shortest >= 0.0, not_negative),
         ] {
             if !is_valid {
-                return Err(ThresholdError { name, value, expected });
+                let text = format!("{name}: {value} is out of range; expected {expected}");
+                return Err(PlanError::Invalid(text));
             }
         }
         Ok(self)

@@ -5,14 +5,14 @@ use std::collections::BTreeMap;
 
 use crate::history::lines::{Change, History, Key, Line};
 use crate::history::names::Names;
-use crate::history::shell::{bench_name, day, section, start_page, verdict};
+use crate::history::shell::{bench_name, change_cell, day, section, start_page, verdict};
 use crate::report::utc;
 use measurement::record::label;
 use presentation::html::Html;
 use presentation::numbers::ratio;
 use presentation::page::finished;
-use presentation::page::tables::{self, TableStyle, words};
-use presentation::table::{Cell, Style, Table};
+use presentation::page::tables::{self, TableStyle};
+use presentation::table::{Cell, Table, words};
 
 pub fn page(history: &History, names: &Names) -> String {
     let visits = &history.visits;
@@ -87,10 +87,9 @@ fn table_of(
 ) -> (Table, Vec<Vec<String>>) {
     let row = |(key, line, change): &ChangedLine<'_>| {
         let before = line.around(change).and_then(|[before, _]| history.visits.get(before.visit));
-        let style = if change.times.low > 1.0 { Style::Bad } else { Style::Best };
         vec![
             Cell::from(label(&key.structure, &key.settings)),
-            Cell { text: ratio(&change.times).trim_end().to_owned(), style },
+            change_cell(ratio(&change.times).trim_end().to_owned(), &change.times),
             key.scene.clone().into(),
             key.quantity.head().to_owned().into(),
             verdict(&change.times).to_owned().into(),
@@ -119,7 +118,7 @@ fn scenes(html: &mut Html, history: &History, names: &Names) {
         rows.push(vec![scene.clone(), series.to_string(), changes.to_string()]);
         links.push(vec![path.clone()]);
     }
-    let table = words("every scene".to_owned(), vec!["scene", "series", "changes"], rows);
+    let table = words("every scene", vec!["scene", "series", "changes"], rows);
     tables::write(html, &table, TableStyle { links: &links, ..TableStyle::default() });
     html.close();
 }
@@ -142,7 +141,7 @@ fn runs(html: &mut Html, history: &History) {
         ]);
     }
     let header = vec!["commit", "when", "machine", "scenes", "run", "folder", "subject"];
-    let table = words("all runs, the newest first".to_owned(), header, rows);
+    let table = words("all runs, the newest first", header, rows);
     tables::write(html, &table, TableStyle { ids: &ids, ..TableStyle::default() });
     html.close();
 }

@@ -4,7 +4,7 @@
 use crate::history::lines::{Change, History, Key, Line, Quantity};
 use crate::history::names::{INDEX, Names, PageKey, anchor, page_of};
 use crate::history::shell::{
-    bench_name, class_of, from_below, in_words, section, start_page, verdict,
+    bench_name, change_cell, class_of, from_below, in_words, section, start_page, verdict,
 };
 use crate::report::{file_name, utc};
 use measurement::record::label;
@@ -13,7 +13,7 @@ use presentation::numbers::{ratio, short};
 use presentation::page::tables::{self, TableStyle};
 use presentation::page::{figure, finished};
 use presentation::svg_plot::{Axis, Mark, Plot, Point as PlotPoint, Ring, Scale, Series};
-use presentation::table::{Cell, Style, Table, dash};
+use presentation::table::{Cell, Table, dash};
 use std::collections::BTreeSet;
 
 pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
@@ -62,18 +62,14 @@ fn changes(html: &mut Html, history: &History, lines: &[Line]) {
         html.paragraph("No change was found.");
         return;
     }
-    html.open("ul", &[]);
-    for (line, change) in all {
-        let Some([before, after]) = line.around(change) else { continue };
-        html.open("li", &[]);
+    let around = all.into_iter().filter_map(|(line, c)| Some((line, c, line.around(c)?)));
+    html.items(&[], around, |html, (line, change, [before, after])| {
         html.element("strong", &[("class", class_of(&change.times))], verdict(&change.times));
         html.text(&format!(" {}. ", in_words(history, line, change)));
         let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
         let command = format!("git bisect start {} {}", id(after.visit), id(before.visit));
         html.element("code", &[], &command);
-        html.close();
-    }
-    html.close();
+    });
 }
 
 /// The runs that some line has a point of, in their order.
@@ -119,8 +115,7 @@ fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
         y: Axis { label: "ratio".to_owned(), scale: Scale::Linear },
         series: series.collect(),
         marks: marks.collect(),
-        marks_name: String::new(),
-        levels: Vec::new(),
+        ..Plot::default()
     }
 }
 
@@ -131,17 +126,13 @@ fn points(history: &History, lines: &[Line]) -> (Table, Vec<Vec<String>>) {
         for (place, point) in line.points.iter().enumerate() {
             let Some(visit) = history.visits.get(point.visit) else { continue };
             let change = line.changes.iter().find(|change| change.place == place);
-            let changed = change.map_or_else(
-                || String::new().into(),
-                |change| Cell {
-                    text: ratio(&change.times).trim_end().to_owned(),
-                    style: if change.times.low > 1.0 { Style::Bad } else { Style::Best },
-                },
-            );
+            let changed = change.map(|change| {
+                change_cell(ratio(&change.times).trim_end().to_owned(), &change.times)
+            });
             let cells = vec![
                 visit.id().into(),
                 ratio(&point.ratio).into(),
-                changed,
+                changed.unwrap_or_else(|| String::new().into()),
                 utc(visit.unix_s()).into(),
                 bench_name(line.bench).into(),
                 visit.name.clone().into(),
@@ -206,9 +197,8 @@ fn cell(lines: &[Line]) -> Cell {
     });
     match changes.max_by_key(|(visit, _)| *visit) {
         None => text.into(),
-        Some((_, times)) => Cell {
-            text: format!("{text}, changed {} x", short(times.median)),
-            style: if times.low > 1.0 { Style::Bad } else { Style::Best },
-        },
+        Some((_, times)) => {
+            change_cell(format!("{text}, changed {} x", short(times.median)), &times)
+        }
     }
 }

@@ -4,6 +4,7 @@ use crate::history::lines::{Change, History, Line};
 use crate::report::utc;
 use presentation::html::Html;
 use presentation::numbers::ratio;
+use presentation::table::{Cell, Style};
 use statistics::estimate::Estimate;
 
 /// A page of that title, opened as far as its main part; links lead up.
@@ -12,13 +13,7 @@ pub fn start_page(title: &str, intro: &str, up: &[(&str, String)]) -> Html {
     html.open("header", &[]);
     if !up.is_empty() {
         html.open("nav", &[("aria-label", "the way up")]);
-        html.open("ul", &[]);
-        for (name, path) in up {
-            html.open("li", &[]);
-            html.element("a", &[("href", path)], name);
-            html.close();
-        }
-        html.close();
+        html.items(&[], up, |html, (name, path)| html.element("a", &[("href", path)], name));
         html.close();
     }
     html.element("h1", &[], title);
@@ -54,6 +49,10 @@ pub fn class_of(times: &Estimate) -> &'static str {
         "faster" => "best",
         _ => "dim",
     }
+}
+
+pub fn change_cell(text: String, times: &Estimate) -> Cell {
+    Cell { text, style: if times.low > 1.0 { Style::Bad } else { Style::Best } }
 }
 
 /// A machine among several, by its number from 1.

@@ -100,6 +100,10 @@ impl Material {
         for scene in folders(&folder.join("tracers"))? {
             tracers.extend(json(&scene.join("tracers.json"), "rtbench compare-tracers -o DIR")?);
         }
+        let mut of_scenes = BTreeMap::new();
+        pictures(&folder.join("pictures"), "rtbench render -o FILE", |name, _, png| {
+            of_scenes.insert(name, png);
+        })?;
         Ok(Self {
             accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
             machines: json(&folder.join("machines.json"), "rtbench merge --machines -o DIR")?,
@@ -108,7 +112,7 @@ impl Material {
             sweeps: sweeps(&folder)?,
             counters: csv(&folder.join("havran1999.csv"), "rtbench reproduce havran1999 -o DIR")?,
             lecture: csv(&lecture, "rtbench reproduce zachmann2007 -o DIR")?,
-            pictures: pictures(&folder.join("pictures"))?,
+            pictures: of_scenes,
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
             data,
@@ -178,32 +182,26 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
 fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     let mut maps = Vec::new();
     for scene in folders(folder)? {
-        for path in entries(&scene)?.into_iter().filter(|path| is_png(path)) {
-            let png = file::bytes(&path)?;
-            let (scene, name) = (text(scene.file_name()), text(path.file_stem()));
-            let written_by = "rtbench cost --heat-maps DIR";
-            let size = size_of_png(&png).ok_or(ReportError::NotAPicture { path, written_by })?;
-            maps.push(HeatMap { scene, name, size, png });
-        }
+        pictures(&scene, "rtbench cost --heat-maps DIR", |name, size, png| {
+            maps.push(HeatMap { scene: text(scene.file_name()), name, size, png });
+        })?;
     }
     Ok(maps)
 }
 
-/// The pictures of scenes, by their names.
-fn pictures(folder: &Path) -> Result<BTreeMap<String, Vec<u8>>, ReportError> {
-    let mut pictures = BTreeMap::new();
-    for path in entries(folder)?.into_iter().filter(|path| is_png(path)) {
-        let png = file::bytes(&path)?;
-        if size_of_png(&png).is_none() {
-            return Err(ReportError::NotAPicture { path, written_by: "rtbench render -o FILE" });
-        }
-        pictures.insert(text(path.file_stem()), png);
+/// Takes name, size and bytes of each PNG file in a folder.
+fn pictures(
+    folder: &Path,
+    written_by: &'static str,
+    mut take: impl FnMut(String, [u32; 2], Vec<u8>),
+) -> Result<(), ReportError> {
+    let is_png = |path: &PathBuf| path.extension().is_some_and(|e| e == "png");
+    for path in entries(folder)?.into_iter().filter(is_png) {
+        let (name, png) = (text(path.file_stem()), file::bytes(&path)?);
+        let size = size_of_png(&png).ok_or(ReportError::NotAPicture { path, written_by })?;
+        take(name, size, png);
     }
-    Ok(pictures)
-}
-
-fn is_png(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e == "png")
+    Ok(())
 }
 
 fn text(part: Option<&std::ffi::OsStr>) -> String {

@@ -175,13 +175,9 @@ fn nav<'a>(html: &mut Html, links: impl Iterator<Item = (&'a str, &'a str)>) {
     // on a phone they would stand where the answers are looked for
     html.open("details", &[]);
     html.element("summary", &[], "Contents");
-    html.open("ul", &[]);
-    for (id, title) in links {
-        html.open("li", &[]);
+    html.items(&[], links, |html, (id, title)| {
         html.element("a", &[("href", &format!("#{id}"))], title);
-        html.close();
-    }
-    html.close();
+    });
     html.close();
     html.close();
 }
@@ -200,14 +196,10 @@ fn missing(html: &mut Html, parts: &[ReportSection], page: &Page) {
         &[],
         "Other results that this page can show, and the commands for them",
     );
-    html.open("ul", &[]);
-    for section in missing {
-        html.open("li", &[]);
+    html.items(&[], missing, |html, section| {
         html.text(&format!("{}: ", section.title));
         html.element("code", &[], section.made_by);
-        html.close();
-    }
-    html.close();
+    });
     html.close();
 }
 

@@ -139,7 +139,7 @@ pub fn scatter(run: &RunRecord, scene: &SceneRecord, profiles: &[Profile]) -> Pl
         }],
         marks,
         marks_name: "dominated".to_owned(),
-        levels: Vec::new(),
+        ..Plot::default()
     }
 }
 

@@ -216,6 +216,24 @@ macro_rules! batched_entry {
 }
 pub(crate) use batched_entry;
 
+/// An entry that is wrong on purpose, `planted_entry!("at-zero", Boxes<S, BeginsAtZero>)`; batches
+/// of [`Batched`] are compiled in f64 too.
+macro_rules! planted_entry {
+    ($name:literal, Batched<S, $fault:ty>) => {
+        crate::common::planted_entry!($name, Batched, $fault, crate::common::batched_entry)
+    };
+    ($name:literal, $structure:ident<S, $fault:ty>) => {
+        crate::common::planted_entry!($name, $structure, $fault, accel_core::entry)
+    };
+    ($name:literal, $structure:ident, $fault:ty, $($entry:ident)::+) => {{
+        type Wrong<S> = $structure<S, $fault>;
+        static WRONG: accel_core::structure::StructureInfo =
+            crate::common::planted($name, "wrong on purpose");
+        $($entry)::+!(Wrong, WRONG)
+    }};
+}
+pub(crate) use planted_entry;
+
 /// Real structures and the wrong one. The real ones are taken from the registry as the program
 /// runs: named in a constant they would be compiled again with the tests, and not optimised.
 pub static PLANTED: LazyLock<Vec<Entry>> = LazyLock::new(|| {

@@ -18,6 +18,7 @@ mod headings;
 mod history;
 mod house;
 mod in_rust;
+mod kills;
 mod occluders;
 mod own_view;
 mod plugins;

@@ -117,7 +117,8 @@ fn tear(folder: &Path, lines: usize) {
 }
 
 /// Breaks a run off behind each line of its journal, in the middle of the next.
-pub fn same_table() {
+#[test]
+fn a_resumed_run_has_the_table_of_an_unbroken_one() {
     let (whole, expected) = finished(ARGUMENTS);
     // a manifest; of each scene its beginning, three times those of its three rows and that they
     // passed (checked, timed, rendered), its record; the end
@@ -147,7 +148,8 @@ pub fn same_table() {
 }
 
 /// Everything that must not be resumed, or begun over an unfinished run.
-pub fn refusals() {
+#[test]
+fn runs_with_other_settings_are_not_resumed() {
     let obj = tempfile::tempdir().unwrap();
     let path = obj.path().join("a.obj");
     std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();

@@ -1,10 +1,10 @@
 //! `rtbench verify`: structures pass a fast subset, planted faults are caught, lines replay.
 
-use crate::common::{Ended, Folder, PLANTED, planted, run_with};
+use crate::common::{Ended, Folder, PLANTED, planted_entry, run_with};
 use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
+use accel_core::structure::{BuildError, Structure, StructureStats};
 use accel_core::structures::{Entry, REGISTRY};
 use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::InstalledScenes;
@@ -73,22 +73,11 @@ impl<S: Scalar, F: Fault> Structure<S> for Faulty<S, F> {
     }
 }
 
-type LosesNegativeZeros<S> = Faulty<S, NegativeZeros>;
-type LosesLongDirections<S> = Faulty<S, LongDirections>;
-type LosesShortDirections<S> = Faulty<S, ShortDirections>;
-type AlwaysPanics<S> = Faulty<S, Panics>;
-
-const INFO: StructureInfo = planted("negative-zeros", "wrong on purpose");
-static ZEROS: StructureInfo = INFO;
-static LONG: StructureInfo = StructureInfo { name: "long-directions", ..INFO };
-static SHORT: StructureInfo = StructureInfo { name: "short-directions", ..INFO };
-static PANICS: StructureInfo = StructureInfo { name: "panics", ..INFO };
-
 static FAULTS: &[Entry] = &[
-    accel_core::entry!(LosesNegativeZeros, ZEROS),
-    accel_core::entry!(LosesLongDirections, LONG),
-    accel_core::entry!(LosesShortDirections, SHORT),
-    accel_core::entry!(AlwaysPanics, PANICS),
+    planted_entry!("negative-zeros", Faulty<S, NegativeZeros>),
+    planted_entry!("long-directions", Faulty<S, LongDirections>),
+    planted_entry!("short-directions", Faulty<S, ShortDirections>),
+    planted_entry!("panics", Faulty<S, Panics>),
 ];
 
 fn verify(registry: &[Entry], arguments: &str) -> Ended {

@@ -1,9 +1,11 @@
 //! `rtbench verify` asks rays among others that run nearly as they do: it catches a structure that
 //! is wrong there, and there alone.
 
-use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};
+use crate::common::{
+    BatchFault, Batched, Folder, answered_by_brute_force, planted_entry, run_with,
+};
 use accel_core::primitives::PrimSet;
-use accel_core::structure::{BatchAnswers, StructureInfo};
+use accel_core::structure::BatchAnswers;
 use accel_core::structures::{Entry, brute_force};
 use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::InstalledScenes;
@@ -76,15 +78,10 @@ impl BatchFault for OutOfOrder {
     }
 }
 
-type OneForEight<S> = Batched<S, OfTheFirst>;
-type OnePlaceOff<S> = Batched<S, OutOfOrder>;
-
-static ONE_FOR_EIGHT: StructureInfo = planted("one-for-eight", "wrong on purpose");
-static ONE_PLACE_OFF: StructureInfo = planted("one-place-off", "wrong on purpose");
 static FAULTS: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
-    crate::common::batched_entry!(OneForEight, ONE_FOR_EIGHT),
-    crate::common::batched_entry!(OnePlaceOff, ONE_PLACE_OFF),
+    planted_entry!("one-for-eight", Batched<S, OfTheFirst>),
+    planted_entry!("one-place-off", Batched<S, OutOfOrder>),
 ];
 
 /// Asserts that a row is wrong in all cases, and that its report says where.

@@ -5,12 +5,12 @@ use std::time::Duration;
 
 use crate::common::{
     BatchFault, Batched, Ended, Folder, SILENT, SILENT_SHADOWS, SilentAll, SilentShadows,
-    answered_by_brute_force, planted, run_with,
+    answered_by_brute_force, planted_entry, run_with,
 };
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BatchAnswers, BuildError, Structure, StructureInfo, StructureStats};
+use accel_core::structure::{BatchAnswers, BuildError, Structure, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::InstalledScenes;
@@ -174,36 +174,17 @@ impl BatchFault for LosesLoneRays {
     }
 }
 
-type LoneRays<S> = Batched<S, LosesLoneRays>;
-type BelowPlanes<S> = Boxes<S, SkipsBelowPlanes>;
-type AtZero<S> = Boxes<S, BeginsAtZero>;
-type Denormals<S> = Boxes<S, LosesDenormals>;
-type OneSize<S> = Boxes<S, LosesOneSize>;
-type Highest<S> = Own<S, HighestId>;
-type OddCrossings<S> = Own<S, MissesOddCrossings>;
-type Shrunk<S> = Boxes<S, ShrinksBoxes>;
-
-const INFO: StructureInfo = planted("below-planes", "wrong on purpose");
-static PLANES: StructureInfo = INFO;
-static ZERO: StructureInfo = StructureInfo { name: "at-zero", ..INFO };
-static DENORMALS: StructureInfo = StructureInfo { name: "denormals", ..INFO };
-static ONE_SIZE: StructureInfo = StructureInfo { name: "one-size", ..INFO };
-static HIGHEST: StructureInfo = StructureInfo { name: "highest", ..INFO };
-static ODD: StructureInfo = StructureInfo { name: "odd-crossings", ..INFO };
-static SHRUNK: StructureInfo = StructureInfo { name: "shrunk", ..INFO };
-static LONE: StructureInfo = StructureInfo { name: "lone-rays", ..INFO };
-
 static FAULTS: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
     accel_core::entry!(uniform_grid::UniformGrid, uniform_grid::INFO),
-    accel_core::entry!(BelowPlanes, PLANES),
-    accel_core::entry!(AtZero, ZERO),
-    accel_core::entry!(Denormals, DENORMALS),
-    accel_core::entry!(OneSize, ONE_SIZE),
-    accel_core::entry!(Highest, HIGHEST),
-    accel_core::entry!(OddCrossings, ODD),
-    accel_core::entry!(Shrunk, SHRUNK),
-    crate::common::batched_entry!(LoneRays, LONE),
+    planted_entry!("below-planes", Boxes<S, SkipsBelowPlanes>),
+    planted_entry!("at-zero", Boxes<S, BeginsAtZero>),
+    planted_entry!("denormals", Boxes<S, LosesDenormals>),
+    planted_entry!("one-size", Boxes<S, LosesOneSize>),
+    planted_entry!("highest", Own<S, HighestId>),
+    planted_entry!("odd-crossings", Own<S, MissesOddCrossings>),
+    planted_entry!("shrunk", Boxes<S, ShrinksBoxes>),
+    planted_entry!("lone-rays", Batched<S, LosesLoneRays>),
     crate::common::batched_entry!(SilentShadows, SILENT_SHADOWS),
     crate::common::batched_entry!(SilentAll, SILENT),
 ];

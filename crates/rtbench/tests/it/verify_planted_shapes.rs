@@ -18,7 +18,9 @@ use studies::verify::catalogue::{Case, Draw, find};
 use studies::verify::judge::{Judge, RoundVerdict};
 use studies::verify::subject::Subject;
 
-use crate::common::{BatchFault, Batched, Folder, answered_by_brute_force, planted, run_with};
+use crate::common::{
+    BatchFault, Batched, Folder, answered_by_brute_force, planted, planted_entry, run_with,
+};
 use crate::occluders::OCCLUDERS;
 use crate::verify_planted::{BeginsAtZero, Boxes, HighestId, Lapse, Own, ShrinksBoxes};
 
@@ -106,34 +108,20 @@ impl<S: Scalar> Structure<S> for Ids<S> {
     }
 }
 
-type AtZero<S> = Boxes<S, BeginsAtZero>;
-type Shrunk<S> = Boxes<S, ShrinksBoxes>;
-type Oddities<S> = Boxes<S, LosesOddities>;
-type Early<S> = Boxes<S, EndsEarly>;
-type Highest<S> = Own<S, HighestId>;
-type Glass<S> = Batched<S, GlassBlocks>;
-
-const INFO: StructureInfo = planted("at-zero", "wrong on purpose");
-static ZERO: StructureInfo = INFO;
-static SHRUNK: StructureInfo = StructureInfo { name: "shrunk", ..INFO };
-static ODDITIES: StructureInfo = StructureInfo { name: "oddities", ..INFO };
-static EARLY: StructureInfo = StructureInfo { name: "early", ..INFO };
-static HIGHEST: StructureInfo = StructureInfo { name: "highest", ..INFO };
-static GLASS: StructureInfo = StructureInfo { name: "glass-blocks", ..INFO };
-// under names that the cases ask for
-static EQUAL: StructureInfo = StructureInfo { name: "kd-tree", ..INFO };
-static THREADS: StructureInfo = StructureInfo { name: "octree", ..INFO };
-static STALE: StructureInfo = StructureInfo { name: "hashed-grid", params: &[INCREMENTAL], ..INFO };
+static THREADS: StructureInfo = planted("octree", "wrong on purpose");
+static STALE: StructureInfo =
+    StructureInfo { params: &[INCREMENTAL], ..planted("hashed-grid", "wrong on purpose") };
 
 static FAULTS: &[Entry] = &[
     accel_core::entry!(brute_force::BruteForce, brute_force::INFO),
-    accel_core::entry!(AtZero, ZERO),
-    accel_core::entry!(Shrunk, SHRUNK),
-    accel_core::entry!(Oddities, ODDITIES),
-    accel_core::entry!(Early, EARLY),
-    accel_core::entry!(Highest, HIGHEST),
-    accel_core::entry!(Highest, EQUAL),
-    crate::common::batched_entry!(Glass, GLASS),
+    planted_entry!("at-zero", Boxes<S, BeginsAtZero>),
+    planted_entry!("shrunk", Boxes<S, ShrinksBoxes>),
+    planted_entry!("oddities", Boxes<S, LosesOddities>),
+    planted_entry!("early", Boxes<S, EndsEarly>),
+    planted_entry!("highest", Own<S, HighestId>),
+    planted_entry!("glass-blocks", Batched<S, GlassBlocks>),
+    // under names that the cases ask for
+    planted_entry!("kd-tree", Own<S, HighestId>),
     accel_core::entry!(Ids, THREADS),
     accel_core::entry!(Ids, STALE),
 ];

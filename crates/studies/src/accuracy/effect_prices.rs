@@ -5,7 +5,7 @@
 //! quotient is the price of a hundredth of the range of colours, a pixel. It rises with the number
 //! of samples: the first ones remove the most.
 
-use presentation::numbers::short;
+use presentation::numbers::interval;
 use presentation::table::{Cell, Table, dash};
 use statistics::estimate::Estimate;
 
@@ -27,9 +27,7 @@ impl Price {
     /// Seconds a pixel for each 0.01 of error removed; `None` where it removes none.
     pub fn per_unit_s(&self) -> Option<Estimate> {
         let units = self.removed / UNIT;
-        let Estimate { median, low, high } = self.added_s;
-        let by = |x: f64| x / units;
-        (units > 0.0).then(|| Estimate { median: by(median), low: by(low), high: by(high) })
+        (units > 0.0).then(|| self.added_s.map(|x| x / units))
     }
 }
 
@@ -41,9 +39,7 @@ pub fn price(
     seed: u64,
 ) -> Option<Price> {
     let added = scene.differences(&row.seconds, &without.seconds).estimate_of_differences(seed)?;
-    let each = |s: f64| s / f64::from(scene.pixels);
-    let Estimate { median, low, high } = added;
-    let added_s = Estimate { median: each(median), low: each(low), high: each(high) };
+    let added_s = added.map(|s| s / f64::from(scene.pixels));
     let removed = without.error.value() - row.error.value();
     (scene.pixels > 0).then_some(Price { removed, added_s })
 }
@@ -94,10 +90,7 @@ fn cells(
     seed: u64,
 ) -> Option<Vec<Cell>> {
     let price = price(scene, without, row, seed)?;
-    let in_microseconds = |e: &Estimate| {
-        let [median, low, high] = [e.median, e.low, e.high].map(|s| short(s * MICROSECONDS));
-        format!("{median} [{low}, {high}]")
-    };
+    let in_microseconds = |e: &Estimate| interval(&e.map(|s| s * MICROSECONDS));
     Some(vec![
         effect.to_owned().into(),
         scene.scene.clone().into(),

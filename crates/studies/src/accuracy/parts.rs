@@ -123,9 +123,10 @@ mod tests {
     fn parts_are_compared_with_those_of_the_first_variant() {
         let with_parts = |name: &str, seconds: [f64; 2]| {
             let mut row = row(name, seconds[0] + seconds[1], 0);
-            let part = |(part, s): (&str, f64)| {
-                let ratio = Estimate { median: s, low: s, high: s };
-                PartTime { part: part.into(), seconds: vec![s; 3], ratio }
+            let part = |(part, s): (&str, f64)| PartTime {
+                part: part.into(),
+                seconds: vec![s; 3],
+                ratio: Estimate::exactly(s),
             };
             row.parts = ["primary", "shadow"].into_iter().zip(seconds).map(part).collect();
             row

@@ -3,24 +3,24 @@
 
 use crate::accuracy::record::{AxisRecord, SceneOutcome};
 use crate::accuracy::timing::figure;
-use crate::error::ProcessMismatch;
+use crate::error::StudyError;
 
 /// Takes the times of the axis that process number `process` (from 0) measured: those of the first
 /// one in place of the axis' own, those of others beside them, of as many rounds each. Errors stay;
 /// faults are added.
 ///
 /// # Errors
-/// [`ProcessMismatch`] where the process has not measured the same variants on the same scenes.
+/// [`StudyError::Unlike`] where the process has not measured the same variants on the same scenes.
 pub fn join(
     axis: &mut AxisRecord,
     other: &AxisRecord,
     process: u32,
     seed: u64,
-) -> Result<(), ProcessMismatch> {
+) -> Result<(), StudyError> {
     for scene in &mut axis.scenes {
         let same =
             other.scenes.iter().find(|o| (&o.scene, &o.subject) == (&scene.scene, &scene.subject));
-        let unlike = |found: String| ProcessMismatch {
+        let unlike = |found: String| StudyError::Unlike {
             axis: axis.axis.clone(),
             place: scene.place(),
             process: process + 1,

@@ -83,7 +83,7 @@ fn is_one(processes: &u32) -> bool {
 }
 
 /// An axis on a scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SceneOutcome {
     pub scene: String,
     /// Through which structure, where an axis has several.
@@ -111,6 +111,11 @@ pub struct SceneOutcome {
 }
 
 impl SceneOutcome {
+    /// What an axis says of its work, before its variants are timed.
+    pub fn new(timed: impl Into<String>, judged: impl Into<String>) -> Self {
+        Self { timed: timed.into(), judged: judged.into(), processes: 1, ..Self::default() }
+    }
+
     pub fn series(&self, seconds: &[f64]) -> Series {
         Series::of_pairs(seconds, seconds, self.processes, |s, _| s)
     }
@@ -163,7 +168,7 @@ impl AxisRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct AccuracyRecord {
     pub command_line: Vec<String>,
     pub tool: measurement::record::Tool,

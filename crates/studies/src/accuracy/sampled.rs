@@ -13,7 +13,7 @@ use scene_loading::{SampleWishes, Scene};
 use crate::accuracy::audit;
 use crate::accuracy::record::{ErrorOf, SceneOutcome};
 use crate::accuracy::stage::{Stage, Work};
-use crate::accuracy::timing::{AxisReport, Variant, timed};
+use crate::accuracy::timing::{Variant, timed};
 use crate::effect_plan::plan_of;
 use crate::error::StudyError;
 use crate::image_error::{ConvergedImage, rmse};
@@ -88,22 +88,23 @@ impl SampledEffect<'_> {
 
     /// All numbers of samples, judged, to be timed.
     pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<ImageCheck<'s>, StudyError> {
-        let mut plan = SamplingPlan::new(stage.quick);
-        let seeds = if stage.only_times { 1 } else { SEEDS };
-        if stage.only_times {
+        let mut plan = SamplingPlan::new(stage.limits.quick);
+        let seeds = if stage.limits.only_times { 1 } else { SEEDS };
+        if stage.limits.only_times {
             plan.reference = 1;
         }
         // what is not timed may use the whole machine
         let helper = pool(machine::threads())?;
         let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
         // seeds that no variant has
-        let far = |i: u64| stage.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
+        let far = |i: u64| stage.limits.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
         let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
         let reference = ConvergedImage::of(&a, &b);
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         if let Some((scene, tracer)) = self.without {
-            let plain = self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.seed)?;
+            let plain =
+                self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.limits.seed)?;
             let image = helper.install(|| render_plan(scene, tracer, &plain).image);
             let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
             let setting = "render, of the scene without what calls for it";
@@ -115,15 +116,15 @@ impl SampledEffect<'_> {
             });
         }
         for &n in plan.samples {
-            let of_seed = |i| image(n, stage.seed.wrapping_mul(31).wrapping_add(i));
+            let of_seed = |i| image(n, stage.limits.seed.wrapping_mul(31).wrapping_add(i));
             let images = (0..seeds).map(of_seed).collect::<Result<Vec<Image>, StudyError>>()?;
             let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
             let error = (squares / seeds as f64).sqrt();
-            if Some(&n) == plan.samples.last() && !stage.only_times {
+            if Some(&n) == plan.samples.last() && !stage.limits.only_times {
                 faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
             }
             let error = ErrorOf::Rmse { rmse: error };
-            let plan = self.plan(plan.size, n, stage.seed)?;
+            let plan = self.plan(plan.size, n, stage.limits.seed)?;
             let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
             let setting = format!("render --samples {}={n}", self.option);
             variants.push(Variant {
@@ -131,16 +132,17 @@ impl SampledEffect<'_> {
                 ..Variant::new(format!("{n} samples"), setting, error, work)
             });
         }
-        let said = AxisReport {
-            timed: format!("the image of {0} x {0} pixels, one thread", plan.size),
-            judged: format!(
-                "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
-                plan.reference
-            ),
+        let said = SceneOutcome {
             reference_error: reference.own_error,
             faults,
             pixels: plan.size * plan.size,
-            ..AxisReport::default()
+            ..SceneOutcome::new(
+                format!("the image of {0} x {0} pixels, one thread", plan.size),
+                format!(
+                    "the mean square over {SEEDS} seeds; reference: 2 x {} samples",
+                    plan.reference
+                ),
+            )
         };
         Ok(ImageCheck { variants, said, reference })
     }
@@ -150,7 +152,7 @@ impl SampledEffect<'_> {
 pub struct ImageCheck<'a> {
     pub variants: Vec<Variant<'a>>,
     /// Report on the images.
-    pub said: AxisReport,
+    pub said: SceneOutcome,
     /// Reference that they were compared with.
     pub reference: ConvergedImage,
 }

@@ -62,6 +62,12 @@ pub struct Stage<'a> {
     pub registry: &'a [Entry],
     pub occluders: &'a [occluders::Entry],
     pub clock: &'a dyn Clock,
+    pub limits: Limits,
+}
+
+/// How much is measured on a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Limits {
     pub seed: u64,
     pub rounds: usize,
     /// Rays that are traced in a timed pass, at most.
@@ -97,7 +103,7 @@ impl StagedStructure<'_> {
 impl<'a> Stage<'a> {
     /// The stream of random numbers for a purpose.
     pub fn random(&self, purpose: &str) -> Random {
-        Random::new(self.seed, &format!("accuracy/{}/{}/{purpose}", self.axis, self.name))
+        Random::new(self.limits.seed, &format!("accuracy/{}/{}/{purpose}", self.axis, self.name))
     }
 
     pub fn scene(&self) -> &'a Scene {
@@ -107,7 +113,7 @@ impl<'a> Stage<'a> {
     /// Trials of an axis that times none of the rays that it draws for them: few where only times
     /// are asked for.
     pub fn trials(&self) -> usize {
-        if self.only_times { self.aims.min(FEW_TRIALS) } else { self.aims }
+        if self.limits.only_times { self.limits.aims.min(FEW_TRIALS) } else { self.limits.aims }
     }
 
     /// Builds a structure with settings, as `run -s` takes them.
@@ -168,7 +174,7 @@ impl<'a> Stage<'a> {
 
     /// The rays that are timed, of all kinds.
     pub fn all_batches(&self) -> Batches<f32> {
-        self.batches(self.timed_rays, |_| true)
+        self.batches(self.limits.timed_rays, |_| true)
     }
 }
 

@@ -102,7 +102,7 @@ fn advice_of(axis: &AxisRecord, seed: u64) -> Option<[String; 3]> {
 /// A cost in percent, or as a factor where it is large.
 fn more(e: &Estimate) -> String {
     if e.median < 2.0 {
-        let [median, low, high] = [e.median, e.low, e.high].map(|x| (x - 1.0) * 100.0);
+        let Estimate { median, low, high } = e.map(|x| (x - 1.0) * 100.0);
         return format!("{median:+.1}% [{low:.1}, {high:.1}]");
     }
     format!("{:.2} x [{:.2}, {:.2}]", e.median, e.low, e.high)

@@ -1,15 +1,12 @@
 //! Made-up records for tests.
 
-use crate::accuracy::record::ErrorOf;
 use crate::accuracy::record::{
-    AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord, VariantStanding,
+    AccuracyRecord, AxisRecord, ErrorOf, SceneOutcome, VariantRecord, VariantStanding,
 };
 use statistics::estimate::Estimate;
 
 /// A variant that takes so many seconds and is wrong so often in a million.
 pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
-    let ratio = seconds / 2.0;
-    let exactly = |x: f64| Estimate { median: x, low: x, high: x };
     VariantRecord {
         variant: variant.into(),
         setting: String::new(),
@@ -18,8 +15,8 @@ pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
         error: ErrorOf::Counted { wrong, trials: 1_000_000 },
         is_below_reference: false,
         seconds: vec![seconds; 3],
-        time_s: exactly(seconds),
-        ratio: exactly(ratio),
+        time_s: Estimate::exactly(seconds),
+        ratio: Estimate::exactly(seconds / 2.0),
         standing: VariantStanding::OnFront,
         also: Default::default(),
         parts: Vec::new(),
@@ -45,18 +42,7 @@ pub fn record(axes: Vec<AxisRecord>) -> AccuracyRecord {
 
 /// An axis of these variants on one scene.
 pub fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
-    let scene = SceneOutcome {
-        scene: "kitchen".into(),
-        subject: String::new(),
-        is_stepwise: false,
-        pixels: 0,
-        timed: String::new(),
-        judged: String::new(),
-        reference_error: 0.0,
-        rows,
-        faults: Vec::new(),
-        processes: 1,
-    };
+    let scene = SceneOutcome { scene: "kitchen".into(), rows, ..SceneOutcome::new("", "") };
     let [axis, metric, reference] = ["triangle-test", "misses", "exact"].map(str::to_owned);
     AxisRecord { axis, metric, reference, scenes: vec![scene] }
 }

@@ -58,29 +58,6 @@ impl<'a> Variant<'a> {
     }
 }
 
-/// Findings of an axis on a scene beside its variants.
-#[derive(Debug, Clone, Default)]
-pub struct AxisReport {
-    /// Description of the timed work.
-    pub timed: String,
-    /// Description of the judged answers.
-    pub judged: String,
-    /// The reference's own error; 0 where it is exact.
-    pub reference_error: f64,
-    /// Impossible results that an axis found.
-    pub faults: Vec<String>,
-    /// Each variant is the one before it with one thing more.
-    pub is_stepwise: bool,
-    /// Pixels of the image that is timed; 0 where none is.
-    pub pixels: u32,
-}
-
-impl AxisReport {
-    pub fn new(timed: impl Into<String>, judged: impl Into<String>) -> Self {
-        Self { timed: timed.into(), judged: judged.into(), ..Self::default() }
-    }
-}
-
 /// Seconds of a timed pass, about: shorter work is repeated within it.
 const PASS: f64 = 0.004;
 
@@ -88,14 +65,14 @@ fn repeats(seconds: f64) -> u32 {
     (PASS / seconds.max(1e-7)).ceil().clamp(1.0, 1000.0) as u32
 }
 
-/// Times the variants and says where each stands.
+/// Times the variants and says where each stands. `outcome` has what the axis found beside them.
 pub fn timed<'v>(
     stage: &Stage<'_>,
-    said: AxisReport,
+    mut outcome: SceneOutcome,
     variants: impl IntoIterator<Item = Variant<'v>>,
 ) -> SceneOutcome {
     let mut variants: Vec<Variant<'v>> = variants.into_iter().collect();
-    let mut faults = said.faults;
+    let faults = &mut outcome.faults;
     let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
     let mut parts: Vec<Parts> = variants.iter().map(|v| Parts::of(&*v.work)).collect();
     // the first run of each, which warms up, gives the answers that all others must repeat
@@ -108,8 +85,8 @@ pub fn timed<'v>(
         first.push((answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
-    let is_left = |round| round < stage.rounds;
-    interleaved(variants.len(), stage.seed, &purpose, is_left, |Visit { row, .. }| {
+    let is_left = |round| round < stage.limits.rounds;
+    interleaved(variants.len(), stage.limits.seed, &purpose, is_left, |Visit { row, .. }| {
         let (Some(variant), Some(of)) = (variants.get_mut(row), seconds.get_mut(row)) else {
             return;
         };
@@ -122,20 +99,10 @@ pub fn timed<'v>(
         faults.extend(fault.filter(|f| !faults.contains(f)));
     });
     let timed = variants.into_iter().zip(seconds).zip(parts);
-    let rows = timed.map(|((variant, s), parts)| row(variant, s, parts, said.reference_error));
-    let mut outcome = SceneOutcome {
-        scene: stage.name.to_owned(),
-        subject: String::new(),
-        is_stepwise: said.is_stepwise,
-        pixels: said.pixels,
-        timed: said.timed,
-        judged: said.judged,
-        reference_error: said.reference_error,
-        rows: rows.collect(),
-        faults,
-        processes: 1,
-    };
-    figure(&mut outcome, stage.seed);
+    let rows = timed.map(|((variant, s), parts)| row(variant, s, parts, outcome.reference_error));
+    outcome.rows = rows.collect();
+    stage.name.clone_into(&mut outcome.scene);
+    figure(&mut outcome, stage.limits.seed);
     let found = audit::faults(&outcome);
     outcome.faults.extend(found);
     outcome

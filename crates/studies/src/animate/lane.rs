@@ -4,6 +4,7 @@ use crate::animate::quality::{SurfacePoint, quality};
 use crate::animate::record::{LaneFrame, LaneRecord};
 use crate::error::StudyError;
 use accel_core::params::Params;
+use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{KeptStructure, PreviousFrame};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
@@ -38,7 +39,7 @@ pub struct Lane<'p> {
     params: &'p Params,
     pool: &'p ThreadPool,
     /// The structures of the frame before, one a round; none where it is built anew in any case.
-    kept: Vec<Option<KeptStructure>>,
+    pub(super) kept: Vec<Option<KeptStructure>>,
     /// Stride of the rays that are timed; none before the first look.
     stride: Option<usize>,
     pub record: LaneRecord,
@@ -59,18 +60,10 @@ impl<'p> Lane<'p> {
                 settings: row.settings(),
                 threads: pool.current_num_threads(),
                 known_defect: row.known_defect().map(Into::into),
-                error: None,
-                mismatches: 0,
-                example: None,
                 stride: 1,
-                frames: Vec::new(),
+                ..LaneRecord::default()
             },
         })
-    }
-
-    /// Forgets the structures of the frame before.
-    pub fn forget(&mut self) {
-        self.kept.iter_mut().for_each(|kept| *kept = None);
     }
 
     /// Takes the structure of a round to a frame and asks it.
@@ -100,13 +93,10 @@ impl<'p> Lane<'p> {
             let quality = is_looked_at.then(|| quality(&*tracer, on.points)).flatten();
             self.record.frames.push(LaneFrame {
                 frame: number,
-                updated: 0,
-                update_s: Vec::new(),
-                trace_s: Vec::new(),
                 bytes: tracer.stats().bytes,
-                work: None,
                 expected_cost: quality.map(|q| q.expected_cost),
                 overlap: quality.and_then(|q| q.overlap),
+                ..LaneFrame::default()
             });
         }
         self.record.stride = stride;
@@ -153,18 +143,14 @@ impl<'p> Lane<'p> {
         if built.foreign().is_some_and(|foreign| !foreign.has_counters()) {
             return None;
         }
-        let mut all = WorkRecord { rays: asked.total() as u64, ..WorkRecord::default() };
+        let mut all = WorkCounters::default();
         for batch in &asked.batches {
             let (answers, work) = on.scope.pools.helper.install(|| count(built, batch));
             let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
             self.note(on, judged.wrong, judged.example);
-            all.intersection_tests += work.intersection_tests;
-            all.traversal_steps += work.traversal_steps;
-            all.elementary_steps += work.elementary_steps;
-            all.empty_elementary_steps += work.empty_elementary_steps;
-            all.tests_saved += work.tests_saved;
+            all += work;
         }
-        Some(all)
+        Some(WorkRecord::of(asked.total(), &all))
     }
 
     fn note<S: Buildable>(

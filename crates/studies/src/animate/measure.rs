@@ -62,7 +62,8 @@ pub fn measure<S: Buildable>(
         let scene = scene_of(number).map_err(MeasureError::from)?;
         let frame = Frame::<S>::new(number, scene, first.as_ref(), before.as_ref())?;
         if number > begin && frame.moved.is_none() {
-            lanes.iter_mut().for_each(Lane::forget);
+            // no structure of the frame before can be updated
+            lanes.iter_mut().for_each(|lane| lane.kept.fill_with(|| None));
         }
         let record = visit_all(animate, &frame, &pools, equipment, &mut lanes)?;
         all.frames.push(record);

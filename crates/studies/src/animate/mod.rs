@@ -32,22 +32,6 @@ const RAYS: [&str; 2] = ["primary", "shadow"];
 /// Tests of the oracle in a frame, at most: there are many frames.
 const ORACLE_TESTS: u64 = 40_000_000;
 
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum AnimateError {
-    /// There are no such frames.
-    #[error("--frames {first}..{last}: {scene} has {frames} frames, numbered from 0")]
-    NoSuchFrames {
-        scene: String,
-        first: u32,
-        last: u32,
-        /// Frames that the animation has.
-        frames: u32,
-    },
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-}
-
 #[derive(Debug, Clone)]
 pub struct AnimateSettings {
     /// First and last frame; none: all.
@@ -76,10 +60,12 @@ impl<'r> Animate<'r> {
         args: &AnimateSettings,
         (scene, frames): (&str, u32),
         registry: &'r [Entry],
-    ) -> Result<Self, AnimateError> {
+    ) -> Result<Self, PlanError> {
         let [first, last] = args.frames.unwrap_or([0, frames.saturating_sub(1)]);
         if first > last || last >= frames {
-            return Err(AnimateError::NoSuchFrames { scene: scene.into(), first, last, frames });
+            return Err(PlanError::Invalid(format!(
+                "--frames {first}..{last}: {scene} has {frames} frames, numbered from 0"
+            )));
         }
         let mut measuring = args.measuring.clone();
         let pick = |of: [u32; 2]| if measuring.quick { of[0] } else { of[1] };

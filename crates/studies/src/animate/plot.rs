@@ -24,10 +24,6 @@ fn measured(samples: &[f64]) -> Option<Estimate> {
     estimate(&ms, 1)
 }
 
-fn exactly(x: f64) -> Estimate {
-    Estimate { median: x, low: x, high: x }
-}
-
 const QUANTITIES: [Quantity; 4] = [
     in_milliseconds("update and rays", |_, frame| {
         let both = frame.update_s.iter().zip(&frame.trace_s).map(|(a, b)| a + b);
@@ -41,7 +37,7 @@ const QUANTITIES: [Quantity; 4] = [
         scale: Scale::FromZero,
         of: |lane, frame| {
             let first = lane.frames.first()?.expected_cost?;
-            Some(exactly(frame.expected_cost? / first))
+            Some(Estimate::exactly(frame.expected_cost? / first))
         },
     },
 ];
@@ -96,8 +92,6 @@ fn panel(
         x: Axis { label: "frame".into(), scale: Scale::Linear },
         y: Axis { label: quantity.label.into(), scale: quantity.scale.clone() },
         series,
-        marks: Vec::new(),
-        marks_name: String::new(),
-        levels: Vec::new(),
+        ..Plot::default()
     })
 }

@@ -3,7 +3,7 @@
 use measurement::record::{Compiler, Machine, OracleRecord, Tool, WorkRecord};
 use serde::Serialize;
 
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct AnimationRecord {
     pub tool: Tool,
     /// The command line, program first.
@@ -46,7 +46,7 @@ pub struct FrameRecord {
 }
 
 /// A row with a number of threads.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct LaneRecord {
     pub structure: String,
     /// Settings that differ from the defaults.
@@ -66,7 +66,7 @@ pub struct LaneRecord {
 }
 
 /// A row in a frame.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct LaneFrame {
     /// Number of the frame.
     pub frame: u32,

@@ -53,10 +53,7 @@ fn table(run: &AnimationRecord, threads: usize) -> Table {
     ];
     let rows = lanes.iter().map(|(lane, rate)| {
         let mut cells: Vec<Cell> = vec![lane.label().into()];
-        cells.push(rate.map_or_else(dash, |rate| {
-            let [median, low, high] = [rate.median, rate.low, rate.high].map(numbers::short);
-            format!("{median} [{low}, {high}]").into()
-        }));
+        cells.push(rate.map_or_else(dash, |rate| numbers::interval(&rate).into()));
         cells.extend(of_times(run, lane));
         cells.extend(of_structure(lane));
         cells.push(verdict_cell(lane));

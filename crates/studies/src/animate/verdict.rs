@@ -27,18 +27,12 @@ pub fn lines(run: &AnimationRecord, threads: usize) -> Vec<String> {
     let mut lines = vec![format!(
         "With {threads_of}, {} has the most frames per second: {} at {} rays per frame.",
         best.0.label(),
-        interval(&rate),
+        numbers::interval(&rate),
         best.1.rays.round()
     )];
     lines.extend(by_rays(&rows));
     lines.extend(grid_and_bvh(run, &rows));
     lines
-}
-
-/// A figure with its interval.
-fn interval(of: &Estimate) -> String {
-    let [median, low, high] = [of.median, of.low, of.high].map(numbers::short);
-    format!("{median} [{low}, {high}]")
 }
 
 /// Rays a frame that are looked at: from few to those of a large image with many bounces.
@@ -96,7 +90,7 @@ fn grid_and_bvh(run: &AnimationRecord, rows: &[TimedLane<'_>]) -> Option<String>
         format!(
             "Between building {grid_label} anew and refitting ({bvh_label}), {first} is faster up to {} rays a \
              frame, then {then}.",
-            interval(at)
+            numbers::interval(at)
         )
     };
     Some(if let Some(at) = bvh.1.break_even(&grid.1, run.seed) {

@@ -25,19 +25,6 @@ use statistics::estimate::Estimate;
 use statistics::product_of_medians::product_of_series;
 use statistics::series::Series;
 
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ExplainError {
-    /// A row has no difference to itself.
-    #[error("{row} is also the reference; name another with --structure or --reference")]
-    SameRow { row: String },
-    /// A chosen test goes through code of its own.
-    #[error("{row}: only rows with the default tests of primitives can be explained")]
-    ChosenTest { row: String },
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-}
-
 #[derive(Debug, Clone, Default)]
 pub struct ExplainSettings {
     /// Scenes, scene sets or scene files.
@@ -66,18 +53,25 @@ impl<'r> Explain<'r> {
         args: &ExplainSettings,
         registry: &'r [Entry],
         scenes: &dyn SceneSource,
-    ) -> Result<Self, ExplainError> {
+    ) -> Result<Self, PlanError> {
         let row = Row::parse(registry, &args.structure)?;
         let reference = match &args.measuring.reference {
             Some(name) => Row::parse(registry, name)?,
             None => default_baseline(registry)?,
         };
         if row == reference {
-            return Err(ExplainError::SameRow { row: row.label() });
+            return Err(PlanError::Invalid(format!(
+                "{} is also the reference; name another with --structure or --reference",
+                row.label()
+            )));
         }
         for row in [&row, &reference] {
+            // a chosen test goes through code of its own
             if row.params.changed().any(|(name, _)| name.ends_with("-test")) {
-                return Err(ExplainError::ChosenTest { row: row.label() });
+                return Err(PlanError::Invalid(format!(
+                    "{}: only rows with the default tests of primitives can be explained",
+                    row.label()
+                )));
             }
         }
         let mut rows = crafts_of(&row)?;
@@ -88,7 +82,7 @@ impl<'r> Explain<'r> {
         }
         let baseline = rows.iter().position(|row| *row == reference).unwrap_or(0);
         let variants = rows.iter().map(Variant::of).collect();
-        let scenes = scenes.resolve(&args.scenes).map_err(PlanError::Scene)?;
+        let scenes = scenes.resolve(&args.scenes)?;
         let mut plan = Plan::over(scenes, rows, baseline, &args.measuring, registry)?;
         plan.same_rays = true;
         plan.keeps_baseline = true;
@@ -200,15 +194,7 @@ impl<'a> Explanation<'a> {
 
 /// Names the changes between two rows on these axes.
 fn name(axes: &[Axis], from: &Variant, to: &Variant) -> String {
-    let ends = |axis: &Axis| {
-        let of = |v: &Variant| match axis {
-            Axis::Adapter => v.craft.adapter.name().to_owned(),
-            Axis::Kernel => v.craft.kernel.name().to_owned(),
-            Axis::Structure => v.structure.clone(),
-            Axis::Query => v.craft.query.name().to_owned(),
-        };
-        format!("{}: {} to {}", axis.name(), of(from), of(to))
-    };
+    let ends = |axis: &Axis| format!("{}: {} to {}", axis.name(), axis.value(from), axis.value(to));
     axes.iter().map(ends).collect::<Vec<_>>().join("; ")
 }
 

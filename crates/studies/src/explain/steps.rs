@@ -34,12 +34,13 @@ impl Axis {
         }
     }
 
-    fn differs(self, a: &Variant, b: &Variant) -> bool {
+    /// The property of a row, by name.
+    pub fn value(self, of: &Variant) -> &str {
         match self {
-            Self::Adapter => a.craft.adapter != b.craft.adapter,
-            Self::Kernel => a.craft.kernel != b.craft.kernel,
-            Self::Structure => a.structure != b.structure,
-            Self::Query => a.craft.query != b.craft.query,
+            Self::Adapter => of.craft.adapter.name(),
+            Self::Kernel => of.craft.kernel.name(),
+            Self::Structure => &of.structure,
+            Self::Query => of.craft.query.name(),
         }
     }
 }
@@ -58,7 +59,8 @@ pub struct Step {
 pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
     let at = |row: usize| rows.get(row).and_then(Option::as_ref);
     let (Some(first), Some(last)) = (at(from), at(to)) else { return Vec::new() };
-    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(|axis| axis.differs(first, last)).collect();
+    let differs = |axis: &Axis| axis.value(first) != axis.value(last);
+    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(differs).collect();
     let whole = (1usize << axes.len()) - 1;
     // the row at each corner: a bit for each axis, set where it is changed already
     let corner = |corner: usize| {

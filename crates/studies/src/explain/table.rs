@@ -36,10 +36,6 @@ pub fn write(
     tables.iter().try_for_each(|table| screen.write_fitted(out, table, &["all"]))
 }
 
-pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
-    screen.write_notes(out, GLOSSARY)
-}
-
 pub fn to_markdown(explain: &Explain<'_>, run: &RunRecord) -> String {
     let tables: Vec<Table> =
         run.scenes.iter().flat_map(|scene| tables(explain, run, scene)).collect();
@@ -126,7 +122,7 @@ fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_
 }
 
 /// Explanations of terms, printed below the tables.
-const GLOSSARY: &[&str] = &[
+pub const GLOSSARY: &[&str] = &[
     "Ratios of times for the same rays in the same rounds, with their 95% intervals; below 1 is faster, = \
      where the interval contains 1. direct: a library as its authors use it; all others: our setup of rays \
      and the watertight test, one triangle at a time (scalar) or eight (block), rays one by one or those \

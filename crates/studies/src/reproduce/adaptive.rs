@@ -66,28 +66,22 @@ fn count_over<P: PrimSet<f64>>(scene: &PublishedScene, prims: &P, params: &Param
 
 #[cfg(test)]
 mod tests {
-    use super::super::published::{figures, table};
+    use super::super::published::{figures, geometry, table};
+    use super::super::setting::cell_counters;
     use super::*;
-    use renderer::Geometry;
-    use scene_loading::procedural::generate_as_printed;
 
     #[test]
     fn four_scenes_have_about_the_published_cells() {
         let figures = figures().unwrap();
         for (name, tolerance) in [("balls", 0.12), ("tree", 0.12), ("mount", 0.25), ("tetra", 0.25)]
         {
-            let geometry = Geometry::<f64>::of(&generate_as_printed(name).unwrap()).unwrap();
+            let geometry = geometry(name);
             let published = table(&figures, "adaptive", name);
             let (params, counters) = published.iter().find(|p| p.0 == "f=1.5 m=0.5 o=-").unwrap();
             let entry = registered("adaptive-grid").unwrap();
             let params = entry.params(settings(params).unwrap()).unwrap();
             let stats = entry.build(geometry.prims(), &params).unwrap().stats();
-            for (counter, ours) in [
-                ("N_IN", stats.inner_cells),
-                ("N_V", stats.cells),
-                ("N_EV", stats.empty_cells),
-                ("N_OIV", stats.references),
-            ] {
+            for (counter, ours) in cell_counters(&stats) {
                 let value: f64 = counters[counter].parse().unwrap();
                 let ratio = ours as f64 / value;
                 assert!((ratio - 1.0).abs() <= tolerance, "{name} {counter}: {ratio}");

@@ -60,9 +60,9 @@ pub(super) fn recursive(scene: &PublishedScene, setting: &Setting) -> Counted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::published::{SCENES, figures, table};
+    use crate::reproduce::published::{SCENES, figures, geometry, table};
+    use crate::reproduce::setting::cell_counters;
     use crate::reproduce::verdict::{Verdict, judge};
-    use scene_loading::procedural::generate_as_printed;
 
     /// N_IN, N_V, N_EV and N_OIV in all four settings.
     #[test]
@@ -70,18 +70,12 @@ mod tests {
         let figures = figures().unwrap();
         let (mut exact, mut within, mut known) = (0, 0, 0);
         for scene in SCENES {
-            let geometry = Geometry::<f64>::of(&generate_as_printed(scene).unwrap()).unwrap();
+            let geometry = geometry(scene);
             let settings = table(&figures, "recursive", scene);
             assert_eq!(settings.len(), 4, "{scene}");
             for (params, published) in settings {
                 let stats = build(&geometry, params).unwrap().stats();
-                let ours = [
-                    ("N_IN", stats.inner_cells),
-                    ("N_V", stats.cells),
-                    ("N_EV", stats.empty_cells),
-                    ("N_OIV", stats.references),
-                ];
-                for (counter, ours) in ours {
+                for (counter, ours) in cell_counters(&stats) {
                     let text = published[counter];
                     let ours = ours as f64;
                     let ratio = ours / text.parse::<f64>().unwrap();

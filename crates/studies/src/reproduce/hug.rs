@@ -79,15 +79,14 @@ fn sized_as_published<'g>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::published::{figures, table};
+    use super::super::published::{figures, geometry, table};
     use super::*;
-    use scene_loading::procedural::generate_as_printed;
 
     #[test]
     fn two_classes_have_the_published_cells_in_lattice_mount_and_tetra() {
         let figures = figures().unwrap();
         for name in ["lattice", "mount", "tetra"] {
-            let geometry = Geometry::<f64>::of(&generate_as_printed(name).unwrap()).unwrap();
+            let geometry = geometry(name);
             let published = table(&figures, "hug", name);
             let (params, counters) = published.iter().find(|p| p.0 == "HNG=2 HCN=0").unwrap();
             let entry = registered("hug").unwrap();
@@ -107,7 +106,7 @@ mod tests {
             ("mount", "HNG=3 HCN=0", 0.02),
             ("mount", "HNG=4 HCN=0", 0.002),
         ] {
-            let geometry = Geometry::<f64>::of(&generate_as_printed(name).unwrap()).unwrap();
+            let geometry = geometry(name);
             let published = table(&figures, "hug", name);
             let (_, counters) = published.into_iter().find(|p| p.0 == params).unwrap();
             let setting = Setting { structure: "hug", params, scene: name, figures: counters };

@@ -27,21 +27,14 @@ pub const STRUCTURES: [(&str, &str); 5] = [
 /// Structure newer than the lecture, measured with the others.
 pub const MODERN: &str = "obvhs-cwbvh";
 
-#[derive(Deserialize)]
-struct Record {
-    structure: String,
-    scene: String,
-    counter: String,
-    value: f64,
-}
-
 /// Seconds of a structure on a scene in the lecture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct PublishedTimes {
     structure: String,
     scene: String,
-    is_build: bool,
-    seconds: f64,
+    /// One of [`SYMBOLS`].
+    counter: String,
+    value: f64,
 }
 
 /// All times of the lecture.
@@ -49,14 +42,14 @@ pub struct PublishedTimes {
 /// # Errors
 /// When the embedded file is damaged; names the line.
 pub fn published() -> Result<Vec<PublishedTimes>, csv::Error> {
-    csv::Reader::from_reader(TABLES.as_bytes())
-        .deserialize()
-        .map(|record| {
-            let Record { structure, scene, counter, value } = record?;
-            let is_build = counter.starts_with("T_B");
-            Ok(PublishedTimes { structure, scene, is_build, seconds: value })
-        })
-        .collect()
+    csv::Reader::from_reader(TABLES.as_bytes()).deserialize().collect()
+}
+
+/// Seconds that the lecture has in the table of that symbol.
+fn seconds(all: &[PublishedTimes], structure: &str, scene: &str, symbol: &str) -> Option<f64> {
+    let is_asked =
+        |t: &&PublishedTimes| t.structure == structure && t.scene == scene && t.counter == symbol;
+    all.iter().find(is_asked).map(|time| time.value)
 }
 
 /// A time as the lecture has it and as measured, both divided by uniform D=1's.
@@ -82,13 +75,7 @@ impl SecondsTable {
     /// One of the slides' tables.
     pub fn published(times: &[PublishedTimes], scenes: &[&str], symbol: &'static str) -> Self {
         let line = |(name, _): (&str, &str)| {
-            let seconds = |scene: &&str| {
-                let of = |time: &&PublishedTimes| {
-                    (&*time.structure, &*time.scene) == (name, *scene)
-                        && time.is_build == (symbol == SYMBOLS[0])
-                };
-                times.iter().find(of).map(|time| time.seconds)
-            };
+            let seconds = |scene: &&str| seconds(times, name, scene, symbol);
             (name.to_owned(), scenes.iter().map(seconds).collect())
         };
         Self { symbol, lines: STRUCTURES.map(line).into() }
@@ -138,8 +125,8 @@ impl Comparison {
     pub fn new(scene: &SceneRecord, published: &[PublishedTimes]) -> Self {
         let names = STRUCTURES.iter().map(|(name, _)| Some(*name)).chain([None]);
         let lines = names.zip(&scene.rows).map(|(lecture, row)| {
-            let then = |is_build| {
-                let ratio = Self::then(published, &scene.name, lecture?, is_build);
+            let then = |symbol| {
+                let ratio = Self::then(published, &scene.name, lecture?, symbol);
                 ratio.filter(|r| r.is_finite())
             };
             let now = |ratio: Option<Estimate>| ratio.filter(|_| row.verdict == Verdict::Ok);
@@ -147,20 +134,15 @@ impl Comparison {
                 lecture,
                 ours: RowRecord::label(row),
                 verdict: row.verdict,
-                build: Ratios { then: then(true), now: now(row.build_ratio) },
-                run: Ratios { then: then(false), now: now(row.ratio) },
+                build: Ratios { then: then(SYMBOLS[0]), now: now(row.build_ratio) },
+                run: Ratios { then: then(SYMBOLS[1]), now: now(row.ratio) },
             }
         });
         Self { scene: scene.name.clone(), lines: lines.collect() }
     }
 
-    fn then(published: &[PublishedTimes], scene: &str, name: &str, is_build: bool) -> Option<f64> {
-        let seconds = |name: &str| {
-            let of = |p: &&PublishedTimes| {
-                p.structure == name && p.scene == scene && p.is_build == is_build
-            };
-            published.iter().find(of).map(|p| p.seconds)
-        };
+    fn then(published: &[PublishedTimes], scene: &str, name: &str, symbol: &str) -> Option<f64> {
+        let seconds = |name| seconds(published, name, scene, symbol);
         Some(seconds(name)? / seconds(STRUCTURES[0].0)?)
     }
 
@@ -232,14 +214,14 @@ mod tests {
         let all = published().unwrap();
         for scene in SCENES {
             for (name, _) in &STRUCTURES[..4] {
-                for is_build in [true, false] {
-                    assert!(Comparison::then(&all, scene, name, is_build).is_some());
+                for symbol in SYMBOLS {
+                    assert!(Comparison::then(&all, scene, name, symbol).is_some());
                 }
             }
         }
-        let ratio = Comparison::then(&all, "tree", "adaptive", false).unwrap();
+        let ratio = Comparison::then(&all, "tree", "adaptive", SYMBOLS[1]).unwrap();
         assert!((ratio - 18.38 / 1517.0).abs() < 1e-12);
-        assert_eq!(Comparison::then(&all, "balls", "adaptive", false), None);
+        assert_eq!(Comparison::then(&all, "balls", "adaptive", SYMBOLS[1]), None);
         // as the slides have them: adaptive has no build times, and run times of four scenes
         let [build, run] = SYMBOLS.map(|symbol| SecondsTable::published(&all, &SCENES, symbol));
         assert_eq!(build.lines[0].1, [0.19, 0.38, 0.26, 0.35, 0.3, 0.13, 0.22].map(Some));

@@ -14,9 +14,7 @@
 use accel_core::query::tracer::{ShadowRule, Tracer};
 use renderer::Geometry;
 
-use super::setting::{
-    Counted, PublishedScene, ReproduceError, SceneWork, Setting, grid_counters, registered,
-};
+use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
 
 /// The columns, as named in the table.
 pub const COLUMNS: [&str; 5] =
@@ -29,23 +27,18 @@ pub(super) fn counters(scene: &PublishedScene, setting: &Setting) -> Counted {
     let work = scene.count(tracer.as_ref(), ShadowRule::Historical);
     let required = work.primary_hits + work.secondary_hits + work.shadow_hits;
     let mut counters = grid_counters(scene, &work);
-    let twice = setting.structure.starts_with("Octree93").then(|| counted_twice(&work));
+    // visits of leaves that hold primitives but end no ray: every ray that ends does so in one leaf
+    let full = work.counters.elementary_steps - work.counters.empty_elementary_steps;
+    let twice = full.saturating_sub(work.primary_hits + work.secondary_hits + work.blocked);
+    let counts_twice = setting.structure.starts_with("Octree93");
     for (name, value) in &mut counters {
-        match (*name, twice) {
-            ("N_IT", _) => {
-                *value = work.counters.intersection_tests as f64 / required.max(1) as f64;
-            }
-            ("N_ETS" | "N_EETS", Some(twice)) => *value += twice as f64 / scene.all_rays() as f64,
+        match *name {
+            "N_IT" => *value = work.counters.intersection_tests as f64 / required.max(1) as f64,
+            "N_ETS" | "N_EETS" if counts_twice => *value += twice as f64 / scene.all_rays() as f64,
             _ => {}
         }
     }
     Ok(counters)
-}
-
-/// Visits of leaves that hold primitives but end no ray: every ray that is ended is so in one leaf.
-fn counted_twice(work: &SceneWork) -> u64 {
-    let full = work.counters.elementary_steps - work.counters.empty_elementary_steps;
-    full.saturating_sub(work.primary_hits + work.secondary_hits + work.blocked)
 }
 
 fn build<'g>(
@@ -74,10 +67,9 @@ fn build<'g>(
 
 #[cfg(test)]
 mod tests {
-    use scene_loading::procedural::generate_as_printed;
-
-    use super::super::published::{figures, table};
+    use super::super::published::{figures, geometry, table};
     use super::super::reproduce_scene;
+    use super::super::setting::cell_counters;
     use super::super::verdict::Verdict;
     use super::*;
 
@@ -85,18 +77,12 @@ mod tests {
     fn centre_subdivision_has_exactly_the_published_cells() {
         let figures = figures().unwrap();
         for scene in ["tetra", "balls"] {
-            let geometry = Geometry::<f64>::of(&generate_as_printed(scene).unwrap()).unwrap();
+            let geometry = geometry(scene);
             let columns = table(&figures, "Octree84-C", scene);
             assert_eq!(columns.len(), 4);
             for (params, counters) in columns {
                 let stats = build(&geometry, "Octree84-C", params).unwrap().stats();
-                let ours = [
-                    ("N_IN", stats.inner_cells),
-                    ("N_V", stats.cells),
-                    ("N_EV", stats.empty_cells),
-                    ("N_OIV", stats.references),
-                ];
-                for (counter, value) in ours {
+                for (counter, value) in cell_counters(&stats) {
                     assert_eq!(value.to_string(), counters[counter], "{scene} {params} {counter}");
                 }
             }

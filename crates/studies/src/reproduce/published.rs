@@ -12,7 +12,7 @@ static INVARIANTS: &str = include_str!("../../published/havran1999_invariants.cs
 pub const SCENES: [&str; 8] =
     ["balls", "gears", "lattice", "mount", "rings", "teapot", "tetra", "tree"];
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Figure {
     /// Structure as the paper names it: `uniform`; `invariants` for what no structure changes.
     pub structure: String,
@@ -21,15 +21,6 @@ pub struct Figure {
     pub scene: String,
     pub counter: String,
     pub value: String,
-}
-
-#[derive(Deserialize)]
-struct GridRecord {
-    structure: String,
-    params: String,
-    scene: String,
-    counter: String,
-    value: String,
 }
 
 #[derive(Deserialize)]
@@ -52,8 +43,7 @@ pub fn figures() -> Result<Vec<Figure>, csv::Error> {
     }
     for file in [GRIDS, OCTREES] {
         for record in csv::Reader::from_reader(file.as_bytes()).deserialize() {
-            let GridRecord { structure, params, scene, counter, value } = record?;
-            all.push(Figure { structure, params, scene, counter, value });
+            all.push(record?);
         }
     }
     all.retain(|f| SCENES.contains(&f.scene.as_str()));
@@ -76,6 +66,13 @@ pub fn table<'f>(
         }
     }
     table
+}
+
+/// The primitives of a scene, coordinates as SPD prints them.
+#[cfg(test)]
+pub(super) fn geometry(scene: &str) -> renderer::Geometry<f64> {
+    let scene = scene_loading::procedural::generate_as_printed(scene).unwrap();
+    renderer::Geometry::of(&scene).unwrap()
 }
 
 #[cfg(test)]

@@ -142,17 +142,25 @@ pub(crate) fn registered(name: &'static str) -> Result<&'static Entry, Reproduce
     find(name).ok_or(ReproduceError::Missing(name))
 }
 
-/// The counters of a grid in the paper's symbols; those of rays per ray.
-pub(crate) fn grid_counters(scene: &PublishedScene, work: &SceneWork) -> PaperCounters {
-    let per_ray = |n: u64| n as f64 / scene.all_rays() as f64;
-    vec![
-        ("N_IN", work.stats.inner_cells as f64),
-        ("N_V", work.stats.cells as f64),
-        ("N_EV", work.stats.empty_cells as f64),
-        ("N_OIV", work.stats.references as f64),
-        ("N_IT", per_ray(work.counters.intersection_tests)),
-        ("N_TS", per_ray(work.counters.traversal_steps)),
-        ("N_ETS", per_ray(work.counters.elementary_steps)),
-        ("N_EETS", per_ray(work.counters.empty_elementary_steps)),
+/// The counters of what was built in the paper's symbols.
+pub(crate) fn cell_counters(stats: &StructureStats) -> [(&'static str, u64); 4] {
+    [
+        ("N_IN", stats.inner_cells),
+        ("N_V", stats.cells),
+        ("N_EV", stats.empty_cells),
+        ("N_OIV", stats.references),
     ]
+}
+
+/// The same of a grid, and what its rays take, per ray.
+pub(crate) fn grid_counters(scene: &PublishedScene, work: &SceneWork) -> PaperCounters {
+    let of_rays = [
+        ("N_IT", work.counters.intersection_tests),
+        ("N_TS", work.counters.traversal_steps),
+        ("N_ETS", work.counters.elementary_steps),
+        ("N_EETS", work.counters.empty_elementary_steps),
+    ];
+    let of_cells = cell_counters(&work.stats).map(|(name, n)| (name, n as f64));
+    let per_ray = of_rays.map(|(name, n)| (name, n as f64 / scene.all_rays() as f64));
+    [of_cells, per_ray].concat()
 }

@@ -63,18 +63,15 @@ impl Profile {
 
     /// Time per ray over that of another row, paired by round.
     pub fn ray_quotients(&self, other: &Self) -> Series {
-        self.quotients(other, |[own, other]| own.ray_s / other.ray_s)
+        let quotient =
+            |(process, [own, other]): (u32, [Cost; 2])| (process, own.ray_s / other.ray_s);
+        self.paired(other).map(quotient).filter(|(_, q)| q.is_finite()).collect()
     }
 
     /// Cost in each round; `None` if it has none.
     pub fn timed(&self, of: impl Fn(&Cost) -> f64) -> Option<TimedRow> {
         let rounds = self.rounds.iter().map(|(visit, cost)| (*visit, of(cost))).collect();
         TimedRow::new(self.label.clone(), Query::default(), rounds)
-    }
-
-    fn quotients(&self, other: &Self, of: impl Fn([Cost; 2]) -> f64) -> Series {
-        let quotients = self.paired(other).map(|(process, both)| (process, of(both)));
-        quotients.filter(|(_, q)| q.is_finite()).collect()
     }
 }
 

@@ -32,16 +32,11 @@ pub fn kinds_of<'s>(scenes: impl Iterator<Item = &'s SceneRecord> + Clone) -> Ve
     all.filter(|name| is_asked(name)).collect()
 }
 
-/// A scene: rows down, kinds of rays across.
-pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
-    scene_table_of(run, scene, &scene.rows.iter().collect::<Vec<_>>(), indent)
-}
-
-/// The same with rows of the scene in any order.
-pub fn scene_table_of(
+/// A scene: rows down in any order, kinds of rays across.
+pub fn scene_table<'r>(
     run: &RunRecord,
     scene: &SceneRecord,
-    shown_rows: &[&RowRecord],
+    shown_rows: impl IntoIterator<Item = &'r RowRecord>,
     indent: bool,
 ) -> Table {
     let kinds = kinds(run);
@@ -52,7 +47,7 @@ pub fn scene_table_of(
     let times = TimesToImage::of(scene);
     let obvhs = times.fastest_obvhs();
     let mut previous = "";
-    let rows = shown_rows.iter().map(|&row| {
+    let rows = shown_rows.into_iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells: Vec<Cell> = vec![name.into(), row.query.name().to_owned().into()];
@@ -250,6 +245,10 @@ mod tests {
         record
     }
 
+    fn first_scene(record: &RunRecord) -> Table {
+        scene_table(record, &record.scenes[0], &record.scenes[0].rows, false)
+    }
+
     fn texts(table: &Table) -> Vec<Vec<&str>> {
         table.rows.iter().map(|r| r.iter().map(|c| c.text.trim()).collect()).collect()
     }
@@ -257,7 +256,7 @@ mod tests {
     #[test]
     fn speeds_are_inverse_ratios_and_batches_are_marked() {
         let record = made();
-        let table = scene_table(&record, &record.scenes[0], false);
+        let table = first_scene(&record);
         assert_eq!(table.header[..3], ["structure", "query", "primary"]);
         let rows = texts(&table);
         assert_eq!(rows[0][1..3], ["one ray", "1.00 [1.00, 1.00] ="]);
@@ -286,7 +285,7 @@ mod tests {
     fn wrong_rows_have_no_speed() {
         let mut record = made();
         record.scenes[0].rows[1].ratio_by_kind.clear();
-        let table = scene_table(&record, &record.scenes[0], false);
+        let table = first_scene(&record);
         assert_eq!(texts(&table)[1][2], "-");
         assert_eq!(table.rows[1][2], dash());
     }

@@ -262,10 +262,9 @@ mod tests {
             "shadow rays, shuffled, batch: bvh 2.5e-5 Mrays/s [2.0e-5, 2.6e-5]; no other row to \
              compare with"
         );
-        let exact = |bytes| Estimate { median: bytes, low: bytes, high: bytes };
         let memory = Conclusion {
-            figure: exact(3.0 * 1024.0 * 1024.0),
-            next: Some(NextRow { row: "grid".into(), times: exact(2.0) }),
+            figure: Estimate::exactly(3.0 * 1024.0 * 1024.0),
+            next: Some(NextRow { row: "grid".into(), times: Estimate::exactly(2.0) }),
             ..conclusion(Question::Memory)
         };
         assert_eq!(of(memory), "least memory: bvh 3.00 MiB; next: grid 2.00 x");

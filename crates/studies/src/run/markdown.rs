@@ -20,12 +20,12 @@ pub fn to_string(run: &RunRecord) -> String {
     let by_kind = run.settings.by_kind;
     let mut all: Vec<Table> = Vec::new();
     for scene in &run.scenes {
-        all.push(tables::scene_table(run, scene, false));
-        all.extend(by_kind.then(|| kind_tables::scene_table(run, scene, false)));
+        all.push(tables::scene_table(run, scene, &scene.rows, false));
+        all.extend(by_kind.then(|| kind_tables::scene_table(run, scene, &scene.rows, false)));
         all.extend(columns::foreign_table(scene));
     }
     if !run.summary.is_empty() {
-        all.push(tables::summary_table(run, false));
+        all.push(tables::summary_table(run, &run.summary, false));
         all.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
         all.extend(by_kind.then(|| kind_tables::picture_table(run)));
     }

@@ -4,8 +4,8 @@ use crate::run::columns::{self, RATIO, RowOf};
 use measurement::rays::order::Orders;
 use measurement::record::query::{self, Query};
 use measurement::record::{
-    AnsweredRays, FloorRecord, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, label,
-    reference,
+    AnsweredRays, FloorRecord, RowRecord, RunRecord, SceneRecord, SummaryRow, Verdict, WorkRecord,
+    label, reference,
 };
 use presentation::column::headed;
 use presentation::numbers;
@@ -18,16 +18,12 @@ const HEADS: [&str; 19] = [
 ];
 
 /// The block of a scene: structures down, counters and times across. Rows of a structure beyond
-/// its first are named by their settings alone when `indent` is set.
-pub fn scene_table(run: &RunRecord, scene: &SceneRecord, indent: bool) -> Table {
-    scene_table_of(run, scene, &scene.rows.iter().collect::<Vec<_>>(), indent)
-}
-
-/// The same with rows of the scene in any order.
-pub fn scene_table_of(
+/// its first are named by their settings alone when `indent` is set. `shown_rows` are rows of the
+/// scene in any order.
+pub fn scene_table<'r>(
     run: &RunRecord,
     scene: &SceneRecord,
-    shown_rows: &[&RowRecord],
+    shown_rows: impl IntoIterator<Item = &'r RowRecord> + Clone,
     indent: bool,
 ) -> Table {
     // rates are those of rays in the order of the image
@@ -48,7 +44,7 @@ pub fn scene_table_of(
     header.extend(shown.iter().map(|column| column.head));
     let all_rays = scene.distinct_rays();
     let mut previous = "";
-    let rows = shown_rows.iter().map(|&row| {
+    let rows = shown_rows.clone().into_iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells = vec![name.into()];
@@ -57,7 +53,7 @@ pub fn scene_table_of(
         cells
     });
     let mut rows: Vec<Vec<Cell>> = rows.collect();
-    let ratios = shown_rows.iter().map(|row| {
+    let ratios = shown_rows.into_iter().map(|row| {
         // a ratio over shadow rays alone is none to compare with the others
         let is_comparable = row.answers == AnsweredRays::AllRays && scene.may_lead(row);
         row.ratio.filter(|_| is_comparable)
@@ -124,7 +120,10 @@ pub fn scene_notes(run: &RunRecord, scene: &SceneRecord) -> Vec<String> {
     notes.extend(oracle.refused.iter().map(|r| format!("Not asked first: {r}")));
     for row in &scene.rows {
         let name = row.label();
-        notes.extend(saved_note(row));
+        let saved = row.work.as_ref().and_then(WorkRecord::saved_part);
+        let saved = saved
+            .map(|part| format!("{name}: the mailbox saved {:.1}% of the tests", part * 100.0));
+        notes.extend(saved);
         notes.extend(on_demand_note(row));
         notes.extend(shadow_note(row));
         notes.extend(plugin_note(row));
@@ -198,12 +197,6 @@ fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
     many.into_iter().chain(run.floor.as_ref().map(FloorRecord::in_words))
 }
 
-/// Note on the tests that a mailbox saved.
-fn saved_note(row: &RowRecord) -> Option<String> {
-    let part = row.work.as_ref()?.saved_part()?;
-    Some(format!("{}: the mailbox saved {:.1}% of the tests", row.label(), part * 100.0))
-}
-
 /// Rays of a batch, for what the border of a process costs.
 const BATCH: f64 = 1e5;
 /// Share of a single-threaded row's time that other threads may take without a note.
@@ -264,40 +257,35 @@ fn on_demand_note(row: &RowRecord) -> Option<String> {
     Some(format!("{}: {pending} cells were never divided{first}", row.label()))
 }
 
-pub fn summary_table(run: &RunRecord, indent: bool) -> Table {
-    summary_table_of(run, &run.summary.iter().collect::<Vec<_>>(), indent)
-}
-
-/// The same with rows of the summary in any order.
-pub fn summary_table_of(run: &RunRecord, shown_rows: &[&SummaryRow], indent: bool) -> Table {
+/// The means over all scenes; `shown_rows` are rows of the summary in any order.
+pub fn summary_table<'r>(
+    run: &RunRecord,
+    shown_rows: impl IntoIterator<Item = &'r SummaryRow> + Clone,
+    indent: bool,
+) -> Table {
     let has_batches = run.summary.iter().any(|row| row.batch_scenes > 0);
     let mut header = vec!["structure"];
-    if has_batches {
-        header.push("query");
-    }
+    header.extend(has_batches.then_some("query"));
     header.extend(["scenes", "trace ratio [95%]", "build ratio [95%]", "verdict"]);
     let mut previous = "";
-    let mut rows = Vec::new();
-    for row in shown_rows {
+    let rows = shown_rows.clone().into_iter().map(|row| {
         let name = name_in_column(&row.structure, &row.settings, previous, indent);
         previous = &row.structure;
         let mut cells: Vec<Cell> = vec![name.into()];
-        if has_batches {
-            cells.push(Query::over_scenes(row.batch_scenes, row.scenes).into());
-        }
+        cells.extend(has_batches.then(|| Query::over_scenes(row.batch_scenes, row.scenes).into()));
         cells.push(row.scenes.to_string().into());
-        let bad = || Cell { text: row.verdict.name().into(), style: Style::Bad };
-        for estimate in [row.ratio, row.build_ratio] {
-            cells.push(match estimate {
-                _ if row.verdict == Verdict::Wrong => bad(),
-                Some(e) => numbers::ratio(&e).into(),
-                None => dash(),
-            });
-        }
+        cells.extend([row.ratio, row.build_ratio].map(|estimate| match estimate {
+            _ if row.verdict == Verdict::Wrong => {
+                Cell { text: row.verdict.name().into(), style: Style::Bad }
+            }
+            Some(e) => numbers::ratio(&e).into(),
+            None => dash(),
+        }));
         cells.push(summary_verdict(row));
-        rows.push(cells);
-    }
-    let ratios = shown_rows.iter().map(|r| {
+        cells
+    });
+    let mut rows: Vec<Vec<Cell>> = rows.collect();
+    let ratios = shown_rows.into_iter().map(|r| {
         let is_comparable = r.answers == AnsweredRays::AllRays && r.may_lead(&run.scenes);
         r.ratio.filter(|_| is_comparable)
     });

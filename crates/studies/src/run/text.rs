@@ -19,15 +19,15 @@ pub fn write_scene(
     scene: &SceneRecord,
     view: &View,
 ) -> io::Result<()> {
-    if let Some(few) = Few::of(run).filter(|_| is_first(run, scene)) {
+    let is_first = run.scenes.first().is_some_and(|first| first.name == scene.name);
+    if let Some(few) = Few::of(run).filter(|_| is_first) {
         view.screen.write_notes(out, &[&few.heading()])?;
         writeln!(out)?;
     }
     write(out, run, scene_table(run, scene, view), view)?;
     if run.settings.by_kind {
-        let table =
-            kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
-        write(out, run, table, view)?;
+        let rows = view.rows(&scene.rows);
+        write(out, run, kind_tables::scene_table(run, scene, rows, view.indents()), view)?;
     }
     if run.planned.len() > 1 && !scene.rows.is_empty() {
         write_lines(out, run, lines::of_scene(scene), view)?;
@@ -39,7 +39,7 @@ pub fn write_scene(
 /// The table of a scene with what is shown of it; what is the same below all of them stands at the
 /// end.
 fn scene_table(run: &RunRecord, scene: &SceneRecord, view: &View) -> Table {
-    let table = tables::scene_table_of(run, scene, &view.rows(&scene.rows), view.indents());
+    let table = tables::scene_table(run, scene, view.rows(&scene.rows), view.indents());
     let mut table = view.shown(&table).0;
     table.notes.retain(|note| note != query::NOTE);
     table
@@ -50,14 +50,13 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
     let mut heads: Vec<&str> = Vec::new();
     let mut left_out: Vec<&str> = Vec::new();
     if let Some(scene) = run.scenes.first() {
-        let rows: Vec<_> = scene.rows.iter().collect();
-        let (table, others) = view.shown(&tables::scene_table_of(run, scene, &rows, false));
+        let (table, others) = view.shown(&tables::scene_table(run, scene, &scene.rows, false));
         heads.extend(table.header);
         left_out.extend(others);
     }
     if run.scenes.len() > 1 {
         let rows = view.summary(&run.summary);
-        let mut table = view.shown(&tables::summary_table_of(run, &rows, view.indents())).0;
+        let mut table = view.shown(&tables::summary_table(run, rows, view.indents())).0;
         table.notes.retain(|note| note != query::NOTE);
         write(out, run, table, view)?;
     }
@@ -83,11 +82,6 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
         view.screen.write_notes(out, &[&note])?;
     }
     Ok(())
-}
-
-/// Returns whether nothing of the run was printed before the scene.
-fn is_first(run: &RunRecord, scene: &SceneRecord) -> bool {
-    run.scenes.first().is_some_and(|first| first.name == scene.name)
 }
 
 fn write(out: &mut dyn Write, run: &RunRecord, table: Table, view: &View) -> io::Result<()> {

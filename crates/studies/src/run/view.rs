@@ -223,10 +223,14 @@ mod tests {
         assert_eq!(orders, ["bcad", "bcad", "acbd", "abcd"]);
     }
 
+    fn table_of_one_row() -> Table {
+        let run = run(&[("tetra", &[("a", &[3.0])])]);
+        scene_table(&run, &run.scenes[0], &run.scenes[0].rows, true)
+    }
+
     #[test]
     fn columns_are_known_and_each_is_a_column_of_the_table() {
-        let run = run(&[("tetra", &[("a", &[3.0])])]);
-        let table = scene_table(&run, &run.scenes[0], true);
+        let table = table_of_one_row();
         for head in &table.header[1..] {
             let known = COLUMNS.iter().any(|c| c.heads.contains(head));
             assert!(known || ALWAYS.contains(head), "{head}");
@@ -238,8 +242,7 @@ mod tests {
 
     #[test]
     fn the_sort_column_is_shown_first() {
-        let run = run(&[("tetra", &[("a", &[3.0])])]);
-        let table = scene_table(&run, &run.scenes[0], true);
+        let table = table_of_one_row();
         let heads = |view: View| view.shown(&table).0.header;
         let narrow = |sort| heads(view(sort, Columns::Fitting));
         assert!(narrow(Sort::Trace).contains(&RATIO) && narrow(Sort::Memory).contains(&"MiB"));

@@ -16,4 +16,4 @@ pub use picture::{DrawnStructure, SectionKind, picture};
 pub use plane::{Plane, scene_box};
 pub use projection::Projection;
 pub use ray_path::{PathThrough, focus, path_through};
-pub use sections::{Body, Section, bodies, sections};
+pub use sections::{bodies, sections};

@@ -103,6 +103,11 @@ impl ViewTransform {
         (x1 > x0 && y1 > y0).then_some([x0, y0, x1 - x0, y1 - y0])
     }
 
+    /// The visible parts of a line of several points.
+    fn polyline(&self, line: &Line) -> Vec<Vec<[f64; 2]>> {
+        line.windows(2).filter_map(|ends| self.line([ends[0], ends[1]])).collect()
+    }
+
     /// The visible part of a line.
     fn line(&self, [a, b]: [[f64; 2]; 2]) -> Option<Vec<[f64; 2]>> {
         let (mut from, mut to) = (0.0f64, 1.0f64);
@@ -174,8 +179,9 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
     let has_path = structures.iter().any(|shown| shown.path.is_some());
     let end = if frame.has_legend {
         let is_exceeded = classes != Classes::up_to(most.max(frame.scale.unwrap_or(most)));
-        let meaning = LegendContents { classes, is_exceeded, has_path };
-        legend(&mut drawing, [MARGIN, below], wide, frame, meaning) + MARGIN
+        let is_cut = matches!(frame.view, View::Cut(..));
+        let shown = [is_cut, has_path, is_exceeded];
+        legend(&mut drawing, [MARGIN, below], wide, classes, shown) + MARGIN
     } else {
         below
     };
@@ -218,11 +224,8 @@ fn panel(
     match (&shown.seen, frame.view) {
         (SectionKind::Sections(sections), View::Cut(_, surfaces)) => {
             cells(&mut drawing, placed, sections, classes);
-            let visible = |line: &Line| {
-                let parts = line.iter().zip(line.iter().skip(1));
-                parts.filter_map(|(a, b)| placed.line([*a, *b])).collect::<Vec<_>>()
-            };
-            lines(&mut drawing, surfaces.iter().flat_map(visible).collect(), SURFACE, 0.7);
+            let surfaces = surfaces.iter().flat_map(|line| placed.polyline(line));
+            lines(&mut drawing, surfaces.collect(), SURFACE, 0.7);
             if let Some(path) = &shown.path {
                 overlay(&mut drawing, placed, path);
             }
@@ -245,14 +248,13 @@ fn lines(drawing: &mut Drawing, lines: Vec<Vec<[f64; 2]>>, color: Color, width: 
 /// Runs of cells of one class as one item: cells that overlap keep their order.
 fn cells(drawing: &mut Drawing, placed: &ViewTransform, sections: &[Section], classes: Classes) {
     let class = |s: &Section| (s.references > 0).then(|| classes.of(s.references));
-    let visible: Vec<_> = sections
+    let mut visible: Vec<_> = sections
         .iter()
-        .filter_map(|section| Some((class(section), placed.rectangle(section.ends)?)))
+        .filter_map(|section| Some((class(section), placed.rectangle(section.place)?)))
         .collect();
     // cells that do not overlap can be drawn class by class
     let total: f64 = visible.iter().map(|(_, r)| r[2] * r[3]).sum();
     let [width, height] = placed.size();
-    let mut visible = visible;
     if total <= 1.001 * width * height {
         visible.sort_by_key(|(class, _)| *class);
     }
@@ -280,12 +282,12 @@ fn boxes(
     classes: Classes,
 ) {
     const SHADES: [f64; 3] = [1.0, 0.86, 0.74];
-    let mut bodies: Vec<&Body> = bodies.iter().filter(|body| body.bounds.is_finite()).collect();
-    let depth = |body: &&Body| projection.depth(0.5 * (body.bounds.min + body.bounds.max));
+    let mut bodies: Vec<&Body> = bodies.iter().filter(|body| body.place.is_finite()).collect();
+    let depth = |body: &&Body| projection.depth(0.5 * (body.place.min + body.place.max));
     bodies.sort_by(|a, b| depth(b).total_cmp(&depth(a)));
     for body in bodies {
         let base = classes.color(classes.of(body.references));
-        for (axis, corners) in projection.faces(&body.bounds) {
+        for (axis, corners) in projection.faces(&body.place) {
             let shade = SHADES[(axis + 1) % 3];
             let fill = base.map(|x| (f64::from(x) * shade) as u8);
             let paint = Paint { fill: Some((fill, 1.0)), stroke: Some((SURFACE, 0.15)) };
@@ -305,10 +307,7 @@ fn overlay(drawing: &mut Drawing, placed: &ViewTransform, path: &PathThrough) {
     drawing.items.push(outlined(&path.around, [110, 110, 110], 0.9));
     let entered: Vec<[f64; 4]> = path.entered.iter().map(|cell| cell.ends).collect();
     drawing.items.push(outlined(&entered, mark, 1.4));
-    let visible = |line: &Line| {
-        let parts = line.iter().zip(line.iter().skip(1));
-        parts.filter_map(|(a, b)| placed.line([*a, *b])).collect::<Vec<_>>()
-    };
+    let visible = |line: &Line| placed.polyline(line);
     lines(drawing, path.missed.iter().flat_map(visible).collect(), mark, 2.2);
     lines(drawing, path.struck.iter().flat_map(visible).collect(), best, 3.2);
     if let Some(line) = placed.line(path.line) {
@@ -345,20 +344,14 @@ fn overlay(drawing: &mut Drawing, placed: &ViewTransform, path: &PathThrough) {
     }
 }
 
-struct LegendContents {
-    classes: Classes,
-    /// True if a cell has more references than the last class says.
-    is_exceeded: bool,
-    has_path: bool,
-}
-
-/// The classes' colours, and what lines mean; where it ends.
+/// The classes' colours, and what lines mean; where it ends. `is_exceeded` where a cell has more
+/// references than the last class says.
 fn legend(
     drawing: &mut Drawing,
     [left, top]: [f64; 2],
     wide: f64,
-    frame: &Frame<'_>,
-    LegendContents { classes, is_exceeded, has_path }: LegendContents,
+    classes: Classes,
+    [is_cut, has_path, is_exceeded]: [bool; 3],
 ) -> f64 {
     let font = Font { size: 12.0, is_bold: true, ..PLAIN };
     let title = "references to primitives in a cell, one scale for all:";
@@ -374,7 +367,6 @@ fn legend(
         x += room;
     };
     let side = Some((color(GREY), 0.5));
-    let is_cut = matches!(frame.view, View::Cut(..));
     if is_cut {
         entry(drawing, "empty", Paint { fill: Some((GROUND, 1.0)), stroke: side });
     }
@@ -385,18 +377,13 @@ fn legend(
         entry(drawing, &(Classes::label(class) + more), Paint { fill, stroke: side });
     }
     let mut y = y + TEXT + 10.0;
-    let mut words = vec![];
-    if is_cut {
-        words.push("black lines: surfaces of the scene".to_owned());
-    }
-    if has_path {
-        words.push(
-            "numbers: the step into a cell, in the order of the traversal; orange: cells entered and \
-             primitives tested; grey: the inner cells around them; green: what is hit"
-                .to_owned(),
-        );
-    }
-    for line in words.iter().flat_map(|words| wrapped(words, wide, 12.0)) {
+    let of_surfaces = is_cut.then_some("black lines: surfaces of the scene");
+    let of_path = has_path.then_some(
+        "numbers: the step into a cell, in the order of the traversal; orange: cells entered and \
+         primitives tested; grey: the inner cells around them; green: what is hit",
+    );
+    let words = of_surfaces.into_iter().chain(of_path);
+    for line in words.flat_map(|words| wrapped(words, wide, 12.0)) {
         drawing.text([left, y + 11.0], Font { color: INK, ..PLAIN }, line);
         y += TEXT;
     }

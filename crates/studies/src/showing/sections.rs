@@ -6,39 +6,28 @@ use accel_core::query::tracer::Tracer;
 
 use super::plane::Plane;
 
-/// Section of a cell by a plane.
+/// A cell, and where it is drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Section {
-    /// Left, lower, right, upper.
-    pub ends: [f64; 4],
+pub struct DrawnCell<P> {
+    pub place: P,
     /// References in it, or below it.
     pub references: u64,
-    /// True if it is divided further.
-    pub is_inner: bool,
 }
+
+/// A cell cut by a plane: left, lower, right, upper.
+pub type Section = DrawnCell<[f64; 4]>;
 
 /// A cell as a box.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Body {
-    pub bounds: Aabb<f64>,
-    /// References in it, or below it.
-    pub references: u64,
-}
-
-struct DrawnCell<T> {
-    place: T,
-    references: u64,
-    is_inner: bool,
-}
+pub type Body = DrawnCell<Aabb<f64>>;
 
 /// The cells that `place` has a place for: elementary ones or, with a depth, those at that depth
 /// and the elementary ones above.
-fn drawn<T>(
+fn drawn<P>(
     tracer: &dyn Tracer<f32>,
     depth: Option<u32>,
-    mut place: impl FnMut(&Aabb<f64>) -> Option<T>,
-) -> Result<Vec<DrawnCell<T>>, NoCells> {
-    let mut all: Vec<DrawnCell<T>> = Vec::new();
+    mut place: impl FnMut(&Aabb<f64>) -> Option<P>,
+) -> Result<Vec<DrawnCell<P>>, NoCells> {
+    let mut all: Vec<DrawnCell<P>> = Vec::new();
     // the cell that those below are part of
     let mut around: Option<usize> = None;
     tracer.cells(&mut |cell| {
@@ -58,7 +47,7 @@ fn drawn<T>(
         around = None;
         if is_drawn && let Some(place) = place(&cell.bounds) {
             around = Some(all.len());
-            all.push(DrawnCell { place, references, is_inner });
+            all.push(DrawnCell { place, references });
         }
     })?;
     Ok(all)
@@ -71,24 +60,16 @@ pub fn sections(
     plane: &Plane,
     depth: Option<u32>,
 ) -> Result<Vec<Section>, NoCells> {
-    let mut all: Vec<Section> = drawn(tracer, depth, |bounds| plane.cut(bounds))?
-        .into_iter()
-        .map(|cell| Section {
-            ends: cell.place,
-            references: cell.references,
-            is_inner: cell.is_inner,
-        })
-        .collect();
+    let mut all = drawn(tracer, depth, |bounds| plane.cut(bounds))?;
     // cells of a hierarchy of boxes overlap: none hides a smaller one
-    let area = |s: &Section| (s.ends[2] - s.ends[0]) * (s.ends[3] - s.ends[1]);
+    let area = |s: &Section| (s.place[2] - s.place[0]) * (s.place[3] - s.place[1]);
     all.sort_by(|a, b| area(b).total_cmp(&area(a)));
     Ok(all)
 }
 
 /// The cells that hold primitives as boxes; with a depth as [`sections`].
 pub fn bodies(tracer: &dyn Tracer<f32>, depth: Option<u32>) -> Result<Vec<Body>, NoCells> {
-    let all = drawn(tracer, depth, |bounds| Some(*bounds))?;
-    let body =
-        |cell: DrawnCell<Aabb<f64>>| Body { bounds: cell.place, references: cell.references };
-    Ok(all.into_iter().map(body).filter(|body| body.references > 0).collect())
+    let mut all = drawn(tracer, depth, |bounds| Some(*bounds))?;
+    all.retain(|body| body.references > 0);
+    Ok(all)
 }

@@ -1,7 +1,8 @@
 //! Best value, values as good as it, and the rank of the rules of thumb.
 
+use crate::sweep::sizes::quantities::trace_s_per_ray;
 use crate::sweep::{Line, Sweep};
-use measurement::record::{RowRecord, SceneRecord, Verdict};
+use measurement::record::{RowRecord, SceneRecord, StatsRecord, Verdict};
 use statistics::estimate::Estimate;
 
 /// How a swept value stands among the others.
@@ -36,12 +37,14 @@ pub fn judge(sweep: &Sweep<'_>, scene: &SceneRecord) -> Vec<Judgement> {
         .collect();
     let standings = standings(&competing);
     let best = competing.iter().flatten().map(|e| e.median).min_by(f64::total_cmp);
+    let cells_per_primitive =
+        |stats: &StatsRecord| stats.n_v as f64 / scene.primitives.max(1) as f64;
     rows()
         .zip(standings)
         .map(|(((row, line), cost), standing)| Judgement {
             standing,
             to_best: cost.zip(best).filter(|(_, b)| *b > 0.0).map(|(c, b)| c.median / b),
-            cells_per_primitive: cells_per_primitive(row, scene.primitives),
+            cells_per_primitive: row.stats.as_ref().map(cells_per_primitive),
             marks: marks(line, standing, row.is_reference),
         })
         .collect()
@@ -55,9 +58,7 @@ pub fn costs(scene: &SceneRecord) -> Vec<Option<Estimate>> {
         if has_ratios {
             return row.ratio;
         }
-        let rays = row.rays.max(1) as f64;
-        let Estimate { median, low, high } = row.trace_s?;
-        Some(Estimate { median: median / rays, low: low / rays, high: high / rays })
+        trace_s_per_ray(row)
     };
     scene.rows.iter().map(cost).collect()
 }
@@ -77,10 +78,6 @@ pub fn standings(costs: &[Option<Estimate>]) -> Vec<Option<ValueStanding>> {
         })
     };
     costs.iter().enumerate().map(of).collect()
-}
-
-fn cells_per_primitive(row: &RowRecord, primitives: u64) -> Option<f64> {
-    Some(row.stats.as_ref()?.n_v as f64 / primitives.max(1) as f64)
 }
 
 fn marks(line: &Line, standing: Option<ValueStanding>, is_reference: bool) -> Vec<String> {

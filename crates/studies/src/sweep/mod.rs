@@ -20,31 +20,8 @@ use crate::sweep::values::Range;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Assignments, Row};
 use measurement::plan::{Plan, baseline, default_baseline};
-use measurement::scenes::{LoadError, SceneSource};
+use measurement::scenes::SceneSource;
 use measurement::settings::MeasuringSettings;
-
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SweepError {
-    /// A range of words.
-    #[error("{structure}.{parameter} has no range; give some of {valid} with --values")]
-    NoRange { structure: &'static str, parameter: &'static str, valid: String },
-    /// Nothing lies between the ends.
-    #[error("--values {from}..{to}: the first must be below the last")]
-    EmptyRange { from: f64, to: f64 },
-    /// Equal ratios from zero or less.
-    #[error(
-        "--values: equal ratios cannot start at {from}: it must be above 0; or list the values"
-    )]
-    NotPositive { from: f64 },
-    /// The swept parameter is given a value.
-    #[error("{parameter} is swept and cannot be set to a value at the same time")]
-    SetsSwept { parameter: &'static str },
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error(transparent)]
-    Scene(#[from] LoadError),
-}
 
 #[derive(Debug, Clone, Default)]
 pub struct SweepSettings {
@@ -103,7 +80,7 @@ impl<'r> Sweep<'r> {
         args: &SweepSettings,
         registry: &'r [Entry],
         scenes: &dyn SceneSource,
-    ) -> Result<Self, SweepError> {
+    ) -> Result<Self, PlanError> {
         let swept = SweptParameter::new(args, registry)?;
         let values = swept.values(args)?;
         let abscissa = swept.abscissa(&values);
@@ -134,13 +111,6 @@ impl<'r> Sweep<'r> {
     }
 }
 
-impl Sweep<'_> {
-    /// Returns whether the values are numbers, which have an order.
-    pub fn has_numbers(&self) -> bool {
-        matches!(self.parameter.kind, ParamKind::Integer { .. } | ParamKind::Real { .. })
-    }
-}
-
 /// The structure, its settings and the parameter, as typed.
 struct SweptParameter<'r, 't> {
     entry: &'r Entry,
@@ -150,12 +120,15 @@ struct SweptParameter<'r, 't> {
 }
 
 impl<'r, 't> SweptParameter<'r, 't> {
-    fn new(args: &'t SweepSettings, registry: &'r [Entry]) -> Result<Self, SweepError> {
+    fn new(args: &'t SweepSettings, registry: &'r [Entry]) -> Result<Self, PlanError> {
         let (entry, settings) = rows::parse_settings(registry, &args.structure)?;
         let parameter = rows::find_param(entry, &args.parameter)?;
         Row::of(entry, &settings)?;
         if settings.iter().any(|(name, _)| *name == parameter.name) {
-            return Err(SweepError::SetsSwept { parameter: parameter.name });
+            return Err(PlanError::Invalid(format!(
+                "{} is swept and cannot be set to a value at the same time",
+                parameter.name
+            )));
         }
         Ok(Self { entry, parameter, settings })
     }
@@ -167,7 +140,7 @@ impl<'r, 't> SweptParameter<'r, 't> {
     }
 
     /// The values that the command line names or spans, in ascending order where they are numbers.
-    fn values(&self, args: &SweepSettings) -> Result<Vec<String>, SweepError> {
+    fn values(&self, args: &SweepSettings) -> Result<Vec<String>, PlanError> {
         let Some([from, to]) = args.range else {
             for value in &args.values {
                 self.row(value)?;
@@ -178,21 +151,25 @@ impl<'r, 't> SweptParameter<'r, 't> {
             ParamKind::Real { .. } => false,
             ParamKind::Integer { .. } => true,
             ParamKind::Choice(_) | ParamKind::Resolution => {
-                return Err(SweepError::NoRange {
-                    structure: self.entry.info.name,
-                    parameter: self.parameter.name,
-                    valid: self.parameter.kind.to_string(),
-                });
+                return Err(PlanError::Invalid(format!(
+                    "{}.{} has no range; give some of {} with --values",
+                    self.entry.info.name, self.parameter.name, self.parameter.kind
+                )));
             }
         };
         for end in [from, to] {
             self.row(&end.to_string())?;
         }
         if from >= to {
-            return Err(SweepError::EmptyRange { from, to });
+            return Err(PlanError::Invalid(format!(
+                "--values {from}..{to}: the first must be below the last"
+            )));
         }
         if from <= 0.0 {
-            return Err(SweepError::NotPositive { from });
+            return Err(PlanError::Invalid(format!(
+                "--values: equal ratios cannot start at {from}: it must be above 0; or list the \
+                 values"
+            )));
         }
         let range = Range { from, to, steps: usize::from(args.steps) };
         Ok(if is_whole { range.whole_numbers() } else { range.real_numbers() })

@@ -2,6 +2,8 @@
 
 use std::io::{self, Write};
 
+use accel_core::params::ParamKind;
+
 use crate::run::columns::RATIO;
 use crate::run::{columns as run_columns, markdown, tables};
 use crate::sweep::judgement::{Judgement, ValueStanding, judge};
@@ -37,10 +39,6 @@ pub fn write(
     screen.write_fitted(out, &scene_table(sweep, run, scene), &FIRST[usize::from(all_right)..])
 }
 
-pub fn write_glossary(out: &mut dyn Write, screen: Screen) -> io::Result<()> {
-    screen.write_notes(out, GLOSSARY)
-}
-
 pub fn to_markdown(sweep: &Sweep<'_>, run: &RunRecord) -> String {
     let tables: Vec<Table> =
         run.scenes.iter().map(|scene| scene_table(sweep, run, scene)).collect();
@@ -48,7 +46,7 @@ pub fn to_markdown(sweep: &Sweep<'_>, run: &RunRecord) -> String {
 }
 
 fn scene_table(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Table {
-    let measured = tables::scene_table(run, scene, false);
+    let measured = tables::scene_table(run, scene, &scene.rows, false);
     let judgements = judge(sweep, scene);
     let taken: Vec<(usize, &'static str)> = TAKEN
         .iter()
@@ -118,7 +116,10 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     }];
     let mut swept = sweep.lines.iter().filter(|l| l.is_swept).filter_map(|l| l.value.as_deref());
     let ends = [swept.next(), swept.next_back()];
-    if sweep.has_numbers() && ends.contains(&Some(best)) {
+    // others have no order
+    let has_numbers =
+        matches!(sweep.parameter.kind, ParamKind::Integer { .. } | ParamKind::Real { .. });
+    if has_numbers && ends.contains(&Some(best)) {
         let end =
             "The best value is at an end of those measured: a wider range may have a better one.";
         notes.push(end.into());
@@ -126,7 +127,7 @@ pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     notes
 }
 
-const GLOSSARY: &[&str] = &[
+pub const GLOSSARY: &[&str] = &[
     "cells/prim: N_V for each primitive. N_V elementary cells, N_EV empty ones, N_OIV references in \
      cells; per ray: N_IT intersection tests, N_TS traversal steps. build, trace: medians over the \
      rounds; trace is the time for the rays of the column beside it, all kinds together; primary, \

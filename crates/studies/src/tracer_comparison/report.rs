@@ -6,7 +6,7 @@ use renderer::Image;
 
 use super::columns::{ImageRow, columns, is_on_front};
 use super::equal_error::AtError;
-use super::plot::{PlottedImage, error_over_time};
+use super::plot::error_over_time;
 use super::record::{ImageRecord, Outcome, RowName, TracersRecord};
 use super::{ImageMeasurement, TracerRow};
 use presentation::column;
@@ -162,24 +162,11 @@ impl Report {
 
     /// Everything but the images, raw samples too.
     pub fn to_json(&self) -> Result<String, FormatError> {
-        serde_json::to_string_pretty(&self.record)
-            .map_err(|e| FormatError { format: "JSON", message: e.to_string() })
+        Ok(serde_json::to_string_pretty(&self.record)?)
     }
 
-    /// Error over time, both logarithmic.
     pub fn to_svg(&self) -> String {
-        let images = self.measured().filter_map(|(row, m)| {
-            Some(PlottedImage {
-                seconds: self.record.time(&m.seconds)?.median,
-                error: m.error,
-                samples: row.samples,
-                label: row.label(),
-                standing: m.standing,
-            })
-        });
-        let TracersRecord { scene, resolution, threads, reference, .. } = &self.record;
-        let (own_error, images) = (reference.own_error, images.collect());
-        figure(&[error_over_time(scene, *resolution, *threads, own_error, images)])
+        figure(&[error_over_time(&self.record)])
     }
 }
 

@@ -7,8 +7,8 @@ use crate::report::page::{Page, SectionOutcome};
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
-use presentation::page::tables::{self, words};
-use presentation::table::{Cell, Style, Table};
+use presentation::page::tables;
+use presentation::table::{Cell, Style, Table, words};
 use studies::run::break_even::{BreakEven, break_even};
 use studies::run::conclusions::least_time;
 use studies::run::costs::{Profile, lead_for};
@@ -60,7 +60,7 @@ fn reigns(scene: &str, profiles: &[Profile], seed: u64) -> Table {
         ])
     });
     let header = vec!["least time", "from rays", "95%", "build ms", "ns per ray"];
-    words(format!("{scene}: fastest structure by number of rays (medians)"), header, rows.collect())
+    words(format!("{scene}: fastest structure by number of rays (medians)"), header, rows)
 }
 
 /// Winners for 1, 10, 100... rays, and rows not significantly different.
@@ -78,7 +78,7 @@ fn decades(scene: &str, profiles: &[Profile], seed: u64) -> Table {
     });
     let header =
         vec!["for rays", "least time, build included", "time", "not significantly different"];
-    words(format!("{scene}: the winner by the number of rays"), header, rows.collect())
+    words(format!("{scene}: the winner by the number of rays"), header, rows)
 }
 
 /// The most rows of which all pairs are shown: 40,000 cells.

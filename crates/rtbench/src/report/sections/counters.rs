@@ -6,9 +6,9 @@ use crate::report::glossary::look;
 use crate::report::material::{Material, ReproducedFigure};
 use crate::report::page::{Page, SectionOutcome};
 use presentation::numbers::short;
-use presentation::page::tables::{self, words};
+use presentation::page::tables;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
-use presentation::table::Table;
+use presentation::table::{Table, words};
 
 /// The counters that are drawn, with their colours' order.
 const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];
@@ -59,9 +59,9 @@ fn verdicts(rows: &[ReproducedFigure]) -> Table {
     };
     let line = |name: &str, counts: Vec<String>| [vec![name.to_owned()], counts].concat();
     let own = structures.iter().map(|name| line(name, counts(&|r| r.structure == *name)));
-    let lines = own.chain([line("all", counts(&|_| true))]).collect();
+    let lines = own.chain([line("all", counts(&|_| true))]);
     let header = std::iter::once("structure").chain(KINDS.map(|(_, name)| name)).collect();
-    words("Published figures that we reproduce".to_owned(), header, lines)
+    words("Published figures that we reproduce", header, lines)
 }
 
 /// Then across, now up.
@@ -89,9 +89,7 @@ fn plot(rows: &[ReproducedFigure]) -> Plot {
         x: axis("published in 1999"),
         y: axis("ours"),
         series,
-        marks: Vec::new(),
-        marks_name: String::new(),
-        levels: Vec::new(),
+        ..Plot::default()
     }
 }
 
@@ -110,5 +108,5 @@ fn best(rows: &[ReproducedFigure], counter: &str) -> Table {
         ]
     });
     let header = vec!["scene", "structure", "1999", "ours", "ours / 1999", "judged"];
-    words(format!("{counter} with the settings that the paper found best"), header, lines.collect())
+    words(format!("{counter} with the settings that the paper found best"), header, lines)
 }

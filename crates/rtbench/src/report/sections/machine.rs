@@ -7,8 +7,8 @@ use crate::report::page::{Page, SectionOutcome, utc};
 use measurement::record::{Outliers, RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::mebibytes;
-use presentation::page::tables::{self, words};
-use presentation::table::Table;
+use presentation::page::tables;
+use presentation::table::{Table, words};
 
 const UNKNOWN: &str = "unknown";
 
@@ -45,13 +45,7 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let mut commands = vec![run.command_line.join(" ")];
     commands.extend(material.accuracy.iter().map(|a| a.command_line.join(" ")));
     commands.extend(material.tracers.iter().map(|t| t.command_line.join(" ")));
-    html.open("ul", &[]);
-    for command in commands {
-        html.open("li", &[]);
-        html.element("code", &[], &command);
-        html.close();
-    }
-    html.close();
+    html.items(&[], commands, |html, command| html.element("code", &[], &command));
     html.element("h3", &[], "Raw data");
     html.open("p", &[]);
     html.text("Every sample of every round is in ");
@@ -116,7 +110,7 @@ fn scenes(scenes: &[SceneRecord]) -> Table {
         ]
     });
     let header = vec!["scene", "primitives", "source", "licence", "SHA-256"];
-    words("Scenes".to_owned(), header, rows.collect())
+    words("Scenes", header, rows)
 }
 
 pub fn write_warnings(material: &Material, page: &mut Page) -> SectionOutcome {
@@ -161,5 +155,5 @@ fn outlier_table(scenes: &[SceneRecord]) -> Table {
             }
         }
     }
-    words("Outliers".to_owned(), vec!["scene", "structure", "build", "trace"], rows)
+    words("Outliers", vec!["scene", "structure", "build", "trace"], rows)
 }

@@ -11,7 +11,7 @@ use presentation::html::Html;
 use presentation::page::tables;
 use presentation::table::Table;
 use studies::run::lines::{self, Line, Lines, names};
-use studies::run::tables::{scene_table_of, summary_table_of};
+use studies::run::tables::{scene_table, summary_table};
 use studies::run::view::{View, by_weight};
 use studies::run::{columns, kind_tables};
 
@@ -64,14 +64,10 @@ fn links(html: &mut Html, scenes: &[(String, &str)]) {
 /// A question a line.
 pub fn list(html: &mut Html, Lines { title, lines }: &Lines) {
     html.element("p", &[("class", "headline")], title);
-    html.open("ul", &[("class", "headlines")]);
-    for Line { head, text } in lines {
-        html.open("li", &[]);
+    html.items(&[("class", "headlines")], lines, |html, Line { head, text }| {
         html.element("strong", &[], head);
         html.text(&format!(": {text}"));
-        html.close();
-    }
-    html.close();
+    });
 }
 
 fn alert(html: &mut Html, text: &str) {
@@ -87,7 +83,7 @@ pub fn summary(material: &Material, page: &mut Page) -> SectionOutcome {
     }
     page.plot("all-scenes", plots::summary_bars(run));
     let rows = View::fastest_first().summary(&run.summary);
-    let table = summary_table_of(run, &rows, false);
+    let table = summary_table(run, rows.iter().copied(), false);
     let numbers = crate::report::sections::places(&run.summary, &rows);
     tables::write(&mut page.html, &table, numbered(&numbers));
     SectionOutcome::Yes
@@ -107,7 +103,7 @@ pub fn by_kind(material: &Material, page: &mut Page) -> SectionOutcome {
     }
     let view = View::fastest_first();
     for scene in &run.scenes {
-        of(&kind_tables::scene_table_of(run, scene, &view.rows(&scene.rows), false), page);
+        of(&kind_tables::scene_table(run, scene, view.rows(&scene.rows), false), page);
     }
     SectionOutcome::Yes
 }
@@ -129,7 +125,7 @@ pub fn scenes(material: &Material, page: &mut Page) -> SectionOutcome {
         }
         page.plot(&format!("bars-{}", scene.name), plots::scene_bars(run, scene));
         let rows = View::fastest_first().rows(&scene.rows);
-        let table = by_weight(&scene_table_of(run, scene, &rows, false));
+        let table = by_weight(&scene_table(run, scene, rows.iter().copied(), false));
         let numbers = crate::report::sections::places(&scene.rows, &rows);
         tables::write(&mut page.html, &table, numbered(&numbers));
         if let Some(table) = columns::foreign_table(scene) {

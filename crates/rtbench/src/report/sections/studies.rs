@@ -8,11 +8,11 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
-use presentation::page::tables::{self, words};
-use presentation::table::{Cell, Style, Table};
+use presentation::page::tables;
+use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
 use studies::accuracy::{plot, summary, tables as axis_tables};
-use studies::tracer_comparison::plot::{PlottedImage, error_over_time};
+use studies::tracer_comparison::plot::error_over_time;
 use studies::tracer_comparison::record::{Outcome, TracersRecord};
 
 pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
@@ -132,7 +132,7 @@ pub fn tracers(material: &Material, page: &mut Page) -> SectionOutcome {
     }
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
-        page.plot(&format!("tracers-{}", record.scene), tracer_plot(record));
+        page.plot(&format!("tracers-{}", record.scene), error_over_time(record));
         tables::write(&mut page.html, &tracer_table(record), look());
     }
     SectionOutcome::Yes
@@ -160,7 +160,7 @@ fn tracer_table(record: &TracersRecord) -> Table {
         cells
     });
     let header = vec!["tracer", "image, milliseconds", "95%", "RMSE", "stands"];
-    let mut table = words(format!("{}: images", record.scene), header, rows.collect());
+    let mut table = words(format!("{}: images", record.scene), header, rows);
     table.notes.push(format!(
         "Reference: the mean of two images of {} samples per pixel; its own error is {}; errors \
          below ten times that are marked <.",
@@ -168,24 +168,4 @@ fn tracer_table(record: &TracersRecord) -> Table {
         short(record.reference.own_error)
     ));
     table
-}
-
-fn tracer_plot(record: &TracersRecord) -> presentation::svg_plot::Plot {
-    let placed = record.images.iter().filter_map(|image| {
-        let Outcome::Made { seconds, rmse, standing, .. } = &image.outcome else { return None };
-        Some(PlottedImage {
-            seconds: record.time(seconds)?.median,
-            error: *rmse,
-            samples: image.row.samples,
-            label: image.row.label(),
-            standing: *standing,
-        })
-    });
-    error_over_time(
-        &record.scene,
-        record.resolution,
-        record.threads,
-        record.reference.own_error,
-        placed.collect(),
-    )
 }

@@ -86,15 +86,11 @@ pub fn arguments(line: &str) -> Option<Vec<String>> {
     }
     let words: Vec<String> =
         words(&line).iter().map(|word| word.replace("$SLURM_ARRAY_TASK_ID", "1")).collect();
-    let program = words.first()?;
     let cargo = ["cargo", "run", "--release", "--"];
-    let is_cargo = words.len() > 4 && words.iter().zip(cargo).all(|(word, of)| word == of);
-    let skipped = if is_cargo {
-        4
-    } else if program.rsplit('/').next() == Some("rtbench") {
-        1
-    } else {
-        return None;
+    let skipped = match words.first()?.rsplit('/').next() {
+        Some("rtbench") => 1,
+        _ if words.len() > 4 && words.iter().zip(cargo).all(|(word, of)| word == of) => 4,
+        _ => return None,
     };
     let rest = words.into_iter().skip(skipped);
     Some(std::iter::once("rtbench".to_owned()).chain(rest).collect())
@@ -105,7 +101,6 @@ fn commands(document: &str) -> Vec<Vec<String>> {
     let text = text_of(document);
     let lines = if document.ends_with(".yml") {
         // folded texts are one line
-
         text.replace(">-\n", "").lines().fold(Vec::new(), |mut lines: Vec<String>, line| {
             match lines.last_mut() {
                 Some(last) if line.trim_start().starts_with("--") => {
@@ -328,6 +323,9 @@ fn the_glossary_is_linked_and_whole() {
 
 /// Faults of the exercises of a text: one without a command, or without a folded answer.
 fn unanswered(text: &str) -> Vec<String> {
+    // `2.** ...`
+    let is_numbered =
+        |text: &str| text.split_once(".**").is_some_and(|(n, _)| n.parse::<u8>().is_ok());
     let exercises = text.split("\n**");
     let exercises = exercises.filter(|part| part.starts_with("Exercise.**") || is_numbered(part));
     let is_whole = |part: &&str| {
@@ -340,11 +338,6 @@ fn unanswered(text: &str) -> Vec<String> {
         .filter(|part| !is_whole(part))
         .map(|part| part.lines().next().unwrap_or_default().to_owned())
         .collect()
-}
-
-/// `2.** ...`
-fn is_numbered(part: &str) -> bool {
-    part.split_once(".**").is_some_and(|(number, _)| number.parse::<u8>().is_ok())
 }
 
 #[test]

@@ -35,7 +35,7 @@ const SHARE: usize = 40;
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let labels = TESTS.map(|(name, _)| format!("bounding-volumes:group=4:box-test={name}"));
     let built = stage.built_all(&labels)?;
-    let most = (stage.timed_rays / SHARE).max(50);
+    let most = (stage.limits.timed_rays / SHARE).max(50);
     let batches = stage.batches(most, |kind| kind != RayKind::Shadow);
     let rays = count(&batches);
     let aims = match stage.prepared.geometry.prims() {
@@ -63,7 +63,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(name, built, lost.error(), replay)
         }
     });
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through a list of boxes of 4 primitives"),
         format!("{} rays at corners, edges and faces of boxes", aims.len()),
     );

@@ -56,7 +56,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(insertion, built, tally.error(), replay)
         });
     }
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through a grid of 8 cells per primitive"),
         format!("{} points that lie on primitives", stage.trials()),
     );

@@ -44,7 +44,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         without: None,
     };
     let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;
-    let frame = Frame { resolution: [SamplingPlan::new(stage.quick).size; 2], max_depth: DEPTH };
+    let frame =
+        Frame { resolution: [SamplingPlan::new(stage.limits.quick).size; 2], max_depth: DEPTH };
     for way in drawing_methods(|_| true) {
         let over = Structures { rays: &*rays, frusta: &*queries };
         let draw = move || (way.draw)(scene, frame, over);

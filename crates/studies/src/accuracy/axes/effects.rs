@@ -172,9 +172,12 @@ const SIZE: [u32; 2] = [96, 24];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built(TRACER)?;
-    let size = SIZE[usize::from(stage.quick)];
-    let settings =
-        RenderSettings { resolution: [size; 2], seed: stage.seed, ..RenderSettings::default() };
+    let size = SIZE[usize::from(stage.limits.quick)];
+    let settings = RenderSettings {
+        resolution: [size; 2],
+        seed: stage.limits.seed,
+        ..RenderSettings::default()
+    };
     let plan = EffectPlan::of(stage.scene(), &settings);
     let image = |plan: &EffectPlan| render_plan(stage.scene(), &*built.tracer, plan).image;
     let reference = image(&plan);
@@ -187,6 +190,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         Variant { is_reference, ..Variant::new(name, setting, error, work) }
     });
     let timed_image = format!("the image of {size} x {size} pixels, one thread");
-    let said = AxisReport { pixels: size * size, ..AxisReport::new(timed_image, "the same image") };
+    let said =
+        SceneOutcome { pixels: size * size, ..SceneOutcome::new(timed_image, "the same image") };
     Ok(timed(stage, said, variants))
 }

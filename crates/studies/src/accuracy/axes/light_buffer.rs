@@ -22,7 +22,7 @@ pub static AXIS: Axis = Axis {
 const RESOLUTIONS: [u32; 4] = [16, 64, 256, 1024];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let batches = stage.batches(stage.timed_rays, RayKind::is_occlusion);
+    let batches = stage.batches(stage.limits.timed_rays, RayKind::is_occlusion);
     let (rays, positions) = (count(&batches), light_positions(stage.scene()));
     if rays == 0 {
         return Err(stage.unfit("the scene has no shadow rays"));
@@ -56,7 +56,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         ..Variant::new(TRACER, structure.setting(), error(0), reference)
     });
     let work = format!("{rays} shadow rays of the scene to {} lights", positions.len());
-    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
+    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }
 
 struct OccluderQuery<'a> {

@@ -46,5 +46,5 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         }
     });
     let work = format!("{rays} rays of the scene through a uniform grid of 8 cells per primitive");
-    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
+    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }

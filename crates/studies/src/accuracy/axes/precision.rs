@@ -50,7 +50,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         )
     });
     let work = format!("{rays} rays of the scene through {TRACER}");
-    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
+    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }
 
 fn compared<S: Scalar>(answers: &[Answers<S>], exact: &[Answers<f64>]) -> TrialCounts {

@@ -6,5 +6,5 @@ pub(super) use crate::accuracy::stage::{
     Batches, Replay, Stage, TRACER, Work, build_columns, count, diagonal, mebibytes, replays,
     widened,
 };
-pub(super) use crate::accuracy::timing::{AxisReport, Variant, timed};
+pub(super) use crate::accuracy::timing::{Variant, timed};
 pub(super) use crate::error::StudyError;

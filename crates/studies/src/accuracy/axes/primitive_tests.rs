@@ -68,7 +68,7 @@ fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, Stud
         let answers = hit(test).into_iter().zip(&exact).map(|(t, exact)| (t, *exact, t.is_none()));
         variant(name, built, &batches, answers)
     });
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through {subject}"),
         format!("{} rays at corners and edges within the mesh", aims.len()),
     );
@@ -109,7 +109,7 @@ fn test_spheres(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         return test_spheres_of(stage, "the scene");
     }
     let beads = beads(stage.scene()).ok_or_else(|| stage.unfit("it has no corners"))?;
-    let resolution = [if stage.quick { 32 } else { 96 }; 2];
+    let resolution = [if stage.limits.quick { 32 } else { 96 }; 2];
     let settings = RaySettings { resolution, ..RaySettings::default() };
     let prepared = PreparedScene::new(beads, stage.registry, &settings)?;
     let stage = &Stage { prepared: &prepared, ..*stage };
@@ -142,9 +142,9 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
     let spheres: Vec<u32> =
         (0..set.len() as u32).filter(|&id| set.kind(id) == PrimitiveKind::Sphere).collect();
     let mut random = stage.random("spheres");
-    let mut aims = Vec::with_capacity(stage.aims);
+    let mut aims = Vec::with_capacity(stage.limits.aims);
     let mut balls = Vec::new();
-    while aims.len() < stage.aims {
+    while aims.len() < stage.limits.aims {
         let id = spheres[random.below(spheres.len())];
         balls.clear();
         set.hull(id, &mut balls);
@@ -174,7 +174,7 @@ fn test_spheres_of(stage: &Stage<'_>, what: &str) -> Result<SceneOutcome, StudyE
         let answers = answers.map(|((t, exact), is_met)| (t, *exact, t.is_some() != *is_met));
         variant(name, built, &batches, answers)
     });
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of {what} through {TRACER}"),
         format!("{} rays beside and through spheres of {what}", aims.len()),
     );

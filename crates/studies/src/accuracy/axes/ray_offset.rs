@@ -45,24 +45,24 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let mut variants = Vec::new();
     for (name, rule) in RULES {
         let work = here.work(rule, here.outward());
-        let found = judged(&here, &work);
-        let far = judged(&there, &there.work(rule, there.outward()));
+        let [self_hits, leaks] = judged(&here, &work);
+        let [far, _] = judged(&there, &there.work(rule, there.outward()));
         let mut tally = TrialCounts::default();
-        tally.add_all(found.self_hits + found.leaks, found.trials);
+        tally.add_all(self_hits.wrong() + leaks.wrong(), here.departures.len() as u64);
         let mut also = vec![
-            ("self-hits in 10^6", in_a_million(found.self_hits, found.trials)),
-            ("leaks in 10^6", in_a_million(found.leaks, found.trials)),
-            ("self-hits in 10^6 100 diagonals away", in_a_million(far.self_hits, far.trials)),
+            ("self-hits in 10^6", self_hits.error().value()),
+            ("leaks in 10^6", leaks.error().value()),
+            ("self-hits in 10^6 100 diagonals away", far.error().value()),
         ];
         also.extend(smallest.columns(&here, &work));
         also.extend(glass.columns(&here, rule));
         also.extend(lit.columns(&here, rule));
         let error = tally.error();
-        variants.push(Variant { error, also, ..work.variant(name, stage.timed_rays) });
+        variants.push(Variant { error, also, ..work.variant(name, stage.limits.timed_rays) });
     }
     let rays = here.departures.len();
-    let said = AxisReport::new(
-        format!("{} rays made and traced through {TRACER}", rays.min(stage.timed_rays)),
+    let said = SceneOutcome::new(
+        format!("{} rays made and traced through {TRACER}", rays.min(stage.limits.timed_rays)),
         format!(
             "{rays} rays from flat primitives and spheres; a sheet {GAP:e} diagonals above; {}; {}; {}",
             smallest.words(),
@@ -87,19 +87,12 @@ fn moved(scene: &Scene) -> Scene {
     scene
 }
 
-#[derive(Debug, Clone, Copy, Default)]
-struct OffsetErrors {
-    trials: u64,
-    self_hits: u64,
-    leaks: u64,
-}
-
-fn judged(secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> OffsetErrors {
-    let mut found = OffsetErrors::default();
+/// Self-hits and leaks.
+fn judged(secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> [TrialCounts; 2] {
+    let [mut self_hits, mut leaks] = [TrialCounts::default(); 2];
     for (departure, (point, ray, hit)) in secondary.departures.iter().zip(work.outcomes()) {
-        found.trials += 1;
-        found.self_hits += u64::from(hit.id == departure.id);
-        found.leaks += u64::from(height(point, ray) > GAP * secondary.diagonal);
+        self_hits.add(hit.id == departure.id);
+        leaks.add(height(point, ray) > GAP * secondary.diagonal);
     }
-    found
+    [self_hits, leaks]
 }

@@ -95,7 +95,7 @@ fn steps(subject: &str) -> &'static [Step] {
 const KINDS: usize = 3;
 
 fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
-    let most = stage.aims / KINDS;
+    let most = stage.limits.aims / KINDS;
     let aims = known_hits(stage, most);
     if aims.iter().any(Vec::is_empty) {
         return Err(stage.unfit("the scene has no triangle mesh"));
@@ -103,7 +103,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     let secondary = SecondaryRays::new(stage, stage.scene(), &stage.prepared.geometry)?;
     let double = Geometry::<f64>::of(stage.scene())?;
     let is_timed = |kind| matches!(kind, RayKind::Primary | RayKind::Diffuse | RayKind::Shadow);
-    let batches = stage.batches(stage.timed_rays, is_timed);
+    let batches = stage.batches(stage.limits.timed_rays, is_timed);
     let judge = Judge { stage, aims: &aims, secondary: &secondary, most };
     let mut variants = Vec::new();
     for step in steps(subject) {
@@ -132,14 +132,14 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         });
     }
     let (all, left) = (count(&batches), secondary.departures.len());
-    let (made, judged) = (left.min(stage.timed_rays / KINDS), left.min(most));
+    let (made, judged) = (left.min(stage.limits.timed_rays / KINDS), left.min(most));
     let work = format!("{all} rays of the scene and {made} that leave surfaces, made and traced");
     let [edges, middles] = aims.each_ref().map(Vec::len);
     let judged = format!(
         "{edges} rays at corners and edges, {middles} along axes and from close by, {judged} off \
          surfaces"
     );
-    let said = AxisReport { is_stepwise: true, ..AxisReport::new(work, judged) };
+    let said = SceneOutcome { is_stepwise: true, ..SceneOutcome::new(work, judged) };
     Ok(timed(stage, said, variants))
 }
 
@@ -172,7 +172,7 @@ impl<'a> Judge<'_, 'a> {
         let [edges, middles] = self.aims;
         let off = judged_departures(&*tracer, offset, self.secondary, self.most);
         let found = [of_aims(edges), of_aims(middles), off];
-        let most = self.stage.timed_rays / KINDS;
+        let most = self.stage.limits.timed_rays / KINDS;
         let work = StepWork::new(tracer, batches, offset, self.secondary, most);
         (found, Box::new(work))
     }

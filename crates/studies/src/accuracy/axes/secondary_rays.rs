@@ -72,7 +72,7 @@ impl<'a> SecondaryRays<'a> {
         let tracer = stage.over(TRACER, geometry)?;
         let eye = scene.camera.from;
         let by = eye - stage.scene().camera.from;
-        let batches = stage.batches(stage.timed_rays, |kind| kind == RayKind::Primary);
+        let batches = stage.batches(stage.limits.timed_rays, |kind| kind == RayKind::Primary);
         let moved = |ray: &Ray<f32>| Ray { origin: (ray.origin.to_dvec3() + by).as_vec3(), ..*ray };
         let eye_rays: Vec<_> = batches.iter().flat_map(|(_, rays)| rays).map(moved).collect();
         let mut hits = vec![Hit::NONE; eye_rays.len()];
@@ -82,7 +82,7 @@ impl<'a> SecondaryRays<'a> {
         let mut departures = Vec::new();
         let seen = eye_rays.iter().zip(&hits).filter(|(_, hit)| hit.is_hit());
         // several rays leave each hit
-        for (ray, hit) in seen.cycle().take(stage.aims) {
+        for (ray, hit) in seen.cycle().take(stage.limits.aims) {
             let incoming = ray.direction.to_dvec3();
             let position = ray.origin.to_dvec3() + incoming * f64::from(hit.t);
             let normal = surfaces.at(hit.id, position).refined.normal;

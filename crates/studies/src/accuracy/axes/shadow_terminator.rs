@@ -144,7 +144,7 @@ fn meshes(scene: &Scene) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::stage::{PreparedScene, Stage};
+    use crate::accuracy::stage::{Limits, PreparedScene, Stage};
     use crate::verify::meshes::icosphere;
     use accel_core::occluders;
     use accel_core::structures::REGISTRY;
@@ -172,12 +172,14 @@ mod tests {
             registry: REGISTRY,
             occluders: occluders::REGISTRY,
             clock: &SystemClock::default(),
-            seed: 1,
-            rounds: 1,
-            timed_rays: 10_000,
-            aims: 20_000,
-            quick: true,
-            only_times: false,
+            limits: Limits {
+                seed: 1,
+                rounds: 1,
+                timed_rays: 10_000,
+                aims: 20_000,
+                quick: true,
+                only_times: false,
+            },
         };
         let secondary = SecondaryRays::new(&stage, &prepared.scene, &prepared.geometry).unwrap();
         let lit = LitPoints::new(&prepared.scene, &secondary);

@@ -95,7 +95,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     }
     let rays = count(&batches);
     let work = format!("{rays} rays of the scene, each at a time of its own, through {TRACER}");
-    Ok(timed(stage, AxisReport::new(work, "the same rays"), variants))
+    Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
 }
 
 /// The structure over each of the geometries.

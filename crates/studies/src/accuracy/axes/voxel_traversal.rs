@@ -40,7 +40,7 @@ const SHARE: usize = 5;
 const TRAVERSALS: [&str; 4] = ["accumulate", "t-next", "driving-axis", "f64"];
 
 fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-    let n = CELLS[usize::from(stage.quick)];
+    let n = CELLS[usize::from(stage.limits.quick)];
     let labels = TRAVERSALS
         .map(|traversal| format!("uniform-grid:resolution={n}x{n}x{n}:traversal={traversal}"));
     let built = stage.built_all(&labels)?;
@@ -70,7 +70,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
             ..Variant::built(traversal, built, tally.error(), replay)
         });
     }
-    let said = AxisReport::new(
+    let said = SceneOutcome::new(
         format!("{rays} rays of the scene through {n}^3 cells"),
         format!("{} rays of the scene on a lattice of {FINE}^3 cells", aimed.len()),
     );

@@ -1,7 +1,5 @@
 //! Admits rows at a size if their trial builds keep the limits, there and at all smaller sizes.
 
-use std::collections::BTreeMap;
-
 use measurement::plan::Plan;
 use measurement::plan::measured_row::MeasuredRow;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict};
@@ -64,20 +62,9 @@ pub fn without_rows(
     });
     Some(SceneRecord {
         name: scene.to_owned(),
-        sha256: String::new(),
         source: "not loaded: every row is over a limit".into(),
-        licence: None,
         primitives: size.map_or(0, |size| size.primitives),
-        geometry_bytes: 0,
-        only_triangles: None,
-        origin: None,
-        warnings: Vec::new(),
-        rays: BTreeMap::new(),
-        oracle: Default::default(),
         rows: rows.collect(),
-        foreign: Vec::new(),
-        peak_rss_bytes: None,
-        conclusions: Vec::new(),
-        least_time: Vec::new(),
+        ..SceneRecord::default()
     })
 }

@@ -22,7 +22,7 @@ use measurement::plan::error::PlanError;
 use measurement::plan::{Plan, time_within};
 use measurement::record::scale::{ScaleRecord, SizeRecord};
 use measurement::rounds::trial::BuildLimits;
-use measurement::scenes::{LoadError, SceneSource};
+use measurement::scenes::SceneSource;
 use measurement::settings::{MeasuringSettings, RunSettings};
 
 /// Width and height of the image.
@@ -52,31 +52,6 @@ pub struct SizeSettings {
     pub time_limit: Duration,
 }
 
-/// Errors of a sweep over sizes.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum SizesError {
-    /// No size of the scene is near.
-    #[error(
-        "--sizes {asked}: the nearest size of {scene} has {nearest} primitives; its sizes go from \
-         {least} to {most}"
-    )]
-    NoneNear {
-        scene: String,
-        asked: u64,
-        /// Primitives of the nearest size.
-        nearest: u64,
-        /// Primitives of the smallest size.
-        least: u64,
-        /// Primitives of the largest size.
-        most: u64,
-    },
-    #[error(transparent)]
-    Plan(#[from] PlanError),
-    #[error(transparent)]
-    Scene(#[from] LoadError),
-}
-
 /// A validated run over the sizes of a scene.
 #[derive(Debug)]
 pub struct SizeSweep<'r> {
@@ -92,7 +67,7 @@ impl<'r> SizeSweep<'r> {
         registry: &'r [Entry],
         occluders: &'r [occluders::Entry],
         scenes: &dyn SceneSource,
-    ) -> Result<Self, SizesError> {
+    ) -> Result<Self, PlanError> {
         time_within("time-limit", Some(args.time_limit))?;
         let sizes = sizes_of(args, scenes)?;
         let mut structures = args.structures.clone();
@@ -130,7 +105,7 @@ impl<'r> SizeSweep<'r> {
 }
 
 /// The nearest size to each number of primitives asked for.
-fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, SizesError> {
+fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, PlanError> {
     let sizes = scenes.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
     for asked in args.sizes.targets() {
@@ -138,9 +113,11 @@ fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRec
         let off = primitives.max(1) as f64 / asked as f64;
         if off.max(off.recip()) > FAR {
             let [least, most] = sizes.ends();
-            let scene = args.scene.clone();
-            let error = SizesError::NoneNear { scene, asked, nearest: primitives, least, most };
-            return Err(error);
+            return Err(PlanError::Invalid(format!(
+                "--sizes {asked}: the nearest size of {} has {primitives} primitives; its sizes go \
+                 from {least} to {most}",
+                args.scene
+            )));
         }
         match found.last_mut().filter(|last| last.name == name) {
             Some(last) => last.asked.push(asked),

@@ -25,9 +25,7 @@ fn panel(run: &RunRecord, quantity: &Quantity) -> Option<Plot> {
         x: axis("primitives"),
         y: axis(quantity.label),
         series,
-        marks: Vec::new(),
-        marks_name: String::new(),
-        levels: Vec::new(),
+        ..Plot::default()
     })
 }
 

@@ -21,25 +21,18 @@ pub static QUANTITIES: [Quantity; 4] = [
     Quantity {
         name: "memory",
         label: "memory of the structure (bytes)",
-        of: |row| exactly(row.stats.as_ref()?.memory_bytes),
+        of: |row| Some(Estimate::exactly(row.stats.as_ref()?.memory_bytes as f64)),
     },
     Quantity {
         name: "peak",
         label: "peak memory of the build (bytes)",
-        of: |row| exactly(row.peak_build_bytes?),
+        of: |row| Some(Estimate::exactly(row.peak_build_bytes? as f64)),
     },
 ];
 
 /// Trace time of all kinds of rays over their number.
 pub fn trace_s_per_ray(row: &RowRecord) -> Option<Estimate> {
-    let (time, rays) = (row.trace_s?, row.rays.max(1) as f64);
-    Some(Estimate { median: time.median / rays, low: time.low / rays, high: time.high / rays })
-}
-
-/// Estimate of an exact count, without uncertainty.
-fn exactly(n: u64) -> Option<Estimate> {
-    let n = n as f64;
-    Some(Estimate { median: n, low: n, high: n })
+    Some(row.trace_s?.map(|time| time / row.rays.max(1) as f64))
 }
 
 /// The points of a row over finished sizes: primitives and the quantity. Rows that are wrong, were
@@ -100,8 +93,7 @@ mod tests {
                 made_up::run(&[("s", &[("a", &[1.0]), ("b x=1", &[1.0])])]).scenes.remove(0);
             scene.primitives = n;
             for row in &mut scene.rows {
-                let build = 1e-9 * (n * n) as f64;
-                row.build_s = Some(Estimate { median: build, low: build, high: build });
+                row.build_s = Some(Estimate::exactly(1e-9 * (n * n) as f64));
                 row.trace_s = Some(Estimate { median: 2.0, low: 1.0, high: 4.0 });
                 row.stats.as_mut().unwrap().memory_bytes = 16 * n;
             }
@@ -135,7 +127,7 @@ mod tests {
         scenes[1].rows[0].verdict = Verdict::Wrong;
         scenes[3].rows[0].verdict = Verdict::OverLimit;
         // what such a row took does not count, whatever it was
-        scenes[1].rows[0].build_s = Some(Estimate { median: 9e9, low: 9e9, high: 9e9 });
+        scenes[1].rows[0].build_s = Some(Estimate::exactly(9e9));
         let build = slope(&scenes, "a", "build").unwrap();
         assert_eq!((build.sizes, build.low), (2, None));
         assert!((build.slope - 2.0).abs() < 1e-9);
