@@ -2,9 +2,7 @@
 
 #![warn(missing_docs)]
 
-use std::ops::Range;
-
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::memory::{CountedItem, OutOfMemory};
@@ -16,6 +14,8 @@ use crate::query::counters::Counters;
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
 use crate::update::Change;
+
+pub use crate::query::sink::BatchAnswers;
 
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small
 /// one in a crate of its own.
@@ -129,25 +129,6 @@ impl Batches {
     #[inline(always)]
     pub fn are_together(self) -> bool {
         matches!(self, Self::Together | Self::Packets)
-    }
-}
-
-/// Query kind of a batch, with one answer slot per ray.
-#[derive(Debug)]
-pub enum BatchAnswers<'a, S: Scalar> {
-    /// Closest hits.
-    Closest(&'a mut [Hit<S>]),
-    /// True if an opaque primitive is in the way.
-    Occlusion(&'a mut [bool]),
-}
-
-impl<S: Scalar> BatchAnswers<'_, S> {
-    /// Those of the rays at these places.
-    pub(crate) fn of(&mut self, places: Range<usize>) -> BatchAnswers<'_, S> {
-        match self {
-            Self::Closest(hits) => BatchAnswers::Closest(&mut hits[places]),
-            Self::Occlusion(blocked) => BatchAnswers::Occlusion(&mut blocked[places]),
-        }
     }
 }
 

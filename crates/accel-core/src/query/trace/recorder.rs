@@ -42,11 +42,11 @@ impl<S: Scalar, P: PrimSet<S>, M: Mailbox> Sink<S> for Recorder<'_, S, P, M> {
 
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         for &id in ids {
-            let (before, spared) = (self.query.hit(), self.query.counters().tests_saved);
+            let (before, spared) = (self.query.answer, self.query.counters.tests_saved);
             self.query.test(&[id])?;
-            let outcome = if self.query.counters().tests_saved > spared {
+            let outcome = if self.query.counters.tests_saved > spared {
                 TestResult::Spared
-            } else if self.query.hit() != before {
+            } else if self.query.answer != before {
                 TestResult::Hit
             } else {
                 TestResult::Missed

@@ -2,15 +2,13 @@
 //! and query, but for tests that are called anyway; what counts traverses with one [`ErasedSink`].
 
 use super::counting::CountingTracer;
-use super::nearby::{closest, near};
+use super::nearby::each_near;
 use super::timing::TimingTracer;
-use super::{KeptStructure, Parts};
-use super::{ShadowCount, ShadowRule, Tracer};
+use super::{KeptStructure, Parts, ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::memory::Limits;
-use crate::memory::OutOfMemory;
+use crate::memory::{Limits, OutOfMemory};
 use crate::primitives::PrimSet;
 use crate::query::batch::{self, PlainStructure, RayByRay};
 use crate::query::by_blocks;
@@ -18,7 +16,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
-use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
+use crate::query::sink::{Answer, ErasedSink, Query, RelayedSink};
 use crate::query::trace::TraversalTrace;
 use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
 use crate::update::{Change, ChangedLists};
@@ -93,42 +91,62 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
     }
 
     #[inline(always)]
-    fn timed_closest<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
-        closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
-            let mut sink =
-                ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            self.structure.traverse(ray, &mut sink);
-            sink.finish().0
+    fn one_by_one<A: Answer<S>, B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        answers: &mut [A],
+        mut mailboxes: B,
+    ) {
+        each_near(self.reach, rays, answers, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let mut query = Query::<S, P, NoCounters, A, _>::with_mailbox(self.prims, ray, mailbox);
+            self.structure.traverse(ray, &mut query);
+            query.answer
         });
     }
 
     #[inline(always)]
-    fn closest_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
+    fn by_blocks<A: Answer<S>>(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], answers: &mut [A]) {
         let prims = self.prims;
         if self.structure.batches(prims, Some(blocks)).are_together() {
-            let answers = BatchAnswers::Closest(hits);
-            return self.answer_batch(Some(blocks), rays, answers);
+            return self.answer_batch(Some(blocks), rays, A::of_batch(answers));
         }
-        closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
-            let mut query = ClosestHit::<S, P, NoCounters>::new(prims, ray);
+        each_near(self.reach, rays, answers, |ray| {
+            let mut query = Query::<S, P, NoCounters, A>::new(prims, ray);
             by_blocks::traverse(&self.structure, blocks, ray, &mut query);
-            query.finish().0
+            query.answer
         });
     }
 
     #[inline(always)]
-    fn occlusions_by_blocks(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], blocked: &mut [bool]) {
-        let prims = self.prims;
-        if self.structure.batches(prims, Some(blocks)).are_together() {
-            let answers = BatchAnswers::Occlusion(blocked);
-            return self.answer_batch(Some(blocks), rays, answers);
+    fn timed<A: Answer<S>>(&self, rays: &[Ray<S>], answers: &mut [A]) {
+        let n = rays.len().min(answers.len());
+        let (rays, answers) = (&rays[..n], &mut answers[..n]);
+        // the constants stand here: what they exclude is not compiled
+        if !COMPILED {
+            let mailbox = self.timed_mailbox();
+            return self.relaying(|timing| timing.all(rays, answers, mailbox));
         }
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = near(self.reach, ray, false, |ray, _| {
-                let mut query = AnyHit::<S, P, NoCounters>::new(prims, ray);
-                by_blocks::traverse(&self.structure, blocks, ray, &mut query);
-                query.finish().0
-            });
+        if T::HAS_LISTS
+            && P::HAS_BLOCKS
+            && let Some(blocks) = &self.blocks
+        {
+            return self.by_blocks(blocks, rays, answers);
+        }
+        if Self::HAS_COMPILED_MAILBOX && self.mailbox.is_used() {
+            return self.mailbox.with(|mailbox| self.one_by_one(rays, answers, mailbox));
+        }
+        match self.structure.batches(self.prims, None) {
+            Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
+                let (structure, answers) = (&PlainStructure(&self.structure), A::of_batch(answers));
+                batch::answer::<RayByRay, NoCounters, _, _, _>(
+                    structure, self.prims, rays, self.reach, answers,
+                );
+            }
+            Batches::RayByRay => self.one_by_one(rays, answers, NoMailbox),
+            Batches::Together | Batches::Packets | Batches::Library => {
+                self.answer_batch(None, rays, A::of_batch(answers));
+            }
         }
     }
 
@@ -167,11 +185,6 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         is_used.then_some(&self.mailbox)
     }
 
-    /// How batches are answered by what is compiled.
-    fn batches_of(&self, blocks: Option<&ListBlocks<S>>) -> Batches {
-        if COMPILED { self.structure.batches(self.prims, blocks) } else { Batches::RayByRay }
-    }
-
     /// For queries that are not compiled into the traversal.
     fn relaying<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
         let traversal = |ray: &Ray<S>, sink: RelayedSink<'_, S>| {
@@ -185,125 +198,22 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
             blocks: &blocks,
         })
     }
-
-    #[inline(always)]
-    fn timed_occlusions<B: MailboxSource>(
-        &self,
-        rays: &[Ray<S>],
-        blocked: &mut [bool],
-        mut mailboxes: B,
-    ) {
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = near(self.reach, ray, false, |ray, _| {
-                let mailbox = mailboxes.next_ray();
-                let mut sink =
-                    AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-                self.structure.traverse(ray, &mut sink);
-                sink.finish().0
-            });
-        }
-    }
-
-    fn count_all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.counting(|counting| counting.all_closest(rays, hits, &self.mailbox))
-    }
-
-    fn count_all_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        rule: ShadowRule,
-        answers: &mut [ShadowCount],
-    ) -> WorkCounters {
-        self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
-    }
-
-    fn trace_of(&self, ray: &Ray<S>) -> TraversalTrace<S> {
-        self.counting(|counting| counting.trace_of(ray, &self.mailbox))
-    }
-
-    fn cells_of(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        self.structure.cells(each)
-    }
-
-    fn whole_shape(&self) -> StructureStats {
-        let stats = self.structure.stats();
-        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
-        StructureStats { bytes: stats.bytes + self.mailbox.bytes() + blocks, ..stats }
-    }
 }
 
 impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     for Bound<'_, S, P, T, COMPILED>
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        let n = rays.len().min(hits.len());
-        let (rays, hits) = (&rays[..n], &mut hits[..n]);
-        // the constants stand here: what they exclude is not compiled
-        if !COMPILED {
-            let mailbox = self.timed_mailbox();
-            return self.relaying(|timing| timing.all_closest(rays, hits, mailbox));
-        }
-        if T::HAS_LISTS
-            && P::HAS_BLOCKS
-            && let Some(blocks) = &self.blocks
-        {
-            return self.closest_by_blocks(blocks, rays, hits);
-        }
-        if Self::HAS_COMPILED_MAILBOX && self.mailbox.is_used() {
-            return self.mailbox.with(|mailbox| self.timed_closest(rays, hits, mailbox));
-        }
-        match self.structure.batches(self.prims, None) {
-            Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
-                let answers = BatchAnswers::Closest(hits);
-                let structure = &PlainStructure(&self.structure);
-                batch::answer::<RayByRay, NoCounters, _, _, _>(
-                    structure, self.prims, rays, self.reach, answers,
-                );
-            }
-            Batches::RayByRay => self.timed_closest(rays, hits, NoMailbox),
-            Batches::Together | Batches::Packets | Batches::Library => {
-                let answers = BatchAnswers::Closest(hits);
-                self.answer_batch(None, rays, answers);
-            }
-        }
+        self.timed(rays, hits);
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        let n = rays.len().min(blocked.len());
-        let (rays, blocked) = (&rays[..n], &mut blocked[..n]);
-        // the constants stand here: what they exclude is not compiled
-        if !COMPILED {
-            let mailbox = self.timed_mailbox();
-            return self.relaying(|timing| timing.all_occlusions(rays, blocked, mailbox));
-        }
-        if T::HAS_LISTS
-            && P::HAS_BLOCKS
-            && let Some(blocks) = &self.blocks
-        {
-            return self.occlusions_by_blocks(blocks, rays, blocked);
-        }
-        if Self::HAS_COMPILED_MAILBOX && self.mailbox.is_used() {
-            return self.mailbox.with(|mailbox| self.timed_occlusions(rays, blocked, mailbox));
-        }
-        match self.structure.batches(self.prims, None) {
-            Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
-                let answers = BatchAnswers::Occlusion(blocked);
-                let structure = &PlainStructure(&self.structure);
-                batch::answer::<RayByRay, NoCounters, _, _, _>(
-                    structure, self.prims, rays, self.reach, answers,
-                );
-            }
-            Batches::RayByRay => self.timed_occlusions(rays, blocked, NoMailbox),
-            Batches::Together | Batches::Packets | Batches::Library => {
-                let answers = BatchAnswers::Occlusion(blocked);
-                self.answer_batch(None, rays, answers);
-            }
-        }
+        self.timed(rays, blocked);
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
         if !COMPILED || self.structure.batches(self.prims, None) != Batches::Packets {
-            return self.count_all_closest(rays, hits);
+            return self.counting(|counting| counting.all_closest(rays, hits, &self.mailbox));
         }
         let n = rays.len().min(hits.len());
         let (rays, answers) = (&rays[..n], BatchAnswers::Closest(&mut hits[..n]));
@@ -318,7 +228,8 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     ) -> WorkCounters {
         let batches = self.structure.batches(self.prims, None);
         if !COMPILED || batches != Batches::Packets || rule != ShadowRule::OpaqueBlocks {
-            return self.count_all_occlusions(rays, rule, answers);
+            return self
+                .counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox));
         }
         let n = rays.len().min(answers.len());
         let mut blocked: Vec<bool> = answers[..n].iter().map(|answer| answer.blocked).collect();
@@ -332,15 +243,17 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn stats(&self) -> StructureStats {
-        self.whole_shape()
+        let stats = self.structure.stats();
+        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
+        StructureStats { bytes: stats.bytes + self.mailbox.bytes() + blocks, ..stats }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        self.cells_of(each)
+        self.structure.cells(each)
     }
 
     fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.trace_of(ray))
+        Ok(self.counting(|counting| counting.trace_of(ray, &self.mailbox)))
     }
 
     fn released(self: Box<Self>) -> Option<KeptStructure> {
@@ -353,10 +266,10 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn batches(&self) -> Batches {
-        match self.timed_mailbox() {
-            Some(_) => Batches::RayByRay,
-            None => self.batches_of(self.blocks.as_ref()),
+        if !COMPILED || self.timed_mailbox().is_some() {
+            return Batches::RayByRay;
         }
+        self.structure.batches(self.prims, self.blocks.as_ref())
     }
 
     fn code(&self) -> &'static str {

@@ -2,15 +2,15 @@
 //! the one [`ErasedSink`], so that it is compiled once for each kind of primitive, not for each
 //! structure.
 
-use super::nearby::{closest, near};
+use super::nearby::{each_near, rebase_origin};
 use super::{ShadowCount, ShadowRule};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::historical::shadow_sink::{HistoricalCellShadow, HistoricalShadow};
 use crate::primitives::PrimSet;
 use crate::query::counters::WorkCounters;
-use crate::query::mailbox::{AnyMailbox, MailboxSource, Setting};
-use crate::query::sink::{AnyHit, ClosestHit, ErasedSink};
+use crate::query::mailbox::{AnyMailbox, Mailbox, MailboxSource, Setting};
+use crate::query::sink::{Answer, ClosestHit, ErasedSink, Query};
 use crate::query::trace::{Recorder, TraversalTrace};
 
 /// A structure's traversal with the primitives it was built over.
@@ -54,38 +54,35 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         &self,
         rays: &[Ray<S>],
         hits: &mut [Hit<S>],
-        mailboxes: B,
+        mut mailboxes: B,
     ) -> WorkCounters {
         let mut total = WorkCounters::default();
-        closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
-            let mut sink =
-                ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            (self.traversal)(ray, ErasedSink::new(&mut sink));
-            let (hit, counters) = sink.finish();
+        each_near(self.reach, rays, hits, |ray| {
+            let (hit, counters) = self.answered(ray, mailboxes.next_ray());
             total += counters;
             hit
         });
         total
     }
 
+    /// The answer of a ray near the scene, and what it took.
+    fn answered<A: Answer<S>, M: Mailbox>(&self, ray: &Ray<S>, mailbox: M) -> (A, WorkCounters) {
+        let mut query = Query::<S, P, WorkCounters, A, M>::with_mailbox(self.prims, ray, mailbox);
+        (self.traversal)(ray, ErasedSink::new(&mut query));
+        query.finish()
+    }
+
     /// The closest hit of a ray, and the trace to it.
-    fn trace<B: MailboxSource>(&self, ray: &Ray<S>, mailboxes: B) -> TraversalTrace<S> {
+    fn trace<B: MailboxSource>(&self, ray: &Ray<S>, mut mailboxes: B) -> TraversalTrace<S> {
         let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
-        closest::<S, B>(
-            self.reach,
-            std::slice::from_ref(ray),
-            &mut hits,
-            mailboxes,
-            |ray, mailbox| {
-                let mut recorder = Recorder::new(
-                    ClosestHit::<S, P, WorkCounters, _>::with_mailbox(self.prims, ray, mailbox),
-                );
-                (self.traversal)(ray, ErasedSink::new(&mut recorder));
-                let hit;
-                (steps, hit, total) = recorder.finish();
-                hit
-            },
-        );
+        each_near(self.reach, std::slice::from_ref(ray), &mut hits, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let mut recorder = Recorder::new(ClosestHit::with_mailbox(self.prims, ray, mailbox));
+            (self.traversal)(ray, ErasedSink::new(&mut recorder));
+            let hit;
+            (steps, hit, total) = recorder.finish();
+            hit
+        });
         TraversalTrace { steps, hit: hits[0], counters: total }
     }
 
@@ -99,11 +96,12 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
     ) -> WorkCounters {
         let mut total = WorkCounters::default();
         for (ray, answer) in rays.iter().zip(answers) {
-            let counters;
-            (*answer, counters) = near(self.reach, ray, Default::default(), |near, _| {
-                self.shadow(near, rule, &mut mailbox)
-            });
-            total += counters;
+            *answer = ShadowCount::default();
+            if let Some((near, _)) = rebase_origin(ray, self.reach, &mut None) {
+                let counters;
+                (*answer, counters) = self.shadow(near, rule, &mut mailbox);
+                total += counters;
+            }
         }
         total
     }
@@ -117,13 +115,7 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
     ) -> (ShadowCount, WorkCounters) {
         match rule {
             ShadowRule::OpaqueBlocks => {
-                let mut sink = AnyHit::<S, P, WorkCounters, _>::with_mailbox(
-                    self.prims,
-                    ray,
-                    mailbox.next_ray(),
-                );
-                (self.traversal)(ray, ErasedSink::new(&mut sink));
-                let (blocked, counters) = sink.finish();
+                let (blocked, counters) = self.answered(ray, mailbox.next_ray());
                 (ShadowCount { blocked, glass: 0 }, counters)
             }
             ShadowRule::Historical => {

@@ -7,7 +7,7 @@
 //! rest are traced by [`Bound`](super::Bound) as ever.
 
 use super::counting::CountingTracer;
-use super::nearby::{closest, near};
+use super::nearby::each_near;
 use super::timing::TimingTracer;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
@@ -16,8 +16,8 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
-use crate::query::mailbox::{NoMailbox, Setting};
-use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
+use crate::query::mailbox::Setting;
+use crate::query::sink::{Answer, ErasedSink, Query, RelayedSink};
 use crate::query::trace::TraversalTrace;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
@@ -58,27 +58,21 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         })
     }
 
-    #[inline(always)]
-    fn compiled_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
-            let query = ClosestHit::<S, P, NoCounters>::new(self.prims, ray);
-            self.segments.traversed(ray, query).finish().0
-        });
-    }
-
-    #[inline(always)]
-    fn compiled_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = near(self.reach, ray, false, |ray, _| {
-                let query = AnyHit::<S, P, NoCounters>::new(self.prims, ray);
-                self.segments.traversed(ray, query).finish().0
-            });
-        }
-    }
-
     /// The mailbox that rays are timed with.
     fn timed_mailbox(&self) -> Option<&Setting> {
         Some(&self.mailbox).filter(|mailbox| T::DUPLICATES && mailbox.is_used())
+    }
+
+    #[inline(always)]
+    fn timed<A: Answer<S>>(&self, rays: &[Ray<S>], answers: &mut [A]) {
+        let mailbox = self.timed_mailbox();
+        if !COMPILED || mailbox.is_some() {
+            return self.timing(|timing| timing.all(rays, answers, mailbox));
+        }
+        each_near(self.reach, rays, answers, |ray| {
+            let query = Query::<S, P, NoCounters, A>::new(self.prims, ray);
+            self.segments.traversed(ray, query).answer
+        });
     }
 }
 
@@ -86,19 +80,11 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     for BoundInMotion<'_, S, P, T, COMPILED>
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        let mailbox = self.timed_mailbox();
-        if COMPILED && mailbox.is_none() {
-            return self.compiled_closest(rays, hits);
-        }
-        self.timing(|timing| timing.all_closest(rays, hits, mailbox));
+        self.timed(rays, hits);
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        let mailbox = self.timed_mailbox();
-        if COMPILED && mailbox.is_none() {
-            return self.compiled_occlusions(rays, blocked);
-        }
-        self.timing(|timing| timing.all_occlusions(rays, blocked, mailbox));
+        self.timed(rays, blocked);
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {

@@ -3,14 +3,14 @@
 //! the one [`RelayedSink`], so that it is compiled once for each kind of primitive, not for each
 //! structure.
 
-use super::nearby::{closest, near};
-use crate::geometry::ray::{Hit, Ray};
+use super::nearby::each_near;
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::NoCounters;
 use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
-use crate::query::sink::{AnyHit, ClosestHit, RelayedSink, Sink};
+use crate::query::sink::{Answer, Query, RelayedSink, Sink};
 
 /// A structure's traversal with the primitives it was built over.
 pub(super) struct TimingTracer<'a, S: Scalar, P> {
@@ -23,44 +23,25 @@ pub(super) struct TimingTracer<'a, S: Scalar, P> {
 }
 
 impl<S: Scalar, P: PrimSet<S>> TimingTracer<'_, S, P> {
-    /// [`TimingTracer::closest_hits`] with the mailbox of the settings, if there is one.
-    pub fn all_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailbox: Option<&Setting>) {
+    /// Answers each ray, with the mailbox of the settings if there is one.
+    pub fn all<A: Answer<S>>(&self, rays: &[Ray<S>], answers: &mut [A], mailbox: Option<&Setting>) {
         match mailbox {
-            None => self.closest_hits(rays, hits, NoMailbox),
-            Some(mailbox) => mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox)),
+            None => self.one_by_one(rays, answers, NoMailbox),
+            Some(mailbox) => mailbox.with(|mailbox| self.one_by_one(rays, answers, mailbox)),
         }
     }
 
-    /// [`TimingTracer::occlusions`] with the mailbox of the settings, if there is one.
-    pub fn all_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool], mailbox: Option<&Setting>) {
-        match mailbox {
-            None => self.occlusions(rays, blocked, NoMailbox),
-            Some(mailbox) => mailbox.with(|mailbox| self.occlusions(rays, blocked, mailbox)),
-        }
-    }
-
-    /// The closest hit of every ray.
-    fn closest_hits<B: MailboxSource>(&self, rays: &[Ray<S>], hits: &mut [Hit<S>], mailboxes: B) {
-        closest::<S, B>(self.reach, rays, hits, mailboxes, |ray, mailbox| {
-            let query = ClosestHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-            self.traversed(ray, query).finish().0
-        });
-    }
-
-    /// Writes for each ray whether it is blocked.
-    fn occlusions<B: MailboxSource>(
+    fn one_by_one<A: Answer<S>, B: MailboxSource>(
         &self,
         rays: &[Ray<S>],
-        blocked: &mut [bool],
+        answers: &mut [A],
         mut mailboxes: B,
     ) {
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = near(self.reach, ray, false, |ray, _| {
-                let mailbox = mailboxes.next_ray();
-                let query = AnyHit::<S, P, NoCounters, _>::with_mailbox(self.prims, ray, mailbox);
-                self.traversed(ray, query).finish().0
-            });
-        }
+        each_near(self.reach, rays, answers, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let query = Query::<S, P, NoCounters, A, _>::with_mailbox(self.prims, ray, mailbox);
+            self.traversed(ray, query).answer
+        });
     }
 
     /// The query after the traversal.
