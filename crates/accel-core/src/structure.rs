@@ -4,14 +4,14 @@
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::memory::Limits;
-use crate::memory::{CountedItem, OutOfMemory};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::{CountedItem, Limits, OutOfMemory};
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::Counters;
-use crate::query::kernel::ListBlocks;
+use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::sink::Sink;
 use crate::update::Change;
 
@@ -293,6 +293,45 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
     // f64 has exponents down to -1074 only; infinity saturates
     let exponent = exponent as i32;
     Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
+}
+
+/// The boxes of a set under a rule, where the scalar has room for the scene's.
+pub(crate) fn bounds_of<'a, S: Scalar, P: PrimSet<S>>(
+    prims: &'a P,
+    rule: BoundsRule,
+    structure: &'static str,
+) -> Result<BoundsOf<'a, S, P>, BuildError> {
+    BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })
+}
+
+/// The lists of a structure over this set as [blocks](crate::query::kernel), where it has lists and
+/// blocks serve the set.
+///
+/// # Errors
+/// [`OutOfMemory`] where memory does not allow them.
+pub(crate) fn blocks_of<S: Scalar, P: PrimSet<S>, T: Structure<S>>(
+    prims: &P,
+    structure: &T,
+    limits: Limits,
+) -> Result<Option<ListBlocks<S>>, OutOfMemory> {
+    if !T::HAS_LISTS {
+        return Ok(None);
+    }
+    let mut lists = Vec::new();
+    structure.lists(&mut |list| lists.push(list));
+    limits.fits(ListBlocks::<S>::bytes_for(&lists))?;
+    Ok(ListBlocks::of(prims, &lists))
+}
+
+/// [`Structure::traverse`] of a ray, with the blocks in place of the lists.
+#[inline(always)]
+pub(crate) fn traverse_by_blocks<S: Scalar, T: Structure<S>, K: Sink<S>>(
+    structure: &T,
+    blocks: &ListBlocks<S>,
+    ray: &Ray<S>,
+    sink: &mut K,
+) {
+    structure.traverse(ray, &mut BlockSink::new(blocks, sink));
 }
 
 /// The error where something is more than [`Limits::most`] of it: out of memory, where its own

@@ -72,25 +72,23 @@ impl<S: Scalar> GridFrame<S> {
     /// The first and last cell per axis that `b` touches, clamped to the grid.
     #[inline(always)]
     pub fn range(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
-        let (lo, hi) = (b.min.to_array(), b.max.to_array());
-        let mut first = [0; 3];
-        let mut last = [0; 3];
-        for k in 0..3 {
-            first[k] = self.clamped((lo[k] - self.lo[k]) * self.inv_cell[k], k);
-            last[k] = self.clamped((hi[k] - self.lo[k]) * self.inv_cell[k], k);
-        }
-        (first, last)
+        self.range_by(b, |from_low, k| from_low * self.inv_cell[k])
     }
 
     /// [`GridFrame::range`] with a division in place of the product by the inverse, as
     /// floor((x - lo) / cell) was computed in 1999: it decides differently on cell planes.
     pub fn range_by_division(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
+        self.range_by(b, |from_low, k| from_low / self.cell[k])
+    }
+
+    #[inline(always)]
+    fn range_by(&self, b: &Aabb<S>, cells: impl Fn(S, usize) -> S) -> ([i32; 3], [i32; 3]) {
         let (lo, hi) = (b.min.to_array(), b.max.to_array());
         let mut first = [0; 3];
         let mut last = [0; 3];
         for k in 0..3 {
-            first[k] = self.clamped((lo[k] - self.lo[k]) / self.cell[k], k);
-            last[k] = self.clamped((hi[k] - self.lo[k]) / self.cell[k], k);
+            first[k] = self.clamped(cells(lo[k] - self.lo[k], k), k);
+            last[k] = self.clamped(cells(hi[k] - self.lo[k], k), k);
         }
         (first, last)
     }
@@ -193,8 +191,8 @@ impl<S: Scalar> GridFrame<S> {
     pub fn in_double(&self) -> GridFrame<f64> {
         let wide = |v: [S; 3]| v.map(S::to_f64);
         let cell = wide(self.cell);
-        let bounds = Aabb { min: self.bounds.min.to_dvec3(), max: self.bounds.max.to_dvec3() };
-        GridFrame { bounds, lo: wide(self.lo), cell, inv_cell: cell.map(|c| 1.0 / c), n: self.n }
+        let (bounds, lo) = (self.bounds.in_double(), wide(self.lo));
+        GridFrame { bounds, lo, cell, inv_cell: cell.map(|c| 1.0 / c), n: self.n }
     }
 }
 

@@ -41,8 +41,7 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
-use crate::structure::too_many;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of, too_many};
 
 /// Number of plane directions of slabs.
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec::choice("directions", "7", &["3", "4", "7"])
@@ -193,9 +192,7 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
         prims: &P,
         settings: &Settings<VolumesConfig>,
     ) -> Result<Self, BuildError> {
-        let structure = settings.structure();
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;
         let group = settings.group;
         check_cells(prims.len().div_ceil(group), settings.limits(), settings.max_cells)?;
         let mut ids: Vec<u32> = (0..prims.len() as u32).collect();

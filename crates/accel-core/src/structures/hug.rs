@@ -21,12 +21,11 @@ use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::build::{BuildRules, LooseGrids, REFERENCES, VOXELS, references_in};
+use crate::grid::nested_grids::build::{BuildRules, LooseGrids, references_in, room_of};
 use crate::grid::nested_grids::{Mailbox, NestedGrids, VisitedGrids};
 use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
+use crate::historical::bounds_rule::{BoundsRule, smallest_cell};
 use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
@@ -36,7 +35,9 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{
+    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
+};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 use crate::tree::clustering::components::components;
 
@@ -116,8 +117,8 @@ impl<S: Scalar> Structure<S> for Hug<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<HugConfig>) -> Result<Self, BuildError> {
         let historical = settings.historical;
-        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
-            .map_err(|id| BuildError::NonFiniteBounds { structure: settings.structure(), id })?;
+        let Boxes { of: boxes, scene, padding } =
+            boxes_of(prims, historical, settings.structure())?;
         let (mut plans, owners) = plan(&boxes, scene, padding, settings);
         if let (true, Some(root)) = (historical, plans.first_mut()) {
             root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
@@ -173,12 +174,13 @@ pub(super) struct Boxes<S: Scalar> {
     pub padding: S,
 }
 
-/// All boxes. `Err(id)` names a primitive that is too far away for the scalar.
+/// All boxes.
 pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     historical: bool,
-) -> Result<Boxes<S>, u32> {
-    let padded = BoundsOf::new(prims, BoundsRule::Padded)?;
+    structure: &'static str,
+) -> Result<Boxes<S>, BuildError> {
+    let padded = bounds_of(prims, BoundsRule::Padded, structure)?;
     if !historical {
         let of = padded.all();
         return Ok(Boxes { of, scene: padded.scene(), padding: padded.padding() });
@@ -298,14 +300,8 @@ fn fill<S: Scalar>(
     settings: &Settings<HugConfig>,
 ) -> Result<NestedGrids<S>, BuildError> {
     let historical = settings.historical;
-    let rules = BuildRules {
-        order: if historical { ListOrder::Reverse } else { ListOrder::File },
-        by_division: historical,
-        room: CapacityLimits::new(
-            settings.limits(),
-            [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
-        ),
-    };
+    let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
+    let rules = BuildRules { historical, room };
     let mut primitives = vec![Vec::new(); plans.len()];
     for (&owner, id) in owners.iter().zip(0u32..) {
         primitives[owner as usize].push(id);

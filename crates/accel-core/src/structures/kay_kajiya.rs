@@ -21,12 +21,14 @@ use self::config::KayKajiyaConfig;
 use self::hierarchy::Hierarchy;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{
+    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
+};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "kay-kajiya",
@@ -68,9 +70,7 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
         prims: &P,
         settings: &Settings<KayKajiyaConfig>,
     ) -> Result<Self, BuildError> {
-        let structure = settings.structure();
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;
         let hierarchy = match settings.directions {
             3 => ByDirections::Three(Hierarchy::new(&boxes, settings)?),
             4 => ByDirections::Four(Hierarchy::new(&boxes, settings)?),

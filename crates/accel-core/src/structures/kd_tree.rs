@@ -23,12 +23,14 @@ use self::config::KdTreeConfig;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{
+    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
+};
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, DEEPEST, Node};
 
@@ -64,9 +66,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
         prims: &P,
         settings: &Settings<KdTreeConfig>,
     ) -> Result<Self, BuildError> {
-        let structure = settings.structure();
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;
         let bounds = boxes.scene();
         let all = boxes.all();
         Ok(Self { bounds, cells: subdivide::cells(&all, bounds, settings)? })

@@ -31,12 +31,14 @@ use self::config::{OctreeConfig, Traversal};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{
+    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
+};
 use crate::tree::ray_planes::RayPlanes;
 use cells::{Cells, Content};
 
@@ -105,14 +107,13 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         prims: &P,
         settings: &Settings<OctreeConfig>,
     ) -> Result<Self, BuildError> {
-        let (structure, historical) = (settings.structure(), settings.historical);
+        let historical = settings.historical;
         let rule = if historical {
             BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
         } else {
             BoundsRule::Padded
         };
-        let boxes = BoundsOf::new(prims, rule)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, rule, settings.structure())?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all = boxes.all();
         let cells = subdivide::cells(&all, bounds, settings)?;

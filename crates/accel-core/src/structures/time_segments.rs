@@ -9,13 +9,12 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
-use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
 use crate::query::tracer::tested::TestChoice;
 use crate::query::tracer::{traverse_counted, traverse_relayed};
-use crate::structure::{BuildError, Structure, StructureStats};
+use crate::structure::{BuildError, Structure, StructureStats, blocks_of, traverse_by_blocks};
 
 /// The setting, which every structure has.
 pub const PARAM: ParamSpec = ParamSpec::integer("time-segments", "1", 1, 8).about(
@@ -41,11 +40,8 @@ impl<S: Scalar, T: Structure<S>> Segment<S, T> {
         testing: &TestChoice,
     ) -> Result<Self, BuildError> {
         let structure = T::build(part, settings)?;
-        let blocks = if testing.has_blocks {
-            by_blocks::of_structure(part, &structure, settings.limits())?
-        } else {
-            None
-        };
+        let blocks =
+            if testing.has_blocks { blocks_of(part, &structure, settings.limits())? } else { None };
         Ok(Self { structure, blocks })
     }
 
@@ -108,7 +104,7 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     pub(crate) fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
         let Segment { structure, blocks } = self.at(ray);
         match blocks {
-            Some(blocks) if T::HAS_LISTS => by_blocks::traverse(structure, blocks, ray, &mut query),
+            Some(blocks) if T::HAS_LISTS => traverse_by_blocks(structure, blocks, ray, &mut query),
             _ => structure.traverse(ray, &mut query),
         }
         query

@@ -37,14 +37,14 @@ use self::on_demand::LazyBuffer;
 use self::projected::Bodies;
 use self::remainder::Remainder;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::occluders::BoxedOccluder;
 use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::registry::Buildable;
-use crate::structure::{BuildError, StructureInfo, no_defect};
+use crate::structure::{BuildError, StructureInfo, bounds_of, no_defect};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "light-buffer",
@@ -204,8 +204,7 @@ fn checked<S: Scalar, P: PrimSet<S>>(
         return Err(BuildError::NoPrimitives { structure });
     }
     is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
-    BoundsOf::new(prims, BoundsRule::Padded)
-        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    bounds_of(prims, BoundsRule::Padded, structure)?;
     let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
     Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
 }

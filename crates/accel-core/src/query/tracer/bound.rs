@@ -11,14 +11,15 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::{Limits, OutOfMemory};
 use crate::primitives::PrimSet;
 use crate::query::batch::{self, PlainStructure, RayByRay};
-use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{Answer, ErasedSink, Query, RelayedSink};
 use crate::query::trace::TraversalTrace;
-use crate::structure::{BatchAnswers, Batches, Structure, StructureStats};
+use crate::structure::{
+    BatchAnswers, Batches, Structure, StructureStats, blocks_of, traverse_by_blocks,
+};
 use crate::update::{Change, ChangedLists};
 
 /// A structure bound to its primitives: the [`Tracer`] of static scenes. Where `COMPILED`, queries
@@ -61,7 +62,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         limits: Limits,
     ) -> Result<Self, OutOfMemory> {
         if P::HAS_BLOCKS {
-            self.blocks = by_blocks::of_structure(over, &self.structure, limits)?;
+            self.blocks = blocks_of(over, &self.structure, limits)?;
         }
         Ok(self)
     }
@@ -113,7 +114,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         }
         each_near(self.reach, rays, answers, |ray| {
             let mut query = Query::<S, P, NoCounters, A>::new(prims, ray);
-            by_blocks::traverse(&self.structure, blocks, ray, &mut query);
+            traverse_by_blocks(&self.structure, blocks, ray, &mut query);
             query.answer
         });
     }

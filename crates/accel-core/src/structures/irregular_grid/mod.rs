@@ -52,9 +52,9 @@ use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
-use crate::structure::too_many;
 use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, bounds_of,
+    no_defect, too_many,
 };
 use cells::{FIRST_PART, TooLarge};
 use course::{LatticeFrame, LatticeRayState};
@@ -144,8 +144,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         config: &config::Settings<IrregularGridConfig>,
     ) -> Result<Self, BuildError> {
         let (structure, limits) = (config.structure(), config.limits());
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, structure)?;
         let effort = config.effort;
         let input = ResolutionInput {
             bounds: boxes.scene(),

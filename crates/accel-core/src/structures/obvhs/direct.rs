@@ -18,11 +18,11 @@ use glam::Vec3A;
 use crate::bvh::items::outward;
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::memory::Limits;
 use crate::parallel;
 use crate::primitives::PrimSet;
-use crate::structure::{BatchAnswers, Batches, BuildError, refuse_out_of_scale};
+use crate::structure::{BatchAnswers, Batches, BuildError, bounds_of, refuse_out_of_scale};
 
 /// Queries that both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -185,10 +185,8 @@ pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
 ) -> Result<Vec<Aabb>, BuildError> {
     // a box and an id of each primitive, twice as many nodes
     limits.fits(96 * prims.len() as u128)?;
-    let structure = limits.structure;
-    refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
-    BoundsOf::new(prims, BoundsRule::Padded)
-        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    refuse_out_of_scale::<S, f32>(prims.magnitude(), limits.structure)?;
+    bounds_of(prims, BoundsRule::Padded, limits.structure)?;
     Ok(parallel::collect(prims.len(), |id| rounded(&prims.bounds(id as u32))))
 }
 

@@ -109,12 +109,12 @@ fn sum(a: [u64; 2], b: [u64; 2]) -> [u64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
+    use crate::grid::nested_grids::build::room_of;
     use crate::memory::{Limits, MemoryLimit};
 
     fn room(cells: u64, references: u64) -> CapacityLimits {
         let limits = Limits { structure: "recursive-grid", memory: MemoryLimit::NONE };
-        CapacityLimits::new(limits, [(&VOXELS, cells), (&REFERENCES, references)])
+        room_of(limits, cells, references)
     }
 
     #[test]
