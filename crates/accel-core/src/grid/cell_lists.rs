@@ -165,6 +165,23 @@ impl CellLists {
         Self { starts, ids }
     }
 
+    /// Lists of no cell yet.
+    pub(crate) fn none() -> Self {
+        Self { starts: vec![0], ids: Vec::new() }
+    }
+
+    /// Adds the list of another cell.
+    pub(crate) fn push(&mut self, ids: &[u32]) {
+        self.ids.extend_from_slice(ids);
+        self.starts.push(self.ids.len() as u32);
+    }
+
+    /// The ids of a cell that exists.
+    #[inline(always)]
+    pub(crate) fn at(&self, cell: usize) -> &[u32] {
+        &self.ids[self.starts[cell] as usize..self.starts[cell + 1] as usize]
+    }
+
     pub(crate) fn starts(&self) -> &[u32] {
         &self.starts
     }

@@ -13,12 +13,10 @@
 //! Counters: a node taken from the queue is a step, an elementary one if it is a leaf; nodes that
 //! were tested and missed, or were left in the queue, are none.
 
-mod config;
 mod entry_queue;
 mod hierarchy;
 
-use self::config::KayKajiyaConfig;
-use self::hierarchy::Hierarchy;
+use self::hierarchy::{Hierarchy, KayKajiyaConfig};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsRule;
@@ -60,6 +58,17 @@ enum ByDirections<S: Scalar> {
     Seven(Hierarchy<S, 7>),
 }
 
+/// The value of an expression over the hierarchy, whatever the number of directions.
+macro_rules! of_hierarchy {
+    ($this:ident, $hierarchy:ident => $value:expr) => {
+        match &$this.hierarchy {
+            ByDirections::Three($hierarchy) => $value,
+            ByDirections::Four($hierarchy) => $value,
+            ByDirections::Seven($hierarchy) => $value,
+        }
+    };
+}
+
 impl<S: Scalar> Structure<S> for KayKajiya<S> {
     const HAS_LISTS: bool = true;
     const DUPLICATES: bool = false;
@@ -81,35 +90,19 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.traverse(ray, sink),
-            ByDirections::Four(hierarchy) => hierarchy.traverse(ray, sink),
-            ByDirections::Seven(hierarchy) => hierarchy.traverse(ray, sink),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.traverse(ray, sink))
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.lists().for_each(each),
-            ByDirections::Four(hierarchy) => hierarchy.lists().for_each(each),
-            ByDirections::Seven(hierarchy) => hierarchy.lists().for_each(each),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.lists().for_each(each))
     }
 
     fn stats(&self) -> StructureStats {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.stats(),
-            ByDirections::Four(hierarchy) => hierarchy.stats(),
-            ByDirections::Seven(hierarchy) => hierarchy.stats(),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.stats())
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.show(each),
-            ByDirections::Four(hierarchy) => hierarchy.show(each),
-            ByDirections::Seven(hierarchy) => hierarchy.show(each),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.show(each));
         Ok(())
     }
 }

@@ -13,13 +13,10 @@
 //! a few cuts that do not pay; intervals on the ray are rounded outwards, so that a ray within a
 //! plane, or one that only grazes a cell, visits both sides.
 
-mod cells;
-mod config;
 mod frustum_traversal;
 mod subdivide;
 mod surface_area;
 
-use self::config::KdTreeConfig;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
@@ -32,7 +29,8 @@ use crate::structure::{
     BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
 };
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, DEEPEST, Node};
+use subdivide::{Cells, Node};
+use surface_area::{DEEPEST, KdTreeConfig};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "kd-tree",
@@ -103,7 +101,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
                 }
                 continue;
             }
-            let ids = self.cells.list((node.link >> 2) as usize);
+            let ids = self.cells.lists.at((node.link >> 2) as usize);
             sink.elementary_step(ids.is_empty());
             if !ids.is_empty() && sink.test(ids).is_break() {
                 return;
@@ -122,22 +120,18 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        self.cells.lists().for_each(each);
+        self.cells.lists.lists().for_each(each);
     }
 
     fn stats(&self) -> StructureStats {
         let c = &self.cells;
-        let bytes = size_of_val(c.nodes.as_slice())
-            + size_of_val(c.starts.as_slice())
-            + size_of_val(c.ids.as_slice());
-        let leaves = c.starts.len() as u64 - 1;
+        let leaves = c.lists.cells() as u64;
         StructureStats {
             inner_cells: c.nodes.len() as u64 - leaves,
             cells: leaves,
-            empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
-            references: c.ids.len() as u64,
-            resolution: None,
-            bytes: bytes as u64,
+            empty_cells: c.lists.empty_cells() as u64,
+            references: c.lists.references() as u64,
+            bytes: (size_of_val(c.nodes.as_slice()) + c.lists.bytes()) as u64,
             ..StructureStats::default()
         }
     }
@@ -148,7 +142,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
             let node = self.cells.nodes[cell as usize];
             let (axis, link) = ((node.link & 3) as usize, node.link >> 2);
             if axis == Node::<S>::LEAF as usize {
-                each(Cell::elementary(bounds, depth, self.cells.list(link as usize)));
+                each(Cell::elementary(bounds, depth, self.cells.lists.at(link as usize)));
                 continue;
             }
             each(Cell::inner(bounds, depth));

@@ -1,10 +1,10 @@
 //! The octree: a cube-like cell is cut by three planes into eight, until few primitives are left.
 //!
 //! Papers: A. S. Glassner, "Space Subdivision for Fast Ray Tracing", IEEE CG&A 4(10), 1984
-//! (subdivision at the centre, `octree/point_location.rs`); H. Samet, "Implementing Ray Tracing
-//! with Octrees and Neighbor Finding", Computers & Graphics 13(4), 1989 (`octree/neighbour.rs`);
-//! I. Gargantini, H. H. Atkinson, "Ray Tracing an Octree: Numerical Evaluation of the First
-//! Intersection", Computer Graphics Forum 12(4), 1993 (`octree/top_down.rs`); K.-Y. Whang et al.,
+//! (subdivision at the centre); H. Samet, "Implementing Ray Tracing with Octrees and Neighbor
+//! Finding", Computers & Graphics 13(4), 1989; I. Gargantini, H. H. Atkinson, "Ray Tracing an
+//! Octree: Numerical Evaluation of the First Intersection", Computer Graphics Forum 12(4), 1993
+//! (their traversals and Glassner's are in `octree/traversals.rs`); K.-Y. Whang et al.,
 //! "Octree-R: An Adaptive Octree for Efficient Ray Tracing", TVCG 1(4), 1995 (subdivision where
 //! a surface-area cost is least, `octree/subdivide.rs`).
 //!
@@ -20,12 +20,9 @@
 //! padding, no limit for growth, traversals from the ray's origin (top-down ones from 0.01 on), and
 //! steps of 1e-6 beyond a cell's exit.
 
-mod cells;
 mod config;
-mod neighbour;
-mod point_location;
 mod subdivide;
-mod top_down;
+mod traversals;
 
 use self::config::{OctreeConfig, Traversal};
 use crate::geometry::aabb::Aabb;
@@ -40,7 +37,7 @@ use crate::structure::{
     BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
 };
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, Content};
+use subdivide::{Cells, Content};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "octree",
@@ -142,26 +139,23 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         match self.traversal {
             Traversal::PointLocation if is_near() => self.locate_each(&planes, t_in, sink),
             Traversal::Neighbour if is_near() => self.step_to_neighbours(&planes, t_in, sink),
-            _ => self.descend_from_root(&planes, t_in, t_out, sink),
+            _ => _ = self.descend(0, &planes, t_in, t_out, sink),
         }
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        self.cells.lists().for_each(each);
+        self.cells.lists.lists().for_each(each);
     }
 
     fn stats(&self) -> StructureStats {
         let c = &self.cells;
-        let bytes = size_of_val(c.links.as_slice())
-            + size_of_val(c.planes.as_slice())
-            + size_of_val(c.starts.as_slice())
-            + size_of_val(c.ids.as_slice());
+        let bytes =
+            size_of_val(c.links.as_slice()) + size_of_val(c.planes.as_slice()) + c.lists.bytes();
         StructureStats {
             inner_cells: c.planes.len() as u64,
-            cells: c.starts.len() as u64 - 1,
-            empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
-            references: c.ids.len() as u64,
-            resolution: None,
+            cells: c.lists.cells() as u64,
+            empty_cells: c.lists.empty_cells() as u64,
+            references: c.lists.references() as u64,
             bytes: bytes as u64,
             ..StructureStats::default()
         }
