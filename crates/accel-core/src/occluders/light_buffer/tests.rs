@@ -16,14 +16,17 @@ fn settings() -> impl Iterator<Item = &'static str> {
     INFO.variants.iter().chain(INFO.also_tested).copied()
 }
 
+fn config(settings: &str) -> Settings<BufferConfig> {
+    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
+    Settings::of(&find(INFO.name).unwrap().params(pairs).unwrap())
+}
+
 fn boxed<'a, S: Buildable>(
     set: &'a MixedSet<S>,
     lights: &[DVec3],
     settings: &str,
 ) -> BoxedOccluder<'a, S> {
-    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
-    let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    build(PrimsRef::Mixed(set), lights, &Settings::of(&params)).unwrap()
+    build(PrimsRef::Mixed(set), lights, &config(settings)).unwrap()
 }
 
 fn buffer<'a, S: Buildable>(
@@ -31,9 +34,7 @@ fn buffer<'a, S: Buildable>(
     lights: &[DVec3],
     settings: &str,
 ) -> LightBuffer<'a, S, MixedSet<S>> {
-    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
-    let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    LightBuffer::new(set, PrimsRef::Mixed(set), lights, &Settings::of(&params)).unwrap()
+    LightBuffer::new(set, PrimsRef::Mixed(set), lights, &config(settings)).unwrap()
 }
 
 fn brute_force<S: Buildable>(set: &MixedSet<S>, rays: &[Ray<S>]) -> Vec<bool> {
@@ -309,8 +310,7 @@ fn no_lights_and_no_primitives() {
     let right = brute_force(&set, &[ray]);
     assert_eq!(said(&buffer(&set, &[], ""), &[ray], &[0], &right), right);
     let empty = MixedSetBuilder::<f32>::default().finish();
-    let params = find(INFO.name).unwrap().params([]).unwrap();
-    let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &Settings::of(&params));
+    let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &config(""));
     assert!(matches!(refused, Err(BuildError::NoPrimitives { structure: "light-buffer" })));
 }
 

@@ -9,7 +9,7 @@
 //! are merged before they grow, to cubes (`empty_boxes.rs`); equal lists are stored once; a step
 //! never goes back along any axis, so that rounding cannot trap a ray; CPU.
 //!
-//! A step: find the record of a lattice point (`voxels.rs`), test its list (`lists.rs`), leave its
+//! A step: find the record of a lattice point (`voxels.rs`), test its list, leave its
 //! grown box (`course.rs`), go on at the lattice point there. Points are off by a few ulps of the
 //! scene, lists have what lies within the padding of the box of their cell, which is more.
 //!
@@ -21,7 +21,6 @@ mod course_lanes;
 mod empty_boxes;
 mod expand;
 mod lattice;
-mod lists;
 mod overlap;
 mod place;
 mod shown;
@@ -203,7 +202,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             references: cells.references,
             ..StructureStats::default()
         };
-        let lists = lists::of_cells(&mut cells, prims);
+        let lists = cells::lists_of(&mut cells, prims);
         voxels.fill(&cells);
         stats.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
         let per_length = lattice.side.map(|side| S::from_f64(1.0 / side));
@@ -221,10 +220,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let Some((course, mut at)) = LatticeRayState::of(ray, &self.place) else { return };
         loop {
-            let mut voxel = self.voxels.top(at);
-            while voxel.is_divided() {
-                voxel = self.voxels.part(&voxel, at);
-            }
+            let voxel = self.voxels.at(at);
             let list = voxel.list();
             sink.elementary_step(list == 0);
             if list != 0 && self.lists.test(list, sink).is_break()

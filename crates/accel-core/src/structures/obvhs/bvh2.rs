@@ -7,6 +7,7 @@
 
 use std::marker::PhantomData;
 
+use crate::bvh::build::agglomerated::{agglomerated, preset_named};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
@@ -20,7 +21,7 @@ use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
-use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET, preset_of};
+use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET};
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, DirectQueries};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
@@ -51,7 +52,10 @@ pub struct Bvh2Config {
 
 impl Config for Bvh2Config {
     fn of(params: &Params) -> Self {
-        Self { preset: preset_of(params), refitted_until: refitted_until(params) }
+        Self {
+            preset: preset_named(params.text(PRESET.name)),
+            refitted_until: refitted_until(params),
+        }
     }
 }
 
@@ -76,13 +80,15 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
     ) -> Result<Self, BuildError> {
         let (bvh, direct) = match direct::triangles(prims) {
             Some(triangles) => {
-                let bvh = builder::binary(&triangles, &settings.preset);
+                let tree = builder::agglomerated_triangles(&triangles, &settings.preset);
+                let bvh = builder::binary(tree, &settings.preset);
                 let direct = DirectQueries::new(prims, &bvh, &triangles);
                 (bvh, Some(direct))
             }
             None => {
                 let boxes = direct::boxes(prims, settings.limits())?;
-                (builder::binary_of_boxes(&boxes, &settings.preset), None)
+                let tree = agglomerated(&boxes, &settings.preset, false);
+                (builder::binary(tree, &settings.preset), None)
             }
         };
         let built_cost = settings.refitted_until.map(|_| expected_cost(&bvh));

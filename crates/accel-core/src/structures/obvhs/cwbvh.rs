@@ -14,12 +14,13 @@ use obvhs::cwbvh::{CwBvh, Traversal};
 use obvhs::ray::Ray as ObvhsRay;
 
 use crate::bvh::box_ray::{Length, RaySetup};
+use crate::bvh::build::agglomerated::{agglomerated, preset_named};
 use crate::bvh::items::{Groups, Items, Padding, items_of};
+use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
-use crate::params::config::{Config, Settings};
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::counters::Counters;
@@ -28,9 +29,7 @@ use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
 };
-use crate::structures::obvhs::adapter::{
-    ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET, preset_of,
-};
+use crate::structures::obvhs::adapter::{ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET};
 use crate::structures::obvhs::builder::{self, DepthError};
 use crate::structures::obvhs::direct::{self, DirectQueries};
 use crate::structures::obvhs::leaf_blocks;
@@ -40,7 +39,7 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "compressed 8-wide BVH of the obvhs crate, as its authors use it",
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
     deviations: DEVIATIONS,
-    params: &[PRESET, ADAPTER, KERNEL],
+    params: CwBvhConfig::PARAMS,
     variants: &["", "preset=fastest"],
     also_tested: &[
         "preset=very-slow",
@@ -57,21 +56,12 @@ pub static INFO: StructureInfo = StructureInfo {
     sampled: false,
 };
 
-/// Settings of the build and of queries.
-#[derive(Clone)]
-pub struct CwBvhConfig {
-    preset: BvhBuildParams,
-    is_robust: bool,
-    has_blocks: bool,
-}
-
-impl Config for CwBvhConfig {
-    fn of(params: &Params) -> Self {
-        Self {
-            preset: preset_of(params),
-            is_robust: params.text(ADAPTER.name) == "robust",
-            has_blocks: params.text(KERNEL.name) == "block",
-        }
+config! {
+    /// Settings of the build and of queries.
+    pub struct CwBvhConfig {
+        preset: BvhBuildParams = PRESET => preset_named,
+        is_robust: bool = ADAPTER => |adapter| adapter == "robust",
+        has_blocks: bool = KERNEL => |kernel| kernel == "block",
     }
 }
 
@@ -115,7 +105,8 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         if settings.is_robust {
             let Items { boxes, groups, setup } =
                 items_of(prims, settings.limits(), Padding::OfScene)?;
-            let mut bvh = builder::eight_wide_robust(&boxes, &preset).map_err(too_deep)?;
+            let mut bvh = builder::eight_wide(agglomerated(&boxes, &preset, true), &preset, true)
+                .map_err(too_deep)?;
             let has_blocks = settings.has_blocks && leaf_blocks::serve(prims, &groups);
             if has_blocks {
                 leaf_blocks::fit::<S>(bvh.nodes.len(), settings.limits())?;
@@ -124,12 +115,18 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             return Ok(Self { bvh, leaves: Leaves::Robust { setup, groups, blocks } });
         }
         if let Some(triangles) = direct::triangles(prims) {
-            let bvh = builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
+            let bvh = builder::eight_wide(
+                builder::agglomerated_triangles(&triangles, &preset),
+                &preset,
+                false,
+            )
+            .map_err(too_deep)?;
             let leaves = Leaves::Direct(DirectQueries::new(prims, &bvh, &triangles));
             return Ok(Self { bvh, leaves });
         }
         let boxes = direct::boxes(prims, settings.limits())?;
-        let bvh = builder::eight_wide_of_boxes(&boxes, &preset).map_err(too_deep)?;
+        let bvh = builder::eight_wide(agglomerated(&boxes, &preset, false), &preset, false)
+            .map_err(too_deep)?;
         Ok(Self { bvh, leaves: Leaves::Callback })
     }
 

@@ -65,6 +65,7 @@ pub(crate) fn references<S: Scalar>(blocks: &[TriangleBlock<S>]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::build::agglomerated::agglomerated;
     use crate::bvh::items::{Padding, items_of};
     use crate::params::config::Settings;
     use crate::primitives::TriangleSet;
@@ -90,7 +91,7 @@ mod tests {
         let limits = Settings::<()>::of(&crate::structures::obvhs::cwbvh::INFO.defaults()).limits();
         let boxes = items_of(&set, limits, Padding::OfScene).unwrap().boxes;
         let medium = obvhs::BvhBuildParams::medium_build();
-        let ids = builder::eight_wide_robust(&boxes, &medium).unwrap();
+        let ids = builder::eight_wide(agglomerated(&boxes, &medium, true), &medium, true).unwrap();
         let mut tree = ids.clone();
         let blocks = of_wide(&mut tree, &set);
         let mut bits_of_all = 0;
