@@ -275,6 +275,7 @@ impl<R: CellRows, P: BlockPlacement> Sort<'_, R, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::on_threads;
 
     const N: [u32; 3] = [300, 7, 5];
 
@@ -302,8 +303,7 @@ mod tests {
     }
 
     fn on(threads: usize, order: ListOrder, most: u64) -> Result<CellLists, TooManyReferences> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| block_lists(&DenseRows::new(N), 30_000, order, most, &Blocks))
+        on_threads(threads, || block_lists(&DenseRows::new(N), 30_000, order, most, &Blocks))
     }
 
     #[test]
@@ -349,9 +349,8 @@ mod tests {
     fn rows_may_stand_anywhere() {
         let dense = on(1, ListOrder::File, u64::MAX).unwrap();
         for threads in [1, 2] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let build = || block_lists(&SparseRows, 30_000, ListOrder::File, u64::MAX, &Blocks);
-            let lists = pool.install(build).unwrap();
+            let lists = on_threads(threads, build).unwrap();
             for (row, x) in (0..35).flat_map(|row| (0..300).map(move |x| (row, x))) {
                 let start = SparseRows.start(row % 7, row / 7);
                 assert_eq!(lists.list(start + x), dense.list(row * 300 + x), "row {row} {x}");

@@ -311,6 +311,7 @@ impl CellLists<Arc<[u32]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::on_threads;
 
     /// Primitive i goes to cells i % 4 and 2.
     struct TwoCellsEach;
@@ -355,16 +356,14 @@ mod tests {
         }
         for order in [ListOrder::File, ListOrder::Reverse] {
             for threads in [1, 2, 5] {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let build =
-                    || CellLists::build(cells, primitives, order, u64::MAX, &ScatteredItems);
-                let lists = pool.install(build).unwrap();
-                assert!(
-                    lists.lists().eq(expected.iter().map(Vec::as_slice)),
-                    "{threads} {order:?}"
-                );
-                let few = || CellLists::build(cells, primitives, order, 89_999, &ScatteredItems);
-                assert_eq!(pool.install(few), Err(TooManyReferences(90_000)));
+                let build = |max| {
+                    let build = || CellLists::build(cells, primitives, order, max, &ScatteredItems);
+                    on_threads(threads, build)
+                };
+                let lists = build(u64::MAX).unwrap();
+                let right = lists.lists().eq(expected.iter().map(Vec::as_slice));
+                assert!(right, "{threads} {order:?}");
+                assert_eq!(build(89_999), Err(TooManyReferences(90_000)));
             }
             expected.iter_mut().for_each(|list| list.reverse());
         }
@@ -383,8 +382,7 @@ mod tests {
             })
             .unwrap();
         assert_eq!(asked, [0, 1, 2, 3]);
-        let all: Vec<_> = (0..5).map(|c| lists.list(c).to_vec()).collect();
-        assert_eq!(all, [vec![0, 4], vec![1, 5], vec![77], vec![3], vec![]]);
+        assert!(lists.lists().eq([&[0, 4][..], &[1, 5], &[77], &[3], &[]]));
         assert_eq!(lists.references(), 6);
         assert_eq!(lists.replaced(|_, _| Err("no")), Err("no"));
     }

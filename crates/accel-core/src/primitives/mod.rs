@@ -25,7 +25,7 @@ mod shear_lanes;
 mod sphere;
 mod support;
 pub(crate) mod triangle;
-mod triangle_block;
+pub(crate) mod triangle_block;
 pub(crate) mod watertight;
 
 pub use cone::Cone;

@@ -154,8 +154,8 @@ mod tests {
     use std::any::type_name;
 
     use super::*;
-    use crate::geometry::ray::{Hit, MISS};
     use crate::primitives::MoellerTrumbore;
+    use crate::primitives::triangle_block::tests::{agreed, ray_to_3};
     use crate::structures::test_scenes::Random;
 
     /// Every test finds the middle of a triangle from both sides, and passes by what is beside it.
@@ -198,24 +198,10 @@ mod tests {
             if d == [S::ZERO; 3] {
                 continue;
             }
-            let mut ray = Ray::<S>::new(Vec3::<S>::from_array(from), Vec3::<S>::from_array(d));
-            ray.t_max = S::from_f64(3.0);
-            let setup = T::setup(&ray, S::ONE);
+            let ray = ray_to_3(from, d);
             let numbered = || triangles.iter().zip(7..).map(|(t, id)| (id, *t));
             let block = TriangleBlock::new(numbered(), false);
-            let mut expected = Hit { t: ray.t_max, id: MISS };
-            for (id, triangle) in numbered() {
-                if let Some(t) = T::intersect(&triangle, &ray, &setup, expected.t)
-                    && (t < expected.t || id < expected.id)
-                {
-                    expected = Hit { t, id };
-                }
-            }
-            let mut best = Hit { t: ray.t_max, id: MISS };
-            T::closest_in_block(&block, &ray, &setup, &mut best);
-            assert_eq!(best, expected, "{} {round}", type_name::<T>());
-            assert_eq!(T::any_in_block(&block, &ray, &setup, |_| true), expected.is_hit());
-            assert!(!T::any_in_block(&block, &ray, &setup, |_| false));
+            let best = agreed::<S, T>(&block, numbered(), &ray, &T::setup(&ray, S::ONE));
             hits += usize::from(best.is_hit());
         }
         assert!(hits > 200, "{} {hits}", type_name::<T>());

@@ -4,13 +4,15 @@ use glam::{DVec3, dvec3};
 
 use crate::geometry::ray::Ray;
 use crate::occluders::light_buffer::answer::Answer;
-use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG};
+use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG, Record};
 use crate::occluders::light_buffer::*;
 use crate::occluders::{Occluder, find};
 use crate::params::config::Settings;
 use crate::primitives::{MixedSet, MixedSetBuilder};
 use crate::query::counters::NoCounters;
-use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
+use crate::structures::test_scenes::{
+    Random, built, hard_scenes, mixed_scene, occlusions, on_threads, rays,
+};
 
 fn settings() -> impl Iterator<Item = &'static str> {
     INFO.variants.iter().chain(INFO.also_tested).copied()
@@ -277,15 +279,10 @@ fn lights_without_room_are_left_to_the_structure() {
 #[test]
 fn cells_do_not_depend_on_the_number_of_threads() {
     let set = mixed_scene::<f32>(5000, 1, [1.0; 3]);
-    let built = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| buffer(&set, &lights(&set)[..2], "").cells)
-    };
+    let built = |threads: usize| on_threads(threads, || buffer(&set, &lights(&set)[..2], "").cells);
     let (one, three) = (built(1), built(3));
     assert_eq!(one.cells, three.cells);
-    let words = |r: &crate::occluders::light_buffer::face_tree::Record<f32>| {
-        (r.near.to_bits(), r.id, r.part)
-    };
+    let words = |r: &Record<f32>| (r.near.to_bits(), r.id, r.part);
     assert!(one.records.iter().map(words).eq(three.records.iter().map(words)));
 }
 
