@@ -304,25 +304,6 @@ pub(crate) fn bounds_of<'a, S: Scalar, P: PrimSet<S>>(
     BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })
 }
 
-/// The lists of a structure over this set as [blocks](crate::query::kernel), where it has lists and
-/// blocks serve the set.
-///
-/// # Errors
-/// [`OutOfMemory`] where memory does not allow them.
-pub(crate) fn blocks_of<S: Scalar, P: PrimSet<S>, T: Structure<S>>(
-    prims: &P,
-    structure: &T,
-    limits: Limits,
-) -> Result<Option<ListBlocks<S>>, OutOfMemory> {
-    if !T::HAS_LISTS {
-        return Ok(None);
-    }
-    let mut lists = Vec::new();
-    structure.lists(&mut |list| lists.push(list));
-    limits.fits(ListBlocks::<S>::bytes_for(&lists))?;
-    Ok(ListBlocks::of(prims, &lists))
-}
-
 /// [`Structure::traverse`] of a ray, with the blocks in place of the lists.
 #[inline(always)]
 pub(crate) fn traverse_by_blocks<S: Scalar, T: Structure<S>, K: Sink<S>>(
@@ -331,7 +312,7 @@ pub(crate) fn traverse_by_blocks<S: Scalar, T: Structure<S>, K: Sink<S>>(
     ray: &Ray<S>,
     sink: &mut K,
 ) {
-    structure.traverse(ray, &mut BlockSink::new(blocks, sink));
+    structure.traverse(ray, &mut BlockSink { blocks, query: sink });
 }
 
 /// The error where something is more than [`Limits::most`] of it: out of memory, where its own

@@ -54,20 +54,16 @@ impl<'r, S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>> Batch<'r, '_, S, P
         Query::prepared(self.prims, ray, setup, NoMailbox)
     }
 
-    /// Keeps the answer of the ray at that place, which was brought near; no query where nothing
-    /// can be hit.
+    /// Keeps the answer of the ray at that place, which was brought near.
     #[inline(always)]
     pub(crate) fn keep(
         &mut self,
         place: usize,
-        found: Option<(&Query<'_, S, P, C, A>, Parameters<S>)>,
+        query: &Query<'_, S, P, C, A>,
+        parameters: Parameters<S>,
     ) {
-        let mut answer = None;
-        if let Some((query, parameters)) = found {
-            self.work += query.counters;
-            answer = query.answer.restored(parameters);
-        }
-        self.answers[place] = match answer {
+        self.work += query.counters;
+        self.answers[place] = match query.answer.restored(parameters) {
             Some(answer) => answer,
             None => A::miss(&self.rays[place]),
         };
@@ -109,9 +105,9 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
                 Some((ray, parameters)) => {
                     let mut query = batch.query(ray, prims.setup(ray));
                     structure.traverse_one(ray, &mut query);
-                    batch.keep(place, Some((&query, parameters)));
+                    batch.keep(place, &query, parameters);
                 }
-                None => batch.keep(place, None),
+                None => batch.answers[place] = A::miss(&rays[place]),
             }
         }
     }

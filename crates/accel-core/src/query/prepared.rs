@@ -69,14 +69,14 @@ impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
                 }
                 structure.trace_packet(&eight, &packet, &mut sinks);
                 for (lane, sink) in sinks.iter().enumerate() {
-                    batch.keep(first + lane, Some((sink, Parameters::SAME)));
+                    batch.keep(first + lane, sink, Parameters::SAME);
                 }
                 continue;
             }
             for (lane, ray) in rays.iter().enumerate() {
                 let mut sink = batch.query(ray, setups(lane));
                 structure.trace_prepared(&eight, lane, &mut sink);
-                batch.keep(first + lane, Some((&sink, Parameters::SAME)));
+                batch.keep(first + lane, &sink, Parameters::SAME);
             }
         }
         let rest = places.end - rest.len()..places.end;

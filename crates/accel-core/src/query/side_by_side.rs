@@ -92,7 +92,7 @@ impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
                     let from = take_lowest(&mut waiting);
                     let sink = batch.query(&rays[from], setups(from));
                     if T::meeting(&eight) >> from & 1 == 0 {
-                        batch.keep(first + from, Some((&sink, Parameters::SAME)));
+                        batch.keep(first + from, &sink, Parameters::SAME);
                         continue;
                     }
                     let lane = take_lowest(&mut free);
@@ -125,7 +125,7 @@ impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
                 free |= over;
                 while over != 0 {
                     let lane = take_lowest(&mut over);
-                    batch.keep(places[lane], Some((&sinks[lane], Parameters::SAME)));
+                    batch.keep(places[lane], &sinks[lane], Parameters::SAME);
                 }
             }
         }

@@ -111,9 +111,9 @@ impl<S: Scalar> BatchAnswers<'_, S> {
 /// A query of a ray.
 pub struct Query<'a, S: Scalar, P: PrimSet<S>, C, A, M = NoMailbox> {
     mailbox: M,
-    prims: &'a P,
-    ray: &'a Ray<S>,
-    setup: P::RaySetup,
+    pub(crate) prims: &'a P,
+    pub(crate) ray: &'a Ray<S>,
+    pub(crate) setup: P::RaySetup,
     /// The answer so far.
     pub(crate) answer: A,
     /// The counters so far.
@@ -156,7 +156,17 @@ impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>, M> Query<'a, S, P,
 impl<S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>, M: Mailbox> Sink<S>
     for Query<'_, S, P, C, A, M>
 {
-    count_steps!();
+    const COUNTING: bool = C::ENABLED;
+
+    #[inline(always)]
+    fn elementary_step(&mut self, _empty: bool) {
+        count!(self.counters.elementary_step(_empty));
+    }
+
+    #[inline(always)]
+    fn inner_step(&mut self) {
+        count!(self.counters.inner_step());
+    }
 
     #[inline(always)]
     fn t_max(&self) -> S {
@@ -307,18 +317,32 @@ macro_rules! count {
     };
 }
 
-macro_rules! count_steps {
+/// Hands the steps of a sink around a `query` on to that.
+macro_rules! steps_of_query {
     () => {
-        const COUNTING: bool = C::ENABLED;
         #[inline(always)]
-        fn elementary_step(&mut self, _empty: bool) {
-            count!(self.counters.elementary_step(_empty));
+        fn elementary_step(&mut self, empty: bool) {
+            self.query.elementary_step(empty);
         }
         #[inline(always)]
         fn inner_step(&mut self) {
-            count!(self.counters.inner_step());
+            self.query.inner_step();
         }
     };
 }
 
-pub(crate) use {count, count_steps};
+/// A sink around a `query` ends where that does.
+macro_rules! end_of_query {
+    () => {
+        #[inline(always)]
+        fn t_max(&self) -> S {
+            self.query.t_max()
+        }
+        #[inline(always)]
+        fn is_any_hit(&self) -> bool {
+            self.query.is_any_hit()
+        }
+    };
+}
+
+pub(crate) use {count, end_of_query, steps_of_query};

@@ -1,14 +1,13 @@
 //! Tracing a set whose primitives move.
 //!
-//! A structure has one traversal for what counts, with the one [`ErasedSink`], and one for what is
-//! timed, with the one [`RelayedSink`]: motion costs no structure a traversal for each query and
+//! A structure has one traversal for what counts, with the one [`ErasedSink`](crate::query::sink::ErasedSink), and one for what is
+//! timed, with the one [`RelayedSink`](crate::query::sink::RelayedSink): motion costs no structure a traversal for each query and
 //! mailbox. Where a structure's traversals are worth their time in the compiler (`COMPILED`), those
 //! without a mailbox have the query itself compiled in, as those of scenes at rest have. Scenes at
 //! rest are traced by [`Bound`](super::Bound) as ever.
 
-use super::counting::CountingTracer;
+use super::erased::ErasedTracer;
 use super::nearby::each_near;
-use super::timing::TimingTracer;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -17,7 +16,7 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::mailbox::Setting;
-use crate::query::sink::{Answer, ErasedSink, Query, RelayedSink};
+use crate::query::sink::{Answer, Query};
 use crate::query::trace::TraversalTrace;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
@@ -40,22 +39,8 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         Self { prims, segments, mailbox, reach }
     }
 
-    fn counting<R>(&self, pass: impl FnOnce(CountingTracer<'_, S, P>) -> R) -> R {
-        let traversal =
-            |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_traversal(ray, sink);
-        pass(CountingTracer { prims: self.prims, reach: self.reach, traversal: &traversal })
-    }
-
-    fn timing<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
-        let traversal =
-            |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_traversal(ray, sink);
-        let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
-        pass(TimingTracer {
-            prims: self.prims,
-            reach: self.reach,
-            traversal: &traversal,
-            blocks: &blocks,
-        })
+    fn erased(&self) -> ErasedTracer<'_, S, P> {
+        ErasedTracer { prims: self.prims, reach: self.reach, structure: &self.segments }
     }
 
     /// The mailbox that rays are timed with.
@@ -67,7 +52,7 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
     fn timed<A: Answer<S>>(&self, rays: &[Ray<S>], answers: &mut [A]) {
         let mailbox = self.timed_mailbox();
         if !COMPILED || mailbox.is_some() {
-            return self.timing(|timing| timing.all(rays, answers, mailbox));
+            return self.erased().timed(rays, answers, mailbox);
         }
         each_near(self.reach, rays, answers, |ray| {
             let query = Query::<S, P, NoCounters, A>::new(self.prims, ray);
@@ -88,7 +73,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.counting(|counting| counting.all_closest(rays, hits, &self.mailbox))
+        self.erased().all_closest(rays, hits, &self.mailbox)
     }
 
     fn count_occlusions(
@@ -97,7 +82,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
+        self.erased().all_occlusions(rays, rule, answers, &self.mailbox)
     }
 
     fn stats(&self) -> StructureStats {
@@ -111,6 +96,6 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.counting(|counting| counting.trace_of(ray, &self.mailbox)))
+        Ok(self.erased().trace_of(ray, &self.mailbox))
     }
 }

@@ -1,29 +1,30 @@
-//! The counting pass. It reaches the structure through one dynamic call per ray and traverses with
-//! the one [`ErasedSink`], so that it is compiled once for each kind of primitive, not for each
-//! structure.
+//! The passes that reach the structure through one dynamic call per ray: those that count, and the
+//! timed ones of queries that are not compiled into the traversal, as in most sets that move, and in
+//! f64 of most structures.
 
 use super::nearby::{each_near, rebase_origin};
-use super::{ShadowCount, ShadowRule};
+use super::{ShadowCount, ShadowRule, Traversals};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::historical::shadow_sink::{HistoricalCellShadow, HistoricalShadow};
 use crate::primitives::PrimSet;
-use crate::query::counters::WorkCounters;
-use crate::query::mailbox::{AnyMailbox, Mailbox, MailboxSource, Setting};
-use crate::query::sink::{Answer, ClosestHit, ErasedSink, Query};
+use crate::query::counters::{NoCounters, WorkCounters};
+use crate::query::kernel::BlockSink;
+use crate::query::mailbox::{AnyMailbox, Mailbox, MailboxSource, NoMailbox, Setting};
+use crate::query::sink::{Answer, ClosestHit, ErasedSink, Query, RelayedSink, Sink};
 use crate::query::trace::{Recorder, TraversalTrace};
 
-/// A structure's traversal with the primitives it was built over.
-pub(super) struct CountingTracer<'a, S: Scalar, P> {
+/// A structure's traversals with the primitives it was built over.
+pub(super) struct ErasedTracer<'a, S: Scalar, P> {
     pub prims: &'a P,
     /// How far origins may be; see [`crate::geometry::far_ray`].
     pub reach: S,
-    pub traversal: &'a dyn Fn(&Ray<S>, ErasedSink<'_, S>),
+    pub structure: &'a dyn Traversals<S>,
 }
 
 // Mailboxes are taken out here, too: a structure would have its own code for each.
-impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
-    /// [`CountingTracer::closest_hits`] with the mailbox of the settings.
+impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
+    /// [`ErasedTracer::closest_hits`] with the mailbox of the settings.
     pub fn all_closest(
         &self,
         rays: &[Ray<S>],
@@ -33,7 +34,7 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox))
     }
 
-    /// [`CountingTracer::occlusions`] with the mailbox of the settings.
+    /// [`ErasedTracer::occlusions`] with the mailbox of the settings.
     pub fn all_occlusions(
         &self,
         rays: &[Ray<S>],
@@ -44,7 +45,7 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         mailbox.with(|mailbox| self.occlusions(rays, rule, answers, mailbox))
     }
 
-    /// [`CountingTracer::trace`] with the mailbox of the settings.
+    /// [`ErasedTracer::trace`] with the mailbox of the settings.
     pub fn trace_of(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
         mailbox.with(|mailbox| self.trace(ray, mailbox))
     }
@@ -68,7 +69,7 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
     /// The answer of a ray near the scene, and what it took.
     fn answered<A: Answer<S>, M: Mailbox>(&self, ray: &Ray<S>, mailbox: M) -> (A, WorkCounters) {
         let mut query = Query::<S, P, WorkCounters, A, M>::with_mailbox(self.prims, ray, mailbox);
-        (self.traversal)(ray, ErasedSink::new(&mut query));
+        self.structure.counted(ray, ErasedSink::new(&mut query));
         query.finish()
     }
 
@@ -78,7 +79,7 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
         each_near(self.reach, std::slice::from_ref(ray), &mut hits, |ray| {
             let mailbox = mailboxes.next_ray();
             let mut recorder = Recorder::new(ClosestHit::with_mailbox(self.prims, ray, mailbox));
-            (self.traversal)(ray, ErasedSink::new(&mut recorder));
+            self.structure.counted(ray, ErasedSink::new(&mut recorder));
             let hit;
             (steps, hit, total) = recorder.finish();
             hit
@@ -120,18 +121,53 @@ impl<S: Scalar, P: PrimSet<S>> CountingTracer<'_, S, P> {
             }
             ShadowRule::Historical => {
                 let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                (self.traversal)(ray, ErasedSink::new(&mut sink));
-                let (blocked, glass, counters) = sink.finish();
-                (ShadowCount { blocked, glass: glass as u32 }, counters)
+                self.structure.counted(ray, ErasedSink::new(&mut sink));
+                sink.finish()
             }
             ShadowRule::HistoricalInCell => {
                 let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
-                (self.traversal)(ray, ErasedSink::new(&mut sink));
-                let (hit, counters) = sink.finish();
-                let glass = hit.is_hit() && !self.prims.is_opaque(hit.id);
-                let blocked = hit.is_hit() && !glass;
-                (ShadowCount { blocked, glass: glass.into() }, counters)
+                self.structure.counted(ray, ErasedSink::new(&mut sink));
+                sink.finish()
             }
         }
+    }
+
+    /// Answers each ray, with the mailbox of the settings if there is one.
+    pub fn timed<A: Answer<S>>(
+        &self,
+        rays: &[Ray<S>],
+        answers: &mut [A],
+        mailbox: Option<&Setting>,
+    ) {
+        match mailbox {
+            None => self.one_by_one(rays, answers, NoMailbox),
+            Some(mailbox) => mailbox.with(|mailbox| self.one_by_one(rays, answers, mailbox)),
+        }
+    }
+
+    fn one_by_one<A: Answer<S>, B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        answers: &mut [A],
+        mut mailboxes: B,
+    ) {
+        each_near(self.reach, rays, answers, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let query = Query::<S, P, NoCounters, A, _>::with_mailbox(self.prims, ray, mailbox);
+            self.traversed(ray, query).answer
+        });
+    }
+
+    /// The query after the traversal.
+    #[inline(always)]
+    fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
+        match self.structure.blocks(ray) {
+            Some(blocks) => {
+                let mut sink = BlockSink { blocks, query: &mut query };
+                self.structure.relayed(ray, RelayedSink::new(&mut sink));
+            }
+            None => self.structure.relayed(ray, RelayedSink::new(&mut query)),
+        }
+        query
     }
 }
