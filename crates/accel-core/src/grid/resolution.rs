@@ -119,6 +119,26 @@ pub struct ResolutionInput<S: Scalar> {
 /// Largest number of voxels on one axis (indices must be exact in f32).
 pub const MAX_PER_AXIS: u32 = 1 << 20;
 
+/// [`resolve`] by the rule *density*, which is never refused: it keeps within `max_cells`.
+pub(crate) fn resolve_by_density<S: Scalar>(
+    bounds: Aabb<S>,
+    primitives: usize,
+    density: f64,
+    max_cells: u64,
+    smallest_cell: f64,
+) -> [u32; 3] {
+    let mean_longest_side = 0.0;
+    let input = ResolutionInput {
+        bounds,
+        primitives,
+        density,
+        mean_longest_side,
+        max_cells,
+        smallest_cell,
+    };
+    resolve(ResolutionRule::Density, &input).unwrap_or([1; 3])
+}
+
 /// The number of voxels on each axis: at least 1, at most [`MAX_PER_AXIS`], the product at most
 /// `max_cells` for every rule that computes them; `Err(product)` when a fixed one asks for more.
 /// No rule makes cells smaller than `smallest_cell`: a flat axis gets one cell. What a formula asks

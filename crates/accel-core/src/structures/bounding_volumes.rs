@@ -120,6 +120,20 @@ pub struct BoundingVolumes<S: Scalar> {
     group: usize,
 }
 
+/// What is said of volumes of any kind.
+macro_rules! of_any {
+    ($volumes:expr, $all:ident => $said:expr) => {
+        match $volumes {
+            Volumes::Boxes($all) => $said,
+            Volumes::Compared(_, $all) => $said,
+            Volumes::Spheres($all) => $said,
+            Volumes::Slabs3($all) => $said,
+            Volumes::Slabs4($all) => $said,
+            Volumes::Slabs7($all) => $said,
+        }
+    };
+}
+
 /// The volumes, one for each group.
 enum Volumes<S: Scalar> {
     Boxes(Vec<Aabb<S>>),
@@ -144,25 +158,11 @@ impl<S: Scalar> Volumes<S> {
 
     /// A box around one of them.
     fn bounds(&self, number: usize) -> Aabb<f64> {
-        match self {
-            Self::Boxes(all) => Volume::<S>::bounds(&all[number]),
-            Self::Compared(_, all) => all[number].bounds(),
-            Self::Spheres(all) => Volume::<S>::bounds(&all[number]),
-            Self::Slabs3(all) => all[number].bounds(),
-            Self::Slabs4(all) => all[number].bounds(),
-            Self::Slabs7(all) => all[number].bounds(),
-        }
+        of_any!(self, all => Volume::<S>::bounds(&all[number]))
     }
 
     fn bytes(&self) -> usize {
-        match self {
-            Self::Boxes(all) => size_of_val(all.as_slice()),
-            Self::Compared(_, all) => size_of_val(all.as_slice()),
-            Self::Spheres(all) => size_of_val(all.as_slice()),
-            Self::Slabs3(all) => size_of_val(all.as_slice()),
-            Self::Slabs4(all) => size_of_val(all.as_slice()),
-            Self::Slabs7(all) => size_of_val(all.as_slice()),
-        }
+        of_any!(self, all => size_of_val(all.as_slice()))
     }
 }
 

@@ -23,13 +23,11 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::{BlockPlacement, CellRows, cells_in, rows_in};
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
-use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::parallel::map_parts;
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::structure::{StructureInfo, no_defect};
 
 config! {
@@ -45,20 +43,12 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "equal voxels, a bit each; rows of occupied ones laid over each other in one table",
     paper: "Lagae, Dutre 2008 (hashed grid by row displacement)",
     deviations: "first fit looks at so many places only; lists in the order of the table",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::max_cells("536870912", 1 << 30),
         specs::MAX_REFERENCES,
-        RowsConfig::PARAMS[0],
-        Traversal::PARAM,
-        kernel::BLOCK_PARAM,
-        QUERY_PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+        [RowsConfig::PARAMS[0], Traversal::PARAM],
+        [QUERY_PARAM]
+    ),
     variants: &[""],
     also_tested: &[
         "kernel=scalar",

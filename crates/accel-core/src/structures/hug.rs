@@ -23,7 +23,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::nested_grids::build::{BuildRules, LooseGrids, references_in, room_of};
 use crate::grid::nested_grids::{Mailbox, NestedGrids, VisitedGrids};
-use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsRule, smallest_cell};
 use crate::parallel::collect;
@@ -357,15 +357,8 @@ pub(super) fn useful_frame<S: Scalar>(
     room: &CapacityLimits,
 ) -> GridFrame<S> {
     let n = boxes.clone().count();
-    let input = ResolutionInput {
-        bounds,
-        primitives: n,
-        density,
-        mean_longest_side: 0.0,
-        max_cells: room.most_cells(),
-        smallest_cell: smallest_cell(padding),
-    };
-    let mut cells = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
+    let (most, smallest) = (room.most_cells(), smallest_cell(padding));
+    let mut cells = resolve_by_density(bounds, n, density, most, smallest);
     loop {
         let frame = GridFrame::new(bounds, cells);
         let references = references_in(&frame, boxes.clone());

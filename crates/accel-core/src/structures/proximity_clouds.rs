@@ -16,7 +16,7 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_lists::CellLists;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::distance_field::{Metric, distances};
-use crate::grid::regular_grid::{GridConfig, stored};
+use crate::grid::regular_grid::{GridConfig, grid_params, stored};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
@@ -24,8 +24,6 @@ use crate::params::specs;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
 
@@ -34,21 +32,17 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "equal voxels; empty ones hold the distance to the nearest occupied one",
     paper: "Cohen, Sheffer 1994",
     deviations: "exact distances up to 255; eight octants instead of general directions",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        ParamSpec::choice("metric", "chessboard", &["city-block", "chessboard", "euclidean"])
-            .about("how distances between voxels are measured"),
-        ParamSpec::choice("directions", "all", &["all", "octants"])
-            .about("one distance a voxel, or one for each octant of directions"),
-        kernel::BLOCK_PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+        [
+            ParamSpec::choice("metric", "chessboard", &["city-block", "chessboard", "euclidean"])
+                .about("how distances between voxels are measured"),
+            ParamSpec::choice("directions", "all", &["all", "octants"])
+                .about("one distance a voxel, or one for each octant of directions")
+        ],
+        []
+    ),
     variants: &["density=20"],
     also_tested: &[
         "kernel=scalar",

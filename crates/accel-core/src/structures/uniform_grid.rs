@@ -16,12 +16,10 @@ use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_overlap::Insertion;
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::NewCells;
-use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::params::Params;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
@@ -31,23 +29,14 @@ pub static INFO: StructureInfo = StructureInfo {
     summary: "equal voxels with lists of primitives, in one array",
     paper: "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987",
     deviations: "padded boxes; plane parameters recomputed, not accumulated",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        Traversal::PARAM_OF_ALL,
-        Insertion::PARAM,
-        kernel::BLOCK_PARAM,
-        QUERY_PARAM,
-        INCREMENTAL,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
+        [Traversal::PARAM_OF_ALL, Insertion::PARAM],
+        [QUERY_PARAM, INCREMENTAL],
         TRIANGLE_TEST,
-        SPHERE_TEST,
-    ],
+        SPHERE_TEST
+    ),
     variants: &[
         "",
         "resolution=heterogeneous density=1",

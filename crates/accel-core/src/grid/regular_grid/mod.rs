@@ -85,6 +85,28 @@ pub const QUERY_PARAM: ParamSpec = ParamSpec {
     ..specs::QUERY
 };
 
+/// The parameters of a regular grid with at most so many cells and references: how its cells are
+/// made and traversed, what it does beside, and what comes behind mailboxes.
+macro_rules! grid_params {
+    ($cells:expr, $references:expr, [$($own:expr),*], [$($beside:expr),*] $(, $last:expr)*) => {
+        &[
+            $crate::params::specs::RESOLUTION,
+            $crate::params::specs::DENSITY,
+            $crate::params::specs::BOXES,
+            $crate::params::specs::ORDER,
+            $cells,
+            $references,
+            $($own,)*
+            $crate::query::kernel::BLOCK_PARAM,
+            $($beside,)*
+            $crate::query::mailbox::PARAM,
+            $crate::query::mailbox::SLOTS_PARAM,
+            $($last,)*
+        ]
+    };
+}
+pub(crate) use grid_params;
+
 /// A regular grid whose cells are kept in a `G`.
 pub struct RegularGrid<S: Scalar, G> {
     frame: GridFrame<S>,

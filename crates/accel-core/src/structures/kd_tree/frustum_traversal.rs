@@ -2,7 +2,6 @@
 
 use std::ops::ControlFlow;
 
-use crate::geometry::scalar::Vector;
 use crate::query::region::{Frustum, FrustumTraversal};
 use crate::structures::kd_tree::KdTree;
 use crate::structures::kd_tree::subdivide::Node;
@@ -31,12 +30,8 @@ impl FrustumTraversal for KdTree<f64> {
                 continue;
             }
             let (mut lower, mut upper) = (bounds, bounds);
-            let mut plane = bounds.max.to_array();
-            plane[axis] = node.plane + frustum.tolerance();
-            lower.max = Vector::from_array(plane);
-            plane = bounds.min.to_array();
-            plane[axis] = node.plane - frustum.tolerance();
-            upper.min = Vector::from_array(plane);
+            lower.max[axis] = node.plane + frustum.tolerance();
+            upper.min[axis] = node.plane - frustum.tolerance();
             let child = node.link >> 2;
             let mut children = [(child + 1, upper), (child, lower)];
             if direction[axis] < 0.0 {

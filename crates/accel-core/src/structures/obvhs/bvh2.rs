@@ -7,7 +7,7 @@
 
 use std::marker::PhantomData;
 
-use crate::bvh::build::agglomerated::{agglomerated, preset_named};
+use crate::bvh::build::agglomerated::preset_named;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
@@ -78,19 +78,9 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         prims: &P,
         settings: &Settings<Bvh2Config>,
     ) -> Result<Self, BuildError> {
-        let (bvh, direct) = match direct::triangles(prims) {
-            Some(triangles) => {
-                let tree = builder::agglomerated_triangles(&triangles, &settings.preset);
-                let bvh = builder::binary(tree, &settings.preset);
-                let direct = DirectQueries::new(prims, &bvh, &triangles);
-                (bvh, Some(direct))
-            }
-            None => {
-                let boxes = direct::boxes(prims, settings.limits())?;
-                let tree = agglomerated(&boxes, &settings.preset, false);
-                (builder::binary(tree, &settings.preset), None)
-            }
-        };
+        let (tree, triangles) = direct::tree(prims, settings.limits(), &settings.preset)?;
+        let bvh = builder::binary(tree, &settings.preset);
+        let direct = triangles.map(|own| DirectQueries::new(prims, &bvh, &own));
         let built_cost = settings.refitted_until.map(|_| expected_cost(&bvh));
         Ok(Self { bvh, direct, built_cost, scalar: PhantomData })
     }
@@ -185,14 +175,18 @@ impl<S: Scalar> ObvhsBvh2<S> {
         if triangles.is_some() != self.direct.is_some() {
             return false;
         }
-        refit(&mut self.bvh, |bvh, leaf| {
-            let of = |id: &u32| match &triangles {
-                Some(triangles) => triangles[*id as usize].aabb(),
-                None => direct::rounded(&prims.bounds(*id)),
-            };
-            let ids = leaf_ids(bvh, &bvh.nodes[leaf]).iter();
-            ids.fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)))
-        });
+        let of = |id: &u32| match &triangles {
+            Some(triangles) => triangles[*id as usize].aabb(),
+            None => direct::rounded(&prims.bounds(*id)),
+        };
+        for leaf in 0..self.bvh.nodes.len() {
+            if self.bvh.nodes[leaf].is_leaf() {
+                let ids = leaf_ids(&self.bvh, &self.bvh.nodes[leaf]).iter();
+                let bounds = ids.fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)));
+                self.bvh.nodes[leaf].set_aabb(bounds);
+            }
+        }
+        self.bvh.refit_all();
         self.direct = triangles.map(|own| DirectQueries::new(prims, &self.bvh, &own));
         true
     }
@@ -254,17 +248,6 @@ fn count_nodes(
         }
         waiting[waiting_before..].reverse();
     }
-}
-
-/// Fits all boxes to those that `bounds` gives for the leaves, by the number of the leaf's node.
-fn refit(bvh: &mut Bvh2, mut bounds: impl FnMut(&Bvh2, usize) -> ObvhsAabb) {
-    for number in 0..bvh.nodes.len() {
-        if bvh.nodes[number].is_leaf() {
-            let bounds = bounds(bvh, number);
-            bvh.nodes[number].set_aabb(bounds);
-        }
-    }
-    bvh.refit_all();
 }
 
 /// Expected visits to nodes and tests of primitives of a ray that meets the scene (J. D. MacDonald,

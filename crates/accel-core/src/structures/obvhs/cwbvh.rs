@@ -101,33 +101,24 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             needed: u128::from(needed),
             limit: u128::from(limit),
         };
-        let preset = settings.preset;
+        let (preset, limits) = (settings.preset, settings.limits());
+        let wide =
+            |tree, is_robust| builder::eight_wide(tree, &preset, is_robust).map_err(too_deep);
         if settings.is_robust {
-            let Items { boxes, groups, setup } =
-                items_of(prims, settings.limits(), Padding::OfScene)?;
-            let mut bvh = builder::eight_wide(agglomerated(&boxes, &preset, true), &preset, true)
-                .map_err(too_deep)?;
+            let Items { boxes, groups, setup } = items_of(prims, limits, Padding::OfScene)?;
+            let mut bvh = wide(agglomerated(&boxes, &preset, true), true)?;
             let has_blocks = settings.has_blocks && leaf_blocks::serve(prims, &groups);
             if has_blocks {
-                leaf_blocks::fit::<S>(bvh.nodes.len(), settings.limits())?;
+                leaf_blocks::fit::<S>(bvh.nodes.len(), limits)?;
             }
             let blocks = has_blocks.then(|| leaf_blocks::of_wide(&mut bvh, prims));
             return Ok(Self { bvh, leaves: Leaves::Robust { setup, groups, blocks } });
         }
-        if let Some(triangles) = direct::triangles(prims) {
-            let bvh = builder::eight_wide(
-                builder::agglomerated_triangles(&triangles, &preset),
-                &preset,
-                false,
-            )
-            .map_err(too_deep)?;
-            let leaves = Leaves::Direct(DirectQueries::new(prims, &bvh, &triangles));
-            return Ok(Self { bvh, leaves });
-        }
-        let boxes = direct::boxes(prims, settings.limits())?;
-        let bvh = builder::eight_wide(agglomerated(&boxes, &preset, false), &preset, false)
-            .map_err(too_deep)?;
-        Ok(Self { bvh, leaves: Leaves::Callback })
+        let (tree, triangles) = direct::tree(prims, limits, &preset)?;
+        let bvh = wide(tree, false)?;
+        let direct = triangles.map(|own| DirectQueries::new(prims, &bvh, &own));
+        let leaves = direct.map_or(Leaves::Callback, Leaves::Direct);
+        Ok(Self { bvh, leaves })
     }
 
     #[inline(always)]
@@ -180,13 +171,8 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
     }
 
     fn stats(&self) -> StructureStats {
-        let cells = self
-            .bvh
-            .nodes
-            .iter()
-            .flat_map(|n| (0..8).map(move |c| (n, c)))
-            .filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c))
-            .count();
+        let children = self.bvh.nodes.iter().flat_map(|n| (0..8).map(move |c| (n, c)));
+        let cells = children.filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c)).count();
         let indices = self.bvh.primitive_indices.as_slice();
         let (references, bytes) = match &self.leaves {
             Leaves::Direct(own) => (indices.len() as u64, own.bytes()),

@@ -6,6 +6,7 @@
 //! other sets the primitives are tested by ours in its callback, their boxes as they are. What is
 //! counted is that, too: the library's nodes, our sink.
 
+use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::CwBvh;
@@ -15,6 +16,7 @@ use obvhs::triangle::Triangle;
 
 use glam::Vec3A;
 
+use crate::bvh::build::agglomerated::agglomerated;
 use crate::bvh::items::outward;
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
@@ -23,6 +25,7 @@ use crate::memory::Limits;
 use crate::parallel;
 use crate::primitives::PrimSet;
 use crate::structure::{BatchAnswers, Batches, BuildError, bounds_of, refuse_out_of_scale};
+use crate::structures::obvhs::builder::agglomerated_triangles;
 
 /// Queries that both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -175,19 +178,25 @@ impl DirectQueries {
     }
 }
 
-/// The boxes of all primitives of a set that [`triangles`] does not serve.
+/// A binary tree over the library's triangles, which come with it, or over boxes of primitives that
+/// these do not serve.
 ///
 /// # Errors
 /// [`BuildError`] for a set without primitives that fit f32, which is all that obvhs knows.
-pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
+pub(crate) fn tree<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     limits: Limits,
-) -> Result<Vec<Aabb>, BuildError> {
+    preset: &BvhBuildParams,
+) -> Result<(Bvh2, Option<Vec<Triangle>>), BuildError> {
+    if let Some(triangles) = triangles(prims) {
+        return Ok((agglomerated_triangles(&triangles, preset), Some(triangles)));
+    }
     // a box and an id of each primitive, twice as many nodes
     limits.fits(96 * prims.len() as u128)?;
     refuse_out_of_scale::<S, f32>(prims.magnitude(), limits.structure)?;
     bounds_of(prims, BoundsRule::Padded, limits.structure)?;
-    Ok(parallel::collect(prims.len(), |id| rounded(&prims.bounds(id as u32))))
+    let boxes = parallel::collect(prims.len(), |id| rounded(&prims.bounds(id as u32)));
+    Ok((agglomerated(&boxes, preset, false), None))
 }
 
 /// A box in f32, rounded outwards.

@@ -10,7 +10,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::block_lists::{BoxPlacement, DenseRows, block_lists};
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
-use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::parallel::should_parallelize;
 use crate::query::cells::{Cell, CellVisitor};
@@ -156,10 +156,7 @@ impl<S: Scalar> Child<S> {
         depth: u32,
     ) -> &Content<S> {
         self.content.get_or_init(|| {
-            let ids = {
-                let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-                std::mem::take(&mut *waiting)
-            };
+            let ids = std::mem::take(&mut *self.waiting());
             match division.grid(&ids, bounds(), depth) {
                 Ok(Some(grid)) => {
                     division.budget.give_back([0, ids.len() as u64]);
@@ -355,16 +352,8 @@ impl<S: Scalar> Division<S> {
             LevelRule::CubeRoot => [(wanted.cbrt() - 1e-6).ceil().max(1.0) as u32; 3],
             LevelRule::Heterogeneous => heterogeneous(size.map(|s| s.to_f64()), wanted),
             LevelRule::Density => {
-                let input = ResolutionInput {
-                    bounds,
-                    primitives: n,
-                    density,
-                    mean_longest_side: 0.0,
-                    max_cells: self.budget.cells_left().max(1),
-                    smallest_cell: self.narrowest.to_f64(),
-                };
-                // never refused: a computed rule keeps within max_cells
-                resolve(ResolutionRule::Density, &input).unwrap_or([1; 3])
+                let most = self.budget.cells_left().max(1);
+                resolve_by_density(bounds, n, density, most, self.narrowest.to_f64())
             }
         };
         for k in 0..3 {

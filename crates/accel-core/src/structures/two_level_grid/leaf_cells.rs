@@ -13,7 +13,7 @@ use crate::grid::block_lists::rows_in;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::nested_grids::build::references_in;
 use crate::grid::regular_grid::Contents;
-use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::resolve_by_density;
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
@@ -96,10 +96,11 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     rules: &LeafRules,
 ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
     let upper = UpperCellInput { contents, division, lists, rules };
-    let stretches = lists.stretches(rayon::current_num_threads());
+    let mut stretches = lists.stretches(rayon::current_num_threads());
     // resolutions, then where leaf cells begin
-    let resolutions: Vec<Vec<UpperCell>> =
-        in_parallel(&stretches, |cells| cells.clone().map(|cell| upper.resolution(cell)).collect());
+    let resolutions: Vec<Vec<UpperCell>> = in_parallel(&mut stretches, |cells| {
+        cells.clone().map(|cell| upper.resolution(cell)).collect()
+    });
     let mut cells = Vec::with_capacity(contents.frame.cells());
     let mut leaf_cells = 0u64;
     let mut leaves_of: Vec<usize> = Vec::with_capacity(stretches.len());
@@ -119,7 +120,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     for (range, counters) in stretches.iter().zip(split(&mut starts, &leaves_of)) {
         parts.push(CellRange { range: range.clone(), cells: &cells[range.clone()], counters });
     }
-    let references = in_parallel_mut(&mut parts, |part| upper.count(part));
+    let references = in_parallel(&mut parts, |part| upper.count(part));
     let total: u64 = references.iter().sum();
     rules.room.check([all_cells, total])?;
     let mut ids = vec![0u32; total as usize];
@@ -131,7 +132,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
         filled.push((part, ids, before));
         before += length;
     }
-    in_parallel_mut(&mut filled, |(part, ids, before)| upper.fill(part, ids, *before));
+    in_parallel(&mut filled, |(part, ids, before)| upper.fill(part, ids, *before));
     if let Some(last) = starts.last_mut() {
         *last = total as u32;
     }
@@ -192,18 +193,7 @@ pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
 }
 
 /// Maps items by `f` in parallel, in order; on one thread without rayon.
-fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
-    match items {
-        [only] => vec![f(only)],
-        _ => items.par_iter().map(f).collect(),
-    }
-}
-
-/// [`in_parallel`] for what is changed.
-fn in_parallel_mut<T: Send, R: Send>(
-    items: &mut [T],
-    f: impl Fn(&mut T) -> R + Send + Sync,
-) -> Vec<R> {
+fn in_parallel<T: Send, R: Send>(items: &mut [T], f: impl Fn(&mut T) -> R + Send + Sync) -> Vec<R> {
     match items {
         [only] => vec![f(only)],
         _ => items.par_iter_mut().map(f).collect(),
@@ -246,16 +236,10 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
         let list = self.lists.list(cell);
         let mut n = [u8::from(!list.is_empty()); 3];
         if self.rules.density * list.len() as f64 >= 2.0 {
-            let input = ResolutionInput {
-                bounds: self.contents.frame.cell_bounds(cell),
-                primitives: list.len(),
-                density: self.rules.density,
-                mean_longest_side: 0.0,
-                max_cells: self.rules.room.most_cells(),
-                smallest_cell: smallest_cell(self.contents.padding()),
-            };
-            // never refused: a computed rule keeps within max_cells
-            let wanted = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
+            let bounds = self.contents.frame.cell_bounds(cell);
+            let (most, smallest) =
+                (self.rules.room.most_cells(), smallest_cell(self.contents.padding()));
+            let wanted = resolve_by_density(bounds, list.len(), self.rules.density, most, smallest);
             n = wanted.map(|n| n.min(u32::from(u8::MAX)) as u8);
             while n != [1; 3] && !self.is_useful(cell, n, list) {
                 n = n.map(|n| n.div_ceil(2));
