@@ -160,6 +160,23 @@ impl CellLists {
         fill(all, order, placement, &mut self.starts, |at, id| ids[at] = id);
     }
 
+    /// The lists of these pairs of a cell and an id, ids in their order.
+    pub(crate) fn of_pairs<'a>(
+        cells: usize,
+        pairs: impl DoubleEndedIterator<Item = &'a (u32, u32)> + Clone,
+    ) -> Self {
+        let mut starts = vec![0; cells + 1];
+        pairs.clone().for_each(|&(cell, _)| starts[cell as usize] += 1);
+        turn_into_ends(&mut starts);
+        let mut ids = vec![0; starts[cells] as usize];
+        for &(cell, id) in pairs.rev() {
+            let at = &mut starts[cell as usize];
+            *at -= 1;
+            ids[*at as usize] = id;
+        }
+        Self { starts, ids }
+    }
+
     /// From starts, one more than there are cells, and ids.
     pub(crate) fn of_parts(starts: Vec<u32>, ids: Vec<u32>) -> Self {
         Self { starts, ids }

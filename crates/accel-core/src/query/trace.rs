@@ -61,21 +61,11 @@ impl<S: Scalar> TraversalTrace<S> {
 
 /// A counted closest-hit query that remembers.
 pub(crate) struct Recorder<'a, S: Scalar, P: PrimSet<S>, M> {
-    query: ClosestHit<'a, S, P, WorkCounters, M>,
-    steps: Vec<TraceStep>,
+    pub(crate) query: ClosestHit<'a, S, P, WorkCounters, M>,
+    pub(crate) steps: Vec<TraceStep>,
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>, M: Mailbox> Recorder<'a, S, P, M> {
-    pub(crate) fn new(query: ClosestHit<'a, S, P, WorkCounters, M>) -> Self {
-        Self { query, steps: Vec::new() }
-    }
-
-    /// The steps, the answer and what the query counted.
-    pub(crate) fn finish(self) -> (Vec<TraceStep>, Hit<S>, WorkCounters) {
-        let (hit, counters) = self.query.finish();
-        (self.steps, hit, counters)
-    }
-
+impl<S: Scalar, P: PrimSet<S>, M: Mailbox> Recorder<'_, S, P, M> {
     fn step(&mut self, kind: CellKind) {
         self.steps.push(TraceStep { kind, tests: Vec::new() });
     }

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::nested_grids::build::{BuildRules, LooseGrids, room_of};
 use crate::grid::nested_grids::{NestedGrids, NoMailbox};
 use crate::grid::voxel_traversal::GridFrame;
@@ -31,7 +31,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};
 use crate::tree::clustering::agglomerate::{MergeRule, agglomerate, surface};
@@ -61,12 +61,9 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "adaptive-grid",
-    summary: "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",
     paper: "Klimaszewski, Sederberg 1997",
     deviations: "binary hierarchy; large scenes clustered locally; useless sub-voxel grids left out",
     params: AdaptiveGridConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "exact-clusters=4096",
@@ -74,8 +71,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "orphan-grid=on m=0.1",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "adaptive-grid",
+        "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",
+    )
 };
 
 /// s_i (n / volume)^(1/3) plus this, truncated, is the historical resolution of a cluster's grid
@@ -311,14 +310,8 @@ impl<S: Scalar> GridBuilder<'_, S> {
         if self.config.historical {
             return all;
         }
-        let (mut lo, mut hi) = (all.min.max(cell.min).to_array(), all.max.min(cell.max).to_array());
-        for k in 0..3 {
-            // a box that only touches the voxel may lie outside by rounding
-            if hi[k] < lo[k] {
-                (lo[k], hi[k]) = (hi[k], lo[k]);
-            }
-        }
-        Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
-            .expanded(self.padding)
+        // a box that only touches the voxel may lie outside by rounding
+        let (lo, hi) = (all.min.max(cell.min), all.max.min(cell.max));
+        Aabb { min: lo.min(hi), max: lo.max(hi) }.expanded(self.padding)
     }
 }

@@ -51,8 +51,6 @@ pub(super) const MAX_CELLS: ParamSpec = ParamSpec::integer("max-cells", "6710886
     .about("upper limit for the number of volumes");
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "bounding-volumes",
-    summary: "boxes, spheres or slabs around primitives or groups, each tested in turn",
     paper: "Whitted 1980; Rubin, Whitted 1980; Weghorst, Hooper, Greenberg 1984; \
             Kay, Kajiya 1986 (slabs)",
     deviations: "one kind of volume a scene; padded; groups cut at medians of centres",
@@ -75,6 +73,10 @@ pub static INFO: StructureInfo = StructureInfo {
     ],
     known_defect,
     sampled: true,
+    ..StructureInfo::new(
+        "bounding-volumes",
+        "boxes, spheres or slabs around primitives or groups, each tested in turn",
+    )
 };
 
 fn known_defect(params: &Params) -> Option<&'static str> {

@@ -19,7 +19,7 @@ use crate::parallel;
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::structure::{StructureInfo, no_defect};
+use crate::structure::StructureInfo;
 
 config! {
     /// How large blocks are.
@@ -35,8 +35,6 @@ const CACHE_LINE: &str =
     if cfg!(all(target_arch = "aarch64", target_os = "macos")) { "128" } else { "64" };
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "bricked-grid",
-    summary: "equal voxels in blocks of a cache line and macro-blocks of the L2 cache",
     paper: "Parker, Martin, Sloan, Shirley, Smits, Hansen 1999",
     deviations: "macro-blocks of L2 size, not of a page; blocks need not be cubes",
     params: grid_params!(
@@ -45,7 +43,6 @@ pub static INFO: StructureInfo = StructureInfo {
         [BricksConfig::PARAMS[0], BricksConfig::PARAMS[1], Traversal::PARAM],
         [QUERY_PARAM]
     ),
-    variants: &[""],
     also_tested: &[
         "kernel=scalar",
         "query=batch",
@@ -55,8 +52,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "traversal=driving-axis",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "bricked-grid",
+        "equal voxels in blocks of a cache line and macro-blocks of the L2 cache",
+    )
 };
 
 /// A grid in blocks.

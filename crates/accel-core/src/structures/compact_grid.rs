@@ -28,7 +28,7 @@ use crate::parallel::map_parts;
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::structure::{StructureInfo, no_defect};
+use crate::structure::StructureInfo;
 
 config! {
     /// How rows find their places.
@@ -39,8 +39,6 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "compact-grid",
-    summary: "equal voxels, a bit each; rows of occupied ones laid over each other in one table",
     paper: "Lagae, Dutre 2008 (hashed grid by row displacement)",
     deviations: "first fit looks at so many places only; lists in the order of the table",
     params: grid_params!(
@@ -49,7 +47,6 @@ pub static INFO: StructureInfo = StructureInfo {
         [RowsConfig::PARAMS[0], Traversal::PARAM],
         [QUERY_PARAM]
     ),
-    variants: &[""],
     also_tested: &[
         "kernel=scalar",
         "query=batch",
@@ -59,8 +56,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "traversal=driving-axis",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "compact-grid",
+        "equal voxels, a bit each; rows of occupied ones laid over each other in one table",
+    )
 };
 
 /// A grid in a table of displaced rows.

@@ -21,7 +21,7 @@ use crate::parallel::{for_each_part, parts, ranges, sort};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::structure::{StructureInfo, no_defect};
+use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 
 config! {
@@ -38,8 +38,6 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "hashed-grid",
-    summary: "equal voxels in a hash table: only occupied ones take memory",
     paper: "Glassner 1984 (hashed cells); Amanatides, Woo 1987 (traversal)",
     deviations: "linear probing, multiplicative hash, no chains; boxes as in uniform-grid",
     params: grid_params!(
@@ -49,7 +47,6 @@ pub static INFO: StructureInfo = StructureInfo {
         [TableConfig::PARAMS[0], TableConfig::PARAMS[1], Traversal::PARAM],
         [QUERY_PARAM, INCREMENTAL]
     ),
-    variants: &[""],
     also_tested: &[
         "kernel=scalar",
         "query=batch",
@@ -59,8 +56,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "traversal=driving-axis",
         "mailbox=array",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "hashed-grid",
+        "equal voxels in a hash table: only occupied ones take memory",
+    )
 };
 
 /// A grid in a hash table.

@@ -35,9 +35,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 use crate::tree::clustering::components::components;
 
@@ -63,15 +61,14 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "hug",
-    summary: "grids over clusters of primitives of like size, nested, each traversed once per ray",
     paper: "Cazals, Drettakis, Puech 1995",
     deviations: "largest class unclustered in the root; small clusters dissolve; coarser where useless",
     params: HugConfig::PARAMS,
-    variants: &[""],
     also_tested: &["kernel=scalar", "size-classes=2", "size-classes=4", "mailbox=primitive"],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "hug",
+        "grids over clusters of primitives of like size, nested, each traversed once per ray",
+    )
 };
 
 /// The rules of `boxes=historical`, fitted to published counters (Havran and Sixta 1999).

@@ -24,17 +24,12 @@ use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{
-    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "kay-kajiya",
-    summary: "hierarchy of slab volumes, nearest entry first by a priority queue",
     paper: "Kay, Kajiya 1986",
     deviations: "cuts on the axis of widest spread; leaves and branching of any size; padded",
     params: KayKajiyaConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "leaf-size=4 branching=4",
         "directions=3",
@@ -42,8 +37,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "leaf-size=16",
         "kernel=block leaf-size=8",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "kay-kajiya",
+        "hierarchy of slab volumes, nearest entry first by a priority queue",
+    )
 };
 
 /// A hierarchy of slab volumes.

@@ -25,20 +25,15 @@ use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{
-    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::ray_planes::RayPlanes;
 use subdivide::{Cells, Node};
 use surface_area::{DEEPEST, KdTreeConfig};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "kd-tree",
-    summary: "binary space subdivision by the surface-area heuristic, traversed with a stack",
     paper: "MacDonald, Booth 1990; Wald, Havran 2006; Shevtsov et al. 2007 (bins)",
     deviations: "padded boxes; binned above, exact below a number of references; no clipping",
     params: KdTreeConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "max-leaf=4 traversal-cost=2",
@@ -46,8 +41,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "exact-below=1024",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "kd-tree",
+        "binary space subdivision by the surface-area heuristic, traversed with a stack",
+    )
 };
 
 pub struct KdTree<S: Scalar> {

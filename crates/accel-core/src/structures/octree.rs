@@ -33,20 +33,15 @@ use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{
-    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::ray_planes::RayPlanes;
 use subdivide::{Cells, Content};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "octree",
-    summary: "cells cut into eight at the centre or by cost; three ways to traverse them",
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
     deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay or \
                  that multiply references",
     params: OctreeConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "subdivision=adaptive",
@@ -55,8 +50,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "subdivision=adaptive traversal=point-location",
         "mailbox=array",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "octree",
+        "cells cut into eight at the centre or by cost; three ways to traverse them",
+    )
 };
 
 /// Added to every side of a cone's box, as fitted to Havran and Sixta's counters.

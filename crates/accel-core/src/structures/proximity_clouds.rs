@@ -25,11 +25,9 @@ use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "proximity-clouds",
-    summary: "equal voxels; empty ones hold the distance to the nearest occupied one",
     paper: "Cohen, Sheffer 1994",
     deviations: "exact distances up to 255; eight octants instead of general directions",
     params: grid_params!(
@@ -52,8 +50,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "directions=octants density=20",
         "mailbox=array",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "proximity-clouds",
+        "equal voxels; empty ones hold the distance to the nearest occupied one",
+    )
 };
 
 /// The grid and its distances.

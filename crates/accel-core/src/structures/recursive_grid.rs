@@ -34,9 +34,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BuildError, Structure, StructureInfo, StructureStats, bounds_of, no_defect,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use budget::Budget;
 use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
@@ -74,8 +72,6 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "recursive-grid",
-    summary: "voxels with many primitives are divided by grids of their own, eagerly or on demand",
     paper: "Jevans, Wyvill 1989",
     deviations: "padded boxes; a voxel stays undivided where its grid would multiply references",
     params: RecursiveGridConfig::PARAMS,
@@ -89,8 +85,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=array",
         "build=lazy mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "recursive-grid",
+        "voxels with many primitives are divided by grids of their own, eagerly or on demand",
+    )
 };
 
 /// The traversal recurses once a level.
@@ -157,7 +155,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             budget: Budget::new(room),
         };
         let mut root =
-            division.root(bounds.scene(), room).map_err(|over| room.refused(over.needed))?;
+            division.root(bounds.scene(), room).map_err(|needed| room.refused(needed))?;
         if settings.has_joined_lists {
             root.join_lists();
         }

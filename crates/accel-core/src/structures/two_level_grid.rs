@@ -32,13 +32,11 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, INCREMENTAL, is_worth_changing};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "two-level-grid",
-    summary: "a coarse grid whose cells hold grids, each of a resolution of its own",
     paper: "Kalojanov, Billeter, Slusallek 2011",
     deviations: "counting sorts, not radix; leaf grids of no use are made coarser",
     params: &[
@@ -56,15 +54,16 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "density=0.01 leaf-density=20",
         "density=2 leaf-density=0.5",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "two-level-grid",
+        "a coarse grid whose cells hold grids, each of a resolution of its own",
+    )
 };
 
 const LEAF_DENSITY: ParamSpec = ParamSpec::real("leaf-density", "2.4", 1e-6, 1e6)

@@ -25,8 +25,6 @@ use crate::update::{ChangedLists, INCREMENTAL};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "uniform-grid",
-    summary: "equal voxels with lists of primitives, in one array",
     paper: "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987",
     deviations: "padded boxes; plane parameters recomputed, not accumulated",
     params: grid_params!(
@@ -62,7 +60,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "insertion=padded-exact density=20",
     ],
     known_defect,
-    sampled: false,
+    ..StructureInfo::new("uniform-grid", "equal voxels with lists of primitives, in one array")
 };
 
 fn known_defect(params: &Params) -> Option<&'static str> {

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use crate::config;
 use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::CellLists;
 use crate::occluders::light_buffer::cell_part::{OutlineClipper, SPOT_BITS};
 use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::face_tree::{
@@ -122,13 +123,13 @@ impl FillPlan<'_> {
     /// Makes the cells of the coarse grid, whose first is there.
     fn coarse<S: Scalar>(&self, first: u32, out: &mut Cells<S>) {
         let side = 1u32 << self.bits;
-        let (starts, numbers) = self.coarse_lists();
+        let lists = self.coarse_lists();
         let row = |y: u32| {
             let mut filling = CellFiller::new(self);
             let words: Vec<u32> = (0..side)
                 .map(|x| {
                     let c = ((y << self.bits) + x) as usize;
-                    let mut list = numbers[starts[c] as usize..starts[c + 1] as usize].to_vec();
+                    let mut list = lists.at(c).to_vec();
                     let at = [x << self.shift, y << self.shift];
                     let (center, half) = self.rectangle(at, self.shift);
                     let cover = filling.prune(&mut list, center, half);
@@ -150,30 +151,13 @@ impl FillPlan<'_> {
         }
     }
 
-    /// The numbers of the footprints in each cell of the coarse grid: where each list starts, and
-    /// all lists.
-    fn coarse_lists(&self) -> (Vec<u32>, Vec<u32>) {
+    /// The numbers of the footprints in each cell of the coarse grid.
+    fn coarse_lists(&self) -> CellLists {
         let cells = 1usize << (2 * self.bits);
         let batches = 0..self.shown.batches().len();
         let pairs: Vec<Vec<(u32, u32)>> =
             batches.into_par_iter().map(|batch| self.coarse_pairs(batch)).collect();
-        let mut starts = vec![0u32; cells + 1];
-        for (cell, _) in pairs.iter().flatten() {
-            starts[*cell as usize + 1] += 1;
-        }
-        let mut total = 0;
-        for start in &mut starts {
-            total += *start;
-            *start = total;
-        }
-        let mut ends = starts.clone();
-        let mut numbers = vec![0; total as usize];
-        for (cell, number) in pairs.into_iter().flatten() {
-            let end = &mut ends[cell as usize];
-            numbers[*end as usize] = number;
-            *end += 1;
-        }
-        (starts, numbers)
+        CellLists::of_pairs(cells, pairs.iter().flatten())
     }
 
     /// The cells of the coarse grid that show a batch's footprints, with the numbers of these.

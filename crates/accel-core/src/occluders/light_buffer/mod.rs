@@ -43,16 +43,13 @@ use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::registry::Buildable;
-use crate::structure::{BuildError, StructureInfo, bounds_of, no_defect};
+use crate::structure::{BuildError, StructureInfo, bounds_of};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "light-buffer",
-    summary: "a cube of directions around each light, lists of occluders sorted by depth",
     paper: "Haines, Greenberg 1986",
     deviations: "faces cover only what they show; cells divide 4 x 4 where lists are long and list \
                  nothing behind what covers them; lists that stay long are left to a BVH",
     params: BufferConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "resolution=64",
         "resolution=128 cut-off=none",
@@ -64,8 +61,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "query=batch",
         "query=batch resolution=16 divide=1 longest=2",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "light-buffer",
+        "a cube of directions around each light, lists of occluders sorted by depth",
+    )
 };
 
 /// A built light buffer with its primitives.

@@ -78,11 +78,11 @@ impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
         let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
         each_near(self.reach, std::slice::from_ref(ray), &mut hits, |ray| {
             let mailbox = mailboxes.next_ray();
-            let mut recorder = Recorder::new(ClosestHit::with_mailbox(self.prims, ray, mailbox));
+            let query = ClosestHit::with_mailbox(self.prims, ray, mailbox);
+            let mut recorder = Recorder { query, steps: Vec::new() };
             self.structure.counted(ray, ErasedSink::new(&mut recorder));
-            let hit;
-            (steps, hit, total) = recorder.finish();
-            hit
+            (steps, total) = (recorder.steps, recorder.query.counters);
+            recorder.query.answer
         });
         TraversalTrace { steps, hit: hits[0], counters: total }
     }

@@ -37,7 +37,7 @@ use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
-use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::resolve_by_density;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::CountedItem;
 use crate::params::ParamSpec;
@@ -53,7 +53,7 @@ use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
 use crate::structure::{
     BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, bounds_of,
-    no_defect, too_many,
+    too_many,
 };
 use cells::{FIRST_PART, TooLarge};
 use course::{LatticeFrame, LatticeRayState};
@@ -87,12 +87,9 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "irregular-grid",
-    summary: "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
     paper: "Perard-Gayot, Kalojanov, Slusallek 2017",
     deviations: "recursive division by cost, only empty cells merged, equal lists shared, CPU",
     params: IrregularGridConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "build=fast",
         "query=batch",
@@ -103,8 +100,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=hash query=batch",
         "build=fast query=batch top-density=0.01 longest-list=5",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "irregular-grid",
+        "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
+    )
 };
 
 /// Parameters in which the two builds differ.
@@ -145,28 +144,15 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let (structure, limits) = (config.structure(), config.limits());
         let boxes = bounds_of(prims, BoundsRule::Padded, structure)?;
         let effort = config.effort;
-        let input = ResolutionInput {
-            bounds: boxes.scene(),
-            primitives: prims.len(),
-            density: config.top_density,
-            mean_longest_side: 0.0,
-            max_cells: u64::from(FIRST_PART) / 8,
-            smallest_cell: boxes.smallest_cell(),
-        };
-        let too_large = |what, needed: u128, limit: u128| BuildError::TooLarge {
-            structure,
-            what,
-            needed,
-            limit,
-        };
-        let top = resolve(ResolutionRule::Density, &input)
-            .map_err(|needed| too_large("number of cells", needed, input.max_cells.into()))?;
+        let (scene, smallest) = (boxes.scene(), boxes.smallest_cell());
+        let most = u64::from(FIRST_PART) / 8;
+        let top = resolve_by_density(scene, prims.len(), config.top_density, most, smallest);
         // copies are in all cells that one of them is in
         let are_copies = are_copies(prims);
         let top = if are_copies { [1; 3] } else { top };
         let most_growth = if are_copies { MOST_REFERENCES_A_COPY as f64 } else { f64::INFINITY };
         let padded = PaddedBounds(&boxes);
-        let whole = |top| Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
+        let whole = |top| Lattice::new(&scene, top, smallest);
         let mut lattice = whole(top);
         while lattice.top != [1; 3]
             && !(Placement { lattice: &lattice, source: &padded }).is_sparse()
@@ -188,7 +174,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
                 if what == cells::REFERENCES {
                     too_many(limits, &REFERENCES, config.max_references, needed)
                 } else {
-                    too_large(what, needed.into(), limit.into())
+                    let (needed, limit) = (needed.into(), limit.into());
+                    BuildError::TooLarge { structure, what, needed, limit }
                 }
             },
         )?;
@@ -209,7 +196,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         Ok(Self {
             voxels,
             lists,
-            place: LatticeFrame::new(boxes.scene().min, per_length, lattice.resolution()),
+            place: LatticeFrame::new(scene.min, per_length, lattice.resolution()),
             is_batch: config.is_batch,
             stats,
             lattice,

@@ -32,15 +32,16 @@ use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::{BvhBuildParams, fast_stack};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "obvhs-bvh2",
-    summary: "binary BVH of the obvhs crate (PLOC, reinsertion), as its authors use it",
     paper: "Meister, Bittner 2018 (two papers); obvhs 0.4",
     deviations: DEVIATIONS,
     params: &[PRESET, REFIT, REBUILD_AT],
     variants: &["", "preset=fastest"],
     also_tested: &["preset=very-fast", "preset=fast", "preset=slow", "preset=very-slow"],
     known_defect: |_| Some(DIRECT_DEFECT),
-    sampled: false,
+    ..StructureInfo::new(
+        "obvhs-bvh2",
+        "binary BVH of the obvhs crate (PLOC, reinsertion), as its authors use it",
+    )
 };
 
 /// Settings of the build.

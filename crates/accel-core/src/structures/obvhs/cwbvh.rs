@@ -35,8 +35,6 @@ use crate::structures::obvhs::direct::{self, DirectQueries};
 use crate::structures::obvhs::leaf_blocks;
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "obvhs-cwbvh",
-    summary: "compressed 8-wide BVH of the obvhs crate, as its authors use it",
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
     deviations: DEVIATIONS,
     params: CwBvhConfig::PARAMS,
@@ -53,7 +51,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "adapter=robust preset=very-slow",
     ],
     known_defect: |params| (params.text(ADAPTER.name) == "direct").then_some(DIRECT_DEFECT),
-    sampled: false,
+    ..StructureInfo::new(
+        "obvhs-cwbvh",
+        "compressed 8-wide BVH of the obvhs crate, as its authors use it",
+    )
 };
 
 config! {

@@ -14,7 +14,7 @@ use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::parallel::should_parallelize;
 use crate::query::cells::{Cell, CellVisitor};
-use crate::structures::recursive_grid::budget::{Budget, LimitExceeded};
+use crate::structures::recursive_grid::budget::{Budget, ExcessCounts};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -216,7 +216,7 @@ impl<S: Scalar> Division<S> {
         &mut self,
         bounds: Aabb<S>,
         room: CapacityLimits,
-    ) -> Result<Grid<S>, LimitExceeded> {
+    ) -> Result<Grid<S>, ExcessCounts> {
         if should_parallelize(self.boxes.len()) {
             self.budget = Budget::in_any_order(room);
             if let Ok(root) = self.outermost(bounds) {
@@ -228,7 +228,7 @@ impl<S: Scalar> Division<S> {
         self.outermost(bounds)
     }
 
-    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, LimitExceeded> {
+    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, ExcessCounts> {
         let mut density = self.densities[0];
         loop {
             let primitives = self.boxes.len();
@@ -252,7 +252,7 @@ impl<S: Scalar> Division<S> {
         ids: &[u32],
         bounds: Aabb<S>,
         depth: u32,
-    ) -> Result<Option<Grid<S>>, LimitExceeded> {
+    ) -> Result<Option<Grid<S>>, ExcessCounts> {
         let n = self.resolution(ids.len(), bounds, self.densities[1]);
         if n == [1; 3] {
             return Ok(None);
@@ -270,7 +270,7 @@ impl<S: Scalar> Division<S> {
         frame: GridFrame<S>,
         depth: u32,
         lists: impl FnOnce(u64, &BoxPlacement<'_, S>) -> Result<CellLists, TooManyReferences>,
-    ) -> Result<Option<Grid<S>>, LimitExceeded> {
+    ) -> Result<Option<Grid<S>>, ExcessCounts> {
         let cells = frame.cells() as u64;
         self.budget.take([cells, 0])?;
         let allowed = self.max_growth * primitives as f64;
@@ -296,7 +296,7 @@ impl<S: Scalar> Division<S> {
                     Some(made) => made.next().flatten(),
                     None => self.child(&frame, cell, list, depth)?,
                 };
-                Ok(child.map(|child| {
+                Ok::<_, ExcessCounts>(child.map(|child| {
                     children.push(child);
                     CHILD | (children.len() - 1) as u32
                 }))
@@ -315,7 +315,7 @@ impl<S: Scalar> Division<S> {
         lists: &CellLists,
         frame: &GridFrame<S>,
         depth: u32,
-    ) -> Result<Option<Vec<Option<Child<S>>>>, LimitExceeded> {
+    ) -> Result<Option<Vec<Option<Child<S>>>>, ExcessCounts> {
         let pays = depth < self.eager_depth && should_parallelize(lists.references());
         if !(pays && self.budget.is_in_any_order()) {
             return Ok(None);
@@ -333,7 +333,7 @@ impl<S: Scalar> Division<S> {
         cell: usize,
         list: &[u32],
         depth: u32,
-    ) -> Result<Option<Child<S>>, LimitExceeded> {
+    ) -> Result<Option<Child<S>>, ExcessCounts> {
         if depth >= self.eager_depth {
             return Ok(Some(Child::later(list)));
         }
