@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::grid::sort_in_parts::{
     Counts, counted, filled, filled_whole, turn_into_ends, useful_parts,
 };
+use crate::structure::StructureStats;
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other
 /// lists.
@@ -295,6 +296,19 @@ impl<I: Deref<Target = [u32]>> CellLists<I> {
 
     pub fn bytes(&self) -> usize {
         (self.starts.len() + self.references()) * 4
+    }
+}
+
+impl CellLists {
+    /// Their cells, references and bytes.
+    pub(crate) fn stats(&self) -> StructureStats {
+        StructureStats {
+            cells: self.cells() as u64,
+            empty_cells: self.empty_cells() as u64,
+            references: self.references() as u64,
+            bytes: self.bytes() as u64,
+            ..StructureStats::default()
+        }
     }
 }
 

@@ -121,16 +121,9 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
     }
 
     fn stats(&self) -> StructureStats {
-        let c = &self.cells;
-        let leaves = c.lists.cells() as u64;
-        StructureStats {
-            inner_cells: c.nodes.len() as u64 - leaves,
-            cells: leaves,
-            empty_cells: c.lists.empty_cells() as u64,
-            references: c.lists.references() as u64,
-            bytes: (size_of_val(c.nodes.as_slice()) + c.lists.bytes()) as u64,
-            ..StructureStats::default()
-        }
+        let (nodes, lists) = (self.cells.nodes.as_slice(), self.cells.lists.stats());
+        let inner_cells = nodes.len() as u64 - lists.cells;
+        StructureStats { inner_cells, bytes: size_of_val(nodes) as u64 + lists.bytes, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {

@@ -146,16 +146,9 @@ impl<S: Scalar> Structure<S> for Octree<S> {
 
     fn stats(&self) -> StructureStats {
         let c = &self.cells;
-        let bytes =
-            size_of_val(c.links.as_slice()) + size_of_val(c.planes.as_slice()) + c.lists.bytes();
-        StructureStats {
-            inner_cells: c.planes.len() as u64,
-            cells: c.lists.cells() as u64,
-            empty_cells: c.lists.empty_cells() as u64,
-            references: c.lists.references() as u64,
-            bytes: bytes as u64,
-            ..StructureStats::default()
-        }
+        let lists = c.lists.stats();
+        let bytes = (size_of_val(c.links.as_slice()) + size_of_val(c.planes.as_slice())) as u64;
+        StructureStats { inner_cells: c.planes.len() as u64, bytes: bytes + lists.bytes, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {

@@ -149,15 +149,8 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     }
 
     fn stats(&self) -> StructureStats {
-        let cells = self.frame.cells() as u64;
-        StructureStats {
-            cells,
-            empty_cells: self.lists.empty_cells() as u64,
-            references: self.lists.references() as u64,
-            resolution: Some(self.frame.resolution()),
-            bytes: (self.lists.bytes() + self.distances.len()) as u64,
-            ..StructureStats::default()
-        }
+        let (lists, resolution) = (self.lists.stats(), Some(self.frame.resolution()));
+        StructureStats { resolution, bytes: lists.bytes + self.distances.len() as u64, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {

@@ -196,16 +196,14 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     fn stats(&self) -> StructureStats {
         let divided = self.cells.iter().filter(|cell| cell.is_divided()).count() as u64;
         let vacant = self.cells.iter().filter(|cell| cell.is_vacant()).count() as u64;
-        let lists = self.leaves.lists();
+        let lists = self.leaves.lists().stats();
+        let upper = self.lists.as_ref().map_or(0, CellLists::bytes);
         StructureStats {
             inner_cells: 1 + divided,
-            cells: lists.cells() as u64 + vacant,
-            empty_cells: lists.empty_cells() as u64 + vacant,
-            references: lists.references() as u64,
-            bytes: (size_of_val(self.cells.as_slice())
-                + lists.bytes()
-                + self.lists.as_ref().map_or(0, CellLists::bytes)) as u64,
-            ..StructureStats::default()
+            cells: lists.cells + vacant,
+            empty_cells: lists.empty_cells + vacant,
+            bytes: (size_of_val(self.cells.as_slice()) + upper) as u64 + lists.bytes,
+            ..lists
         }
     }
 

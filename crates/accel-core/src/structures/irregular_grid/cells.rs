@@ -44,8 +44,8 @@ impl Cells {
         Ok(())
     }
 
-    /// Takes in the cells of others; their first `roots` entries are given back, renumbered.
-    pub(super) fn absorb(&mut self, other: Self, roots: usize) -> Result<Vec<u32>, TooLarge> {
+    /// Takes in the cells of others; their first `roots` entries come to those from `at` on.
+    pub(super) fn absorb(&mut self, other: Self, at: usize, roots: usize) -> Result<(), TooLarge> {
         let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
         // both begin with the empty list
         let lists = self.lists.len() as u32 - 1;
@@ -65,7 +65,9 @@ impl Cells {
         self.lists.extend_from_slice(&other.lists[1..]);
         self.references += other.references;
         self.divided += other.divided;
-        Ok(other.entries[..roots].iter().map(renumbered).collect())
+        let renumbered = other.entries[..roots].iter().map(renumbered);
+        self.entries[at..].iter_mut().zip(renumbered).for_each(|(entry, root)| *entry = root);
+        Ok(())
     }
 
     /// The ids of a list.

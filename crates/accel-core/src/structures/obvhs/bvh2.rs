@@ -15,15 +15,11 @@ use crate::params::Params;
 use crate::params::config::{Config, Settings};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::counters::Counters;
-use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET};
 use crate::structures::obvhs::builder;
-use crate::structures::obvhs::direct::{self, DirectQueries};
+use crate::structures::obvhs::direct::{self, DirectQueries, direct_batches};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::bvh2::Bvh2;
@@ -117,25 +113,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         });
     }
 
-    #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        DirectQueries::batches::<S, P>(self.direct.as_ref(), prims)
-    }
-
-    #[inline(always)]
-    fn answer_batch<P: PrimSet<S>, C: Counters>(
-        &self,
-        _: &P,
-        _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        _: S,
-        answers: BatchAnswers<'_, S>,
-    ) -> C {
-        if let Some(own) = &self.direct {
-            own.answer_batch(&self.bvh, rays, answers);
-        }
-        C::default()
-    }
+    direct_batches!();
 
     fn stats(&self) -> StructureStats {
         let cells = self.bvh.nodes.iter().filter(|n| n.is_leaf()).count() as u64;
@@ -169,6 +147,11 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 }
 
 impl<S: Scalar> ObvhsBvh2<S> {
+    #[inline(always)]
+    fn direct(&self) -> Option<&DirectQueries> {
+        self.direct.as_ref()
+    }
+
     /// Fits the boxes, and the library's copies of triangles, to primitives of which some stand
     /// elsewhere now. False where these would be kept in another way, and nothing was done.
     fn refit_all<P: PrimSet<S>>(&mut self, prims: &P) -> bool {

@@ -23,15 +23,11 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::counters::Counters;
-use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::obvhs::adapter::{ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET};
 use crate::structures::obvhs::builder::{self, DepthError};
-use crate::structures::obvhs::direct::{self, DirectQueries};
+use crate::structures::obvhs::direct::{self, DirectQueries, direct_batches};
 use crate::structures::obvhs::leaf_blocks;
 
 pub static INFO: StructureInfo = StructureInfo {
@@ -148,28 +144,7 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         }
     }
 
-    #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        match &self.leaves {
-            Leaves::Direct(own) => DirectQueries::batches::<S, P>(Some(own), prims),
-            _ => Batches::RayByRay,
-        }
-    }
-
-    #[inline(always)]
-    fn answer_batch<P: PrimSet<S>, C: Counters>(
-        &self,
-        _: &P,
-        _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        _: S,
-        answers: BatchAnswers<'_, S>,
-    ) -> C {
-        if let Leaves::Direct(own) = &self.leaves {
-            own.answer_batch(&self.bvh, rays, answers);
-        }
-        C::default()
-    }
+    direct_batches!();
 
     fn stats(&self) -> StructureStats {
         let children = self.bvh.nodes.iter().flat_map(|n| (0..8).map(move |c| (n, c)));
@@ -243,6 +218,11 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 }
 
 impl<S: Scalar> ObvhsCwBvh<S> {
+    #[inline(always)]
+    fn direct(&self) -> Option<&DirectQueries> {
+        if let Leaves::Direct(own) = &self.leaves { Some(own) } else { None }
+    }
+
     /// The library's loop; `test` tests the primitive at which it is, `bound` says where a query
     /// ends as a parameter of `ray`.
     #[inline(always)]

@@ -24,8 +24,43 @@ use crate::historical::bounds_rule::BoundsRule;
 use crate::memory::Limits;
 use crate::parallel;
 use crate::primitives::PrimSet;
-use crate::structure::{BatchAnswers, Batches, BuildError, bounds_of, refuse_out_of_scale};
+use crate::structure::{BatchAnswers, BuildError, bounds_of, refuse_out_of_scale};
 use crate::structures::obvhs::builder::agglomerated_triangles;
+
+/// How a tree answers batches: by its `direct` queries, where it has some and they serve the set.
+macro_rules! direct_batches {
+    () => {
+        #[inline(always)]
+        fn batches<P: PrimSet<S>>(
+            &self,
+            prims: &P,
+            _: Option<&$crate::query::kernel::ListBlocks<S>>,
+        ) -> $crate::structure::Batches {
+            // a set under another test may be asked, too
+            if self.direct().is_some() && direct::is_served::<S, P>(prims) {
+                $crate::structure::Batches::Library
+            } else {
+                $crate::structure::Batches::RayByRay
+            }
+        }
+
+        #[inline(always)]
+        fn answer_batch<P: PrimSet<S>, C: $crate::query::counters::Counters>(
+            &self,
+            _: &P,
+            _: Option<&$crate::query::kernel::ListBlocks<S>>,
+            rays: &[Ray<S>],
+            _: S,
+            answers: $crate::structure::BatchAnswers<'_, S>,
+        ) -> C {
+            if let Some(own) = self.direct() {
+                own.answer_batch(&self.bvh, rays, answers);
+            }
+            C::default()
+        }
+    };
+}
+pub(crate) use direct_batches;
 
 /// Queries that both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -114,16 +149,6 @@ impl DirectQueries {
         let is_opaque = (0..prims.len() as u32).all(|id| prims.is_opaque(id));
         let transmissive = ids.filter(|_| !is_opaque).map(|id| !prims.is_opaque(*id));
         Self { triangles: laid_out.collect(), transmissive: transmissive.collect() }
-    }
-
-    #[inline(always)]
-    pub(crate) fn batches<S: Scalar, P: PrimSet<S>>(this: Option<&Self>, prims: &P) -> Batches {
-        // a set under another test may be asked, too
-        if this.is_some() && is_served::<S, P>(prims) {
-            Batches::Library
-        } else {
-            Batches::RayByRay
-        }
     }
 
     #[inline(always)]

@@ -80,11 +80,6 @@ mod tests {
         TriangleSet::new((0..n).map(triangle).collect(), |_| false).unwrap()
     }
 
-    fn in_block(block: &TriangleBlock<f32>) -> Vec<u32> {
-        let (ids, n) = block.ids();
-        ids[..n].to_vec()
-    }
-
     #[test]
     fn places_of_nodes_name_their_triangles() {
         let set = triangles(5000);
@@ -100,7 +95,7 @@ mod tests {
                 let first = node.primitive_base_idx;
                 let (block, bits) = block_of(first + place, first);
                 let id = ids.primitive_indices[(own.primitive_base_idx + place) as usize];
-                assert_eq!(in_block(&blocks[block])[(place % LANES) as usize], id);
+                assert_eq!(blocks[block].ids().0[(place % LANES) as usize], id);
                 assert!(bits >> place & 1 == 1 && bits.count_ones() <= LANES);
                 bits_of_all |= bits;
             }
