@@ -119,25 +119,21 @@ pub trait Buildable: Scalar {
     fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<Self>;
 }
 
-impl Buildable for f32 {
-    fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<f32> {
-        entry.build_f32
-    }
+macro_rules! buildable {
+    ($scalar:ident, $build:ident) => {
+        impl Buildable for $scalar {
+            fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<$scalar> {
+                entry.$build
+            }
 
-    fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<f32> {
-        both.f32
-    }
+            fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<$scalar> {
+                both.$scalar
+            }
+        }
+    };
 }
-
-impl Buildable for f64 {
-    fn builder<L: RegistryItem>(entry: &Entry<L>) -> L::Builder<f64> {
-        entry.build_f64
-    }
-
-    fn of_both<F: PerScalar>(both: &ScalarPair<F>) -> F::In<f64> {
-        both.f64
-    }
-}
+buildable!(f32, build_f32);
+buildable!(f64, build_f64);
 
 /// A function over a scalar.
 pub trait PerScalar {

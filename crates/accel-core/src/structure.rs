@@ -2,20 +2,20 @@
 
 #![warn(missing_docs)]
 
-use std::ops::Range;
-
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::memory::Limits;
-use crate::memory::{CountedItem, OutOfMemory};
+use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::memory::{CountedItem, Limits, OutOfMemory};
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::Counters;
-use crate::query::kernel::ListBlocks;
+use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::sink::Sink;
 use crate::update::Change;
+
+pub use crate::query::sink::BatchAnswers;
 
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small
 /// one in a crate of its own.
@@ -129,25 +129,6 @@ impl Batches {
     #[inline(always)]
     pub fn are_together(self) -> bool {
         matches!(self, Self::Together | Self::Packets)
-    }
-}
-
-/// Query kind of a batch, with one answer slot per ray.
-#[derive(Debug)]
-pub enum BatchAnswers<'a, S: Scalar> {
-    /// Closest hits.
-    Closest(&'a mut [Hit<S>]),
-    /// True if an opaque primitive is in the way.
-    Occlusion(&'a mut [bool]),
-}
-
-impl<S: Scalar> BatchAnswers<'_, S> {
-    /// Those of the rays at these places.
-    pub(crate) fn of(&mut self, places: Range<usize>) -> BatchAnswers<'_, S> {
-        match self {
-            Self::Closest(hits) => BatchAnswers::Closest(&mut hits[places]),
-            Self::Occlusion(blocked) => BatchAnswers::Occlusion(&mut blocked[places]),
-        }
     }
 }
 
@@ -312,6 +293,26 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
     // f64 has exponents down to -1074 only; infinity saturates
     let exponent = exponent as i32;
     Err(BuildError::OutOfScale { structure, exponent, precision: C::NAME, served })
+}
+
+/// The boxes of a set under a rule, where the scalar has room for the scene's.
+pub(crate) fn bounds_of<'a, S: Scalar, P: PrimSet<S>>(
+    prims: &'a P,
+    rule: BoundsRule,
+    structure: &'static str,
+) -> Result<BoundsOf<'a, S, P>, BuildError> {
+    BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })
+}
+
+/// [`Structure::traverse`] of a ray, with the blocks in place of the lists.
+#[inline(always)]
+pub(crate) fn traverse_by_blocks<S: Scalar, T: Structure<S>, K: Sink<S>>(
+    structure: &T,
+    blocks: &ListBlocks<S>,
+    ray: &Ray<S>,
+    sink: &mut K,
+) {
+    structure.traverse(ray, &mut BlockSink { blocks, query: sink });
 }
 
 /// The error where something is more than [`Limits::most`] of it: out of memory, where its own

@@ -80,8 +80,15 @@ impl<S: Scalar> Aabb<S> {
     /// `None` when it misses. Rays inside a face's plane count as inside, and the exit is
     /// multiplied by [`exit_factor`]. What lies within a box padded as boxes are is never lost.
     #[inline(always)]
-    pub fn clip(
+    pub fn clip(&self, origin: Vec3<S>, direction: Vec3<S>, t_min: S, t_max: S) -> Option<(S, S)> {
+        self.clip_by(exit_factor(), origin, direction, t_min, t_max)
+    }
+
+    /// The same with exits that are `pad` times as far.
+    #[inline(always)]
+    pub(crate) fn clip_by(
         &self,
+        pad: S,
         origin: Vec3<S>,
         direction: Vec3<S>,
         mut t_min: S,
@@ -89,7 +96,6 @@ impl<S: Scalar> Aabb<S> {
     ) -> Option<(S, S)> {
         let (lo, hi) = (self.min.to_array(), self.max.to_array());
         let (o, d) = (origin.to_array(), direction.to_array());
-        let pad = exit_factor::<S>();
         for k in 0..3 {
             if d[k] == S::ZERO {
                 if o[k] < lo[k] || o[k] > hi[k] {

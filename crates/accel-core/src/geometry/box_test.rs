@@ -6,7 +6,7 @@
 //! Deviations: a box here is the tight one of the primitives, as in the paper. Elsewhere boxes are
 //! padded by far more (`bounds_rule.rs`), since points of primitives are rounded as well.
 
-use crate::geometry::aabb::{Aabb, exit_factor};
+use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 
@@ -26,36 +26,16 @@ impl BoxTest {
     #[inline(always)]
     pub fn entry<S: Scalar>(self, b: &Aabb<S>, ray: &Ray<S>, t_min: S, t_max: S) -> Option<S> {
         match self {
-            Self::Plain => slabs(b, ray, t_min, t_max, S::ONE),
-            Self::Padded => slabs(b, ray, t_min, t_max, exit_factor()),
+            Self::Plain => b.clip_by(S::ONE, ray.origin, ray.direction, t_min, t_max),
+            Self::Padded => b.clip(ray.origin, ray.direction, t_min, t_max),
             Self::Double => {
-                let wide = Aabb::<f64> { min: b.min.to_dvec3(), max: b.max.to_dvec3() };
                 let (o, d) = (ray.origin.to_dvec3(), ray.direction.to_dvec3());
-                wide.clip(o, d, t_min.to_f64(), t_max.to_f64()).map(|(t, _)| S::from_f64(t))
+                let clipped = b.in_double().clip(o, d, t_min.to_f64(), t_max.to_f64());
+                clipped.map(|(t_in, t_out)| (S::from_f64(t_in), S::from_f64(t_out)))
             }
         }
+        .map(|(t_in, _)| t_in)
     }
-}
-
-/// [`Aabb::clip`] with a margin of choice: exits are that many times as far.
-#[inline(always)]
-fn slabs<S: Scalar>(b: &Aabb<S>, ray: &Ray<S>, mut t_in: S, mut t_out: S, margin: S) -> Option<S> {
-    let (lo, hi) = (b.min.to_array(), b.max.to_array());
-    let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
-    for k in 0..3 {
-        if d[k] == S::ZERO {
-            if o[k] < lo[k] || o[k] > hi[k] {
-                return None;
-            }
-            continue;
-        }
-        let inv = S::ONE / d[k];
-        let (a, z) = ((lo[k] - o[k]) * inv, (hi[k] - o[k]) * inv);
-        let (near, far) = if inv < S::ZERO { (z, a) } else { (a, z) };
-        t_in = near.greater(t_in);
-        t_out = (far * margin).lesser(t_out);
-    }
-    (t_in <= t_out).then_some(t_in)
 }
 
 #[cfg(test)]

@@ -76,30 +76,28 @@ pub fn take_lowest(bits: &mut u32) -> usize {
     lowest
 }
 
+/// Functions of an expression each, always inlined.
+macro_rules! inlined {
+    ($(fn $name:ident($($parameter:tt)*) -> $result:ty = $value:expr;)*) => {$(
+        #[inline(always)]
+        fn $name($($parameter)*) -> $result {
+            $value
+        }
+    )*};
+}
+pub(super) use inlined;
+
 macro_rules! lanes {
     ($vector:ty, $scalar:ty, $n:literal) => {
         impl Lanes for $vector {
             type Scalar = $scalar;
             type Array = [$scalar; $n];
-            #[inline(always)]
-            fn new(lanes: [$scalar; $n]) -> Self {
-                <$vector>::new(lanes)
-            }
-            #[inline(always)]
-            fn splat(x: $scalar) -> Self {
-                <$vector>::splat(x)
-            }
-            #[inline(always)]
-            fn to_array(self) -> [$scalar; $n] {
-                <$vector>::to_array(self)
-            }
-            #[inline(always)]
-            fn lesser(self, other: Self) -> Self {
-                self.fast_min(other)
-            }
-            #[inline(always)]
-            fn greater(self, other: Self) -> Self {
-                self.fast_max(other)
+            inlined! {
+                fn new(lanes: [$scalar; $n]) -> Self = <$vector>::new(lanes);
+                fn splat(x: $scalar) -> Self = <$vector>::splat(x);
+                fn to_array(self) -> [$scalar; $n] = <$vector>::to_array(self);
+                fn lesser(self, other: Self) -> Self = self.fast_min(other);
+                fn greater(self, other: Self) -> Self = self.fast_max(other);
             }
         }
     };
@@ -113,101 +111,54 @@ lanes!(f64x8, f64, 8);
 macro_rules! eight {
     ($vector:ty, {$($conversions:tt)*}) => {
         impl Eight for $vector {
-            #[inline(always)]
-            fn equal(self, other: Self) -> Self {
-                self.simd_eq(other)
+            inlined! {
+                fn equal(self, other: Self) -> Self = self.simd_eq(other);
+                fn at_most(self, other: Self) -> Self = self.simd_le(other);
+                fn below(self, other: Self) -> Self = self.simd_lt(other);
+                fn absolute(self) -> Self = self.abs();
+                fn where_set(self, mask: Self, other: Self) -> Self = mask.select(self, other);
+                fn transposed(rows: [Self; 8]) -> [Self; 8] = <$vector>::transpose(rows);
+                fn high_bits(self) -> u32 = self.to_bitmask();
+                $($conversions)*
             }
-            #[inline(always)]
-            fn at_most(self, other: Self) -> Self {
-                self.simd_le(other)
-            }
-            #[inline(always)]
-            fn below(self, other: Self) -> Self {
-                self.simd_lt(other)
-            }
-            #[inline(always)]
-            fn absolute(self) -> Self {
-                self.abs()
-            }
-            #[inline(always)]
-            fn where_set(self, mask: Self, other: Self) -> Self {
-                mask.select(self, other)
-            }
-            #[inline(always)]
-            fn transposed(rows: [Self; 8]) -> [Self; 8] {
-                <$vector>::transpose(rows)
-            }
-            #[inline(always)]
-            fn high_bits(self) -> u32 {
-                self.to_bitmask()
-            }
-            $($conversions)*
         }
     };
 }
 
 eight!(f32x8, {
-    #[inline(always)]
-    fn from_i32(i: i32x8) -> Self {
-        Self::from_i32x8(i)
-    }
-    #[inline(always)]
-    fn truncate(self) -> i32x8 {
-        self.fast_trunc_int()
-    }
-    #[inline(always)]
-    fn to_mask(self) -> i32x8 {
-        bytemuck::cast(self)
-    }
+    fn from_i32(i: i32x8) -> Self = Self::from_i32x8(i);
+    fn truncate(self) -> i32x8 = self.fast_trunc_int();
+    fn to_mask(self) -> i32x8 = bytemuck::cast(self);
 });
 eight!(f64x8, {
-    #[inline(always)]
-    fn from_i32(i: i32x8) -> Self {
-        Self::new(i.to_array().map(f64::from))
-    }
-    #[inline(always)]
-    fn truncate(self) -> i32x8 {
-        i32x8::new(self.to_array().map(|x| x as i32))
-    }
-    #[inline(always)]
-    fn to_mask(self) -> i32x8 {
-        i32x8::new(self.to_array().map(|x| (x.to_bits() >> 32) as i32))
-    }
+    fn from_i32(i: i32x8) -> Self = Self::new(i.to_array().map(f64::from));
+    fn truncate(self) -> i32x8 = i32x8::new(self.to_array().map(|x| x as i32));
+    fn to_mask(self) -> i32x8 =
+        i32x8::new(self.to_array().map(|x| (x.to_bits() >> 32) as i32));
 });
 
 impl Four for f32x4 {
-    #[inline(always)]
-    fn from_i32(i: i32x4) -> Self {
-        Self::from_i32x4(i)
-    }
-    #[inline(always)]
-    fn truncate(self) -> i32x4 {
-        self.fast_trunc_int()
-    }
-    #[inline(always)]
-    fn at_most(self, other: Self) -> i32x4 {
-        bytemuck::cast(self.simd_le(other))
-    }
-    #[inline(always)]
-    fn where_set(self, mask: i32x4, other: Self) -> Self {
-        bytemuck::cast::<_, Self>(mask).select(self, other)
+    inlined! {
+        fn from_i32(i: i32x4) -> Self = Self::from_i32x4(i);
+        fn truncate(self) -> i32x4 = self.fast_trunc_int();
+        fn at_most(self, other: Self) -> i32x4 = bytemuck::cast(self.simd_le(other));
+        fn where_set(self, mask: i32x4, other: Self) -> Self =
+            bytemuck::cast::<_, Self>(mask).select(self, other);
     }
 }
 
 impl Four for f64x4 {
-    #[inline(always)]
-    fn from_i32(i: i32x4) -> Self {
-        Self::new(i.to_array().map(f64::from))
+    inlined! {
+        fn from_i32(i: i32x4) -> Self = Self::new(i.to_array().map(f64::from));
+        fn truncate(self) -> i32x4 = i32x4::new(self.to_array().map(|x| x as i32));
     }
-    #[inline(always)]
-    fn truncate(self) -> i32x4 {
-        i32x4::new(self.to_array().map(|x| x as i32))
-    }
+
     #[inline(always)]
     fn at_most(self, other: Self) -> i32x4 {
         let (a, b) = (self.to_array(), other.to_array());
         i32x4::new(std::array::from_fn(|k| -i32::from(a[k] <= b[k])))
     }
+
     #[inline(always)]
     fn where_set(self, mask: i32x4, other: Self) -> Self {
         let (mask, a, b) = (mask.to_array(), self.to_array(), other.to_array());

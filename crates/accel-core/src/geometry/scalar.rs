@@ -5,7 +5,7 @@
 use std::fmt::{Debug, Display};
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
-use crate::geometry::lanes::{Eight, Four};
+use crate::geometry::lanes::{Eight, Four, inlined};
 
 mod sealed {
     pub trait Sealed {}
@@ -175,30 +175,20 @@ macro_rules! scalar {
             const LEAST_SLOPE: Self = $least_slope;
             const LEAST_DETERMINANT: Self = $least_determinant;
 
-            #[inline(always)]
-            fn from_f64(x: f64) -> Self {
-                x as $s
+            inlined! {
+                fn from_f64(x: f64) -> Self = x as $s;
+                fn to_f64(self) -> f64 = f64::from(self);
+                fn sqrt(self) -> Self = self.sqrt();
+                fn abs(self) -> Self = self.abs();
+                fn floor(self) -> Self = self.floor();
+                fn to_i32(self) -> i32 = self as i32;
+                fn from_i32(i: i32) -> Self = i as $s;
+                fn fused_mul_add(self, a: Self, b: Self) -> Self = self.mul_add(a, b);
+                fn is_finite(self) -> bool = self.is_finite();
+                fn next_up(self) -> Self = self.next_up();
+                fn next_down(self) -> Self = self.next_down();
             }
-            #[inline(always)]
-            fn to_f64(self) -> f64 {
-                f64::from(self)
-            }
-            #[inline(always)]
-            fn sqrt(self) -> Self {
-                self.sqrt()
-            }
-            #[inline(always)]
-            fn abs(self) -> Self {
-                self.abs()
-            }
-            #[inline(always)]
-            fn floor(self) -> Self {
-                self.floor()
-            }
-            #[inline(always)]
-            fn to_i32(self) -> i32 {
-                self as i32
-            }
+
             #[inline(always)]
             fn to_index(self, most: i32) -> i32 {
                 // in this order NaN becomes 0
@@ -206,26 +196,7 @@ macro_rules! scalar {
                 // SAFETY: `within` is a number from 0 to `MAX_INDEX`, which an i32 holds.
                 unsafe { within.to_int_unchecked() }
             }
-            #[inline(always)]
-            fn from_i32(i: i32) -> Self {
-                i as $s
-            }
-            #[inline(always)]
-            fn fused_mul_add(self, a: Self, b: Self) -> Self {
-                self.mul_add(a, b)
-            }
-            #[inline(always)]
-            fn is_finite(self) -> bool {
-                self.is_finite()
-            }
-            #[inline(always)]
-            fn next_up(self) -> Self {
-                self.next_up()
-            }
-            #[inline(always)]
-            fn next_down(self) -> Self {
-                self.next_down()
-            }
+
             #[inline(always)]
             fn to_unit_size(self) -> Self {
                 // 1.0 has the exponent bits 0111...1: twice that is what both exponents add up to
@@ -236,41 +207,19 @@ macro_rules! scalar {
         }
 
         impl Vector<$s> for $v {
-            #[inline(always)]
-            fn new(x: $s, y: $s, z: $s) -> Self {
-                <$v>::new(x, y, z)
-            }
-            #[inline(always)]
-            fn to_array(self) -> [$s; 3] {
-                <$v>::to_array(&self)
-            }
-            #[inline(always)]
-            fn dot(self, other: Self) -> $s {
-                self.dot(other)
-            }
-            #[inline(always)]
-            fn cross(self, other: Self) -> Self {
-                self.cross(other)
-            }
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                Self::new(self.x.lesser(other.x), self.y.lesser(other.y), self.z.lesser(other.z))
-            }
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                Self::new(self.x.greater(other.x), self.y.greater(other.y), self.z.greater(other.z))
-            }
-            #[inline(always)]
-            fn from_dvec3(v: glam::DVec3) -> Self {
-                <$v>::new(v.x as $s, v.y as $s, v.z as $s)
-            }
-            #[inline(always)]
-            fn to_dvec3(self) -> glam::DVec3 {
-                glam::DVec3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z))
-            }
-            #[inline(always)]
-            fn is_finite(self) -> bool {
-                <$v>::is_finite(self)
+            inlined! {
+                fn new(x: $s, y: $s, z: $s) -> Self = <$v>::new(x, y, z);
+                fn to_array(self) -> [$s; 3] = <$v>::to_array(&self);
+                fn dot(self, other: Self) -> $s = self.dot(other);
+                fn cross(self, other: Self) -> Self = self.cross(other);
+                fn min(self, b: Self) -> Self =
+                    Self::new(self.x.lesser(b.x), self.y.lesser(b.y), self.z.lesser(b.z));
+                fn max(self, b: Self) -> Self =
+                    Self::new(self.x.greater(b.x), self.y.greater(b.y), self.z.greater(b.z));
+                fn from_dvec3(v: glam::DVec3) -> Self = <$v>::new(v.x as $s, v.y as $s, v.z as $s);
+                fn to_dvec3(self) -> glam::DVec3 =
+                    glam::DVec3::new(f64::from(self.x), f64::from(self.y), f64::from(self.z));
+                fn is_finite(self) -> bool = <$v>::is_finite(self);
             }
         }
     };

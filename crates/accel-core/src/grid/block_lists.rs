@@ -7,13 +7,63 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use rayon::prelude::*;
 
-use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::grid::sort_in_parts::{filled, useful_parts};
+use crate::grid::voxel_traversal::GridFrame;
 
 /// Says to which block of cells a primitive goes.
 pub(crate) trait BlockPlacement: Sync {
     /// First and last cell on each axis, within the grid; the same ones each time it is asked.
     fn block(&self, id: u32) -> ([i32; 3], [i32; 3]);
+}
+
+/// Number of cells of a block.
+pub(crate) fn cells_in((first, last): ([i32; 3], [i32; 3])) -> u64 {
+    (0..3).map(|k| (last[k] - first[k] + 1) as u64).product()
+}
+
+/// Calls `visit` with the first cell of each row of a block, and the row's length.
+#[inline(always)]
+pub(crate) fn rows_in((first, last): ([i32; 3], [i32; 3]), mut visit: impl FnMut([i32; 3], usize)) {
+    for z in first[2]..=last[2] {
+        for y in first[1]..=last[1] {
+            visit([first[0], y, z], (last[0] - first[0] + 1) as usize);
+        }
+    }
+}
+
+/// Calls `visit` with each cell of a block, x fastest.
+#[inline(always)]
+pub(crate) fn each_cell_in((first, last): ([i32; 3], [i32; 3]), mut visit: impl FnMut([i32; 3])) {
+    rows_in((first, last), |[_, y, z], _| (first[0]..=last[0]).for_each(|x| visit([x, y, z])));
+}
+
+/// Primitive `id` goes to every cell that its box touches.
+pub(crate) struct BoxPlacement<'a, S: Scalar> {
+    pub frame: GridFrame<S>,
+    pub boxes: &'a [Aabb<S>],
+    /// Cell indices by division, as in 1999.
+    pub by_division: bool,
+}
+
+impl<S: Scalar> BlockPlacement for BoxPlacement<'_, S> {
+    #[inline(always)]
+    fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
+        let b = &self.boxes[id as usize];
+        if self.by_division { self.frame.range_by_division(b) } else { self.frame.range(b) }
+    }
+}
+
+impl<S: Scalar> Placement for BoxPlacement<'_, S> {
+    #[inline(always)]
+    fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
+        rows_in(self.block(id), |start, length| {
+            let first = self.frame.index(start);
+            (first..first + length).for_each(&mut emit);
+        });
+    }
 }
 
 /// Places of the cells of a grid in the array of lists; each row along x is contiguous.
@@ -147,14 +197,10 @@ impl<R: CellRows, P: BlockPlacement> Sort<'_, R, P> {
     /// Calls `visit` with the cells of a block, row by row.
     #[inline(always)]
     fn rows_of(&self, id: u32, mut visit: impl FnMut(Range<usize>)) {
-        let (first, last) = self.placement.block(id);
-        for z in first[2]..=last[2] {
-            for y in first[1]..=last[1] {
-                let start = self.rows.start(y as usize, z as usize);
-                let start = start.wrapping_add(first[0] as usize);
-                visit(start..start + (last[0] - first[0] + 1) as usize);
-            }
-        }
+        rows_in(self.placement.block(id), |[x, y, z], length| {
+            let start = self.rows.start(y as usize, z as usize).wrapping_add(x as usize);
+            visit(start..start + length);
+        });
     }
 
     /// How many primitives of a part, which begins with id `first`, go to each cell (and a zero),
@@ -229,7 +275,7 @@ impl<R: CellRows, P: BlockPlacement> Sort<'_, R, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::cell_lists::Placement;
+    use crate::structures::test_scenes::on_threads;
 
     const N: [u32; 3] = [300, 7, 5];
 
@@ -252,20 +298,12 @@ mod tests {
 
     impl Placement for Blocks {
         fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
-            let (first, last) = self.block(id);
-            for z in first[2]..=last[2] {
-                for y in first[1]..=last[1] {
-                    for x in first[0]..=last[0] {
-                        emit((z as usize * 7 + y as usize) * 300 + x as usize);
-                    }
-                }
-            }
+            each_cell_in(self.block(id), |[x, y, z]| emit(((z * 7 + y) * 300 + x) as usize));
         }
     }
 
     fn on(threads: usize, order: ListOrder, most: u64) -> Result<CellLists, TooManyReferences> {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| block_lists(&DenseRows::new(N), 30_000, order, most, &Blocks))
+        on_threads(threads, || block_lists(&DenseRows::new(N), 30_000, order, most, &Blocks))
     }
 
     #[test]
@@ -311,9 +349,8 @@ mod tests {
     fn rows_may_stand_anywhere() {
         let dense = on(1, ListOrder::File, u64::MAX).unwrap();
         for threads in [1, 2] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             let build = || block_lists(&SparseRows, 30_000, ListOrder::File, u64::MAX, &Blocks);
-            let lists = pool.install(build).unwrap();
+            let lists = on_threads(threads, build).unwrap();
             for (row, x) in (0..35).flat_map(|row| (0..300).map(move |x| (row, x))) {
                 let start = SparseRows.start(row % 7, row / 7);
                 assert_eq!(lists.list(start + x), dense.list(row * 300 + x), "row {row} {x}");

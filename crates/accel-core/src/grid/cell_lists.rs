@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::grid::sort_in_parts::{
     Counts, counted, filled, filled_whole, turn_into_ends, useful_parts,
 };
+use crate::structure::StructureStats;
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other
 /// lists.
@@ -160,9 +161,43 @@ impl CellLists {
         fill(all, order, placement, &mut self.starts, |at, id| ids[at] = id);
     }
 
+    /// The lists of these pairs of a cell and an id, ids in their order.
+    pub(crate) fn of_pairs<'a>(
+        cells: usize,
+        pairs: impl DoubleEndedIterator<Item = &'a (u32, u32)> + Clone,
+    ) -> Self {
+        let mut starts = vec![0; cells + 1];
+        pairs.clone().for_each(|&(cell, _)| starts[cell as usize] += 1);
+        turn_into_ends(&mut starts);
+        let mut ids = vec![0; starts[cells] as usize];
+        for &(cell, id) in pairs.rev() {
+            let at = &mut starts[cell as usize];
+            *at -= 1;
+            ids[*at as usize] = id;
+        }
+        Self { starts, ids }
+    }
+
     /// From starts, one more than there are cells, and ids.
     pub(crate) fn of_parts(starts: Vec<u32>, ids: Vec<u32>) -> Self {
         Self { starts, ids }
+    }
+
+    /// Lists of no cell yet.
+    pub(crate) fn none() -> Self {
+        Self { starts: vec![0], ids: Vec::new() }
+    }
+
+    /// Adds the list of another cell.
+    pub(crate) fn push(&mut self, ids: &[u32]) {
+        self.ids.extend_from_slice(ids);
+        self.starts.push(self.ids.len() as u32);
+    }
+
+    /// The ids of a cell that exists.
+    #[inline(always)]
+    pub(crate) fn at(&self, cell: usize) -> &[u32] {
+        &self.ids[self.starts[cell] as usize..self.starts[cell + 1] as usize]
     }
 
     pub(crate) fn starts(&self) -> &[u32] {
@@ -264,6 +299,19 @@ impl<I: Deref<Target = [u32]>> CellLists<I> {
     }
 }
 
+impl CellLists {
+    /// Their cells, references and bytes.
+    pub(crate) fn stats(&self) -> StructureStats {
+        StructureStats {
+            cells: self.cells() as u64,
+            empty_cells: self.empty_cells() as u64,
+            references: self.references() as u64,
+            bytes: self.bytes() as u64,
+            ..StructureStats::default()
+        }
+    }
+}
+
 impl From<CellLists> for CellLists<Arc<[u32]>> {
     fn from(CellLists { starts, ids }: CellLists) -> Self {
         Self { starts, ids: ids.into() }
@@ -294,6 +342,7 @@ impl CellLists<Arc<[u32]>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::on_threads;
 
     /// Primitive i goes to cells i % 4 and 2.
     struct TwoCellsEach;
@@ -338,16 +387,14 @@ mod tests {
         }
         for order in [ListOrder::File, ListOrder::Reverse] {
             for threads in [1, 2, 5] {
-                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-                let build =
-                    || CellLists::build(cells, primitives, order, u64::MAX, &ScatteredItems);
-                let lists = pool.install(build).unwrap();
-                assert!(
-                    lists.lists().eq(expected.iter().map(Vec::as_slice)),
-                    "{threads} {order:?}"
-                );
-                let few = || CellLists::build(cells, primitives, order, 89_999, &ScatteredItems);
-                assert_eq!(pool.install(few), Err(TooManyReferences(90_000)));
+                let build = |max| {
+                    let build = || CellLists::build(cells, primitives, order, max, &ScatteredItems);
+                    on_threads(threads, build)
+                };
+                let lists = build(u64::MAX).unwrap();
+                let right = lists.lists().eq(expected.iter().map(Vec::as_slice));
+                assert!(right, "{threads} {order:?}");
+                assert_eq!(build(89_999), Err(TooManyReferences(90_000)));
             }
             expected.iter_mut().for_each(|list| list.reverse());
         }
@@ -366,8 +413,7 @@ mod tests {
             })
             .unwrap();
         assert_eq!(asked, [0, 1, 2, 3]);
-        let all: Vec<_> = (0..5).map(|c| lists.list(c).to_vec()).collect();
-        assert_eq!(all, [vec![0, 4], vec![1, 5], vec![77], vec![3], vec![]]);
+        assert!(lists.lists().eq([&[0, 4][..], &[1, 5], &[77], &[3], &[]]));
         assert_eq!(lists.references(), 6);
         assert_eq!(lists.replaced(|_, _| Err("no")), Err("no"));
     }

@@ -15,20 +15,17 @@ use crate::params::{ParamSpec, Params};
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
 /// Rule for the cells that list a primitive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Insertion {
-    /// Those that its padded box touches.
-    #[default]
-    PaddedBox,
-    /// Those that its box touches.
-    Box,
-    /// Those that it overlaps.
-    Exact,
-    /// Those that it overlaps when they are grown by the padding of boxes.
-    PaddedExact,
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Insertion {
+    /// Those that it overlaps itself, not its box.
+    pub is_exact: bool,
+    /// Cells are grown by the padding of boxes.
+    pub is_padded: bool,
 }
 
 impl Insertion {
+    pub(crate) const PADDED_BOX: Self = Self { is_exact: false, is_padded: true };
+
     /// The setting, for the parameter list of a structure.
     pub const PARAM: ParamSpec = ParamSpec::choice(
         "insertion",
@@ -42,22 +39,8 @@ impl Insertion {
 
     /// Reads the setting; padded boxes for a structure without the parameter.
     pub fn of(params: &Params) -> Self {
-        match params.get(Self::PARAM.name) {
-            Some("box") => Self::Box,
-            Some("exact") => Self::Exact,
-            Some("padded-exact") => Self::PaddedExact,
-            _ => Self::PaddedBox,
-        }
-    }
-
-    /// Returns whether cells are grown by the padding.
-    pub fn is_padded(self) -> bool {
-        matches!(self, Self::PaddedBox | Self::PaddedExact)
-    }
-
-    /// Returns whether the primitive itself decides, not its box.
-    pub fn is_exact(self) -> bool {
-        matches!(self, Self::Exact | Self::PaddedExact)
+        let rule = params.get(Self::PARAM.name).unwrap_or(Self::PARAM.default);
+        Self { is_exact: rule.ends_with("exact"), is_padded: rule.starts_with("padded") }
     }
 }
 

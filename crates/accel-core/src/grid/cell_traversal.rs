@@ -2,8 +2,8 @@
 //!
 //! Two traversals are for use: `voxel_traversal.rs` (t_next stepping) and
 //! `driving_axis_traversal.rs` (Fujimoto's synchronised DDAs). Two more are for comparison, in the
-//! uniform grid alone: `accumulating_traversal.rs` and `double_traversal.rs`. Storages and
-//! structures are written once, over [`CellTraversal`].
+//! uniform grid alone: `variants/voxel_traversals.rs`. Storages and structures are written once,
+//! over [`CellTraversal`].
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamKind, ParamSpec, Params};

@@ -195,6 +195,9 @@ fn least_ahead(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::Random;
+
+    const METRICS: [Metric; 3] = [Metric::CityBlock, Metric::Chessboard, Metric::Euclidean];
 
     #[test]
     fn distances_equal_those_found_by_search() {
@@ -204,25 +207,19 @@ mod tests {
         for filled in [vec![0], vec![cells - 1, 100], vec![5, 300, 301, 520], vec![]] {
             let mut occupied = vec![false; cells];
             filled.iter().for_each(|&i: &usize| occupied[i] = true);
-            for metric in [Metric::CityBlock, Metric::Chessboard, Metric::Euclidean] {
+            for metric in METRICS {
                 for octant in (0..8).map(Some).chain([None]) {
                     let field = distances(&occupied, n, metric, octant);
                     for (i, &found) in field.iter().enumerate() {
-                        let delta = |&j: &usize| {
-                            let (a, b) = (at(i), at(j));
-                            [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
-                        };
+                        let delta = |&j: &usize| [0, 1, 2].map(|k| at(j)[k] - at(i)[k]);
+                        let side = |o: usize, k: usize| if o >> k & 1 == 0 { 1 } else { -1 };
                         let is_ahead = |d: &[i32; 3]| {
-                            octant.is_none_or(|o| {
-                                (0..3).all(|k| if o >> k & 1 == 0 { d[k] >= 0 } else { d[k] <= 0 })
-                            })
+                            octant.is_none_or(|o| (0..3).all(|k| d[k] * side(o, k) >= 0))
                         };
-                        let nearest = filled.iter().map(delta).filter(is_ahead);
-                        let nearest = nearest.map(|d| metric.of(d)).min();
-                        let expected = nearest.map_or(255, |m| match metric {
-                            Metric::Euclidean => m.isqrt(),
-                            _ => m,
-                        });
+                        let ahead = filled.iter().map(delta).filter(is_ahead);
+                        let nearest = ahead.map(|d| metric.of(d)).min();
+                        let root = |m: u32| if metric == Metric::Euclidean { m.isqrt() } else { m };
+                        let expected = nearest.map_or(255, root);
                         assert_eq!(u32::from(found), expected, "{metric:?} {octant:?} {i}");
                     }
                 }
@@ -233,29 +230,19 @@ mod tests {
     /// Random lines, longer than any distance kept, against search.
     #[test]
     fn lines_equal_those_found_by_search() {
-        let mut state = 7u64;
-        let mut random = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (state >> 33) as u32
-        };
+        let mut random = Random(7);
         for length in [1, 2, 3, 40, 600] {
-            for metric in [Metric::CityBlock, Metric::Chessboard, Metric::Euclidean] {
-                for most in [2, 40, 300, 65026] {
+            for metric in METRICS {
+                for most in [2.0, 40.0, 300.0, 65026.0] {
                     let cap = metric.along(CAP);
-                    let line: Vec<u16> =
-                        (0..length).map(|_| (random() % most).min(cap.into()) as u16).collect();
-                    let mut queue = VecDeque::new();
-                    least_ahead(
-                        length,
-                        metric,
-                        |i| line[i],
-                        &mut queue,
-                        |i, found| {
-                            let ways = (i..length.min(i + 256))
-                                .map(|j| metric.combined(line[j], metric.along((j - i) as u16)));
-                            assert_eq!(Some(found), ways.min(), "{metric:?} {i} of {length}");
-                        },
-                    );
+                    let mut value = |_| ((random.unit() * most) as u16).min(cap);
+                    let line: Vec<u16> = (0..length).map(&mut value).collect();
+                    let check = |i, found| {
+                        let way = |j| metric.combined(line[j], metric.along((j - i) as u16));
+                        let ways = (i..length.min(i + 256)).map(way);
+                        assert_eq!(Some(found), ways.min(), "{metric:?} {i} of {length}");
+                    };
+                    least_ahead(length, metric, |i| line[i], &mut VecDeque::new(), check);
                 }
             }
         }
@@ -265,7 +252,7 @@ mod tests {
     fn long_grids_are_capped() {
         let mut occupied = vec![false; 1000];
         occupied[0] = true;
-        for metric in [Metric::CityBlock, Metric::Chessboard, Metric::Euclidean] {
+        for metric in METRICS {
             let field = distances(&occupied, [1000, 1, 1], metric, None);
             assert_eq!((field[200], field[254], field[999]), (200, 254, 255));
         }

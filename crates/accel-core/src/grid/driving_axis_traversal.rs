@@ -85,14 +85,7 @@ impl<S: Scalar> GridFrame<S> {
         ray: &Ray<S>,
         t_start: S,
     ) -> Option<DrivingAxisTraversal<S>> {
-        self.traversal_from(ray, t_start).map(DrivingAxisTraversal::new)
-    }
-}
-
-impl<S: Scalar> DrivingAxisTraversal<S> {
-    /// Goes on from where `traversal` is.
-    #[inline(always)]
-    pub fn new(traversal: VoxelTraversal<S>) -> Self {
+        let traversal = self.traversal_from(ray, t_start)?;
         // parameter spent in one cell: least along the driving axis, infinite without direction
         let per_cell: [S; 3] =
             std::array::from_fn(|k| (traversal.cell[k] * traversal.inv_d[k]).abs());
@@ -104,16 +97,18 @@ impl<S: Scalar> DrivingAxisTraversal<S> {
         } else {
             [2, 0, 1]
         };
-        Self {
+        Some(DrivingAxisTraversal {
             driving: Axis::of(&traversal, axes[0]),
             passive: [Axis::of(&traversal, axes[1]), Axis::of(&traversal, axes[2])],
             offset: traversal.offset,
             axes,
             last: traversal.last,
             step: traversal.step,
-        }
+        })
     }
+}
 
+impl<S: Scalar> DrivingAxisTraversal<S> {
     /// Returns whether the passive plane `p` is met before the layer ends: Fujimoto's error is
     /// positive.
     #[inline(always)]

@@ -1,7 +1,6 @@
 //! Parts of grids: frames, traversals, cell lists, resolution rules, placement of boxes.
 
 pub(crate) mod block_lists;
-pub(crate) mod box_placement;
 pub mod cell_lists;
 pub mod cell_overlap;
 pub mod cell_traversal;

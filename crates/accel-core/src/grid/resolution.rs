@@ -54,6 +54,17 @@ impl ResolutionRule {
     pub const NAMES: &'static [&'static str] =
         &["density", "woo", "heterogeneous", "regular", "average-edge", "cubic", "auto"];
 
+    /// The rules of these names.
+    const NAMED: [Self; 7] = [
+        Self::Density,
+        Self::Woo,
+        Self::Heterogeneous,
+        Self::Regular,
+        Self::AverageEdge,
+        Self::Cubic,
+        Self::Auto,
+    ];
+
     /// Returns whether the rule reads [`ResolutionInput::mean_longest_side`].
     pub fn reads_sides(self) -> bool {
         matches!(self, Self::AverageEdge | Self::Auto)
@@ -64,44 +75,26 @@ impl FromStr for ResolutionRule {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        Ok(match text {
-            "density" => Self::Density,
-            "woo" => Self::Woo,
-            "heterogeneous" => Self::Heterogeneous,
-            "regular" => Self::Regular,
-            "average-edge" => Self::AverageEdge,
-            "cubic" => Self::Cubic,
-            "auto" => Self::Auto,
-            _ => {
-                let parts: Option<Vec<u32>> =
-                    text.split('x').map(|n| n.parse().ok().filter(|&n| n > 0)).collect();
-                match parts.as_deref() {
-                    Some(&[x, y, z]) => Self::Fixed([x, y, z]),
-                    Some(&[n]) => Self::Fixed([n; 3]),
-                    _ => {
-                        return Err(format!(
-                            "expected one of {} or voxels like 64x64x16",
-                            Self::NAMES.join(", ")
-                        ));
-                    }
-                }
-            }
-        })
+        if let Some(at) = Self::NAMES.iter().position(|name| *name == text) {
+            return Ok(Self::NAMED[at]);
+        }
+        let parts: Option<Vec<u32>> =
+            text.split('x').map(|n| n.parse().ok().filter(|&n| n > 0)).collect();
+        match parts.as_deref() {
+            Some(&[x, y, z]) => Ok(Self::Fixed([x, y, z])),
+            Some(&[n]) => Ok(Self::Fixed([n; 3])),
+            _ => Err(format!("expected one of {} or voxels like 64x64x16", Self::NAMES.join(", "))),
+        }
     }
 }
 
 impl fmt::Display for ResolutionRule {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Density => f.write_str("density"),
-            Self::Woo => f.write_str("woo"),
-            Self::Heterogeneous => f.write_str("heterogeneous"),
-            Self::Regular => f.write_str("regular"),
-            Self::AverageEdge => f.write_str("average-edge"),
-            Self::Cubic => f.write_str("cubic"),
-            Self::Auto => f.write_str("auto"),
-            Self::Fixed([x, y, z]) => write!(f, "{x}x{y}x{z}"),
+        if let Self::Fixed([x, y, z]) = self {
+            return write!(f, "{x}x{y}x{z}");
         }
+        let named = Self::NAMED.iter().zip(Self::NAMES).find(|(rule, _)| *rule == self);
+        f.write_str(named.map_or("", |(_, name)| name))
     }
 }
 
@@ -125,6 +118,26 @@ pub struct ResolutionInput<S: Scalar> {
 
 /// Largest number of voxels on one axis (indices must be exact in f32).
 pub const MAX_PER_AXIS: u32 = 1 << 20;
+
+/// [`resolve`] by the rule *density*, which is never refused: it keeps within `max_cells`.
+pub(crate) fn resolve_by_density<S: Scalar>(
+    bounds: Aabb<S>,
+    primitives: usize,
+    density: f64,
+    max_cells: u64,
+    smallest_cell: f64,
+) -> [u32; 3] {
+    let mean_longest_side = 0.0;
+    let input = ResolutionInput {
+        bounds,
+        primitives,
+        density,
+        mean_longest_side,
+        max_cells,
+        smallest_cell,
+    };
+    resolve(ResolutionRule::Density, &input).unwrap_or([1; 3])
+}
 
 /// The number of voxels on each axis: at least 1, at most [`MAX_PER_AXIS`], the product at most
 /// `max_cells` for every rule that computes them; `Err(product)` when a fixed one asks for more.

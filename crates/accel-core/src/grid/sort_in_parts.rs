@@ -149,14 +149,14 @@ fn shared(numbers: &mut [u32]) -> &[AtomicU32] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::on_threads;
 
     #[test]
     fn the_number_of_chunks_fits_the_memory() {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().unwrap();
-        let parts = |cells| pool.install(|| useful_parts(100_000, cells).len());
-        assert_eq!([parts(200_000), parts(2_000_000), parts(50_000_000)], [8, 3, 1]);
-        assert_eq!(pool.install(|| useful_parts(0, 9)), vec![0..0; 1]);
-        let ranges = pool.install(|| useful_parts(100_003, 9));
-        assert!(ranges.into_iter().flatten().eq(0..100_003));
+        let parts = |items, cells| on_threads(8, || useful_parts(items, cells));
+        let lengths = [200_000, 2_000_000, 50_000_000].map(|cells| parts(100_000, cells).len());
+        assert_eq!(lengths, [8, 3, 1]);
+        assert_eq!(parts(0, 9), vec![0..0; 1]);
+        assert!(parts(100_003, 9).into_iter().flatten().eq(0..100_003));
     }
 }

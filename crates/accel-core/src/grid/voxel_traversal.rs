@@ -72,25 +72,23 @@ impl<S: Scalar> GridFrame<S> {
     /// The first and last cell per axis that `b` touches, clamped to the grid.
     #[inline(always)]
     pub fn range(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
-        let (lo, hi) = (b.min.to_array(), b.max.to_array());
-        let mut first = [0; 3];
-        let mut last = [0; 3];
-        for k in 0..3 {
-            first[k] = self.clamped((lo[k] - self.lo[k]) * self.inv_cell[k], k);
-            last[k] = self.clamped((hi[k] - self.lo[k]) * self.inv_cell[k], k);
-        }
-        (first, last)
+        self.range_by(b, |from_low, k| from_low * self.inv_cell[k])
     }
 
     /// [`GridFrame::range`] with a division in place of the product by the inverse, as
     /// floor((x - lo) / cell) was computed in 1999: it decides differently on cell planes.
     pub fn range_by_division(&self, b: &Aabb<S>) -> ([i32; 3], [i32; 3]) {
+        self.range_by(b, |from_low, k| from_low / self.cell[k])
+    }
+
+    #[inline(always)]
+    fn range_by(&self, b: &Aabb<S>, cells: impl Fn(S, usize) -> S) -> ([i32; 3], [i32; 3]) {
         let (lo, hi) = (b.min.to_array(), b.max.to_array());
         let mut first = [0; 3];
         let mut last = [0; 3];
         for k in 0..3 {
-            first[k] = self.clamped((lo[k] - self.lo[k]) / self.cell[k], k);
-            last[k] = self.clamped((hi[k] - self.lo[k]) / self.cell[k], k);
+            first[k] = self.clamped(cells(lo[k] - self.lo[k], k), k);
+            last[k] = self.clamped(cells(hi[k] - self.lo[k], k), k);
         }
         (first, last)
     }
@@ -193,8 +191,8 @@ impl<S: Scalar> GridFrame<S> {
     pub fn in_double(&self) -> GridFrame<f64> {
         let wide = |v: [S; 3]| v.map(S::to_f64);
         let cell = wide(self.cell);
-        let bounds = Aabb { min: self.bounds.min.to_dvec3(), max: self.bounds.max.to_dvec3() };
-        GridFrame { bounds, lo: wide(self.lo), cell, inv_cell: cell.map(|c| 1.0 / c), n: self.n }
+        let (bounds, lo) = (self.bounds.in_double(), wide(self.lo));
+        GridFrame { bounds, lo, cell, inv_cell: cell.map(|c| 1.0 / c), n: self.n }
     }
 }
 
@@ -364,6 +362,8 @@ impl<S: Scalar> CellTraversal<S> for VoxelTraversal<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::Random;
+    use glam::DVec3;
 
     /// The cells of a traversal; its coordinates and exits are compared with the indices on the
     /// way.
@@ -382,18 +382,31 @@ mod tests {
         }
     }
 
-    /// The cells of the t_next traversal, which those of the driving-axis traversal must equal but
-    /// for the order at ties, where both may touch another cell on an edge or corner.
-    fn cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
-        collect(frame, frame.traversal(ray))
+    /// The cells of the t_next and of the driving-axis traversal, which miss no pierced one. They
+    /// are the same but at ties, where both may touch another cell on an edge or corner.
+    fn visited(frame: &GridFrame<f64>, ray: &Ray<f64>) -> [Vec<usize>; 2] {
+        let driven = collect(frame, frame.driving_traversal_from(ray, ray.t_min));
+        let visited = [collect(frame, frame.traversal(ray)), driven];
+        let missed = |&(i, _): &(_, _)| visited.iter().any(|cells| !cells.contains(&i));
+        let missed = pierced(frame, ray).find(missed);
+        assert_eq!(missed, None, "{ray:?} visits {visited:?}");
+        visited
     }
 
-    fn driven_cells_of(frame: &GridFrame<f64>, ray: &Ray<f64>) -> Vec<usize> {
-        collect(frame, frame.driving_traversal_from(ray, ray.t_min))
+    /// Every cell whose inside the ray crosses by more than rounding, and its corner.
+    fn pierced(frame: &GridFrame<f64>, ray: &Ray<f64>) -> impl Iterator<Item = (usize, DVec3)> {
+        let (o, d) = (ray.origin, ray.direction);
+        let corner = |i| (i, DVec3::from(frame.coords(i).map(f64::from)));
+        (0..frame.cells()).map(corner).filter(move |&(_, lo)| {
+            // rays within a face's plane pierce neither neighbour
+            let within = |k| d[k] != 0.0 || (o[k] > lo[k] && o[k] < lo[k] + 1.0);
+            let crossed = Aabb::<f64> { min: lo, max: lo + 1.0 }.clip(o, d, 0.0, f64::INFINITY);
+            (0..3).all(within) && crossed.is_some_and(|(a, z)| z - a > 1e-9)
+        })
     }
 
     fn unit_frame(n: u32) -> GridFrame<f64> {
-        let bounds = Aabb { min: glam::DVec3::ZERO, max: glam::DVec3::splat(f64::from(n)) };
+        let bounds = Aabb { min: DVec3::ZERO, max: DVec3::splat(f64::from(n)) };
         GridFrame::new(bounds, [n; 3])
     }
 
@@ -401,31 +414,14 @@ mod tests {
     fn visits_exactly_the_pierced_cells() {
         let n = 16;
         let frame = unit_frame(n);
-        let mut state = 12345u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) as f64 / (1u64 << 31) as f64
-        };
+        let mut random = Random(12345);
         for _ in 0..2000 {
-            let o = glam::DVec3::new(random(), random(), random()) * 48.0 - 16.0;
-            let target = glam::DVec3::new(random(), random(), random()) * f64::from(n);
-            let ray = Ray::<f64>::new(o, target - o);
-            let visited = cells_of(&frame, &ray);
-            assert_eq!(driven_cells_of(&frame, &ray), visited, "{ray:?}");
-            // oracle: every cell whose box the ray crosses by more than rounding
-            let mut pierced = 0;
-            for i in 0..frame.cells() {
-                let c = [i % 16, i / 16 % 16, i / 256];
-                let lo = glam::DVec3::new(c[0] as f64, c[1] as f64, c[2] as f64);
-                let b = Aabb::<f64> { min: lo, max: lo + 1.0 };
-                if let Some((a, z)) = b.clip(ray.origin, ray.direction, 0.0, f64::INFINITY)
-                    && z - a > 1e-9
-                {
-                    pierced += 1;
-                    assert!(visited.contains(&i), "{ray:?} misses cell {c:?}");
-                }
-            }
-            assert!(visited.len() <= pierced + 3, "{} for {pierced}", visited.len());
+            let o = random.point([48.0; 3]) - 16.0;
+            let ray = Ray::<f64>::new(o, random.point([f64::from(n); 3]) - o);
+            let [next, driven] = visited(&frame, &ray);
+            assert_eq!(driven, next, "{ray:?}");
+            let pierced = pierced(&frame, &ray).count();
+            assert!(next.len() <= pierced + 3, "{} for {pierced}", next.len());
         }
     }
 
@@ -440,8 +436,7 @@ mod tests {
                     let mut o = [4.0; 3];
                     o[k] = if sign > 0.0 { -3.0 } else { 11.0 };
                     let ray = Ray::<f64>::new(o.into(), d.into());
-                    assert_eq!(cells_of(&frame, &ray).len(), 8);
-                    assert_eq!(driven_cells_of(&frame, &ray).len(), 8);
+                    assert_eq!(visited(&frame, &ray).map(|cells| cells.len()), [8, 8]);
                 }
             }
         }
@@ -452,7 +447,7 @@ mod tests {
         // HARD_CASES T4
         let frame = unit_frame(8);
         let ray = Ray::<f64>::new([-1e9, 8.0, 8.0].into(), [1.0, 0.0, 0.0].into());
-        let cells = cells_of(&frame, &ray);
+        let [cells, _] = visited(&frame, &ray);
         assert_eq!(cells.len(), 8);
         assert!(cells.iter().all(|&c| c < frame.cells()));
     }
@@ -465,24 +460,8 @@ mod tests {
             if d == [0; 3] {
                 continue;
             }
-            let d = d.map(f64::from);
-            let ray = Ray::<f64>::new([4.0, 3.0, 5.0].into(), d.into());
-            let (next, driven) = (cells_of(&frame, &ray), driven_cells_of(&frame, &ray));
-            for i in 0..frame.cells() {
-                let lo = glam::DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64);
-                let b = Aabb::<f64> { min: lo, max: lo + 1.0 };
-                // an open crossing: rays within a face's plane pierce neither neighbour
-                let within = (0..3)
-                    .all(|k| d[k] != 0.0 || (ray.origin[k] > lo[k] && ray.origin[k] < lo[k] + 1.0));
-                if within
-                    && let Some((a, z)) = b.clip(ray.origin, ray.direction, 0.0, f64::INFINITY)
-                    && z - a > 1e-9
-                {
-                    assert!(next.contains(&i), "{d:?} t_next misses {lo}");
-                    assert!(driven.contains(&i), "{d:?} driving axis misses {lo}");
-                }
-            }
-            assert!(next.len() <= 22 && driven.len() <= 22);
+            let ray = Ray::<f64>::new([4.0, 3.0, 5.0].into(), d.map(f64::from).into());
+            assert!(visited(&frame, &ray).iter().all(|cells| cells.len() <= 22), "{d:?}");
         }
     }
 

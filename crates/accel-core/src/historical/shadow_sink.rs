@@ -3,65 +3,48 @@
 
 use std::ops::ControlFlow;
 
-use crate::geometry::ray::{Hit, MISS, Ray};
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::Counters;
-use crate::query::sink::{Sink, count, count_steps};
+use crate::query::sink::{AnyHit, ClosestHit, Sink, count, end_of_query, steps_of_query};
+use crate::query::tracer::ShadowCount;
 
 /// The shadow ray of Havran and Sixta (1999): stops at the first opaque hit in list order, even
 /// beyond the current cell; a transmissive primitive that was hit is remembered and not tested
 /// again. Only used for counting.
 pub struct HistoricalShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
-    prims: &'a P,
-    ray: &'a Ray<S>,
-    setup: P::RaySetup,
-    blocked: bool,
+    query: AnyHit<'a, S, P, C>,
     glass: Vec<u32>,
-    counters: C,
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalShadow<'a, S, P, C> {
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self {
-            prims,
-            ray,
-            setup: prims.setup(ray),
-            blocked: false,
-            glass: Vec::new(),
-            counters: C::default(),
-        }
+        Self { query: AnyHit::new(prims, ray), glass: Vec::new() }
     }
 
-    /// Blocked or not, the number of distinct transmissive primitives hit on the way, and what
-    /// it took.
-    pub fn finish(self) -> (bool, usize, C) {
-        (self.blocked, self.glass.len(), self.counters)
+    /// The answer and what it took.
+    pub fn finish(self) -> (ShadowCount, C) {
+        let (blocked, counters) = self.query.finish();
+        (ShadowCount { blocked, glass: self.glass.len() as u32 }, counters)
     }
 }
 
 impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, P, C> {
-    count_steps!();
-
-    #[inline(always)]
-    fn is_any_hit(&self) -> bool {
-        true
-    }
-
-    #[inline(always)]
-    fn t_max(&self) -> S {
-        self.ray.t_max
-    }
+    const COUNTING: bool = C::ENABLED;
+    steps_of_query!();
+    end_of_query!();
 
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         for &id in ids {
             if self.glass.contains(&id) {
                 continue;
             }
-            count!(self.counters.intersection_tests(1));
-            if self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max).is_some() {
-                if self.prims.is_opaque(id) {
-                    self.blocked = true;
+            let query = &mut self.query;
+            count!(query.counters.intersection_tests(1));
+            if query.prims.intersect(id, query.ray, &query.setup, query.ray.t_max).is_some() {
+                if query.prims.is_opaque(id) {
+                    query.answer = true;
                     return ControlFlow::Break(());
                 }
                 self.glass.push(id);
@@ -76,32 +59,27 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalShadow<'_, S, 
 /// traversal in its cell, after all of that cell's list: found again, it is no new hit. Only used
 /// for counting.
 pub struct HistoricalCellShadow<'a, S: Scalar, P: PrimSet<S>, C: Counters> {
-    prims: &'a P,
-    ray: &'a Ray<S>,
-    setup: P::RaySetup,
-    best: Hit<S>,
-    counters: C,
+    query: ClosestHit<'a, S, P, C>,
 }
 
 impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> HistoricalCellShadow<'a, S, P, C> {
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        let best = Hit { t: ray.t_max, id: MISS };
-        Self { prims, ray, setup: prims.setup(ray), best, counters: C::default() }
+        Self { query: ClosestHit::new(prims, ray) }
     }
 
-    /// The blocker of the ray, and the counters.
-    pub fn finish(self) -> (Hit<S>, C) {
-        (self.best, self.counters)
+    /// The answer and what it took.
+    pub fn finish(self) -> (ShadowCount, C) {
+        let prims = self.query.prims;
+        let (hit, counters) = self.query.finish();
+        let is_glass = hit.is_hit() && !prims.is_opaque(hit.id);
+        (ShadowCount { blocked: hit.is_hit() && !is_glass, glass: is_glass.into() }, counters)
     }
 }
 
 impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalCellShadow<'_, S, P, C> {
-    count_steps!();
-
-    #[inline(always)]
-    fn t_max(&self) -> S {
-        self.best.t
-    }
+    const COUNTING: bool = C::ENABLED;
+    steps_of_query!();
+    end_of_query!();
 
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
         self.test_in_cell(ids, S::INFINITY)
@@ -109,11 +87,12 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters> Sink<S> for HistoricalCellShadow<'_,
 
     fn test_in_cell(&mut self, ids: &[u32], t_exit: S) -> ControlFlow<()> {
         for &id in ids {
-            count!(self.counters.intersection_tests(1));
-            if let Some(t) = self.prims.intersect(id, self.ray, &self.setup, self.best.t)
-                && t < self.best.t
+            let query = &mut self.query;
+            count!(query.counters.intersection_tests(1));
+            if let Some(t) = query.prims.intersect(id, query.ray, &query.setup, query.answer.t)
+                && t < query.answer.t
             {
-                self.best = Hit { t, id };
+                query.answer = Hit { t, id };
                 if t <= t_exit {
                     return ControlFlow::Break(());
                 }

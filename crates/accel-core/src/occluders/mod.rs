@@ -4,13 +4,12 @@
 //! [`crate::structure::Structure`] and has a registry of its own. Its answers are those of every
 //! structure, bit for bit: it chooses which primitives to test, never how.
 
-mod answering;
 pub mod light_buffer;
 mod nearest_light;
 pub mod shadow_path;
 
-pub use answering::{BoxedOccluder, Occluder};
 pub use nearest_light::NearestLight;
+pub use shadow_path::{BoxedOccluder, Occluder};
 
 use glam::DVec3;
 

@@ -74,6 +74,7 @@ impl NearestLight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::Random;
 
     /// The first of the lights that are nearest to a place, by looking at all.
     fn by_all(lights: &[DVec3], end: DVec3) -> u32 {
@@ -83,29 +84,20 @@ mod tests {
 
     #[test]
     fn the_nearest_light_equals_a_linear_search() {
-        let lattice =
-            (0..512).map(|i| DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64));
-        let lattice: Vec<_> = lattice.collect();
+        let place = |i| DVec3::new((i % 8) as f64, (i / 8 % 8) as f64, (i / 64) as f64);
+        let lattice: Vec<_> = (0..512).map(place).collect();
         let far: Vec<_> = lattice.iter().map(|&place| place * 1e-3 + 1e6).collect();
         let twice = [lattice.clone(), lattice.clone()].concat();
         for lights in [vec![], vec![DVec3::ONE], vec![DVec3::ONE; 100], lattice, far, twice] {
             let sorted = NearestLight::new(&lights);
-            let mut state = 9_u64;
-            let mut random = || {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                (state >> 40) as f64 / f64::from(1 << 24)
-            };
+            let mut random = Random(9);
             for i in 0..500 {
                 let nearby = lights.get(i % lights.len().max(1)).copied().unwrap_or_default();
-                let off = DVec3::new(random(), random(), random()) - 0.5;
-                let end = nearby + off * [0.0, 1e-9, 0.01, 3.0, 1e4][i % 5];
+                let end =
+                    nearby + (random.point([1.0; 3]) - 0.5) * [0.0, 1e-9, 0.01, 3.0, 1e4][i % 5];
                 let ray = Ray { t_max: 1.0, ..Ray::new(DVec3::ZERO, end) };
-                assert_eq!(
-                    sorted.of(&ray),
-                    by_all(&lights, end),
-                    "{end} of {} lights",
-                    lights.len()
-                );
+                let expected = by_all(&lights, end);
+                assert_eq!(sorted.of(&ray), expected, "{end} of {} lights", lights.len());
             }
         }
     }

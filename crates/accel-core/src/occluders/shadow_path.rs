@@ -1,14 +1,39 @@
-//! An occluder as the shadow path of a renderer: a tracer whose closest hits come from a structure
-//! and whose shadow rays go to the occluder.
+//! Answers of occluders, and an occluder as the shadow path of a renderer: a tracer whose closest
+//! hits come from a structure and whose shadow rays go to the occluder.
 
 use glam::DVec3;
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::occluders::{BoxedOccluder, NearestLight};
+use crate::occluders::nearest_light::NearestLight;
 use crate::query::counters::WorkCounters;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
-use crate::structure::StructureStats;
+use crate::structure::{Batches, StructureStats};
+
+/// A built occluder with the primitives it was built over; one dynamic call for a batch of rays.
+///
+/// Slices are cut to the shortest of them.
+pub trait Occluder<S: Scalar>: Send + Sync {
+    /// Writes for each ray whether an opaque primitive blocks it. `lights` says which light of
+    /// the build each ray runs to; a ray that does not end there is answered too, only slower.
+    fn occlusions(&self, rays: &[Ray<S>], lights: &[u32], blocked: &mut [bool]);
+    /// [`Occluder::occlusions`], counting the work.
+    fn count_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        lights: &[u32],
+        blocked: &mut [bool],
+    ) -> WorkCounters;
+    /// Statistics over all lights.
+    fn stats(&self) -> StructureStats;
+    /// How a batch is answered while nothing is counted.
+    fn batches(&self) -> Batches {
+        Batches::RayByRay
+    }
+}
+
+/// A boxed occluder over a set of primitives.
+pub type BoxedOccluder<'a, S> = Box<dyn Occluder<S> + 'a>;
 
 /// A structure and an occluder over the same primitives, as one tracer.
 pub struct ShadowPath<'a, S: Scalar> {

@@ -163,11 +163,8 @@ impl Params {
         let value = value.to_string();
         let Some(spec) = self.specs().find(|s| s.name == name) else {
             let valid = self.specs().map(|s| s.name).collect();
-            return Err(ParamError::Unknown {
-                structure: self.structure(),
-                name: name.into(),
-                valid,
-            });
+            let (structure, name) = (self.structure(), name.into());
+            return Err(ParamError::Unknown { structure, name, valid });
         };
         if !is_valid(spec.kind, &value) {
             let expected = spec.kind.to_string();
@@ -295,18 +292,8 @@ mod tests {
     use super::*;
 
     static SPECS: &[ParamSpec] = &[
-        ParamSpec {
-            name: "density",
-            summary: "",
-            default: "2",
-            kind: ParamKind::Real { min: 0.01, max: 100.0 },
-        },
-        ParamSpec {
-            name: "order",
-            summary: "",
-            default: "file",
-            kind: ParamKind::Choice(&["file", "reverse"]),
-        },
+        ParamSpec::real("density", "2", 0.01, 100.0),
+        ParamSpec::choice("order", "file", &["file", "reverse"]),
     ];
 
     #[test]

@@ -32,9 +32,7 @@ pub(crate) fn push_list<S: Scalar, P: PrimSet<S>>(
 ) {
     let first = into.len();
     into.resize(first + number_of::<S>(ids.len()), TriangleBlock::empty());
-    for (block, (part, more)) in into[first..].iter_mut().zip(parts::<S>(ids)) {
-        fill(prims, part, more, block);
-    }
+    set_list(prims, ids, &mut into[first..]);
 }
 
 /// Makes the first of these the blocks of a list, in its order.

@@ -277,6 +277,7 @@ impl<S: Scalar> Place<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::Random;
 
     fn ray(from: [f64; 3], to: [f64; 3]) -> Ray<f64> {
         Ray::new(DVec3::from(from), DVec3::from(to) - DVec3::from(from))
@@ -284,16 +285,16 @@ mod tests {
 
     #[test]
     fn cylinder_shows_its_outside_only() {
-        let c = Cone::<f64>::new(DVec3::ZERO, 1.0, DVec3::Z * 2.0, 1.0);
-        assert_eq!(c.intersect(&ray([-3.0, 0.0, 1.0], [-2.0, 0.0, 1.0]), 9.0), Some(2.0));
-        assert_eq!(c.intersect(&ray([0.0, 0.0, 1.0], [1.0, 0.0, 1.0]), 9.0), None);
-        let inside = Cone::<f64>::new(DVec3::ZERO, -1.0, DVec3::Z * 2.0, -1.0);
-        assert_eq!(inside.intersect(&ray([0.0, 0.0, 1.0], [1.0, 0.0, 1.0]), 9.0), Some(1.0));
-        assert_eq!(inside.intersect(&ray([-3.0, 0.0, 1.0], [-2.0, 0.0, 1.0]), 9.0), Some(4.0));
-        // beyond the ends
-        assert_eq!(c.intersect(&ray([-3.0, 0.0, 2.1], [-2.0, 0.0, 2.1]), 9.0), None);
-        // parallel to the axis
-        assert_eq!(c.intersect(&ray([0.5, 0.0, -1.0], [0.5, 0.0, 1.0]), 9.0), None);
+        let hit = |radius: f64, from: [f64; 3], way: DVec3| {
+            let c = Cone::<f64>::new(DVec3::ZERO, radius, DVec3::Z * 2.0, radius);
+            c.intersect(&Ray::<f64>::new(from.into(), way), 9.0)
+        };
+        let (before, inside) = ([-3.0, 0.0, 1.0], [0.0, 0.0, 1.0]);
+        assert_eq!([before, inside].map(|from| hit(1.0, from, DVec3::X)), [Some(2.0), None]);
+        assert_eq!([before, inside].map(|from| hit(-1.0, from, DVec3::X)), [Some(4.0), Some(1.0)]);
+        // beyond the ends, and parallel to the axis
+        assert_eq!(hit(1.0, [-3.0, 0.0, 2.1], DVec3::X), None);
+        assert_eq!(hit(1.0, [0.5, 0.0, -1.0], DVec3::Z * 2.0), None);
     }
 
     #[test]
@@ -370,7 +371,7 @@ mod tests {
     /// Of rays at a cone: those missed that pass well within it, and those hit where it is not, by
     /// the test and as it was.
     fn wrong<S: Scalar>(radii: [f64; 2], length: f64) -> [usize; 2] {
-        let mut random = crate::structures::test_scenes::Random(17);
+        let mut random = Random(17);
         let mut counts = [0; 2];
         for _ in 0..3000 {
             let mut point = || random.point([2.0; 3]) - DVec3::ONE;
@@ -432,7 +433,7 @@ mod tests {
     /// How far hits of any rays lie outside of their cone's bounds, in epsilons of the largest
     /// coordinate; among them rays along the surface, across it, along the axis and nearly so.
     fn most_outside<S: Scalar>(test: impl Fn(&Cone<S>, &Ray<S>) -> Option<S>) -> f64 {
-        let mut random = crate::structures::test_scenes::Random(23);
+        let mut random = Random(23);
         let (mut hits, mut most) = (0, 0.0f64);
         for i in 0..30_000 {
             let mut signed = || random.point([2.0; 3]) - DVec3::ONE;

@@ -8,10 +8,10 @@ use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
+use crate::primitives::prim_set::TaggedIndex;
 use crate::primitives::shear::Shear;
 use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
-use crate::primitives::tagged::{INDEX_BITS, TaggedIndex};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::{
     Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
@@ -31,7 +31,7 @@ pub struct MovingSetup<S: Scalar> {
 }
 
 /// Primitives of any kind. Built by [`MixedSetBuilder`].
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct MixedSet<S: Scalar> {
     order: Vec<TaggedIndex>,
     triangles: Vec<[[S; 3]; 3]>,
@@ -48,29 +48,9 @@ pub struct MixedSet<S: Scalar> {
 }
 
 /// Collects primitives in id order.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct MixedSetBuilder<S: Scalar> {
     set: MixedSet<S>,
-}
-
-impl<S: Scalar> Default for MixedSetBuilder<S> {
-    fn default() -> Self {
-        Self {
-            set: MixedSet {
-                order: Vec::new(),
-                triangles: Vec::new(),
-                polygons: Vec::new(),
-                polygon_vertices: Vec::new(),
-                spheres: Vec::new(),
-                cones: Vec::new(),
-                transmissive: TransmissiveSet::default(),
-                magnitude: S::ZERO,
-                motion: Motion::default(),
-                moving_spheres: Vec::new(),
-                instances: Instances::default(),
-            },
-        }
-    }
 }
 
 impl<S: Scalar> MixedSetBuilder<S> {
@@ -82,8 +62,9 @@ impl<S: Scalar> MixedSetBuilder<S> {
         is_finite: bool,
     ) -> Result<(), PrimitiveError> {
         let id = self.set.order.len() as u32;
-        if count > 1 << INDEX_BITS || id == MISS {
-            return Err(PrimitiveError::TooMany { limit: 1 << INDEX_BITS });
+        let limit = 1 << TaggedIndex::BITS;
+        if count > limit as usize || id == MISS {
+            return Err(PrimitiveError::TooMany { limit });
         }
         if !is_finite {
             return Err(PrimitiveError::NotFinite { id });

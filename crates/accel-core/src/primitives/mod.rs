@@ -24,9 +24,8 @@ mod shear;
 mod shear_lanes;
 mod sphere;
 mod support;
-mod tagged;
 pub(crate) mod triangle;
-mod triangle_block;
+pub(crate) mod triangle_block;
 pub(crate) mod watertight;
 
 pub use cone::Cone;
@@ -40,7 +39,7 @@ pub use retested::RetestedSet;
 pub use shear::Shear;
 pub use sphere::{RearrangedSphere, Sphere, SphereTest};
 pub use support::Ball;
-pub use triangle::{MoellerTrumbore, TriangleSet, TriangleTest, Watertight};
+pub use triangle::{MoellerTrumbore, MoellerTrumboreWithin, TriangleSet, TriangleTest, Watertight};
 pub use triangle_block::TriangleBlock;
 
 /// A set of primitives, whichever.

@@ -28,6 +28,34 @@ pub enum PrimitiveKind {
     Cone,
 }
 
+/// Kind of a primitive in the upper two bits, index within the kind below.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TaggedIndex(u32);
+
+impl TaggedIndex {
+    /// Bits of an index.
+    pub(super) const BITS: u32 = 30;
+
+    pub(super) fn new(kind: PrimitiveKind, index: usize) -> Self {
+        Self((kind as u32) << Self::BITS | index as u32)
+    }
+
+    #[inline(always)]
+    pub(super) fn kind(self) -> PrimitiveKind {
+        match self.0 >> Self::BITS {
+            0 => PrimitiveKind::Triangle,
+            1 => PrimitiveKind::Polygon,
+            2 => PrimitiveKind::Sphere,
+            _ => PrimitiveKind::Cone,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn index(self) -> usize {
+        (self.0 & ((1 << Self::BITS) - 1)) as usize
+    }
+}
+
 /// Why a primitive cannot be part of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of a variant says what its fields are")]

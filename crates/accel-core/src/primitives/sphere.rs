@@ -21,8 +21,6 @@ pub struct Sphere<S: Scalar> {
 
 /// A way to intersect a ray with a sphere.
 pub trait SphereTest<S: Scalar>: Send + Sync + 'static {
-    /// Name in settings and tables.
-    const NAME: &'static str;
     /// The parameter of the hit if it lies in `[ray.t_min, t_max]`.
     fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S>;
 }
@@ -31,8 +29,6 @@ pub trait SphereTest<S: Scalar>: Send + Sync + 'static {
 pub struct RearrangedSphere;
 
 impl<S: Scalar> SphereTest<S> for RearrangedSphere {
-    const NAME: &'static str = "rearranged";
-
     #[inline(always)]
     fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
         sphere.intersect(ray, t_max)

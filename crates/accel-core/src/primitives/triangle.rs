@@ -131,10 +131,14 @@ impl<S: Scalar> TriangleTest<S> for Watertight {
 }
 
 /// Moeller and Trumbore 1997, both sides, no epsilon: faster on some machines, leaks at edges.
-#[derive(Debug, Clone, Copy)]
-pub struct MoellerTrumbore;
+pub type MoellerTrumbore = MoellerTrumboreWithin<0>;
 
-impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
+/// The same with hits accepted up to so many epsilons of the scalar outside, in barycentric
+/// coordinates.
+#[derive(Debug, Clone, Copy)]
+pub struct MoellerTrumboreWithin<const EPSILONS: i32>;
+
+impl<S: Scalar, const EPSILONS: i32> TriangleTest<S> for MoellerTrumboreWithin<EPSILONS> {
     type Setup = ();
 
     #[inline(always)]
@@ -142,7 +146,24 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
 
     #[inline(always)]
     fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
-        moeller_trumbore(tri, ray, t_max, S::ZERO)
+        let tolerance = S::EPSILON * S::from_i32(EPSILONS);
+        let [v0, v1, v2] = tri.map(Vec3::<S>::from_array);
+        let (e1, e2) = (v1 - v0, v2 - v0);
+        let p = ray.direction.cross(e2);
+        let det = e1.dot(p);
+        if det == S::ZERO {
+            return None;
+        }
+        let inv = S::ONE / det;
+        let s = ray.origin - v0;
+        let u = s.dot(p) * inv;
+        let q = s.cross(e1);
+        let v = ray.direction.dot(q) * inv;
+        if !(u >= -tolerance && v >= -tolerance && u + v <= S::ONE + tolerance) {
+            return None;
+        }
+        let t = e2.dot(q) * inv;
+        (t >= ray.t_min && t <= t_max).then_some(t)
     }
 
     #[inline(always)]
@@ -152,37 +173,9 @@ impl<S: Scalar> TriangleTest<S> for MoellerTrumbore {
         _: &(),
         t_max: S,
     ) -> Option<(u32, [S; 8])> {
-        Some(block_tests::moeller_trumbore(block, ray, t_max, S::ZERO))
+        let tolerance = S::EPSILON * S::from_i32(EPSILONS);
+        Some(block_tests::moeller_trumbore(block, ray, t_max, tolerance))
     }
-}
-
-/// The test of Moeller and Trumbore 1997, hits accepted up to `tolerance` outside in barycentric
-/// coordinates.
-#[inline(always)]
-pub(crate) fn moeller_trumbore<S: Scalar>(
-    tri: &[[S; 3]; 3],
-    ray: &Ray<S>,
-    t_max: S,
-    tolerance: S,
-) -> Option<S> {
-    let v0 = Vec3::<S>::from_array(tri[0]);
-    let e1 = Vec3::<S>::from_array(tri[1]) - v0;
-    let e2 = Vec3::<S>::from_array(tri[2]) - v0;
-    let p = ray.direction.cross(e2);
-    let det = e1.dot(p);
-    if det == S::ZERO {
-        return None;
-    }
-    let inv = S::ONE / det;
-    let s = ray.origin - v0;
-    let u = s.dot(p) * inv;
-    let q = s.cross(e1);
-    let v = ray.direction.dot(q) * inv;
-    if !(u >= -tolerance && v >= -tolerance && u + v <= S::ONE + tolerance) {
-        return None;
-    }
-    let t = e2.dot(q) * inv;
-    (t >= ray.t_min && t <= t_max).then_some(t)
 }
 
 /// Triangles alone, tested by `T`. 36 bytes per triangle in f32, 72 in f64.

@@ -312,15 +312,45 @@ fn sheared_from<S: Scalar>(
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
+    use std::any::type_name;
+
     use super::*;
+    use crate::geometry::scalar::{Vec3, Vector};
     use crate::primitives::{TriangleTest, Watertight};
     use crate::structures::test_scenes::Random;
+
+    pub(crate) fn ray_to_3<S: Scalar>(from: [S; 3], direction: [S; 3]) -> Ray<S> {
+        let (from, direction) = (Vec3::<S>::from_array(from), Vec3::<S>::from_array(direction));
+        Ray { t_max: S::from_f64(3.0), ..Ray::new(from, direction) }
+    }
+
+    /// The hit that the block finds, and that its triangles find one after the other.
+    pub(crate) fn agreed<S: Scalar, T: TriangleTest<S>>(
+        block: &TriangleBlock<S>,
+        triangles: impl Iterator<Item = (u32, [[S; 3]; 3])>,
+        ray: &Ray<S>,
+        setup: &T::Setup,
+    ) -> Hit<S> {
+        let mut expected = Hit { t: ray.t_max, id: MISS };
+        let mut best = expected;
+        for (id, triangle) in triangles {
+            if let Some(t) = T::intersect(&triangle, ray, setup, expected.t)
+                && (t < expected.t || id < expected.id)
+            {
+                expected = Hit { t, id };
+            }
+        }
+        T::closest_in_block(block, ray, setup, &mut best);
+        assert_eq!(best, expected, "{} {ray:?}", type_name::<T>());
+        assert_eq!(T::any_in_block(block, ray, setup, |_| true), best.is_hit());
+        assert!(!T::any_in_block(block, ray, setup, |_| false));
+        best
+    }
 
     /// Corners and rays on a coarse lattice, so that edges are met exactly and twins tie; rays with
     /// components however small; and triangles in whose planes the rays run.
     fn agrees<S: Scalar>(tiny: f64) {
-        use crate::geometry::scalar::{Vec3, Vector};
         let mut random = Random(3);
         let mut point =
             |cells: f64| [0; 3].map(|_| S::from_f64((random.unit() * cells).floor() / cells));
@@ -352,22 +382,9 @@ mod tests {
             if d == [S::ZERO; 3] {
                 continue;
             }
-            let mut ray = Ray::<S>::new(Vec3::<S>::from_array(from), Vec3::<S>::from_array(d));
-            ray.t_max = S::from_f64(3.0);
+            let ray = ray_to_3(from, d);
             let shear = Shear::of(&ray, S::ONE);
-            let mut expected = Hit { t: ray.t_max, id: MISS };
-            for (id, triangle) in numbered() {
-                if let Some(t) = watertight::intersect(&triangle, &ray, &shear, expected.t)
-                    && (t < expected.t || id < expected.id)
-                {
-                    expected = Hit { t, id };
-                }
-            }
-            let mut best = Hit { t: ray.t_max, id: MISS };
-            Watertight::closest_in_block(&block, &ray, &shear, &mut best);
-            assert_eq!(best, expected, "{round}");
-            assert_eq!(Watertight::any_in_block(&block, &ray, &shear, |_| true), expected.is_hit());
-            assert!(!Watertight::any_in_block(&block, &ray, &shear, |_| false));
+            let best = agreed::<S, Watertight>(&block, numbered(), &ray, &shear);
             hits += usize::from(best.is_hit());
             ties += usize::from(best.id == 87);
             let tested = block.test(&StartLanes::same(&shear), ray.t_min, &shear, ray.t_max);

@@ -29,6 +29,12 @@ pub(crate) fn edge_function<S: Scalar>(a: S, b: S, c: S, d: S) -> S {
     if e == S::ZERO { exact_difference(a, b, c, d) } else { e }
 }
 
+/// Returns whether the ray passes some edges on one side and some on the other: it misses.
+#[inline(always)]
+pub(crate) fn have_both_signs<S: Scalar>([u, v, w]: [S; 3]) -> bool {
+    (u < S::ZERO || v < S::ZERO || w < S::ZERO) && (u > S::ZERO || v > S::ZERO || w > S::ZERO)
+}
+
 /// Parameter at which the ray hits the triangle, if within `[ray.t_min, t_max]`.
 #[inline(always)]
 pub(crate) fn intersect<S: Scalar>(
@@ -55,7 +61,7 @@ pub(crate) fn intersect_in<S: Scalar>(
     let u = edge_function(c[0], b[1], c[1], b[0]);
     let v = edge_function(a[0], c[1], a[1], c[0]);
     let w = edge_function(b[0], a[1], b[1], a[0]);
-    if (u < S::ZERO || v < S::ZERO || w < S::ZERO) && (u > S::ZERO || v > S::ZERO || w > S::ZERO) {
+    if have_both_signs([u, v, w]) {
         return None;
     }
     let det = u + v + w;

@@ -13,10 +13,11 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::counters::Counters;
+use crate::query::mailbox::NoMailbox;
 use crate::query::ray_order;
-use crate::query::sink::{AnyHit, ClosestHit, Sink};
+use crate::query::sink::{Answer, BatchAnswers, Query, Sink};
 use crate::query::tracer::nearby::rebase_origin;
-use crate::structure::{BatchAnswers, Structure};
+use crate::structure::Structure;
 
 /// The traversal of single rays.
 pub(crate) trait Traverse<S: Scalar> {
@@ -33,17 +34,52 @@ impl<S: Scalar, T: Structure<S>> Traverse<S> for PlainStructure<'_, T> {
     }
 }
 
+/// The queries of a batch. Compiled into the loop over rays: a query that is made elsewhere and
+/// moved in is waited for.
+pub(crate) struct Batch<'r, 'a, S: Scalar, P, C, A> {
+    pub(crate) prims: &'r P,
+    /// Rays whose answers are wanted.
+    pub(crate) rays: &'r [Ray<S>],
+    answers: &'a mut [A],
+    work: C,
+}
+
+impl<'r, S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>> Batch<'r, '_, S, P, C, A> {
+    /// The query of a ray near the scene, which is prepared for the set.
+    #[inline(always)]
+    pub(crate) fn query<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Query<'q, S, P, C, A>
+    where
+        'r: 'q,
+    {
+        Query::prepared(self.prims, ray, setup, NoMailbox)
+    }
+
+    /// Keeps the answer of the ray at that place, which was brought near.
+    #[inline(always)]
+    pub(crate) fn keep(
+        &mut self,
+        place: usize,
+        query: &Query<'_, S, P, C, A>,
+        parameters: Parameters<S>,
+    ) {
+        self.work += query.counters;
+        self.answers[place] = match query.answer.restored(parameters) {
+            Some(answer) => answer,
+            None => A::miss(&self.rays[place]),
+        };
+    }
+}
+
 /// How the rays of a batch go through a structure.
 pub(crate) trait BatchDriver<S: Scalar, T> {
     /// True where rays go side by side, which is not compiled for tests that are compared.
     const IS_TOGETHER: bool = true;
 
     /// Answers the rays at these places; to be inlined.
-    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+    fn all<P: PrimSet<S>, C: Counters, A: Answer<S>>(
         structure: &T,
-        prims: &'r P,
         reach: S,
-        batch: &mut B,
+        batch: &mut Batch<'_, '_, S, P, C, A>,
         places: Range<usize>,
     );
 }
@@ -56,128 +92,24 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
 
     // without closures, which would not be compiled for AVX-512
     #[inline(always)]
-    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+    fn all<P: PrimSet<S>, C: Counters, A: Answer<S>>(
         structure: &T,
-        prims: &'r P,
         reach: S,
-        batch: &mut B,
+        batch: &mut Batch<'_, '_, S, P, C, A>,
         places: Range<usize>,
     ) {
-        let rays = batch.rays();
+        let (prims, rays) = (batch.prims, batch.rays);
         for place in places {
             let mut moved = None;
             match rebase_origin(&rays[place], reach, &mut moved) {
                 Some((ray, parameters)) => {
-                    let mut sink = batch.sink(ray, prims.setup(ray));
-                    structure.traverse_one(ray, &mut sink);
-                    batch.keep(place, Some((&sink, parameters)));
+                    let mut query = batch.query(ray, prims.setup(ray));
+                    structure.traverse_one(ray, &mut query);
+                    batch.keep(place, &query, parameters);
                 }
-                None => batch.keep(place, None),
+                None => batch.answers[place] = A::miss(&rays[place]),
             }
         }
-    }
-}
-
-/// The queries of a batch. Compiled into the loop over rays: a sink that is made elsewhere and
-/// moved in is waited for.
-pub(crate) trait Batch<'r, S: Scalar, P: PrimSet<S> + 'r> {
-    /// The query of a ray.
-    type Sink<'q>: Sink<S>
-    where
-        'r: 'q;
-    /// Rays whose answers are wanted.
-    fn rays(&self) -> &'r [Ray<S>];
-    /// The query of a ray near the scene, which is prepared for the set.
-    fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
-    where
-        'r: 'q;
-    /// Keeps the answer of the ray at that place, which was brought near; no sink where nothing can
-    /// be hit.
-    fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
-    where
-        'r: 'q;
-}
-
-struct ClosestQuery<'r, 'a, S: Scalar, P, C> {
-    prims: &'r P,
-    rays: &'r [Ray<S>],
-    hits: &'a mut [Hit<S>],
-    work: C,
-}
-
-impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for ClosestQuery<'r, '_, S, P, C> {
-    type Sink<'q>
-        = ClosestHit<'q, S, P, C>
-    where
-        'r: 'q;
-
-    #[inline(always)]
-    fn rays(&self) -> &'r [Ray<S>] {
-        self.rays
-    }
-
-    #[inline(always)]
-    fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
-    where
-        'r: 'q,
-    {
-        ClosestHit::prepared(self.prims, ray, setup)
-    }
-
-    #[inline(always)]
-    fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
-    where
-        'r: 'q,
-    {
-        if let Some((sink, _)) = found {
-            self.work += sink.counters();
-        }
-        let miss = Hit { t: self.rays[place].t_max, ..Hit::NONE };
-        self.hits[place] = match found {
-            Some((sink, parameters)) if sink.hit().is_hit() => {
-                Hit { t: parameters.restored(sink.hit().t), ..sink.hit() }
-            }
-            _ => miss,
-        };
-    }
-}
-
-/// Occlusion by opaque primitives.
-struct Occlusions<'r, 'a, S: Scalar, P, C> {
-    prims: &'r P,
-    rays: &'r [Ray<S>],
-    blocked: &'a mut [bool],
-    work: C,
-}
-
-impl<'r, S: Scalar, P: PrimSet<S>, C: Counters> Batch<'r, S, P> for Occlusions<'r, '_, S, P, C> {
-    type Sink<'q>
-        = AnyHit<'q, S, P, C>
-    where
-        'r: 'q;
-
-    #[inline(always)]
-    fn rays(&self) -> &'r [Ray<S>] {
-        self.rays
-    }
-
-    #[inline(always)]
-    fn sink<'q>(&self, ray: &'q Ray<S>, setup: P::RaySetup) -> Self::Sink<'q>
-    where
-        'r: 'q,
-    {
-        AnyHit::prepared(self.prims, ray, setup)
-    }
-
-    #[inline(always)]
-    fn keep<'q>(&mut self, place: usize, found: Option<(&Self::Sink<'q>, Parameters<S>)>)
-    where
-        'r: 'q,
-    {
-        if let Some((sink, _)) = found {
-            self.work += sink.counters();
-        }
-        self.blocked[place] = found.is_some_and(|(sink, _)| sink.is_blocked());
     }
 }
 
@@ -196,14 +128,14 @@ pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>
     }
     let all = 0..rays.len();
     match answers {
-        BatchAnswers::Closest(hits) => {
-            let mut batch = ClosestQuery { prims, rays, hits, work };
-            drive::<D, _, _, _, _>(structure, prims, reach, &mut batch, all);
+        BatchAnswers::Closest(answers) => {
+            let mut batch = Batch { prims, rays, answers, work };
+            drive::<D, _, _, _, _, _>(structure, reach, &mut batch, all);
             batch.work
         }
-        BatchAnswers::Occlusion(blocked) => {
-            let mut batch = Occlusions { prims, rays, blocked, work };
-            drive::<D, _, _, _, _>(structure, prims, reach, &mut batch, all);
+        BatchAnswers::Occlusion(answers) => {
+            let mut batch = Batch { prims, rays, answers, work };
+            drive::<D, _, _, _, _, _>(structure, reach, &mut batch, all);
             batch.work
         }
     }
@@ -281,30 +213,35 @@ pub fn has_avx512() -> bool {
 
 /// Answers the rays at these places of a batch; what counts is compiled for the target alone.
 #[inline(never)]
-pub(crate) fn drive<'r, D: BatchDriver<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
+pub(crate) fn drive<
+    D: BatchDriver<S, T>,
+    S: Scalar,
+    P: PrimSet<S>,
+    T,
+    C: Counters,
+    A: Answer<S>,
+>(
     structure: &T,
-    prims: &'r P,
     reach: S,
-    batch: &mut B,
+    batch: &mut Batch<'_, '_, S, P, C, A>,
     places: Range<usize>,
 ) {
     #[cfg(target_arch = "x86_64")]
-    if size_of::<S>() == size_of::<f32>() && !B::Sink::COUNTING && has_avx512() {
+    if size_of::<S>() == size_of::<f32>() && !C::ENABLED && has_avx512() {
         // SAFETY: the processor has it
-        unsafe { drive_by_avx512::<D, _, _, _, _>(structure, prims, reach, batch, places) };
+        unsafe { drive_by_avx512::<D, _, _, _, _, _>(structure, reach, batch, places) };
         return;
     }
-    D::all(structure, prims, reach, batch, places);
+    D::all(structure, reach, batch, places);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn drive_by_avx512<'r, D: BatchDriver<S, T>, S: Scalar, P: PrimSet<S>, T, B: Batch<'r, S, P>>(
+fn drive_by_avx512<D: BatchDriver<S, T>, S: Scalar, P: PrimSet<S>, T, C: Counters, A: Answer<S>>(
     structure: &T,
-    prims: &'r P,
     reach: S,
-    batch: &mut B,
+    batch: &mut Batch<'_, '_, S, P, C, A>,
     places: Range<usize>,
 ) {
-    D::all(structure, prims, reach, batch, places);
+    D::all(structure, reach, batch, places);
 }

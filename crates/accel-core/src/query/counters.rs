@@ -81,13 +81,17 @@ impl Counters for WorkCounters {
     }
 }
 
-impl AddAssign for WorkCounters {
-    #[inline(always)]
-    fn add_assign(&mut self, other: Self) {
-        self.intersection_tests += other.intersection_tests;
-        self.traversal_steps += other.traversal_steps;
-        self.elementary_steps += other.elementary_steps;
-        self.empty_elementary_steps += other.empty_elementary_steps;
-        self.tests_saved += other.tests_saved;
-    }
+/// Adds such sums field by field.
+macro_rules! add_fields {
+    ($sums:ty: $($field:ident),*) => {
+        impl std::ops::AddAssign for $sums {
+            #[inline(always)]
+            fn add_assign(&mut self, other: Self) {
+                $(self.$field += other.$field;)*
+            }
+        }
+    };
 }
+pub(crate) use add_fields;
+
+add_fields!(WorkCounters: intersection_tests, traversal_steps, elementary_steps, empty_elementary_steps, tests_saved);

@@ -14,7 +14,7 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
 use crate::params::ParamSpec;
 use crate::primitives::{PrimSet, TriangleBlock, blocks};
-use crate::query::sink::Sink;
+use crate::query::sink::{Sink, end_of_query, steps_of_query};
 use crate::update::ChangedLists;
 
 /// The setting, for the parameter list of a structure whose lists are short, or so many that blocks
@@ -150,15 +150,8 @@ fn total(lists: &[&[u32]]) -> usize {
 
 /// A sink that hands the blocks of lists on, and lists that have none as they are.
 pub(crate) struct BlockSink<'b, 'q, S, K> {
-    blocks: &'b ListBlocks<S>,
-    query: &'q mut K,
-}
-
-impl<'b, 'q, S, K> BlockSink<'b, 'q, S, K> {
-    #[inline(always)]
-    pub(crate) fn new(blocks: &'b ListBlocks<S>, query: &'q mut K) -> Self {
-        Self { blocks, query }
-    }
+    pub(crate) blocks: &'b ListBlocks<S>,
+    pub(crate) query: &'q mut K,
 }
 
 /// Tests blocks apart from the traversal. Compiled into one function with it, questions of
@@ -173,16 +166,8 @@ fn out_of_line<S: Scalar, K: Sink<S>>(
 
 impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, '_, S, K> {
     const COUNTING: bool = K::COUNTING;
-
-    #[inline(always)]
-    fn t_max(&self) -> S {
-        self.query.t_max()
-    }
-
-    #[inline(always)]
-    fn is_any_hit(&self) -> bool {
-        self.query.is_any_hit()
-    }
+    steps_of_query!();
+    end_of_query!();
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
@@ -191,16 +176,6 @@ impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, '_, S, K> {
             Some(blocks) => self.query.test_blocks(blocks),
             None => self.query.test(ids),
         }
-    }
-
-    #[inline(always)]
-    fn elementary_step(&mut self, empty: bool) {
-        self.query.elementary_step(empty);
-    }
-
-    #[inline(always)]
-    fn inner_step(&mut self) {
-        self.query.inner_step();
     }
 }
 
@@ -220,14 +195,11 @@ mod tests {
         for list in lists.iter().filter(|list| !list.is_empty()) {
             let found = blocks.behind(list).unwrap();
             let n = found.iter().position(|b| !b.has_next()).unwrap() + 1;
-            let held: Vec<u32> = found[..n]
-                .iter()
-                .flat_map(|block| {
-                    let (ids, n) = block.ids();
-                    ids.into_iter().take(n)
-                })
-                .collect();
-            assert_eq!(held, **list);
+            let held = found[..n].iter().flat_map(|block| {
+                let (ids, n) = block.ids();
+                ids.into_iter().take(n)
+            });
+            assert!(held.eq(list.iter().copied()));
         }
         // what is no list has no blocks: within one, behind all, elsewhere
         assert!(blocks.behind(&ids[1..3]).is_none());

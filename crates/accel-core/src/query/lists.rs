@@ -65,15 +65,11 @@ impl<S: Scalar> Lists<S> {
     /// Makes the blocks of the same lists over primitives of which some have moved; false where
     /// these would not be such lists.
     pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P, moved: &MovedIds) -> bool {
-        match self {
-            Self::Ids(_) => !blocks::serve(prims),
-            Self::Blocks(all) => {
-                blocks::serve(prims) && {
-                    blocks::refresh(prims, all, moved);
-                    true
-                }
-            }
+        let (serve, are_blocks) = (blocks::serve(prims), matches!(self, Self::Blocks(_)));
+        if let (Self::Blocks(all), true) = (self, serve) {
+            blocks::refresh(prims, all, moved);
         }
+        serve == are_blocks
     }
 
     /// Hands a list to a sink.

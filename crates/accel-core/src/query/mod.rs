@@ -1,7 +1,6 @@
 //! Questions to a structure: closest hit, any hit, what a frustum meets; and what answering costs.
 
 pub mod batch;
-pub(crate) mod by_blocks;
 pub mod cells;
 pub mod counters;
 pub mod entered;

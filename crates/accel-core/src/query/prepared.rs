@@ -16,7 +16,8 @@ use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::batch::{Batch, BatchDriver, PlainStructure, RayByRay, drive};
-use crate::query::sink::Sink;
+use crate::query::counters::Counters;
+use crate::query::sink::{Answer, Sink};
 use crate::structure::Structure;
 
 /// A structure that derives what it needs of eight rays at once.
@@ -40,28 +41,22 @@ pub(crate) struct SequentialDriver;
 
 impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
     #[inline(always)]
-    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+    fn all<P: PrimSet<S>, C: Counters, A: Answer<S>>(
         structure: &T,
-        prims: &'r P,
         reach: S,
-        batch: &mut B,
+        batch: &mut Batch<'_, '_, S, P, C, A>,
         places: Range<usize>,
     ) {
-        let (eights, rest) = batch.rays()[places.clone()].as_chunks();
+        let (prims, alone) = (batch.prims, &PlainStructure(structure));
+        let (eights, rest) = batch.rays[places.clone()].as_chunks();
         // of a packet; nothing is allocated where there is none
-        let mut sinks: Vec<B::Sink<'r>> = Vec::new();
+        let mut sinks = Vec::new();
         for (number, rays) in eights.iter().enumerate() {
             let first = places.start + number * rays.len();
             let lanes = RayLanes::of(rays);
             if !far_ray::are_near(&lanes, reach) {
                 let places = first..first + rays.len();
-                drive::<RayByRay, _, _, _, _>(
-                    &PlainStructure(structure),
-                    prims,
-                    reach,
-                    batch,
-                    places,
-                );
+                drive::<RayByRay, _, _, _, _, _>(alone, reach, batch, places);
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -70,21 +65,21 @@ impl<S: Scalar, T: LaneStructure<S>> BatchDriver<S, T> for SequentialDriver {
                 sinks.clear();
                 sinks.reserve(LANES);
                 for (lane, ray) in rays.iter().enumerate() {
-                    sinks.push(batch.sink(ray, setups(lane)));
+                    sinks.push(batch.query(ray, setups(lane)));
                 }
                 structure.trace_packet(&eight, &packet, &mut sinks);
                 for (lane, sink) in sinks.iter().enumerate() {
-                    batch.keep(first + lane, Some((sink, Parameters::SAME)));
+                    batch.keep(first + lane, sink, Parameters::SAME);
                 }
                 continue;
             }
             for (lane, ray) in rays.iter().enumerate() {
-                let mut sink = batch.sink(ray, setups(lane));
+                let mut sink = batch.query(ray, setups(lane));
                 structure.trace_prepared(&eight, lane, &mut sink);
-                batch.keep(first + lane, Some((&sink, Parameters::SAME)));
+                batch.keep(first + lane, &sink, Parameters::SAME);
             }
         }
         let rest = places.end - rest.len()..places.end;
-        drive::<RayByRay, _, _, _, _>(&PlainStructure(structure), prims, reach, batch, rest);
+        drive::<RayByRay, _, _, _, _, _>(alone, reach, batch, rest);
     }
 }

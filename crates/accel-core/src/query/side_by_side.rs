@@ -15,7 +15,8 @@ use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::batch::{Batch, BatchDriver, RayByRay, Traverse, drive};
-use crate::query::sink::Sink;
+use crate::query::counters::Counters;
+use crate::query::sink::{Answer, Sink};
 
 /// Groups of eight lanes. Four, against two, are worth 4% for diffuse and shadow rays, where memory
 /// is waited for.
@@ -60,16 +61,16 @@ pub(crate) struct LaneDriver;
 
 impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
     #[inline(always)]
-    fn all<'r, P: PrimSet<S>, B: Batch<'r, S, P>>(
+    fn all<P: PrimSet<S>, C: Counters, A: Answer<S>>(
         structure: &T,
-        prims: &'r P,
         reach: S,
-        batch: &mut B,
+        batch: &mut Batch<'_, '_, S, P, C, A>,
         all: Range<usize>,
     ) {
-        let (eights, rest) = batch.rays()[all.clone()].as_chunks::<LANES>();
+        let prims = batch.prims;
+        let (eights, rest) = batch.rays[all.clone()].as_chunks::<LANES>();
         let mut state = T::idle();
-        let mut sinks: Vec<B::Sink<'r>> = Vec::with_capacity(RAYS);
+        let mut sinks = Vec::with_capacity(RAYS);
         let (mut places, mut t_max) = ([0; RAYS], [S::ZERO; RAYS]);
         let mut free = ALL;
         for number in 0..=eights.len() {
@@ -80,7 +81,7 @@ impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
             let lanes = RayLanes::of(rays);
             if !is_over && !far_ray::are_near(&lanes, reach) {
                 let alone = first..first + LANES;
-                drive::<RayByRay, _, _, _, _>(&structure.alone(), prims, reach, batch, alone);
+                drive::<RayByRay, _, _, _, _, _>(&structure.alone(), reach, batch, alone);
                 continue;
             }
             let setups = prims.setups(rays, &lanes);
@@ -89,9 +90,9 @@ impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
             loop {
                 while free != 0 && waiting != 0 {
                     let from = take_lowest(&mut waiting);
-                    let sink = batch.sink(&rays[from], setups(from));
+                    let sink = batch.query(&rays[from], setups(from));
                     if T::meeting(&eight) >> from & 1 == 0 {
-                        batch.keep(first + from, Some((&sink, Parameters::SAME)));
+                        batch.keep(first + from, &sink, Parameters::SAME);
                         continue;
                     }
                     let lane = take_lowest(&mut free);
@@ -124,12 +125,12 @@ impl<S: Scalar, T: LaneTraversal<S>> BatchDriver<S, T> for LaneDriver {
                 free |= over;
                 while over != 0 {
                     let lane = take_lowest(&mut over);
-                    batch.keep(places[lane], Some((&sinks[lane], Parameters::SAME)));
+                    batch.keep(places[lane], &sinks[lane], Parameters::SAME);
                 }
             }
         }
         let rest = all.end - rest.len()..all.end;
-        drive::<RayByRay, _, _, _, _>(&structure.alone(), prims, reach, batch, rest);
+        drive::<RayByRay, _, _, _, _, _>(&structure.alone(), reach, batch, rest);
     }
 }
 

@@ -16,13 +16,11 @@
 
 use std::collections::HashSet;
 
-use crate::capacity::CapacityLimits;
 use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::build::{BuildRules, LooseGrids, REFERENCES, VOXELS};
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::nested_grids::build::{BuildRules, LooseGrids, room_of};
 use crate::grid::nested_grids::{NestedGrids, NoMailbox};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::params::ParamSpec;
@@ -33,7 +31,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::structures::hug::{Boxes, boxes_of, historical_frame, useful_frame};
 use crate::tree::cluster_bvh::{ClusterBvh, Item};
 use crate::tree::clustering::agglomerate::{MergeRule, agglomerate, surface};
@@ -63,12 +61,9 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "adaptive-grid",
-    summary: "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",
     paper: "Klimaszewski, Sederberg 1997",
     deviations: "binary hierarchy; large scenes clustered locally; useless sub-voxel grids left out",
     params: AdaptiveGridConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "exact-clusters=4096",
@@ -76,8 +71,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "orphan-grid=on m=0.1",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "adaptive-grid",
+        "grids over clusters, crowded voxels divided again, a hierarchy of boxes over all",
+    )
 };
 
 /// s_i (n / volume)^(1/3) plus this, truncated, is the historical resolution of a cluster's grid
@@ -92,7 +89,6 @@ pub struct AdaptiveGrid<S: Scalar> {
     tree: ClusterBvh<S>,
     grids: NestedGrids<S>,
     orphans: u64,
-    clusters: u64,
     /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
     from_origin: bool,
 }
@@ -111,10 +107,7 @@ struct PendingGrid<S: Scalar> {
 struct GridBuilder<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
     padding: S,
-    historical: bool,
-    density: f64,
-    split: usize,
-    levels: u64,
+    config: &'a AdaptiveGridConfig,
     rules: BuildRules,
 }
 
@@ -128,8 +121,8 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
         settings: &Settings<AdaptiveGridConfig>,
     ) -> Result<Self, BuildError> {
         let historical = settings.historical;
-        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
-            .map_err(|id| BuildError::NonFiniteBounds { structure: settings.structure(), id })?;
+        let Boxes { of: boxes, scene, padding } =
+            boxes_of(prims, historical, settings.structure())?;
         let rule = MergeRule {
             ratio: settings.f,
             max_surface: settings.m * surface(&scene),
@@ -139,23 +132,10 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
         let (clusters, orphans): (Vec<_>, Vec<_>) =
             agglomerate(&boxes, &rule).into_iter().partition(|c| c.len() >= fewest);
         let orphans = orphans.concat();
-        let maker = GridBuilder {
-            boxes: &boxes,
-            padding,
-            historical,
-            density: settings.density,
-            split: settings.split,
-            levels: settings.levels,
-            rules: BuildRules {
-                order: if historical { ListOrder::Reverse } else { ListOrder::File },
-                by_division: historical,
-                room: CapacityLimits::new(
-                    settings.limits(),
-                    [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
-                ),
-            },
-        };
-        let (cluster_count, orphan_count) = (clusters.len() as u64, orphans.len() as u64);
+        let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
+        let rules = BuildRules { historical, room };
+        let maker = GridBuilder { boxes: &boxes, padding, config: settings, rules };
+        let orphan_count = orphans.len() as u64;
         let mut items = Vec::new();
         let mut crowds = clusters;
         if settings.has_orphan_grid && !orphans.is_empty() {
@@ -170,7 +150,6 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
             tree: ClusterBvh::new(items),
             grids,
             orphans: orphan_count,
-            clusters: cluster_count,
             from_origin: historical,
         })
     }
@@ -247,11 +226,6 @@ impl<S: Scalar> AdaptiveGrid<S> {
         self.orphans
     }
 
-    /// Clusters of more than one primitive.
-    pub fn clusters(&self) -> u64 {
-        self.clusters
-    }
-
     /// Inner nodes of the hierarchy.
     pub fn hierarchy_nodes(&self) -> u64 {
         self.tree.inner_nodes()
@@ -290,9 +264,9 @@ impl<S: Scalar> GridBuilder<'_, S> {
         let boxes: Vec<_> = crowd.ids.iter().map(|&i| self.boxes[i as usize]).collect();
         let frame = self.frame(crowd, &boxes)?;
         // a grid of one cell has not helped, another one below it would not either
-        let may_divide = crowd.level < self.levels && frame.cells() > 1;
+        let may_divide = crowd.level < self.config.levels && frame.cells() > 1;
         grids.push_divided(frame, (&crowd.ids, &boxes), &self.rules, |cell, list| {
-            if !may_divide || list.len() < self.split {
+            if !may_divide || list.len() < self.config.split {
                 return None;
             }
             self.crowd_in(cell, list.iter().map(|&i| crowd.ids[i as usize]), crowd.level + 1)
@@ -309,13 +283,13 @@ impl<S: Scalar> GridBuilder<'_, S> {
     ) -> Option<PendingGrid<S>> {
         let boxes = ids.clone().map(|i| self.boxes[i as usize]);
         let bounds = self.within(boxes.clone(), cell);
-        let frame = (!self.historical).then(|| self.useful_frame(bounds, boxes));
+        let frame = (!self.config.historical).then(|| self.useful_frame(bounds, boxes));
         let is_hopeless = frame.is_some_and(|frame| frame.cells() == 1);
         (!is_hopeless).then(|| PendingGrid { ids: ids.collect(), bounds, level, frame })
     }
 
     fn frame(&self, crowd: &PendingGrid<S>, boxes: &[Aabb<S>]) -> Result<GridFrame<S>, BuildError> {
-        if self.historical {
+        if self.config.historical {
             let wanted = HISTORICAL_ROUNDING[usize::from(crowd.level > 0)];
             return historical_frame(crowd.bounds, boxes.len(), wanted, &self.rules.room);
         }
@@ -327,23 +301,17 @@ impl<S: Scalar> GridBuilder<'_, S> {
         bounds: Aabb<S>,
         boxes: impl Iterator<Item = Aabb<S>> + Clone,
     ) -> GridFrame<S> {
-        useful_frame(bounds, boxes, self.density, self.padding, &self.rules.room)
+        useful_frame(bounds, boxes, self.config.density, self.padding, &self.rules.room)
     }
 
     /// The part of a voxel that its primitives fill; in 1999, all that they fill.
     fn within(&self, boxes: impl Iterator<Item = Aabb<S>>, cell: Aabb<S>) -> Aabb<S> {
         let all = boxes.fold(Aabb::empty(), Aabb::union);
-        if self.historical {
+        if self.config.historical {
             return all;
         }
-        let (mut lo, mut hi) = (all.min.max(cell.min).to_array(), all.max.min(cell.max).to_array());
-        for k in 0..3 {
-            // a box that only touches the voxel may lie outside by rounding
-            if hi[k] < lo[k] {
-                (lo[k], hi[k]) = (hi[k], lo[k]);
-            }
-        }
-        Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
-            .expanded(self.padding)
+        // a box that only touches the voxel may lie outside by rounding
+        let (lo, hi) = (all.min.max(cell.min), all.max.min(cell.max));
+        Aabb { min: lo.min(hi), max: lo.max(hi) }.expanded(self.padding)
     }
 }

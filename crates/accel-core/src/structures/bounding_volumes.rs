@@ -41,8 +41,7 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
-use crate::structure::too_many;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of, too_many};
 
 /// Number of plane directions of slabs.
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec::choice("directions", "7", &["3", "4", "7"])
@@ -52,8 +51,6 @@ pub(super) const MAX_CELLS: ParamSpec = ParamSpec::integer("max-cells", "6710886
     .about("upper limit for the number of volumes");
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "bounding-volumes",
-    summary: "boxes, spheres or slabs around primitives or groups, each tested in turn",
     paper: "Whitted 1980; Rubin, Whitted 1980; Weghorst, Hooper, Greenberg 1984; \
             Kay, Kajiya 1986 (slabs)",
     deviations: "one kind of volume a scene; padded; groups cut at medians of centres",
@@ -76,6 +73,10 @@ pub static INFO: StructureInfo = StructureInfo {
     ],
     known_defect,
     sampled: true,
+    ..StructureInfo::new(
+        "bounding-volumes",
+        "boxes, spheres or slabs around primitives or groups, each tested in turn",
+    )
 };
 
 fn known_defect(params: &Params) -> Option<&'static str> {
@@ -121,6 +122,20 @@ pub struct BoundingVolumes<S: Scalar> {
     group: usize,
 }
 
+/// What is said of volumes of any kind.
+macro_rules! of_any {
+    ($volumes:expr, $all:ident => $said:expr) => {
+        match $volumes {
+            Volumes::Boxes($all) => $said,
+            Volumes::Compared(_, $all) => $said,
+            Volumes::Spheres($all) => $said,
+            Volumes::Slabs3($all) => $said,
+            Volumes::Slabs4($all) => $said,
+            Volumes::Slabs7($all) => $said,
+        }
+    };
+}
+
 /// The volumes, one for each group.
 enum Volumes<S: Scalar> {
     Boxes(Vec<Aabb<S>>),
@@ -145,25 +160,11 @@ impl<S: Scalar> Volumes<S> {
 
     /// A box around one of them.
     fn bounds(&self, number: usize) -> Aabb<f64> {
-        match self {
-            Self::Boxes(all) => Volume::<S>::bounds(&all[number]),
-            Self::Compared(_, all) => all[number].bounds(),
-            Self::Spheres(all) => Volume::<S>::bounds(&all[number]),
-            Self::Slabs3(all) => all[number].bounds(),
-            Self::Slabs4(all) => all[number].bounds(),
-            Self::Slabs7(all) => all[number].bounds(),
-        }
+        of_any!(self, all => Volume::<S>::bounds(&all[number]))
     }
 
     fn bytes(&self) -> usize {
-        match self {
-            Self::Boxes(all) => size_of_val(all.as_slice()),
-            Self::Compared(_, all) => size_of_val(all.as_slice()),
-            Self::Spheres(all) => size_of_val(all.as_slice()),
-            Self::Slabs3(all) => size_of_val(all.as_slice()),
-            Self::Slabs4(all) => size_of_val(all.as_slice()),
-            Self::Slabs7(all) => size_of_val(all.as_slice()),
-        }
+        of_any!(self, all => size_of_val(all.as_slice()))
     }
 }
 
@@ -193,9 +194,7 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
         prims: &P,
         settings: &Settings<VolumesConfig>,
     ) -> Result<Self, BuildError> {
-        let structure = settings.structure();
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;
         let group = settings.group;
         check_cells(prims.len().div_ceil(group), settings.limits(), settings.max_cells)?;
         let mut ids: Vec<u32> = (0..prims.len() as u32).collect();

@@ -14,14 +14,12 @@ use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
-use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::parallel;
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::query::kernel;
-use crate::query::mailbox;
-use crate::structure::{StructureInfo, no_defect};
+use crate::structure::StructureInfo;
 
 config! {
     /// How large blocks are.
@@ -37,26 +35,14 @@ const CACHE_LINE: &str =
     if cfg!(all(target_arch = "aarch64", target_os = "macos")) { "128" } else { "64" };
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "bricked-grid",
-    summary: "equal voxels in blocks of a cache line and macro-blocks of the L2 cache",
     paper: "Parker, Martin, Sloan, Shirley, Smits, Hansen 1999",
     deviations: "macro-blocks of L2 size, not of a page; blocks need not be cubes",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        BricksConfig::PARAMS[0],
-        BricksConfig::PARAMS[1],
-        Traversal::PARAM,
-        kernel::BLOCK_PARAM,
-        QUERY_PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
-    variants: &[""],
+        [BricksConfig::PARAMS[0], BricksConfig::PARAMS[1], Traversal::PARAM],
+        [QUERY_PARAM]
+    ),
     also_tested: &[
         "kernel=scalar",
         "query=batch",
@@ -66,8 +52,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "traversal=driving-axis",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "bricked-grid",
+        "equal voxels in blocks of a cache line and macro-blocks of the L2 cache",
+    )
 };
 
 /// A grid in blocks.

@@ -16,14 +16,12 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::NewCells;
-use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::parallel::{for_each_part, parts, ranges, sort};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::query::kernel;
-use crate::query::mailbox;
-use crate::structure::{StructureInfo, no_defect};
+use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 
 config! {
@@ -40,28 +38,15 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "hashed-grid",
-    summary: "equal voxels in a hash table: only occupied ones take memory",
     paper: "Glassner 1984 (hashed cells); Amanatides, Woo 1987 (traversal)",
     deviations: "linear probing, multiplicative hash, no chains; boxes as in uniform-grid",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::max_cells("68719476736", 1 << 60)
             .about("upper limit for the number of voxels, occupied or not"),
         ParamSpec { default: "134217728", ..specs::MAX_REFERENCES },
-        TableConfig::PARAMS[0],
-        TableConfig::PARAMS[1],
-        Traversal::PARAM,
-        kernel::BLOCK_PARAM,
-        QUERY_PARAM,
-        INCREMENTAL,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
-    variants: &[""],
+        [TableConfig::PARAMS[0], TableConfig::PARAMS[1], Traversal::PARAM],
+        [QUERY_PARAM, INCREMENTAL]
+    ),
     also_tested: &[
         "kernel=scalar",
         "query=batch",
@@ -71,8 +56,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "traversal=driving-axis",
         "mailbox=array",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "hashed-grid",
+        "equal voxels in a hash table: only occupied ones take memory",
+    )
 };
 
 /// A grid in a hash table.

@@ -21,12 +21,11 @@ use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::cell_lists::ListOrder;
-use crate::grid::nested_grids::build::{BuildRules, LooseGrids, REFERENCES, VOXELS, references_in};
+use crate::grid::nested_grids::build::{BuildRules, LooseGrids, references_in, room_of};
 use crate::grid::nested_grids::{Mailbox, NestedGrids, VisitedGrids};
-use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule, smallest_cell};
+use crate::historical::bounds_rule::{BoundsRule, smallest_cell};
 use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
@@ -36,7 +35,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
 use crate::tree::clustering::components::components;
 
@@ -62,15 +61,14 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "hug",
-    summary: "grids over clusters of primitives of like size, nested, each traversed once per ray",
     paper: "Cazals, Drettakis, Puech 1995",
     deviations: "largest class unclustered in the root; small clusters dissolve; coarser where useless",
     params: HugConfig::PARAMS,
-    variants: &[""],
     also_tested: &["kernel=scalar", "size-classes=2", "size-classes=4", "mailbox=primitive"],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "hug",
+        "grids over clusters of primitives of like size, nested, each traversed once per ray",
+    )
 };
 
 /// The rules of `boxes=historical`, fitted to published counters (Havran and Sixta 1999).
@@ -116,8 +114,8 @@ impl<S: Scalar> Structure<S> for Hug<S> {
 
     fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<HugConfig>) -> Result<Self, BuildError> {
         let historical = settings.historical;
-        let Boxes { of: boxes, scene, padding } = boxes_of(prims, historical)
-            .map_err(|id| BuildError::NonFiniteBounds { structure: settings.structure(), id })?;
+        let Boxes { of: boxes, scene, padding } =
+            boxes_of(prims, historical, settings.structure())?;
         let (mut plans, owners) = plan(&boxes, scene, padding, settings);
         if let (true, Some(root)) = (historical, plans.first_mut()) {
             root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
@@ -173,12 +171,13 @@ pub(super) struct Boxes<S: Scalar> {
     pub padding: S,
 }
 
-/// All boxes. `Err(id)` names a primitive that is too far away for the scalar.
+/// All boxes.
 pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     historical: bool,
-) -> Result<Boxes<S>, u32> {
-    let padded = BoundsOf::new(prims, BoundsRule::Padded)?;
+    structure: &'static str,
+) -> Result<Boxes<S>, BuildError> {
+    let padded = bounds_of(prims, BoundsRule::Padded, structure)?;
     if !historical {
         let of = padded.all();
         return Ok(Boxes { of, scene: padded.scene(), padding: padded.padding() });
@@ -298,14 +297,8 @@ fn fill<S: Scalar>(
     settings: &Settings<HugConfig>,
 ) -> Result<NestedGrids<S>, BuildError> {
     let historical = settings.historical;
-    let rules = BuildRules {
-        order: if historical { ListOrder::Reverse } else { ListOrder::File },
-        by_division: historical,
-        room: CapacityLimits::new(
-            settings.limits(),
-            [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)],
-        ),
-    };
+    let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
+    let rules = BuildRules { historical, room };
     let mut primitives = vec![Vec::new(); plans.len()];
     for (&owner, id) in owners.iter().zip(0u32..) {
         primitives[owner as usize].push(id);
@@ -361,15 +354,8 @@ pub(super) fn useful_frame<S: Scalar>(
     room: &CapacityLimits,
 ) -> GridFrame<S> {
     let n = boxes.clone().count();
-    let input = ResolutionInput {
-        bounds,
-        primitives: n,
-        density,
-        mean_longest_side: 0.0,
-        max_cells: room.most_cells(),
-        smallest_cell: smallest_cell(padding),
-    };
-    let mut cells = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
+    let (most, smallest) = (room.most_cells(), smallest_cell(padding));
+    let mut cells = resolve_by_density(bounds, n, density, most, smallest);
     loop {
         let frame = GridFrame::new(bounds, cells);
         let references = references_in(&frame, boxes.clone());

@@ -13,28 +13,23 @@
 //! Counters: a node taken from the queue is a step, an elementary one if it is a leaf; nodes that
 //! were tested and missed, or were left in the queue, are none.
 
-mod config;
 mod entry_queue;
 mod hierarchy;
 
-use self::config::KayKajiyaConfig;
-use self::hierarchy::Hierarchy;
+use self::hierarchy::{Hierarchy, KayKajiyaConfig};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "kay-kajiya",
-    summary: "hierarchy of slab volumes, nearest entry first by a priority queue",
     paper: "Kay, Kajiya 1986",
     deviations: "cuts on the axis of widest spread; leaves and branching of any size; padded",
     params: KayKajiyaConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "leaf-size=4 branching=4",
         "directions=3",
@@ -42,8 +37,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "leaf-size=16",
         "kernel=block leaf-size=8",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "kay-kajiya",
+        "hierarchy of slab volumes, nearest entry first by a priority queue",
+    )
 };
 
 /// A hierarchy of slab volumes.
@@ -58,6 +55,17 @@ enum ByDirections<S: Scalar> {
     Seven(Hierarchy<S, 7>),
 }
 
+/// The value of an expression over the hierarchy, whatever the number of directions.
+macro_rules! of_hierarchy {
+    ($this:ident, $hierarchy:ident => $value:expr) => {
+        match &$this.hierarchy {
+            ByDirections::Three($hierarchy) => $value,
+            ByDirections::Four($hierarchy) => $value,
+            ByDirections::Seven($hierarchy) => $value,
+        }
+    };
+}
+
 impl<S: Scalar> Structure<S> for KayKajiya<S> {
     const HAS_LISTS: bool = true;
     const DUPLICATES: bool = false;
@@ -68,9 +76,7 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
         prims: &P,
         settings: &Settings<KayKajiyaConfig>,
     ) -> Result<Self, BuildError> {
-        let structure = settings.structure();
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;
         let hierarchy = match settings.directions {
             3 => ByDirections::Three(Hierarchy::new(&boxes, settings)?),
             4 => ByDirections::Four(Hierarchy::new(&boxes, settings)?),
@@ -81,35 +87,19 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.traverse(ray, sink),
-            ByDirections::Four(hierarchy) => hierarchy.traverse(ray, sink),
-            ByDirections::Seven(hierarchy) => hierarchy.traverse(ray, sink),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.traverse(ray, sink))
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.lists().for_each(each),
-            ByDirections::Four(hierarchy) => hierarchy.lists().for_each(each),
-            ByDirections::Seven(hierarchy) => hierarchy.lists().for_each(each),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.lists().for_each(each))
     }
 
     fn stats(&self) -> StructureStats {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.stats(),
-            ByDirections::Four(hierarchy) => hierarchy.stats(),
-            ByDirections::Seven(hierarchy) => hierarchy.stats(),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.stats())
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
-        match &self.hierarchy {
-            ByDirections::Three(hierarchy) => hierarchy.show(each),
-            ByDirections::Four(hierarchy) => hierarchy.show(each),
-            ByDirections::Seven(hierarchy) => hierarchy.show(each),
-        }
+        of_hierarchy!(self, hierarchy => hierarchy.show(each));
         Ok(())
     }
 }

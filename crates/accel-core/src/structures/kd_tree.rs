@@ -13,32 +13,27 @@
 //! a few cuts that do not pay; intervals on the ray are rounded outwards, so that a ray within a
 //! plane, or one that only grazes a cell, visits both sides.
 
-mod cells;
-mod config;
 mod frustum_traversal;
 mod subdivide;
 mod surface_area;
 
-use self::config::KdTreeConfig;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, DEEPEST, Node};
+use subdivide::{Cells, Node};
+use surface_area::{DEEPEST, KdTreeConfig};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "kd-tree",
-    summary: "binary space subdivision by the surface-area heuristic, traversed with a stack",
     paper: "MacDonald, Booth 1990; Wald, Havran 2006; Shevtsov et al. 2007 (bins)",
     deviations: "padded boxes; binned above, exact below a number of references; no clipping",
     params: KdTreeConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "max-leaf=4 traversal-cost=2",
@@ -46,8 +41,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "exact-below=1024",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "kd-tree",
+        "binary space subdivision by the surface-area heuristic, traversed with a stack",
+    )
 };
 
 pub struct KdTree<S: Scalar> {
@@ -64,9 +61,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
         prims: &P,
         settings: &Settings<KdTreeConfig>,
     ) -> Result<Self, BuildError> {
-        let structure = settings.structure();
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;
         let bounds = boxes.scene();
         let all = boxes.all();
         Ok(Self { bounds, cells: subdivide::cells(&all, bounds, settings)? })
@@ -103,7 +98,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
                 }
                 continue;
             }
-            let ids = self.cells.list((node.link >> 2) as usize);
+            let ids = self.cells.lists.at((node.link >> 2) as usize);
             sink.elementary_step(ids.is_empty());
             if !ids.is_empty() && sink.test(ids).is_break() {
                 return;
@@ -122,24 +117,13 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        self.cells.lists().for_each(each);
+        self.cells.lists.lists().for_each(each);
     }
 
     fn stats(&self) -> StructureStats {
-        let c = &self.cells;
-        let bytes = size_of_val(c.nodes.as_slice())
-            + size_of_val(c.starts.as_slice())
-            + size_of_val(c.ids.as_slice());
-        let leaves = c.starts.len() as u64 - 1;
-        StructureStats {
-            inner_cells: c.nodes.len() as u64 - leaves,
-            cells: leaves,
-            empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
-            references: c.ids.len() as u64,
-            resolution: None,
-            bytes: bytes as u64,
-            ..StructureStats::default()
-        }
+        let (nodes, lists) = (self.cells.nodes.as_slice(), self.cells.lists.stats());
+        let inner_cells = nodes.len() as u64 - lists.cells;
+        StructureStats { inner_cells, bytes: size_of_val(nodes) as u64 + lists.bytes, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -148,7 +132,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
             let node = self.cells.nodes[cell as usize];
             let (axis, link) = ((node.link & 3) as usize, node.link >> 2);
             if axis == Node::<S>::LEAF as usize {
-                each(Cell::elementary(bounds, depth, self.cells.list(link as usize)));
+                each(Cell::elementary(bounds, depth, self.cells.lists.at(link as usize)));
                 continue;
             }
             each(Cell::inner(bounds, depth));

@@ -1,10 +1,10 @@
 //! The octree: a cube-like cell is cut by three planes into eight, until few primitives are left.
 //!
 //! Papers: A. S. Glassner, "Space Subdivision for Fast Ray Tracing", IEEE CG&A 4(10), 1984
-//! (subdivision at the centre, `octree/point_location.rs`); H. Samet, "Implementing Ray Tracing
-//! with Octrees and Neighbor Finding", Computers & Graphics 13(4), 1989 (`octree/neighbour.rs`);
-//! I. Gargantini, H. H. Atkinson, "Ray Tracing an Octree: Numerical Evaluation of the First
-//! Intersection", Computer Graphics Forum 12(4), 1993 (`octree/top_down.rs`); K.-Y. Whang et al.,
+//! (subdivision at the centre); H. Samet, "Implementing Ray Tracing with Octrees and Neighbor
+//! Finding", Computers & Graphics 13(4), 1989; I. Gargantini, H. H. Atkinson, "Ray Tracing an
+//! Octree: Numerical Evaluation of the First Intersection", Computer Graphics Forum 12(4), 1993
+//! (their traversals and Glassner's are in `octree/traversals.rs`); K.-Y. Whang et al.,
 //! "Octree-R: An Adaptive Octree for Efficient Ray Tracing", TVCG 1(4), 1995 (subdivision where
 //! a surface-area cost is least, `octree/subdivide.rs`).
 //!
@@ -20,34 +20,28 @@
 //! padding, no limit for growth, traversals from the ray's origin (top-down ones from 0.01 on), and
 //! steps of 1e-6 beyond a cell's exit.
 
-mod cells;
 mod config;
-mod neighbour;
-mod point_location;
 mod subdivide;
-mod top_down;
+mod traversals;
 
 use self::config::{OctreeConfig, Traversal};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::ray_planes::RayPlanes;
-use cells::{Cells, Content};
+use subdivide::{Cells, Content};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "octree",
-    summary: "cells cut into eight at the centre or by cost; three ways to traverse them",
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
     deviations: "padded boxes; ray parameters in place of points; stops cuts that do not pay or \
                  that multiply references",
     params: OctreeConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "subdivision=adaptive",
@@ -56,8 +50,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "subdivision=adaptive traversal=point-location",
         "mailbox=array",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "octree",
+        "cells cut into eight at the centre or by cost; three ways to traverse them",
+    )
 };
 
 /// Added to every side of a cone's box, as fitted to Havran and Sixta's counters.
@@ -105,14 +101,13 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         prims: &P,
         settings: &Settings<OctreeConfig>,
     ) -> Result<Self, BuildError> {
-        let (structure, historical) = (settings.structure(), settings.historical);
+        let historical = settings.historical;
         let rule = if historical {
             BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
         } else {
             BoundsRule::Padded
         };
-        let boxes = BoundsOf::new(prims, rule)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, rule, settings.structure())?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all = boxes.all();
         let cells = subdivide::cells(&all, bounds, settings)?;
@@ -141,29 +136,19 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         match self.traversal {
             Traversal::PointLocation if is_near() => self.locate_each(&planes, t_in, sink),
             Traversal::Neighbour if is_near() => self.step_to_neighbours(&planes, t_in, sink),
-            _ => self.descend_from_root(&planes, t_in, t_out, sink),
+            _ => _ = self.descend(0, &planes, t_in, t_out, sink),
         }
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        self.cells.lists().for_each(each);
+        self.cells.lists.lists().for_each(each);
     }
 
     fn stats(&self) -> StructureStats {
         let c = &self.cells;
-        let bytes = size_of_val(c.links.as_slice())
-            + size_of_val(c.planes.as_slice())
-            + size_of_val(c.starts.as_slice())
-            + size_of_val(c.ids.as_slice());
-        StructureStats {
-            inner_cells: c.planes.len() as u64,
-            cells: c.starts.len() as u64 - 1,
-            empty_cells: c.starts.windows(2).filter(|w| w[0] == w[1]).count() as u64,
-            references: c.ids.len() as u64,
-            resolution: None,
-            bytes: bytes as u64,
-            ..StructureStats::default()
-        }
+        let lists = c.lists.stats();
+        let bytes = (size_of_val(c.links.as_slice()) + size_of_val(c.planes.as_slice())) as u64;
+        StructureStats { inner_cells: c.planes.len() as u64, bytes: bytes + lists.bytes, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {

@@ -13,9 +13,10 @@
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::cell_lists::CellLists;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::distance_field::{Metric, distances};
-use crate::grid::regular_grid::{CellStorage, GridConfig, stored};
+use crate::grid::regular_grid::{GridConfig, grid_params, stored};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
@@ -23,32 +24,23 @@ use crate::params::specs;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
-use crate::structures::uniform_grid::DenseCells;
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "proximity-clouds",
-    summary: "equal voxels; empty ones hold the distance to the nearest occupied one",
     paper: "Cohen, Sheffer 1994",
     deviations: "exact distances up to 255; eight octants instead of general directions",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        ParamSpec::choice("metric", "chessboard", &["city-block", "chessboard", "euclidean"])
-            .about("how distances between voxels are measured"),
-        ParamSpec::choice("directions", "all", &["all", "octants"])
-            .about("one distance a voxel, or one for each octant of directions"),
-        kernel::BLOCK_PARAM,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
-    ],
+        [
+            ParamSpec::choice("metric", "chessboard", &["city-block", "chessboard", "euclidean"])
+                .about("how distances between voxels are measured"),
+            ParamSpec::choice("directions", "all", &["all", "octants"])
+                .about("one distance a voxel, or one for each octant of directions")
+        ],
+        []
+    ),
     variants: &["density=20"],
     also_tested: &[
         "kernel=scalar",
@@ -58,8 +50,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "directions=octants density=20",
         "mailbox=array",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "proximity-clouds",
+        "equal voxels; empty ones hold the distance to the nearest occupied one",
+    )
 };
 
 /// The grid and its distances.
@@ -85,7 +79,7 @@ impl Config for CloudsConfig {
 /// A grid with distances.
 pub struct ProximityClouds<S: Scalar> {
     frame: GridFrame<S>,
-    lists: DenseCells,
+    lists: CellLists,
     /// `clouds` distances a voxel; 0 in occupied ones.
     distances: Vec<u8>,
     /// 1, or 8 for octants.
@@ -105,12 +99,12 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     ) -> Result<Self, BuildError> {
         let CloudsConfig { grid, metric, clouds } = &**settings;
         let (metric, clouds) = (*metric, *clouds);
-        let (contents, lists) = stored::<S, P, DenseCells>(prims, settings.limits(), grid)?;
+        let (contents, lists) = stored::<S, P, CellLists>(prims, settings.limits(), grid)?;
         let frame = contents.frame;
         let cells = frame.cells() as u128;
         // a start, the distances, and while they are found: whether it is occupied, a measure
-        settings.fits(cells * (4 + clouds as u128 + 3) + 4 * u128::from(lists.references()))?;
-        let occupied = collect(frame.cells(), |i| !lists.at(i).is_empty());
+        settings.fits(cells * (4 + clouds as u128 + 3) + 4 * lists.references() as u128)?;
+        let occupied = collect(frame.cells(), |i| !lists.list(i).is_empty());
         let mut all = vec![0; occupied.len() * clouds];
         for octant in 0..clouds {
             let signs = (clouds == 8).then_some(octant);
@@ -133,7 +127,7 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
             let cell = traversal.index();
             let free = self.distances.get(cell * self.clouds + cloud).copied().unwrap_or(0);
             sink.elementary_step(free > 0);
-            if free == 0 && sink.test(self.lists.at(cell)).is_break() {
+            if free == 0 && sink.test(self.lists.list(cell)).is_break() {
                 return;
             }
             if sink.t_max() < traversal.t_exit() {
@@ -155,21 +149,13 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     }
 
     fn stats(&self) -> StructureStats {
-        let cells = self.frame.cells() as u64;
-        StructureStats {
-            inner_cells: 0,
-            cells,
-            empty_cells: cells - self.lists.occupied_cells(),
-            references: self.lists.references(),
-            resolution: Some(self.frame.resolution()),
-            bytes: self.lists.bytes() + self.distances.len() as u64,
-            ..StructureStats::default()
-        }
+        let (lists, resolution) = (self.lists.stats(), Some(self.frame.resolution()));
+        StructureStats { resolution, bytes: lists.bytes + self.distances.len() as u64, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         for cell in 0..self.frame.cells() {
-            each(Cell::elementary(self.frame.cell_bounds(cell), 0, self.lists.at(cell)));
+            each(Cell::elementary(self.frame.cell_bounds(cell), 0, self.lists.list(cell)));
         }
         Ok(())
     }

@@ -18,14 +18,13 @@ mod levels;
 
 use std::ops::ControlFlow;
 
-use crate::capacity::CapacityLimits;
 use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
-use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
+use crate::grid::nested_grids::build::room_of;
 use crate::grid::voxel_traversal::inverse_direction;
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
@@ -35,7 +34,7 @@ use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use budget::Budget;
 use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
 
@@ -73,8 +72,6 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "recursive-grid",
-    summary: "voxels with many primitives are divided by grids of their own, eagerly or on demand",
     paper: "Jevans, Wyvill 1989",
     deviations: "padded boxes; a voxel stays undivided where its grid would multiply references",
     params: RecursiveGridConfig::PARAMS,
@@ -88,8 +85,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=array",
         "build=lazy mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "recursive-grid",
+        "voxels with many primitives are divided by grids of their own, eagerly or on demand",
+    )
 };
 
 /// The traversal recurses once a level.
@@ -138,10 +137,8 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         } else {
             (BoundsRule::Padded, S::ZERO)
         };
-        let bounds = BoundsOf::new(prims, rule)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-        let parts = [(&VOXELS, settings.max_cells), (&REFERENCES, settings.max_references)];
-        let room = CapacityLimits::new(settings.limits(), parts);
+        let bounds = bounds_of(prims, rule, structure)?;
+        let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
         let (lazy, max_depth) = (settings.is_lazy, settings.max_depth);
         let mut division = Division {
             boxes: collect(prims.len(), |id| bounds.of(id as u32).expanded(pad)),
@@ -158,7 +155,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             budget: Budget::new(room),
         };
         let mut root =
-            division.root(bounds.scene(), room).map_err(|over| room.refused(over.needed))?;
+            division.root(bounds.scene(), room).map_err(|needed| room.refused(needed))?;
         if settings.has_joined_lists {
             root.join_lists();
         }

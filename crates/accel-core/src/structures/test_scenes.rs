@@ -25,6 +25,11 @@ impl Random {
     }
 }
 
+/// What `f` makes on that many threads.
+pub(crate) fn on_threads<T: Send>(threads: usize, f: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(f)
+}
+
 /// `n` primitives of all kinds in a box of that size; every tenth is transmissive, every sixth
 /// repeats the place of another.
 pub(crate) fn mixed_scene<S: Scalar>(n: u32, seed: u64, size: [f64; 3]) -> MixedSet<S> {

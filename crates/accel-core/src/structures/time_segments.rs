@@ -9,13 +9,12 @@ use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
 use crate::primitives::{MixedSet, PrimSet};
-use crate::query::by_blocks;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};
 use crate::query::tracer::tested::TestChoice;
-use crate::query::tracer::{traverse_counted, traverse_relayed};
-use crate::structure::{BuildError, Structure, StructureStats};
+use crate::query::tracer::{Parts, Traversals};
+use crate::structure::{BuildError, Structure, StructureStats, traverse_by_blocks};
 
 /// The setting, which every structure has.
 pub const PARAM: ParamSpec = ParamSpec::integer("time-segments", "1", 1, 8).about(
@@ -28,38 +27,10 @@ pub(crate) fn of(params: &Params) -> usize {
     params.get(PARAM.name).map_or(1, |_| params.integer(PARAM.name) as usize)
 }
 
-/// A structure, with its lists as blocks where that is asked for.
-struct Segment<S, T> {
-    structure: T,
-    blocks: Option<ListBlocks<S>>,
-}
-
-impl<S: Scalar, T: Structure<S>> Segment<S, T> {
-    fn build(
-        part: &MixedSet<S>,
-        settings: &Settings<T::Config>,
-        testing: &TestChoice,
-    ) -> Result<Self, BuildError> {
-        let structure = T::build(part, settings)?;
-        let blocks = if testing.has_blocks {
-            by_blocks::of_structure(part, &structure, settings.limits())?
-        } else {
-            None
-        };
-        Ok(Self { structure, blocks })
-    }
-
-    fn stats(&self) -> StructureStats {
-        let stats = self.structure.stats();
-        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
-        StructureStats { bytes: stats.bytes + blocks, ..stats }
-    }
-}
-
 /// The structures of all segments.
 pub struct TimeSegments<'a, S: Scalar, T> {
     set: &'a MixedSet<S>,
-    segments: Vec<Segment<S, T>>,
+    segments: Vec<Parts<S, T>>,
 }
 
 impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
@@ -74,14 +45,15 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
         n: usize,
     ) -> Result<Self, BuildError> {
         if n == 1 {
-            return Ok(Self { set, segments: vec![Segment::build(set, settings, testing)?] });
+            let all = Parts::build(set, settings, testing.has_blocks)?;
+            return Ok(Self { set, segments: vec![all] });
         }
         // a copy of the set, whose bounds are those of a segment while its structure is built
         settings.fits(set.bytes() as u128)?;
         let (mut part, mut left) = (set.clone(), settings.clone());
         let mut narrowed = |k| {
             part.narrow_to(k, n);
-            let segment = Segment::<S, T>::build(&part, &left, testing)?;
+            let segment = Parts::<S, T>::build(&part, &left, testing.has_blocks)?;
             let memory = left.limits().memory.beside(segment.stats().bytes);
             left = left.clone().within(memory);
             Ok(segment)
@@ -90,49 +62,48 @@ impl<'a, S: Scalar, T: Structure<S>> TimeSegments<'a, S, T> {
     }
 
     #[inline(always)]
-    fn at(&self, ray: &Ray<S>) -> &Segment<S, T> {
+    fn at(&self, ray: &Ray<S>) -> &Parts<S, T> {
         match &self.segments[..] {
             [all] => all,
             several => &several[self.set.motion().segment(ray.time, several.len())],
         }
     }
 
-    /// The blocks of the lists that a ray may meet.
-    #[inline(always)]
-    pub(crate) fn blocks(&self, ray: &Ray<S>) -> Option<&ListBlocks<S>> {
-        if T::HAS_LISTS { self.at(ray).blocks.as_ref() } else { None }
-    }
-
     /// The query after its traversal, which is compiled for it.
     #[inline(always)]
     pub(crate) fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
-        let Segment { structure, blocks } = self.at(ray);
+        let Parts { structure, blocks } = self.at(ray);
         match blocks {
-            Some(blocks) if T::HAS_LISTS => by_blocks::traverse(structure, blocks, ray, &mut query),
+            Some(blocks) if T::HAS_LISTS => traverse_by_blocks(structure, blocks, ray, &mut query),
             _ => structure.traverse(ray, &mut query),
         }
         query
     }
 
-    /// The traversal of all passes that count.
-    pub(crate) fn counted_traversal(&self, ray: &Ray<S>, sink: ErasedSink<'_, S>) {
-        traverse_counted(&self.at(ray).structure, ray, sink);
-    }
-
-    /// The traversal of all passes that are timed, where it is compiled once for all queries.
-    pub(crate) fn timed_traversal(&self, ray: &Ray<S>, sink: RelayedSink<'_, S>) {
-        traverse_relayed(&self.at(ray).structure, ray, sink);
-    }
-
     /// The sum of all; the resolution is that of the first.
     pub(crate) fn stats(&self) -> StructureStats {
-        let shapes = self.segments.iter().map(Segment::stats);
+        let shapes = self.segments.iter().map(Parts::stats);
         shapes.reduce(with).unwrap_or_default()
     }
 
     /// The cells of each segment, one after the other.
     pub(crate) fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         self.segments.iter().try_for_each(|segment| segment.structure.cells(each))
+    }
+}
+
+impl<S: Scalar, T: Structure<S>> Traversals<S> for TimeSegments<'_, S, T> {
+    fn counted(&self, ray: &Ray<S>, sink: ErasedSink<'_, S>) {
+        self.at(ray).counted(ray, sink);
+    }
+
+    fn relayed(&self, ray: &Ray<S>, sink: RelayedSink<'_, S>) {
+        self.at(ray).relayed(ray, sink);
+    }
+
+    #[inline(always)]
+    fn blocks(&self, ray: &Ray<S>) -> Option<&ListBlocks<S>> {
+        self.at(ray).blocks(ray)
     }
 }
 

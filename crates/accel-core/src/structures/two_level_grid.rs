@@ -17,11 +17,11 @@ mod leaf_cells;
 
 use std::ops::ControlFlow;
 
-use crate::capacity::CapacityLimits;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::CellLists;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
-use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
+use crate::grid::nested_grids::build::room_of;
 use crate::grid::regular_grid::{CellStorage, GridConfig, contents_of, stored};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inverse_direction};
 use crate::params::config::{Config, Settings};
@@ -32,14 +32,11 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
 use crate::query::sink::Sink;
-use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
-use crate::structures::uniform_grid::DenseCells;
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, INCREMENTAL, is_worth_changing};
 use leaf_cells::{LeafCells, LeafRules, UpperCell};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "two-level-grid",
-    summary: "a coarse grid whose cells hold grids, each of a resolution of its own",
     paper: "Kalojanov, Billeter, Slusallek 2011",
     deviations: "counting sorts, not radix; leaf grids of no use are made coarser",
     params: &[
@@ -57,15 +54,16 @@ pub static INFO: StructureInfo = StructureInfo {
         mailbox::PARAM,
         mailbox::SLOTS_PARAM,
     ],
-    variants: &[""],
     also_tested: &[
         "kernel=block",
         "density=0.01 leaf-density=20",
         "density=2 leaf-density=0.5",
         "mailbox=hash",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "two-level-grid",
+        "a coarse grid whose cells hold grids, each of a resolution of its own",
+    )
 };
 
 const LEAF_DENSITY: ParamSpec = ParamSpec::real("leaf-density", "2.4", 1e-6, 1e6)
@@ -91,16 +89,13 @@ pub struct TwoLevelGrid<S: Scalar> {
     cells: Vec<UpperCell>,
     leaves: LeafCells,
     /// With `update=incremental`: what the upper cells list.
-    lists: Option<DenseCells>,
+    lists: Option<CellLists>,
 }
 
 fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
     let GridConfig { max_cells, max_references, .. } = settings.upper;
-    let parts = [(&VOXELS, max_cells), (&REFERENCES, max_references)];
-    LeafRules {
-        density: settings.leaf_density,
-        room: CapacityLimits::new(settings.limits(), parts),
-    }
+    let room = room_of(settings.limits(), max_cells, max_references);
+    LeafRules { density: settings.leaf_density, room }
 }
 
 impl<S: Scalar> TwoLevelGrid<S> {
@@ -117,7 +112,7 @@ impl<S: Scalar> TwoLevelGrid<S> {
         if contents.frame != self.upper {
             return Ok(false);
         }
-        let Some(changed) = lists.change(&contents, moved) else { return Ok(false) };
+        let Some(changed) = CellStorage::change(lists, &contents, moved) else { return Ok(false) };
         let before = (self.cells.as_slice(), &self.leaves);
         let (division, changed) = (&self.division, &changed.changed);
         let divided =
@@ -137,7 +132,7 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         settings: &Settings<TwoLevelConfig>,
     ) -> Result<Self, BuildError> {
         let (contents, lists) =
-            stored::<S, P, DenseCells>(prims, settings.limits(), &settings.upper)?;
+            stored::<S, P, CellLists>(prims, settings.limits(), &settings.upper)?;
         let division = CellDivision::new(&contents.frame, contents.padding());
         let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(settings))?;
         let lists = settings.upper.is_incremental.then_some(lists);
@@ -201,15 +196,14 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     fn stats(&self) -> StructureStats {
         let divided = self.cells.iter().filter(|cell| cell.is_divided()).count() as u64;
         let vacant = self.cells.iter().filter(|cell| cell.is_vacant()).count() as u64;
-        let lists = self.leaves.lists();
+        let lists = self.leaves.lists().stats();
+        let upper = self.lists.as_ref().map_or(0, CellLists::bytes);
         StructureStats {
             inner_cells: 1 + divided,
-            cells: lists.cells() as u64 + vacant,
-            empty_cells: lists.empty_cells() as u64 + vacant,
-            references: lists.references() as u64,
-            bytes: (size_of_val(self.cells.as_slice()) + lists.bytes()) as u64
-                + self.lists.as_ref().map_or(0, DenseCells::bytes),
-            ..StructureStats::default()
+            cells: lists.cells + vacant,
+            empty_cells: lists.empty_cells + vacant,
+            bytes: (size_of_val(self.cells.as_slice()) + upper) as u64 + lists.bytes,
+            ..lists
         }
     }
 

@@ -11,45 +11,30 @@
 //! counters show it: its traversals also begin at the ray's origin, although hits only count beyond
 //! the epsilon.
 
-use std::ops::Range;
-
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, TooManyReferences};
 use crate::grid::cell_overlap::Insertion;
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::NewCells;
-use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid};
+use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::params::Params;
 use crate::params::specs;
 use crate::primitives::PrimSet;
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "uniform-grid",
-    summary: "equal voxels with lists of primitives, in one array",
     paper: "Fujimoto, Tanaka, Iwata 1986; Amanatides, Woo 1987",
     deviations: "padded boxes; plane parameters recomputed, not accumulated",
-    params: &[
-        specs::RESOLUTION,
-        specs::DENSITY,
-        specs::BOXES,
-        specs::ORDER,
+    params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        Traversal::PARAM_OF_ALL,
-        Insertion::PARAM,
-        kernel::BLOCK_PARAM,
-        QUERY_PARAM,
-        INCREMENTAL,
-        mailbox::PARAM,
-        mailbox::SLOTS_PARAM,
+        [Traversal::PARAM_OF_ALL, Insertion::PARAM],
+        [QUERY_PARAM, INCREMENTAL],
         TRIANGLE_TEST,
-        SPHERE_TEST,
-    ],
+        SPHERE_TEST
+    ),
     variants: &[
         "",
         "resolution=heterogeneous density=1",
@@ -75,40 +60,21 @@ pub static INFO: StructureInfo = StructureInfo {
         "insertion=padded-exact density=20",
     ],
     known_defect,
-    sampled: false,
+    ..StructureInfo::new("uniform-grid", "equal voxels with lists of primitives, in one array")
 };
 
 fn known_defect(params: &Params) -> Option<&'static str> {
-    match (Traversal::of(params), Insertion::of(params).is_padded()) {
+    match (Traversal::of(params), Insertion::of(params).is_padded) {
         (Traversal::Accumulate, _) => Some("accumulated parameters drift: cells are passed by"),
         (_, false) => Some("without a margin, hits on cell planes are lost to rounding"),
         _ => None,
     }
 }
 
-pub type UniformGrid<S> = RegularGrid<S, DenseCells>;
-
 /// One list for every cell, in one array.
-pub struct DenseCells(CellLists);
+pub type UniformGrid<S> = RegularGrid<S, CellLists>;
 
-impl DenseCells {
-    pub fn lists(&self) -> impl Iterator<Item = &[u32]> {
-        self.0.lists()
-    }
-
-    /// The ids of the cell with that index.
-    #[inline(always)]
-    pub fn at(&self, index: usize) -> &[u32] {
-        self.0.list(index)
-    }
-
-    /// Cuts the cells into stretches of about as many ids each: at most `most`, at least one.
-    pub fn stretches(&self, most: usize) -> Vec<Range<usize>> {
-        self.0.stretches(most)
-    }
-}
-
-impl CellStorage for DenseCells {
+impl CellStorage for CellLists {
     type Config = ();
 
     const COMPARES_TRAVERSALS: bool = true;
@@ -117,7 +83,7 @@ impl CellStorage for DenseCells {
         contents: &Contents<S, P>,
         (): &(),
     ) -> Result<Self, TooManyReferences> {
-        contents.dense_lists().map(Self)
+        contents.dense_lists()
     }
 
     fn change<S: Scalar, P: PrimSet<S>>(
@@ -127,27 +93,27 @@ impl CellStorage for DenseCells {
     ) -> Option<ChangedLists> {
         let frame = contents.frame;
         let gained = NewCells::of(contents, moved, |cell| frame.index(cell))?;
-        self.0.change(moved, &gained)
+        self.change(moved, &gained)
     }
 
     #[inline(always)]
     fn list(&self, cell: &impl CellPosition) -> &[u32] {
-        self.0.list(cell.index())
+        self.list(cell.index())
     }
 
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32])) {
-        self.0.lists().for_each(each);
+        self.lists().for_each(each);
     }
 
     fn occupied_cells(&self) -> u64 {
-        (self.0.cells() - self.0.empty_cells()) as u64
+        (self.cells() - self.empty_cells()) as u64
     }
 
     fn references(&self) -> u64 {
-        self.0.references() as u64
+        self.references() as u64
     }
 
     fn bytes(&self) -> u64 {
-        self.0.bytes() as u64
+        self.bytes() as u64
     }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::CellLists;
 use crate::parallel::{concat, forks, should_parallelize};
 use crate::structure::BuildError;
 
@@ -127,18 +128,18 @@ impl<C: CellStore> Step<C> {
     }
 }
 
-/// Joins the lists of all stores: starts of all leaves' lists with a final end, and their ids.
+/// Joins the lists of the leaves of all stores.
 pub(crate) fn joined_lists<C: CellStore>(
     steps: &[Step<C>],
-    lists: impl Fn(&C) -> [&[u32]; 2],
-) -> [Vec<u32>; 2] {
-    let (mut all_starts, mut all_ids, mut references) = (vec![(&[0][..], 0)], Vec::new(), 0);
-    for [starts, ids] in steps.iter().filter_map(Step::below).map(lists) {
-        all_starts.push((&starts[1..], references));
-        all_ids.push((ids, ()));
-        references += ids.len() as u32;
+    lists: impl Fn(&C) -> &CellLists,
+) -> CellLists {
+    let (mut starts, mut ids, mut references) = (vec![(&[0][..], 0)], Vec::new(), 0);
+    for lists in steps.iter().filter_map(Step::below).map(lists) {
+        starts.push((&lists.starts()[1..], references));
+        ids.push((lists.ids(), ()));
+        references += lists.references() as u32;
     }
-    [concat(&all_starts, &|start, by| start + by), concat(&all_ids, &|id, ()| id)]
+    CellLists::of_parts(concat(&starts, &|start, by| start + by), concat(&ids, &|id, ()| id))
 }
 
 impl<C: CellStore> ForkedCells<C> {

@@ -144,32 +144,25 @@ pub fn visit_tested<'a, V: TestedSetVisitor<'a>>(
             T::Fallback => visitor.visit(set.tested_by::<WatertightFallback>()),
             T::Double => visitor.visit(set.tested_by::<WatertightInDouble>()),
         },
-        PrimsRef::Mixed(set) => match (choice.triangle, choice.sphere) {
-            (T::MoellerTrumbore, Q::Rearranged) => {
-                visitor.visit(set.retested::<MoellerTrumbore, RearrangedSphere>())
+        PrimsRef::Mixed(set) => {
+            macro_rules! under {
+                ($triangle:ty, $sphere:ty) => {
+                    visitor.visit(set.retested::<$triangle, $sphere>())
+                };
             }
-            (T::Tolerant, Q::Rearranged) => {
-                visitor.visit(set.retested::<MoellerTrumboreTolerant, RearrangedSphere>())
+            match (choice.triangle, choice.sphere) {
+                (T::MoellerTrumbore, Q::Rearranged) => under!(MoellerTrumbore, RearrangedSphere),
+                (T::Tolerant, Q::Rearranged) => under!(MoellerTrumboreTolerant, RearrangedSphere),
+                (T::Pluecker, Q::Rearranged) => under!(Pluecker, RearrangedSphere),
+                (T::Watertight, Q::Rearranged) => visitor.visit(set),
+                (T::Fallback, Q::Rearranged) => under!(WatertightFallback, RearrangedSphere),
+                (T::Double, Q::Rearranged) => under!(WatertightInDouble, RearrangedSphere),
+                (T::Watertight, Q::Naive) => under!(Watertight, NaiveSphere),
+                (T::Watertight, Q::Double) => under!(Watertight, SphereInDouble),
+                (T::Double, Q::Double) => under!(WatertightInDouble, SphereInDouble),
+                _ => return None,
             }
-            (T::Pluecker, Q::Rearranged) => {
-                visitor.visit(set.retested::<Pluecker, RearrangedSphere>())
-            }
-            (T::Watertight, Q::Rearranged) => visitor.visit(set),
-            (T::Fallback, Q::Rearranged) => {
-                visitor.visit(set.retested::<WatertightFallback, RearrangedSphere>())
-            }
-            (T::Double, Q::Rearranged) => {
-                visitor.visit(set.retested::<WatertightInDouble, RearrangedSphere>())
-            }
-            (T::Watertight, Q::Naive) => visitor.visit(set.retested::<Watertight, NaiveSphere>()),
-            (T::Watertight, Q::Double) => {
-                visitor.visit(set.retested::<Watertight, SphereInDouble>())
-            }
-            (T::Double, Q::Double) => {
-                visitor.visit(set.retested::<WatertightInDouble, SphereInDouble>())
-            }
-            _ => return None,
-        },
+        }
     })
 }
 

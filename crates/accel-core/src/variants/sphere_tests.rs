@@ -15,11 +15,22 @@ use crate::primitives::{Sphere, SphereTest};
 pub struct NaiveSphere;
 
 impl<S: Scalar> SphereTest<S> for NaiveSphere {
-    const NAME: &'static str = "naive";
-
     #[inline(always)]
     fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
-        naive(sphere, ray, t_max)
+        if sphere.radius <= S::ZERO {
+            return None;
+        }
+        let d = ray.direction;
+        let f = ray.origin - sphere.center;
+        let (a, b) = (d.dot(d), f.dot(d));
+        let c = f.dot(f) - sphere.radius * sphere.radius;
+        let discriminant = b * b - a * c;
+        if discriminant < S::ZERO {
+            return None;
+        }
+        let root = discriminant.sqrt();
+        let roots = [(-b - root) / a, (-b + root) / a];
+        roots.into_iter().find(|&t| t >= ray.t_min).filter(|&t| t <= t_max)
     }
 }
 
@@ -28,39 +39,12 @@ impl<S: Scalar> SphereTest<S> for NaiveSphere {
 pub struct SphereInDouble;
 
 impl<S: Scalar> SphereTest<S> for SphereInDouble {
-    const NAME: &'static str = "f64";
-
     #[inline(always)]
     fn intersect(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
-        in_double(sphere, ray, t_max)
+        let wide = Sphere { center: sphere.center.to_dvec3(), radius: sphere.radius.to_f64() };
+        let t = S::from_f64(wide.intersect(&ray.widened(), t_max.to_f64())?);
+        (t <= t_max).then_some(t)
     }
-}
-
-/// The quadratic formula as it stands.
-#[inline(always)]
-pub(crate) fn naive<S: Scalar>(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
-    if sphere.radius <= S::ZERO {
-        return None;
-    }
-    let d = ray.direction;
-    let f = ray.origin - sphere.center;
-    let (a, b) = (d.dot(d), f.dot(d));
-    let c = f.dot(f) - sphere.radius * sphere.radius;
-    let discriminant = b * b - a * c;
-    if discriminant < S::ZERO {
-        return None;
-    }
-    let root = discriminant.sqrt();
-    let roots = [(-b - root) / a, (-b + root) / a];
-    roots.into_iter().find(|&t| t >= ray.t_min).filter(|&t| t <= t_max)
-}
-
-/// The rearranged test in f64, of the same sphere and ray.
-#[inline(always)]
-pub(crate) fn in_double<S: Scalar>(sphere: &Sphere<S>, ray: &Ray<S>, t_max: S) -> Option<S> {
-    let wide = Sphere { center: sphere.center.to_dvec3(), radius: sphere.radius.to_f64() };
-    let t = S::from_f64(wide.intersect(&ray.widened(), t_max.to_f64())?);
-    (t <= t_max).then_some(t)
 }
 
 #[cfg(test)]
@@ -77,8 +61,8 @@ mod tests {
             for (y, expected) in [(0.095, true), (0.105, false)] {
                 let ray = Ray::<f32>::new(glam::vec3(-d, y, 0.0), glam::Vec3::X);
                 let hit = |t: Option<f32>| t.is_some() == expected;
-                wrong += usize::from(!hit(naive(&sphere, &ray, f32::INFINITY)));
-                assert!(hit(in_double(&sphere, &ray, f32::INFINITY)), "{d}");
+                wrong += usize::from(!hit(NaiveSphere::intersect(&sphere, &ray, f32::INFINITY)));
+                assert!(hit(SphereInDouble::intersect(&sphere, &ray, f32::INFINITY)), "{d}");
             }
         }
         assert!(wrong > 20, "{wrong}");
@@ -88,7 +72,8 @@ mod tests {
     fn both_find_near_and_far_roots() {
         let sphere = Sphere::<f32> { center: glam::Vec3::ZERO, radius: 1.0 };
         let mut ray = Ray::<f32>::new(glam::vec3(0.0, 0.0, -3.0), glam::vec3(0.0, 0.0, 2.0));
-        for test in [naive::<f32>, in_double::<f32>] {
+        let tests: [fn(&_, &_, _) -> _; 2] = [NaiveSphere::intersect, SphereInDouble::intersect];
+        for test in tests {
             ray.t_min = 0.0;
             assert_eq!(test(&sphere, &ray, 9.0), Some(1.0));
             assert_eq!(test(&sphere, &ray, 0.5), None);

@@ -12,44 +12,14 @@
 
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::primitives::triangle::{TriangleTest, Watertight, moeller_trumbore};
-use crate::primitives::watertight::edge_function;
-use crate::primitives::{Shear, TriangleBlock, block_tests};
+use crate::primitives::watertight::{edge_function, have_both_signs};
+use crate::primitives::{
+    MoellerTrumboreWithin, Shear, TriangleBlock, TriangleTest, Watertight, block_tests,
+};
 
-/// How far outside, in barycentric coordinates and epsilons of the scalar, Moeller-Trumbore with a
-/// tolerance accepts a hit: 10^-6 in f32.
-const TOLERANCE_EPSILONS: f64 = 8.0;
-
-#[inline(always)]
-fn tolerance<S: Scalar>() -> S {
-    S::EPSILON * S::from_f64(TOLERANCE_EPSILONS)
-}
-
-/// Moeller and Trumbore 1997 with a tolerance: triangles are a little larger than they are.
-#[derive(Debug, Clone, Copy)]
-pub struct MoellerTrumboreTolerant;
-
-impl<S: Scalar> TriangleTest<S> for MoellerTrumboreTolerant {
-    type Setup = ();
-
-    #[inline(always)]
-    fn setup(_: &Ray<S>, _: S) {}
-
-    #[inline(always)]
-    fn intersect(tri: &[[S; 3]; 3], ray: &Ray<S>, _: &(), t_max: S) -> Option<S> {
-        moeller_trumbore(tri, ray, t_max, tolerance())
-    }
-
-    #[inline(always)]
-    fn hits_in_block(
-        block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        _: &Self::Setup,
-        t_max: S,
-    ) -> Option<(u32, [S; 8])> {
-        Some(block_tests::moeller_trumbore(block, ray, t_max, tolerance()))
-    }
-}
+/// Moeller and Trumbore 1997 with a tolerance, as it is often used: triangles are a little larger
+/// than they are. 10^-6 in f32.
+pub type MoellerTrumboreTolerant = MoellerTrumboreWithin<8>;
 
 /// On which side of each edge the ray passes, by Pluecker coordinates.
 #[derive(Debug, Clone, Copy)]
@@ -66,9 +36,7 @@ impl<S: Scalar> TriangleTest<S> for Pluecker {
         let [a, b, c] = tri.map(|v| Vec3::<S>::from_array(v) - ray.origin);
         let d = ray.direction;
         let (u, v, w) = (d.dot(c.cross(b)), d.dot(a.cross(c)), d.dot(b.cross(a)));
-        if (u < S::ZERO || v < S::ZERO || w < S::ZERO)
-            && (u > S::ZERO || v > S::ZERO || w > S::ZERO)
-        {
+        if have_both_signs([u, v, w]) {
             return None;
         }
         let normal = (b - a).cross(c - a);
@@ -112,9 +80,7 @@ impl<S: Scalar> TriangleTest<S> for WatertightFallback {
         if u == S::ZERO || v == S::ZERO || w == S::ZERO {
             [u, v, w] = in_double([a, b, c]);
         }
-        if (u < S::ZERO || v < S::ZERO || w < S::ZERO)
-            && (u > S::ZERO || v > S::ZERO || w > S::ZERO)
-        {
+        if have_both_signs([u, v, w]) {
             return None;
         }
         let det = u + v + w;
@@ -132,20 +98,10 @@ impl<S: Scalar> TriangleTest<S> for WatertightFallback {
         shear: &Self::Setup,
         t_max: S,
     ) -> Option<(u32, [S; 8])> {
-        Some(in_lanes(block, ray, shear, t_max))
+        Some(block_tests::watertight_fallback(block, ray, shear, t_max, |triangle| {
+            Self::intersect(triangle, ray, shear, t_max)
+        }))
     }
-}
-
-#[inline(always)]
-fn in_lanes<S: Scalar>(
-    block: &TriangleBlock<S>,
-    ray: &Ray<S>,
-    shear: &Shear<S>,
-    t_max: S,
-) -> (u32, [S; 8]) {
-    block_tests::watertight_fallback(block, ray, shear, t_max, |triangle| {
-        WatertightFallback::intersect(triangle, ray, shear, t_max)
-    })
 }
 
 #[cold]
@@ -170,9 +126,8 @@ impl<S: Scalar> TriangleTest<S> for WatertightInDouble {
     }
 
     #[inline(always)]
-    fn intersect(tri: &[[S; 3]; 3], _: &Ray<S>, setup: &Self::Setup, t_max: S) -> Option<S> {
+    fn intersect(tri: &[[S; 3]; 3], _: &Ray<S>, (ray, shear): &Self::Setup, t_max: S) -> Option<S> {
         let wide = tri.map(|v| v.map(S::to_f64));
-        let (ray, shear) = setup;
         let t = S::from_f64(Watertight::intersect(&wide, ray, shear, t_max.to_f64())?);
         // rounding must not carry it beyond the end that the caller compares with
         (t <= t_max).then_some(t)
@@ -181,30 +136,17 @@ impl<S: Scalar> TriangleTest<S> for WatertightInDouble {
     #[inline(always)]
     fn hits_in_block(
         block: &TriangleBlock<S>,
-        ray: &Ray<S>,
-        setup: &Self::Setup,
+        _: &Ray<S>,
+        (ray, shear): &Self::Setup,
         t_max: S,
     ) -> Option<(u32, [S; 8])> {
-        Some(doubled(block, ray, setup, t_max))
+        let (mut lanes, t) = block.widened().hits(ray, shear, t_max.to_f64())?;
+        let t = t.map(S::from_f64);
+        for (lane, t) in t.iter().enumerate() {
+            lanes &= !(u32::from(*t > t_max) << lane);
+        }
+        Some((lanes, t))
     }
-}
-
-/// [`WatertightInDouble`] in lanes: those that are hit, their parameters rounded to `S`.
-#[inline(always)]
-fn doubled<S: Scalar>(
-    block: &TriangleBlock<S>,
-    _: &Ray<S>,
-    (ray, shear): &(Ray<f64>, Shear<f64>),
-    t_max: S,
-) -> (u32, [S; 8]) {
-    let Some((mut lanes, t)) = block.widened().hits(ray, shear, t_max.to_f64()) else {
-        return (0, [S::ZERO; 8]);
-    };
-    let t = t.map(S::from_f64);
-    for (lane, t) in t.iter().enumerate() {
-        lanes &= !(u32::from(*t > t_max) << lane);
-    }
-    (lanes, t)
 }
 
 #[cfg(test)]
@@ -212,8 +154,8 @@ mod tests {
     use std::any::type_name;
 
     use super::*;
-    use crate::geometry::ray::{Hit, MISS};
     use crate::primitives::MoellerTrumbore;
+    use crate::primitives::triangle_block::tests::{agreed, ray_to_3};
     use crate::structures::test_scenes::Random;
 
     /// Every test finds the middle of a triangle from both sides, and passes by what is beside it.
@@ -256,24 +198,10 @@ mod tests {
             if d == [S::ZERO; 3] {
                 continue;
             }
-            let mut ray = Ray::<S>::new(Vec3::<S>::from_array(from), Vec3::<S>::from_array(d));
-            ray.t_max = S::from_f64(3.0);
-            let setup = T::setup(&ray, S::ONE);
+            let ray = ray_to_3(from, d);
             let numbered = || triangles.iter().zip(7..).map(|(t, id)| (id, *t));
             let block = TriangleBlock::new(numbered(), false);
-            let mut expected = Hit { t: ray.t_max, id: MISS };
-            for (id, triangle) in numbered() {
-                if let Some(t) = T::intersect(&triangle, &ray, &setup, expected.t)
-                    && (t < expected.t || id < expected.id)
-                {
-                    expected = Hit { t, id };
-                }
-            }
-            let mut best = Hit { t: ray.t_max, id: MISS };
-            T::closest_in_block(&block, &ray, &setup, &mut best);
-            assert_eq!(best, expected, "{} {round}", type_name::<T>());
-            assert_eq!(T::any_in_block(&block, &ray, &setup, |_| true), expected.is_hit());
-            assert!(!T::any_in_block(&block, &ray, &setup, |_| false));
+            let best = agreed::<S, T>(&block, numbered(), &ray, &T::setup(&ray, S::ONE));
             hits += usize::from(best.is_hit());
         }
         assert!(hits > 200, "{} {hits}", type_name::<T>());

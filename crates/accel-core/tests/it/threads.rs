@@ -9,6 +9,7 @@ use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray};
 
 use crate::common::{Random, many_triangles, rays_for};
+use crate::test_scenes::on_threads as on;
 
 /// Observable behaviour of a structure. The tests of an occlusion query end at the first that
 /// blocks, so they depend on the order within each list.
@@ -22,10 +23,6 @@ fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -
     let mut blocked = vec![Default::default(); rays.len()];
     let shadows = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut blocked);
     (tracer.stats(), [closest, shadows], hits)
-}
-
-fn on<T: Send>(threads: usize, f: impl FnOnce() -> T + Send) -> T {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(f)
 }
 
 #[test]

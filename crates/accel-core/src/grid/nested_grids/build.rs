@@ -6,28 +6,30 @@ use super::{CellStart, Grid, NestedGrids};
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
-use crate::grid::block_lists::{BlockPlacement, DenseRows, block_lists};
-use crate::grid::box_placement::BoxPlacement;
+use crate::grid::block_lists::{BlockPlacement, BoxPlacement, DenseRows, block_lists, cells_in};
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::memory::CountedItem;
+use crate::memory::{CountedItem, Limits};
 use crate::parallel::{forks, map, should_parallelize};
 use crate::structure::BuildError;
 
 /// Limits and conventions of a build.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct BuildRules {
-    /// Order of ids in a cell.
-    pub order: ListOrder,
-    /// Cells by division, as in 1999.
-    pub by_division: bool,
+    /// Cells by division, and ids in them in descending order, as in 1999.
+    pub historical: bool,
     /// For the cells of all grids, and the references in them.
     pub room: CapacityLimits,
 }
 
 /// Voxels of nested grids: where the ids and the grids of each begin.
-pub(crate) static VOXELS: CountedItem = CountedItem::cells("number of voxels", 8);
-pub(crate) static REFERENCES: CountedItem = CountedItem::references("references in voxels");
+static VOXELS: CountedItem = CountedItem::cells("number of voxels", 8);
+static REFERENCES: CountedItem = CountedItem::references("references in voxels");
+
+/// Room for so many voxels and references at most.
+pub(crate) fn room_of(limits: Limits, max_cells: u64, max_references: u64) -> CapacityLimits {
+    CapacityLimits::new(limits, [(&VOXELS, max_cells), (&REFERENCES, max_references)])
+}
 
 /// References that boxes would have in a grid; counted without visiting cells.
 pub(crate) fn references_in<S: Scalar>(
@@ -35,11 +37,6 @@ pub(crate) fn references_in<S: Scalar>(
     boxes: impl Iterator<Item = Aabb<S>>,
 ) -> u64 {
     boxes.map(|b| cells_in(frame.range(&b))).sum()
-}
-
-/// Cells of a block.
-fn cells_in((first, last): ([i32; 3], [i32; 3])) -> u64 {
-    (0..3).map(|k| (last[k] - first[k] + 1) as u64).product()
 }
 
 /// Grids over fewer primitives than this are made in memory that is used again.
@@ -55,18 +52,19 @@ fn lists<S: Scalar>(
     mut before: CellLists,
 ) -> Result<CellLists, BuildError> {
     let room = rules.room.references_beside(cells).saturating_sub(used);
-    let placement = BoxPlacement { frame, boxes, by_division: rules.by_division };
+    let placement = BoxPlacement { frame, boxes, by_division: rules.historical };
+    let order = if rules.historical { ListOrder::Reverse } else { ListOrder::File };
     let refused = |TooManyReferences(n)| rules.room.refused([cells, n + used]);
     if boxes.len() < FEW {
         let total = (0..boxes.len() as u32).map(|i| cells_in(placement.block(i))).sum();
         if total > room {
             return Err(refused(TooManyReferences(total)));
         }
-        before.rebuild(frame.cells(), boxes.len(), rules.order, &placement);
+        before.rebuild(frame.cells(), boxes.len(), order, &placement);
         return Ok(before);
     }
     let rows = DenseRows::new(frame.resolution());
-    block_lists(&rows, boxes.len(), rules.order, room, &placement).map_err(refused)
+    block_lists(&rows, boxes.len(), order, room, &placement).map_err(refused)
 }
 
 /// Totals over all grids.

@@ -4,7 +4,9 @@ use std::ops::Range;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::grid::block_lists::{BlockPlacement, CellRows, DenseRows, block_lists};
+use crate::grid::block_lists::{
+    BlockPlacement, CellRows, DenseRows, block_lists, cells_in, each_cell_in,
+};
 use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::grid::cell_overlap::{Insertion, overlaps};
 use crate::grid::cell_traversal::Traversal;
@@ -16,7 +18,7 @@ use crate::parallel::map_parts;
 use crate::params::config::Config;
 use crate::params::{Params, specs};
 use crate::primitives::PrimSet;
-use crate::structure::BuildError;
+use crate::structure::{BuildError, bounds_of};
 use crate::update::is_incremental;
 
 /// Input of a cell storage: the primitives of each cell.
@@ -35,7 +37,7 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     /// First and last cell of primitive `id` on each axis.
     #[inline(always)]
     pub fn range(&self, id: u32) -> ([i32; 3], [i32; 3]) {
-        if self.insertion != Insertion::PaddedBox {
+        if self.insertion != Insertion::PADDED_BOX {
             return self.range_compared(id);
         }
         let b = self.boxes.of(id);
@@ -56,7 +58,7 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     #[cold]
     #[inline(never)]
     fn range_compared(&self, id: u32) -> ([i32; 3], [i32; 3]) {
-        if self.insertion.is_padded() {
+        if self.insertion.is_padded {
             self.frame.range(&self.boxes.of(id))
         } else {
             self.frame.range(&self.boxes.prims().bounds(id))
@@ -67,46 +69,30 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     #[cold]
     #[inline(never)]
     fn overlapped(&self, id: u32) -> Vec<[i32; 3]> {
-        let margin = if self.insertion.is_padded() { self.boxes.padding().to_f64() } else { 0.0 };
+        let margin = if self.insertion.is_padded { self.boxes.padding().to_f64() } else { 0.0 };
         let wide = self.frame.in_double();
-        let (first, last) = self.range(id);
         let (mut cells, mut balls) = (Vec::new(), Vec::new());
-        for z in first[2]..=last[2] {
-            for y in first[1]..=last[1] {
-                for x in first[0]..=last[0] {
-                    let cell = wide.cell_bounds(wide.index([x, y, z])).expanded(margin);
-                    let corners = (cell.min, cell.max);
-                    if overlaps(self.boxes.prims(), id, corners, &mut balls) {
-                        cells.push([x, y, z]);
-                    }
-                }
+        each_cell_in(self.range(id), |at| {
+            let cell = wide.cell_bounds(wide.index(at)).expanded(margin);
+            if overlaps(self.boxes.prims(), id, (cell.min, cell.max), &mut balls) {
+                cells.push(at);
             }
-        }
+        });
         cells
     }
 
     /// Calls `emit` with the coordinates of every cell primitive `id` goes to, x fastest.
     #[inline(always)]
-    pub fn cells_of(&self, id: u32, mut emit: impl FnMut([i32; 3])) {
-        if self.insertion.is_exact() {
+    pub fn cells_of(&self, id: u32, emit: impl FnMut([i32; 3])) {
+        if self.insertion.is_exact {
             return self.overlapped(id).into_iter().for_each(emit);
         }
-        let (first, last) = self.range(id);
-        for z in first[2]..=last[2] {
-            for y in first[1]..=last[1] {
-                for x in first[0]..=last[0] {
-                    emit([x, y, z]);
-                }
-            }
-        }
+        each_cell_in(self.range(id), emit);
     }
 
     /// All references together, without visiting cells.
     pub fn count_references(&self) -> u64 {
-        let cells = |id| {
-            let (first, last) = self.range(id);
-            (0..3).map(|k| (last[k] - first[k] + 1).max(0) as u64).product::<u64>()
-        };
+        let cells = |id| cells_in(self.range(id));
         let of_part = |ids: Range<u32>| ids.map(cells).fold(0, u64::saturating_add);
         map_parts(self.primitives, of_part).into_iter().fold(0, u64::saturating_add)
     }
@@ -116,7 +102,7 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     /// # Errors
     /// [`TooManyReferences`].
     pub fn dense_lists(&self) -> Result<CellLists, TooManyReferences> {
-        if self.insertion.is_exact() {
+        if self.insertion.is_exact {
             return self.lists(self.frame.cells(), |c| self.frame.index(c));
         }
         self.lists_of_rows(&DenseRows::new(self.frame.resolution()))
@@ -148,7 +134,7 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
                 self.0.cells_of(id, |c| emit((self.1)(c)));
             }
         }
-        if !self.insertion.is_exact() {
+        if !self.insertion.is_exact {
             // before any cell is visited: identical primitives may be in all of them
             let needed = self.count_references();
             if needed > self.max_references {
@@ -212,16 +198,14 @@ pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>, C>(
     limits: Limits,
     config: &GridConfig<C>,
 ) -> Result<Contents<'a, S, P>, BuildError> {
-    let structure = limits.structure;
     let &GridConfig { order, max_references, historical, insertion, .. } = config;
     let rule = if historical {
         BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
     } else {
         BoundsRule::Padded
     };
-    let boxes =
-        BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-    let frame = frame_of(prims, &boxes, structure, config)?;
+    let boxes = bounds_of(prims, rule, limits.structure)?;
+    let frame = frame_of(prims, &boxes, limits.structure, config)?;
     let primitives = prims.len();
     Ok(Contents { frame, primitives, order, max_references, boxes, historical, insertion })
 }

@@ -25,10 +25,8 @@ impl<G: CellStorage> FrustumTraversal for RegularGrid<f64, G> {
         let corner = self.frame.bounds().min.to_array()[axis];
         let thickness = self.frame.cell_size()[axis];
         let plane = |i: i32| corner + f64::from(i) * thickness;
-        let overlaps = |a: &crate::Aabb<f64>| {
-            let (lo, hi) = (a.min.to_dvec3(), a.max.to_dvec3());
-            lo.cmple(whole.max.to_dvec3()).all() && hi.cmpge(whole.min.to_dvec3()).all()
-        };
+        let overlaps =
+            |a: &crate::Aabb<f64>| a.min.cmple(whole.max).all() && a.max.cmpge(whole.min).all();
         let count = last[axis] - first[axis] + 1;
         let upwards = frustum.direction()[axis] >= 0.0;
         let across = frustum.across(axis);

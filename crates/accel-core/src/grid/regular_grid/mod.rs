@@ -15,8 +15,7 @@ use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::ResolutionRule;
 use crate::grid::voxel_traversal::{GridFrame, IndexedCell};
 use crate::grid::voxel_traversal_lanes::MOST_CELLS;
-use crate::memory::CountedItem;
-use crate::memory::Limits;
+use crate::memory::{CountedItem, Limits};
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, specs};
 use crate::primitives::PrimSet;
@@ -26,10 +25,9 @@ use crate::query::counters::{Counters, NoCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::LaneDriver;
 use crate::query::sink::Sink;
-use crate::structure::too_many;
-use crate::structure::{BatchAnswers, Batches, BuildError, Structure, StructureStats};
+use crate::structure::{BatchAnswers, Batches, BuildError, Structure, StructureStats, too_many};
 use crate::update::{Change, ChangedLists, is_worth_changing};
-use crate::variants::double_traversal::DoubleTraversal;
+use crate::variants::voxel_traversals::DoubleTraversal;
 pub(crate) use contents::contents_of;
 pub use contents::{Contents, GridConfig};
 use side_by_side::BlockGrid;
@@ -86,6 +84,28 @@ pub const QUERY_PARAM: ParamSpec = ParamSpec {
               over triangles alone",
     ..specs::QUERY
 };
+
+/// The parameters of a regular grid with at most so many cells and references: how its cells are
+/// made and traversed, what it does beside, and what comes behind mailboxes.
+macro_rules! grid_params {
+    ($cells:expr, $references:expr, [$($own:expr),*], [$($beside:expr),*] $(, $last:expr)*) => {
+        &[
+            $crate::params::specs::RESOLUTION,
+            $crate::params::specs::DENSITY,
+            $crate::params::specs::BOXES,
+            $crate::params::specs::ORDER,
+            $cells,
+            $references,
+            $($own,)*
+            $crate::query::kernel::BLOCK_PARAM,
+            $($beside,)*
+            $crate::query::mailbox::PARAM,
+            $crate::query::mailbox::SLOTS_PARAM,
+            $($last,)*
+        ]
+    };
+}
+pub(crate) use grid_params;
 
 /// A regular grid whose cells are kept in a `G`.
 pub struct RegularGrid<S: Scalar, G> {
@@ -212,7 +232,6 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     fn stats(&self) -> StructureStats {
         let cells = self.frame.cells() as u64;
         StructureStats {
-            inner_cells: 0,
             cells,
             empty_cells: cells - self.storage.occupied_cells(),
             references: self.storage.references(),

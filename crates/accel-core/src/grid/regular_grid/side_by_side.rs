@@ -8,11 +8,10 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::grid::voxel_traversal_lanes::TraversalLanes;
 use crate::query::batch::Traverse;
-use crate::query::by_blocks;
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::{LaneTraversal, RAYS};
 use crate::query::sink::Sink;
-use crate::structure::Structure;
+use crate::structure::{Structure, traverse_by_blocks};
 
 /// The grid, where its traversals start, its lists by the indices of cells, and their blocks.
 pub(super) struct BlockGrid<'a, S: Scalar, T, L> {
@@ -29,7 +28,7 @@ pub(crate) struct StartStates<S: Scalar>([Option<VoxelTraversal<S>>; LANES]);
 impl<S: Scalar, T: Structure<S>, L> Traverse<S> for &BlockGrid<'_, S, T, L> {
     #[inline(always)]
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        by_blocks::traverse(self.grid, self.blocks, ray, sink);
+        traverse_by_blocks(self.grid, self.blocks, ray, sink);
     }
 }
 

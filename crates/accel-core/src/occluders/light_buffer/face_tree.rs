@@ -13,6 +13,7 @@ use crate::memory::prefetch;
 use crate::occluders::light_buffer::cell_part::{CellPoint, CellRegion, SPOT_BITS};
 use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::margins::Margins;
+use crate::query::counters::add_fields;
 
 /// An entry of a list.
 #[derive(Debug, Clone, Copy)]
@@ -167,16 +168,7 @@ pub(super) struct BuildCounts {
     pub(super) covered: u64,
 }
 
-impl BuildCounts {
-    fn add(&mut self, other: &Self) {
-        self.inner += other.inner;
-        self.leaves += other.leaves;
-        self.empty += other.empty;
-        self.references += other.references;
-        self.long += other.long;
-        self.covered += other.covered;
-    }
-}
+add_fields!(BuildCounts: inner, leaves, empty, references, long, covered);
 
 /// All cells and lists of a buffer.
 #[derive(Debug)]
@@ -220,7 +212,7 @@ impl<S: Scalar> Cells<S> {
             Relocations { cells: self.cells.len() as u32, records: self.records.len() as u32 };
         self.cells.extend(other.cells.iter().map(|&word| moved.word(word)));
         self.records.append(&mut other.records);
-        self.tally.add(&other.tally);
+        self.tally += other.tally;
         moved
     }
 }

@@ -7,7 +7,9 @@
 use glam::{DVec2, DVec3, dvec2};
 use rayon::prelude::*;
 
+use crate::config;
 use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::CellLists;
 use crate::occluders::light_buffer::cell_part::{OutlineClipper, SPOT_BITS};
 use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::face_tree::{
@@ -15,6 +17,7 @@ use crate::occluders::light_buffer::face_tree::{
 };
 use crate::occluders::light_buffer::margins::Margins;
 use crate::occluders::light_buffer::projected::{Bodies, FaceCells};
+use crate::params::ParamSpec;
 
 /// Subcells of a cell.
 const FAN: usize = 16;
@@ -25,37 +28,64 @@ const SHORT: usize = 48;
 /// Rows of the coarse grid that are kept apart at once.
 const ROWS_AT_ONCE: u32 = 32;
 
-/// Limits of the work of a build.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Limits {
-    /// Finest cells per side of a face: 2 to this power, or the one below.
-    pub(super) bits: u32,
-    /// Lists longer than this are divided.
-    pub(super) divide: usize,
-    /// Cells are not divided where that makes more references than this of one of the coarse
-    /// grid: a stack of large primitives would otherwise be divided along its edge without end.
-    pub(super) growth: f64,
-    /// Lists that remain longer than this are left to a structure.
-    pub(super) longest: usize,
-    /// True if what covers a cell cuts its list off.
-    pub(super) cut_off: bool,
+config! {
+    /// How the buffer is filled and asked.
+    pub struct BufferConfig {
+        /// finest cells per side of a face, at most; auto: 16384, or 1024 on demand
+        resolution: Option<u32> = ParamSpec::choice(
+            "resolution",
+            "auto",
+            &["16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto"],
+        ) => |cells| cells.parse().ok(),
+        /// before: all primitives are projected; demand: a cell remembers the last occluder that
+        /// wide-bvh found (of the others only resolution matters)
+        pub(super) is_on_demand: bool = ParamSpec::choice("fill", "before", &["before", "demand"])
+            => |fill| fill == "demand",
+        /// cells with longer lists are divided
+        divide: usize = ParamSpec::integer("divide", "16", 1, 1_000_000),
+        /// cells are not divided further where that makes more references of one than this
+        growth: f64 = ParamSpec::real("growth", "4", 1.0, 1e6),
+        /// longer lists are left to wide-bvh
+        longest: usize = ParamSpec::integer("longest", "512", 1, 1_000_000),
+        /// MiB for the cells and lists of all lights; the rays to lights for which there is no
+        /// room are left to wide-bvh
+        pub(super) memory: usize = ParamSpec::integer("memory", "2048", 1, 1_000_000),
+        /// rays one by one, or 16 of a batch in turns: each step asks for the memory of the next
+        /// (only with fill=before)
+        pub(super) is_batch: bool = ParamSpec::choice("query", "one", &["one", "batch"])
+            => |query| query == "batch",
+        /// full: what something that covers a cell hides is not listed; none: it is
+        cut_off: bool = ParamSpec::choice("cut-off", "full", &["full", "none"]) => |cut| cut == "full",
+    }
+}
+
+impl BufferConfig {
+    /// Finest cells per side of a face, as a power of 2; where that is not given, more if cells are
+    /// divided only as lists call for it than if each one is there from the start.
+    pub(super) fn bits(&self) -> u32 {
+        match self.resolution {
+            Some(cells) => cells.max(1).ilog2(),
+            None if self.is_on_demand => 10,
+            None => 14,
+        }
+    }
 }
 
 /// The six faces around a light.
 pub(super) fn faces<S: Scalar>(
     bodies: &Bodies,
     light: DVec3,
-    limits: Limits,
+    config: &BufferConfig,
     margins: &Margins,
     out: &mut Cells<S>,
 ) -> [Face<S>; FACES] {
-    FaceCells::around(bodies, light, margins).map(|shown| fill_face(&shown, limits, margins, out))
+    FaceCells::around(bodies, light, margins).map(|shown| fill_face(&shown, config, margins, out))
 }
 
 /// Makes the cells of a face.
 fn fill_face<S: Scalar>(
     shown: &FaceCells,
-    limits: Limits,
+    config: &BufferConfig,
     margins: &Margins,
     out: &mut Cells<S>,
 ) -> Face<S> {
@@ -63,14 +93,14 @@ fn fill_face<S: Scalar>(
     let Some(first) = all.next() else { return Face::empty() };
     let bounds = (first.low, first.high);
     let (low, high) = all.fold(bounds, |(l, h), f| (l.min(f.low), h.max(f.high)));
-    let bits = coarse_bits(shown, high - low).min(limits.bits);
+    let bits = coarse_bits(shown, high - low).min(config.bits());
     // whole levels below
-    let shift = (limits.bits - bits) / LEVEL_BITS * LEVEL_BITS;
+    let shift = (config.bits() - bits) / LEVEL_BITS * LEVEL_BITS;
     let first = out.cells.len() as u32;
     let (face, low, step) = Face::over(low, high, margins, [bits + shift, bits], first);
     out.cells.resize(out.cells.len() + (1 << (2 * bits)), 0);
     out.tally.inner += 1;
-    let plan = FillPlan { shown, limits, margins, low, step, shift, bits };
+    let plan = FillPlan { shown, config, margins, low, step, shift, bits };
     plan.coarse(first, out);
     face
 }
@@ -78,7 +108,7 @@ fn fill_face<S: Scalar>(
 /// Input of all cells of a face.
 struct FillPlan<'a> {
     shown: &'a FaceCells,
-    limits: Limits,
+    config: &'a BufferConfig,
     margins: &'a Margins,
     low: DVec2,
     /// Extent of a finest cell.
@@ -93,13 +123,13 @@ impl FillPlan<'_> {
     /// Makes the cells of the coarse grid, whose first is there.
     fn coarse<S: Scalar>(&self, first: u32, out: &mut Cells<S>) {
         let side = 1u32 << self.bits;
-        let (starts, numbers) = self.coarse_lists();
+        let lists = self.coarse_lists();
         let row = |y: u32| {
             let mut filling = CellFiller::new(self);
             let words: Vec<u32> = (0..side)
                 .map(|x| {
                     let c = ((y << self.bits) + x) as usize;
-                    let mut list = numbers[starts[c] as usize..starts[c + 1] as usize].to_vec();
+                    let mut list = lists.at(c).to_vec();
                     let at = [x << self.shift, y << self.shift];
                     let (center, half) = self.rectangle(at, self.shift);
                     let cover = filling.prune(&mut list, center, half);
@@ -121,30 +151,13 @@ impl FillPlan<'_> {
         }
     }
 
-    /// The numbers of the footprints in each cell of the coarse grid: where each list starts, and
-    /// all lists.
-    fn coarse_lists(&self) -> (Vec<u32>, Vec<u32>) {
+    /// The numbers of the footprints in each cell of the coarse grid.
+    fn coarse_lists(&self) -> CellLists {
         let cells = 1usize << (2 * self.bits);
         let batches = 0..self.shown.batches().len();
         let pairs: Vec<Vec<(u32, u32)>> =
             batches.into_par_iter().map(|batch| self.coarse_pairs(batch)).collect();
-        let mut starts = vec![0u32; cells + 1];
-        for (cell, _) in pairs.iter().flatten() {
-            starts[*cell as usize + 1] += 1;
-        }
-        let mut total = 0;
-        for start in &mut starts {
-            total += *start;
-            *start = total;
-        }
-        let mut ends = starts.clone();
-        let mut numbers = vec![0; total as usize];
-        for (cell, number) in pairs.into_iter().flatten() {
-            let end = &mut ends[cell as usize];
-            numbers[*end as usize] = number;
-            *end += 1;
-        }
-        (starts, numbers)
+        CellLists::of_pairs(cells, pairs.iter().flatten())
     }
 
     /// The cells of the coarse grid that show a batch's footprints, with the numbers of these.
@@ -214,8 +227,8 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
     /// Leaves out of a cell's list what is hidden everywhere in it; says from which depth on
     /// everything is.
     fn prune(&self, list: &mut Vec<u32>, center: DVec2, half: DVec2) -> Option<f64> {
-        let FillPlan { limits, margins, .. } = self.plan;
-        if !(limits.cut_off && margins.can_multiply) {
+        let FillPlan { config, margins, .. } = self.plan;
+        if !(config.cut_off && margins.can_multiply) {
             return None;
         }
         // directions that rounding brings into the cell are covered too
@@ -243,9 +256,9 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
         shift: u32,
         growth: [f64; 2],
     ) -> u32 {
-        let limits = self.plan.limits;
-        let is_given_up = growth[0] * growth[1] > limits.growth;
-        if list.len() <= limits.divide || shift < LEVEL_BITS || is_given_up {
+        let config = self.plan.config;
+        let is_given_up = growth[0] * growth[1] > config.growth;
+        if list.len() <= config.divide || shift < LEVEL_BITS || is_given_up {
             return self.leaf(list, cover, at, shift);
         }
         let below = shift - LEVEL_BITS;
@@ -256,7 +269,7 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
             self.plan.cells_of(i, at, below, LEVEL_BITS, |k| parts[k as usize].0.push(i));
         }
         let all: usize = parts.iter().map(|(part, _)| part.len()).sum();
-        let is_hopeless = all as f64 * growth[0] > limits.growth * list.len() as f64;
+        let is_hopeless = all as f64 * growth[0] > config.growth * list.len() as f64;
         if is_hopeless && list.len() <= SHORT {
             return self.leaf(list, cover, at, shift);
         }
@@ -268,7 +281,7 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
         let more = (total as f64 / list.len() as f64).max(1.0);
         let growth = [growth[0] * more, more];
         // not worth it where nearly every primitive is seen in nearly every part
-        if total * 4 > list.len() * FAN * 3 || growth[0] > limits.growth {
+        if total * 4 > list.len() * FAN * 3 || growth[0] > config.growth {
             return self.leaf(list, cover, at, shift);
         }
         let first = self.out.cells.len();
@@ -301,7 +314,7 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
             records.push(Record { near, id: COVERED, ..Record::end() });
             tally.covered += 1;
         }
-        if self.entries.len() > plan.limits.longest {
+        if self.entries.len() > plan.config.longest {
             tally.long += 1;
             let near = below(self.entries.first().map_or(0.0, |e| e.0));
             records.push(Record { near, id: LONG, ..Record::end() });

@@ -31,57 +31,25 @@ mod tests;
 use glam::DVec3;
 
 use self::face_tree::{Cells, Cube, ID_LIMIT, INDEX_LIMIT};
-use self::filling::Limits;
+use self::filling::BufferConfig;
 use self::margins::{LightRays, Margins};
 use self::on_demand::LazyBuffer;
 use self::projected::Bodies;
 use self::remainder::Remainder;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::occluders::BoxedOccluder;
 use crate::occluders::light_buffer::direction_cube::FACES;
-use crate::params::config::{Config, Settings};
-use crate::params::{ParamSpec, Params};
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::registry::Buildable;
-use crate::structure::{BuildError, StructureInfo, no_defect};
+use crate::structure::{BuildError, StructureInfo, bounds_of};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "light-buffer",
-    summary: "a cube of directions around each light, lists of occluders sorted by depth",
     paper: "Haines, Greenberg 1986",
     deviations: "faces cover only what they show; cells divide 4 x 4 where lists are long and list \
                  nothing behind what covers them; lists that stay long are left to a BVH",
-    params: &[
-        ParamSpec::choice(
-            "resolution",
-            "auto",
-            &["16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto"],
-        )
-        .about("finest cells per side of a face, at most; auto: 16384, or 1024 on demand"),
-        ParamSpec::choice("fill", "before", &["before", "demand"]).about(
-            "before: all primitives are projected; demand: a cell remembers the last occluder that \
-             wide-bvh found (of the others only resolution matters)",
-        ),
-        ParamSpec::integer("divide", "16", 1, 1_000_000)
-            .about("cells with longer lists are divided"),
-        ParamSpec::real("growth", "4", 1.0, 1e6).about(
-            "cells are not divided further where that makes more references of one than this",
-        ),
-        ParamSpec::integer("longest", "512", 1, 1_000_000)
-            .about("longer lists are left to wide-bvh"),
-        ParamSpec::integer("memory", "2048", 1, 1_000_000).about(
-            "MiB for the cells and lists of all lights; the rays to lights for which there is no \
-             room are left to wide-bvh",
-        ),
-        ParamSpec::choice("query", "one", &["one", "batch"]).about(
-            "rays one by one, or 16 of a batch in turns: each step asks for the memory of the next (only with \
-             fill=before)",
-        ),
-        ParamSpec::choice("cut-off", "full", &["full", "none"])
-            .about("full: what something that covers a cell hides is not listed; none: it is"),
-    ],
-    variants: &[""],
+    params: BufferConfig::PARAMS,
     also_tested: &[
         "resolution=64",
         "resolution=128 cut-off=none",
@@ -93,8 +61,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "query=batch",
         "query=batch resolution=16 divide=1 longest=2",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "light-buffer",
+        "a cube of directions around each light, lists of occluders sorted by depth",
+    )
 };
 
 /// A built light buffer with its primitives.
@@ -106,32 +76,6 @@ struct LightBuffer<'a, S: Scalar, P> {
     /// Answers what the buffer does not.
     remainder: Remainder<'a, S, P>,
     is_batch: bool,
-}
-
-/// How the buffer is filled.
-#[derive(Clone)]
-pub struct BufferConfig {
-    is_on_demand: bool,
-    is_batch: bool,
-    limits: Limits,
-    most_bytes: usize,
-}
-
-impl Config for BufferConfig {
-    fn of(params: &Params) -> Self {
-        Self {
-            is_on_demand: params.text("fill") == "demand",
-            is_batch: params.text("query") == "batch",
-            limits: Limits {
-                bits: resolution_bits(params),
-                divide: params.integer("divide") as usize,
-                growth: params.real("growth"),
-                longest: params.integer("longest") as usize,
-                cut_off: params.text("cut-off") == "full",
-            },
-            most_bytes: (params.integer("memory") as usize) << 20,
-        }
-    }
 }
 
 /// Builds a light buffer; see [`crate::occluders::Entry::build`].
@@ -160,25 +104,12 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
         return Ok(Box::new(LightBuffer::new(prims, any, lights, settings)?));
     }
     let margins = checked(prims, lights, settings.structure())?;
-    let bits = settings.limits.bits;
+    let bits = settings.bits();
     let faces = lights.len() as u128 * FACES as u128;
     is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, settings.structure())?;
     // an id of each
     settings.fits(4 * (faces << (2 * bits)))?;
     Ok(Box::new(LazyBuffer::new(prims, any, lights, &margins, bits)?))
-}
-
-/// Bits of a resolution that is not given: where cells are divided only as lists call for it, and
-/// where each one is there from the start.
-const AUTO_BITS: [u32; 2] = [14, 10];
-
-/// Finest cells per side of a face, as a power of 2.
-fn resolution_bits(params: &Params) -> u32 {
-    match (params.text("resolution"), params.text("fill")) {
-        ("auto", "before") => AUTO_BITS[0],
-        ("auto", _) => AUTO_BITS[1],
-        _ => (params.integer("resolution") as u32).max(1).ilog2(),
-    }
 }
 
 fn is_below(
@@ -204,8 +135,7 @@ fn checked<S: Scalar, P: PrimSet<S>>(
         return Err(BuildError::NoPrimitives { structure });
     }
     is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
-    BoundsOf::new(prims, BoundsRule::Padded)
-        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+    bounds_of(prims, BoundsRule::Padded, structure)?;
     let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
     Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
 }
@@ -218,17 +148,18 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         settings: &Settings<BufferConfig>,
     ) -> Result<Self, BuildError> {
         let margins = checked(prims, lights, settings.structure())?;
-        let BufferConfig { limits, most_bytes, is_batch, .. } = **settings;
+        let is_batch = settings.is_batch;
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Vec::with_capacity(lights.len());
         for &light in lights {
             let position = Vec3::<S>::from_dvec3(light);
             let before = cells.extent();
-            let faces = filling::faces(&bodies, position.to_dvec3(), limits, &margins, &mut cells);
+            let faces =
+                filling::faces(&bodies, position.to_dvec3(), settings, &margins, &mut cells);
             let needed = cells.largest_index();
             is_below("number of cells or references", needed, INDEX_LIMIT, settings.structure())?;
-            if cells.bytes() > most_bytes {
+            if cells.bytes() > settings.memory << 20 {
                 cells.cut(before);
                 break;
             }

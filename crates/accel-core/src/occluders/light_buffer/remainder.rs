@@ -3,12 +3,13 @@
 
 use std::sync::OnceLock;
 
-use crate::geometry::far_ray::{self, PlacedRay};
+use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::primitives::PrimsRef;
 use crate::query::counters::WorkCounters;
+use crate::query::tracer::nearby::each_near;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use crate::registry::Buildable;
 use crate::structure::BuildError;
@@ -101,19 +102,15 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
 
     /// As a structure would answer, from all primitives.
     fn tested_all(&self, ray: &Ray<S>) -> bool {
-        let test = |ray: &Ray<S>| {
+        let mut blocked = [false];
+        each_near(self.reach, std::slice::from_ref(ray), &mut blocked, |ray| {
             let setup = self.prims.setup(ray);
-            let blocks = |&id: &u32| {
+            (0..self.prims.len() as u32).any(|id| {
                 self.prims.is_opaque(id)
                     && self.prims.intersect(id, ray, &setup, ray.t_max).is_some()
-            };
-            (0..self.prims.len() as u32).any(|id| blocks(&id))
-        };
-        match far_ray::place(ray, self.reach) {
-            PlacedRay::Near => test(ray),
-            PlacedRay::Moved(near, _) => test(&near),
-            PlacedRay::Nowhere => false,
-        }
+            })
+        });
+        blocked[0]
     }
 }
 

@@ -4,16 +4,23 @@ use glam::{DVec3, dvec3};
 
 use crate::geometry::ray::Ray;
 use crate::occluders::light_buffer::answer::Answer;
-use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG};
+use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG, Record};
 use crate::occluders::light_buffer::*;
 use crate::occluders::{Occluder, find};
 use crate::params::config::Settings;
 use crate::primitives::{MixedSet, MixedSetBuilder};
 use crate::query::counters::NoCounters;
-use crate::structures::test_scenes::{Random, built, hard_scenes, mixed_scene, occlusions, rays};
+use crate::structures::test_scenes::{
+    Random, built, hard_scenes, mixed_scene, occlusions, on_threads, rays,
+};
 
 fn settings() -> impl Iterator<Item = &'static str> {
     INFO.variants.iter().chain(INFO.also_tested).copied()
+}
+
+fn config(settings: &str) -> Settings<BufferConfig> {
+    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
+    Settings::of(&find(INFO.name).unwrap().params(pairs).unwrap())
 }
 
 fn boxed<'a, S: Buildable>(
@@ -21,9 +28,7 @@ fn boxed<'a, S: Buildable>(
     lights: &[DVec3],
     settings: &str,
 ) -> BoxedOccluder<'a, S> {
-    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
-    let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    build(PrimsRef::Mixed(set), lights, &Settings::of(&params)).unwrap()
+    build(PrimsRef::Mixed(set), lights, &config(settings)).unwrap()
 }
 
 fn buffer<'a, S: Buildable>(
@@ -31,9 +36,7 @@ fn buffer<'a, S: Buildable>(
     lights: &[DVec3],
     settings: &str,
 ) -> LightBuffer<'a, S, MixedSet<S>> {
-    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
-    let params = find(INFO.name).unwrap().params(pairs).unwrap();
-    LightBuffer::new(set, PrimsRef::Mixed(set), lights, &Settings::of(&params)).unwrap()
+    LightBuffer::new(set, PrimsRef::Mixed(set), lights, &config(settings)).unwrap()
 }
 
 fn brute_force<S: Buildable>(set: &MixedSet<S>, rays: &[Ray<S>]) -> Vec<bool> {
@@ -276,15 +279,10 @@ fn lights_without_room_are_left_to_the_structure() {
 #[test]
 fn cells_do_not_depend_on_the_number_of_threads() {
     let set = mixed_scene::<f32>(5000, 1, [1.0; 3]);
-    let built = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| buffer(&set, &lights(&set)[..2], "").cells)
-    };
+    let built = |threads: usize| on_threads(threads, || buffer(&set, &lights(&set)[..2], "").cells);
     let (one, three) = (built(1), built(3));
     assert_eq!(one.cells, three.cells);
-    let words = |r: &crate::occluders::light_buffer::face_tree::Record<f32>| {
-        (r.near.to_bits(), r.id, r.part)
-    };
+    let words = |r: &Record<f32>| (r.near.to_bits(), r.id, r.part);
     assert!(one.records.iter().map(words).eq(three.records.iter().map(words)));
 }
 
@@ -309,8 +307,7 @@ fn no_lights_and_no_primitives() {
     let right = brute_force(&set, &[ray]);
     assert_eq!(said(&buffer(&set, &[], ""), &[ray], &[0], &right), right);
     let empty = MixedSetBuilder::<f32>::default().finish();
-    let params = find(INFO.name).unwrap().params([]).unwrap();
-    let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &Settings::of(&params));
+    let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &config(""));
     assert!(matches!(refused, Err(BuildError::NoPrimitives { structure: "light-buffer" })));
 }
 

@@ -25,13 +25,11 @@
 //!
 //! The historical shadow ray of 1999 has no mailbox but its own memory for glass.
 
-mod memory;
 mod slots;
 mod stamps;
 
-pub use memory::{Mailbox, MailboxSource, NoMailbox};
 pub use slots::Slots;
-pub use stamps::{Stamp, Stamps};
+pub use stamps::{Mailbox, MailboxSource, NoMailbox, Stamp, Stamps};
 
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};

@@ -3,7 +3,7 @@
 //! Paper: C. Benthin 2006 (see `mod.rs`). Deviations: slots are chosen by a multiplicative hash;
 //! they are not cleared for a ray but carry its number.
 
-use crate::query::mailbox::{Mailbox, MailboxSource, Stamp};
+use crate::query::mailbox::stamps::{Mailbox, MailboxSource, Stamp, is_changed};
 
 #[derive(Debug, Clone)]
 pub struct Slots<I> {
@@ -29,14 +29,7 @@ impl<I: Stamp> Mailbox for &mut Slots<I> {
     fn is_new(&mut self, id: u32) -> bool {
         let hash = u64::from(id.wrapping_mul(0x9E37_79B9));
         let letter = (self.ray, id);
-        match self.slots.get_mut((hash >> self.shift) as usize) {
-            Some(slot) if *slot == letter => false,
-            Some(slot) => {
-                *slot = letter;
-                true
-            }
-            None => true,
-        }
+        is_changed(self.slots.get_mut((hash >> self.shift) as usize), letter)
     }
 }
 

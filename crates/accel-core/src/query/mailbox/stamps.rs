@@ -1,8 +1,57 @@
-//! A stamp for every primitive: the number of the ray that tested it last.
+//! The mailbox interface, the mailbox that remembers nothing, and a stamp for every primitive: the
+//! number of the ray that tested it last.
 //!
 //! Paper: B. Arnaldi, T. Priol, K. Bouatouch 1987 (see `mod.rs`).
 
-use crate::query::mailbox::{Mailbox, MailboxSource};
+/// Remembers what one ray has been tested against.
+pub trait Mailbox {
+    const ENABLED: bool;
+    /// False when `id` was tested for this ray already; otherwise it counts as tested from now on.
+    /// May forget, never invents.
+    fn is_new(&mut self, id: u32) -> bool;
+}
+
+/// Gives every ray of a batch its mailbox.
+pub trait MailboxSource {
+    /// The mailbox of one ray.
+    type Mailbox<'r>: Mailbox
+    where
+        Self: 'r;
+    fn next_ray(&mut self) -> Self::Mailbox<'_>;
+}
+
+impl<B: MailboxSource> MailboxSource for &mut B {
+    type Mailbox<'r>
+        = B::Mailbox<'r>
+    where
+        Self: 'r;
+
+    #[inline(always)]
+    fn next_ray(&mut self) -> B::Mailbox<'_> {
+        (**self).next_ray()
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+pub struct NoMailbox;
+
+impl Mailbox for NoMailbox {
+    const ENABLED: bool = false;
+
+    #[inline(always)]
+    fn is_new(&mut self, _: u32) -> bool {
+        true
+    }
+}
+
+impl MailboxSource for NoMailbox {
+    type Mailbox<'r> = Self;
+
+    #[inline(always)]
+    fn next_ray(&mut self) -> Self {
+        Self
+    }
+}
 
 /// A number of rays; 0 stands for none.
 pub trait Stamp: Copy + PartialEq + Default + Send + Sync + 'static {
@@ -81,14 +130,20 @@ impl<I: Stamp> Mailbox for &mut Stamps<I> {
     #[inline(always)]
     fn is_new(&mut self, id: u32) -> bool {
         let ray = self.ray;
-        match self.stamps.get_mut(id as usize * self.stride) {
-            Some(stamp) if *stamp == ray => false,
-            Some(stamp) => {
-                *stamp = ray;
-                true
-            }
-            None => true,
+        is_changed(self.stamps.get_mut(id as usize * self.stride), ray)
+    }
+}
+
+/// Puts a letter into a slot, if there is one; false where it is there already.
+#[inline(always)]
+pub(super) fn is_changed<T: PartialEq>(slot: Option<&mut T>, letter: T) -> bool {
+    match slot {
+        Some(slot) if *slot == letter => false,
+        Some(slot) => {
+            *slot = letter;
+            true
         }
+        None => true,
     }
 }
 

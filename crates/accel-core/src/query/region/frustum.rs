@@ -12,7 +12,6 @@
 use glam::DVec3;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::Vector;
 use crate::primitives::Ball;
 
 /// Rounding errors of a plane's distance, in epsilons of the frustum's largest coordinate.
@@ -40,9 +39,7 @@ impl Frustum {
         let corners = near.len().min(far.len());
         let (near, far) = (near[..corners].to_vec(), far[..corners].to_vec());
         let all = || near.iter().chain(&far);
-        let bounds = all().fold(Aabb::<f64>::empty(), |b, &p| {
-            b.union(Aabb { min: Vector::from_dvec3(p), max: Vector::from_dvec3(p) })
-        });
+        let bounds = all().fold(Aabb::<f64>::empty(), |b, &p| b.union(Aabb { min: p, max: p }));
         let sum = |points: &[DVec3]| points.iter().sum::<DVec3>();
         let across = sum(&far) - sum(&near);
         let centre = (sum(&far) + sum(&near)) / (2 * corners).max(1) as f64;
@@ -98,8 +95,7 @@ impl Frustum {
 
     /// The least depth of any point of the box.
     pub fn least_depth(&self, cell: &Aabb<f64>) -> f64 {
-        let (lo, hi) = (cell.min.to_dvec3(), cell.max.to_dvec3());
-        self.depth(DVec3::select(self.direction.cmpgt(DVec3::ZERO), lo, hi)) - self.tolerance
+        self.depth(least_along(cell, self.direction)) - self.tolerance
     }
 
     /// The box around the frustum.
@@ -115,15 +111,13 @@ impl Frustum {
     /// False only when no point of the box lies in the frustum.
     #[inline]
     pub fn meets_box(&self, cell: &Aabb<f64>) -> bool {
-        let (lo, hi) = (cell.min.to_dvec3(), cell.max.to_dvec3());
-        let (min, max) = (self.bounds.min.to_dvec3(), self.bounds.max.to_dvec3());
-        if (lo - max).max_element() > self.tolerance || (min - hi).max_element() > self.tolerance {
+        let Aabb { min, max } = self.bounds;
+        if (cell.min - max).max(min - cell.max).max_element() > self.tolerance {
             return false;
         }
-        self.planes.iter().all(|&(normal, reach)| {
-            let innermost = DVec3::select(normal.cmpgt(DVec3::ZERO), lo, hi);
-            normal.dot(innermost) <= reach + self.tolerance
-        })
+        let tolerance = self.tolerance;
+        let meets = |(n, reach): &(DVec3, f64)| n.dot(least_along(cell, *n)) <= reach + tolerance;
+        self.planes.iter().all(meets)
     }
 
     /// False when a side of the frustum has all the balls outside, and so their convex hull.
@@ -137,14 +131,7 @@ impl Frustum {
 
     /// The axis along which the frustum is longest.
     pub fn longest_axis(&self) -> usize {
-        let d = self.direction.abs();
-        if d.x >= d.y && d.x >= d.z {
-            0
-        } else if d.y >= d.z {
-            1
-        } else {
-            2
-        }
+        self.direction.abs().max_position()
     }
 
     /// The frustum made ready to be cut across an axis.
@@ -192,11 +179,8 @@ impl AxisFrustum<'_> {
             // so oblique that the outlines overlap: no plane cuts all edges
             return Some(frustum.bounds.expanded(frustum.tolerance));
         }
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        let mut include = |p: DVec3| {
-            min = min.min(p);
-            max = max.max(p);
-        };
+        let mut slice = Aabb::<f64>::empty();
+        let mut include = |p: DVec3| slice = slice.union(Aabb { min: p, max: p });
         // where the planes cut the edges from near to far; they do, within the two
         let planes = [from.clamp(near_max, far_min), to.clamp(near_max, far_min)];
         for (&near, &far) in frustum.near.iter().zip(&frustum.far) {
@@ -214,9 +198,14 @@ impl AxisFrustum<'_> {
                 include(far);
             }
         }
-        let slice = Aabb::<f64> { min: Vector::from_dvec3(min), max: Vector::from_dvec3(max) };
         Some(slice.expanded(frustum.tolerance))
     }
+}
+
+/// The corner of a box that lies least far along a direction.
+#[inline(always)]
+fn least_along(cell: &Aabb<f64>, direction: DVec3) -> DVec3 {
+    DVec3::select(direction.cmpgt(DVec3::ZERO), cell.min, cell.max)
 }
 
 /// A normal of a flat outline, of any length; zero when it has no area.
@@ -258,23 +247,17 @@ mod tests {
                 let p = inside(&mut random);
                 let size = random.point([0.2; 3]);
                 let lo = p - size * random.point([1.0; 3]);
-                let cell =
-                    Aabb::<f64> { min: Vector::from_dvec3(lo), max: Vector::from_dvec3(lo + size) };
+                let cell = Aabb::<f64> { min: lo, max: lo + size };
                 assert!(frustum.meets_box(&cell));
                 assert!(frustum.least_depth(&cell) <= frustum.depth(p));
                 assert!(frustum.meets_balls(&[Ball { center: p, radius: 0.0 }]));
                 for axis in 0..3 {
                     let (from, to) = (p[axis] - random.unit() * 0.1, p[axis] + random.unit() * 0.1);
                     let slice = frustum.across(axis).slice(from, to).expect("it holds the point");
-                    assert!(
-                        slice.min.to_dvec3().cmple(p).all() && slice.max.to_dvec3().cmpge(p).all()
-                    );
+                    assert!(slice.min.cmple(p).all() && slice.max.cmpge(p).all());
                 }
                 let elsewhere = random.point([8.0; 3]) - DVec3::splat(4.0);
-                let away = Aabb::<f64> {
-                    min: Vector::from_dvec3(elsewhere),
-                    max: Vector::from_dvec3(elsewhere + size),
-                };
+                let away = Aabb::<f64> { min: elsewhere, max: elsewhere + size };
                 boxes_missed += u32::from(!frustum.meets_box(&away));
                 let ball = Ball { center: elsewhere, radius: 0.1 };
                 balls_missed += u32::from(!frustum.meets_balls(&[ball]));

@@ -3,6 +3,7 @@
 use std::ops::ControlFlow;
 
 use crate::primitives::{Ball, PrimSet};
+use crate::query::counters::add_fields;
 use crate::query::region::Frustum;
 use crate::structure::{Structure, StructureStats};
 
@@ -39,15 +40,7 @@ pub struct FrustumWork {
     pub found: u64,
 }
 
-impl std::ops::AddAssign for FrustumWork {
-    fn add_assign(&mut self, other: Self) {
-        self.queries += other.queries;
-        self.cells += other.cells;
-        self.references += other.references;
-        self.tests += other.tests;
-        self.found += other.found;
-    }
-}
+add_fields!(FrustumWork: queries, cells, references, tests, found);
 
 /// The answer to a query, and the memory that queries share. One for each thread.
 #[derive(Debug, Clone, Default)]

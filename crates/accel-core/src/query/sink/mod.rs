@@ -3,9 +3,10 @@
 //! One traversal thus serves closest hit, occlusion and the historical shadow ray, with and
 //! without counters.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
-use crate::geometry::ray::{Hit, MISS, Ray};
+use crate::geometry::far_ray::Parameters;
+use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::counters::Counters;
@@ -63,92 +64,123 @@ mod relayed;
 pub use erased::ErasedSink;
 pub(crate) use relayed::RelayedSink;
 
-/// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
-pub struct ClosestHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
-    mailbox: M,
-    prims: &'a P,
-    ray: &'a Ray<S>,
-    setup: P::RaySetup,
-    best: Hit<S>,
-    counters: C,
+/// What a query asks for: the closest hit ([`Hit`]), or whether an opaque primitive blocks the ray
+/// (`bool`).
+pub trait Answer<S: Scalar>: Copy {
+    /// [`Sink::is_any_hit`] of its queries.
+    const IS_ANY_HIT: bool;
+    /// The answer for a ray that hits nothing.
+    fn miss(ray: &Ray<S>) -> Self;
+    /// [`Sink::t_max`] of a query of that answer so far.
+    fn t_max(&self, ray: &Ray<S>) -> S;
+    /// [`Sink::test`].
+    fn test<P: PrimSet<S>, C: Counters, M: Mailbox>(
+        query: &mut Query<'_, S, P, C, Self, M>,
+        ids: &[u32],
+    ) -> ControlFlow<()>;
+    /// [`Sink::test_block`] of a query that neither counts nor has a mailbox.
+    fn test_block<P: PrimSet<S>, C, M>(
+        query: &mut Query<'_, S, P, C, Self, M>,
+        block: &TriangleBlock<S>,
+    ) -> ControlFlow<()>;
+    /// The answer for the ray that the query's was made from; `None` stands for a miss.
+    fn restored(self, parameters: Parameters<S>) -> Option<Self>;
+    /// The answers of a batch.
+    fn of_batch(answers: &mut [Self]) -> BatchAnswers<'_, S>;
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> ClosestHit<'a, S, P, C> {
+/// Query kind of a batch, with one answer slot per ray.
+#[derive(Debug)]
+pub enum BatchAnswers<'a, S: Scalar> {
+    /// Closest hits.
+    Closest(&'a mut [Hit<S>]),
+    /// True if an opaque primitive is in the way.
+    Occlusion(&'a mut [bool]),
+}
+
+impl<S: Scalar> BatchAnswers<'_, S> {
+    /// Those of the rays at these places.
+    pub(crate) fn of(&mut self, places: Range<usize>) -> BatchAnswers<'_, S> {
+        match self {
+            Self::Closest(hits) => BatchAnswers::Closest(&mut hits[places]),
+            Self::Occlusion(blocked) => BatchAnswers::Occlusion(&mut blocked[places]),
+        }
+    }
+}
+
+/// A query of a ray.
+pub struct Query<'a, S: Scalar, P: PrimSet<S>, C, A, M = NoMailbox> {
+    mailbox: M,
+    pub(crate) prims: &'a P,
+    pub(crate) ray: &'a Ray<S>,
+    pub(crate) setup: P::RaySetup,
+    /// The answer so far.
+    pub(crate) answer: A,
+    /// The counters so far.
+    pub(crate) counters: C,
+}
+
+/// The closest hit in `[t_min, t_max]`; of equal hits the lowest id wins.
+pub type ClosestHit<'a, S, P, C, M = NoMailbox> = Query<'a, S, P, C, Hit<S>, M>;
+
+/// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
+pub type AnyHit<'a, S, P, C, M = NoMailbox> = Query<'a, S, P, C, bool, M>;
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>> Query<'a, S, P, C, A> {
     #[inline(always)]
     pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self::prepared(prims, ray, prims.setup(ray))
+        Self::prepared(prims, ray, prims.setup(ray), NoMailbox)
+    }
+}
+
+impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>, M> Query<'a, S, P, C, A, M> {
+    /// Starts a query with an empty mailbox.
+    #[inline(always)]
+    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
+        Self::prepared(prims, ray, prims.setup(ray), mailbox)
     }
 
     /// Starts a query of a ray that is prepared for the set.
     #[inline(always)]
-    pub(crate) fn prepared(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup) -> Self {
-        Self::with_setup(prims, ray, setup, NoMailbox)
-    }
-}
-
-impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> ClosestHit<'a, S, P, C, M> {
-    /// Starts a query with an empty mailbox.
-    #[inline(always)]
-    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
-        Self::with_setup(prims, ray, prims.setup(ray), mailbox)
-    }
-
-    #[inline(always)]
-    fn with_setup(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup, mailbox: M) -> Self {
-        let best = Hit { t: ray.t_max, id: MISS };
-        Self { mailbox, prims, ray, setup, best, counters: C::default() }
-    }
-
-    /// The answer so far.
-    #[inline(always)]
-    pub(crate) fn hit(&self) -> Hit<S> {
-        self.best
-    }
-
-    /// The counters so far.
-    #[inline(always)]
-    pub(crate) fn counters(&self) -> C {
-        self.counters
+    pub(crate) fn prepared(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup, mailbox: M) -> Self {
+        Self { mailbox, prims, ray, setup, answer: A::miss(ray), counters: C::default() }
     }
 
     /// The answer and what it took.
     #[inline(always)]
-    pub fn finish(self) -> (Hit<S>, C) {
-        (self.best, self.counters)
+    pub fn finish(self) -> (A, C) {
+        (self.answer, self.counters)
     }
 }
 
-impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'_, S, P, C, M> {
-    count_steps!();
+impl<S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>, M: Mailbox> Sink<S>
+    for Query<'_, S, P, C, A, M>
+{
+    const COUNTING: bool = C::ENABLED;
+
+    #[inline(always)]
+    fn elementary_step(&mut self, _empty: bool) {
+        count!(self.counters.elementary_step(_empty));
+    }
+
+    #[inline(always)]
+    fn inner_step(&mut self) {
+        count!(self.counters.inner_step());
+    }
 
     #[inline(always)]
     fn t_max(&self) -> S {
-        self.best.t
+        self.answer.t_max(self.ray)
+    }
+
+    #[inline(always)]
+    fn is_any_hit(&self) -> bool {
+        A::IS_ANY_HIT
     }
 
     #[inline(always)]
     fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
-        if !M::ENABLED {
-            count!(self.counters.intersection_tests(ids.len()));
-        }
-        // what is read for each is in registers, also where the sink itself is not
-        let (prims, ray, mut best) = (self.prims, self.ray, self.best);
-        for &id in ids {
-            if M::ENABLED {
-                if !self.mailbox.is_new(id) {
-                    count!(self.counters.test_saved());
-                    continue;
-                }
-                count!(self.counters.intersection_tests(1));
-            }
-            if let Some(t) = prims.intersect(id, ray, &self.setup, best.t)
-                && (t < best.t || id < best.id)
-            {
-                best = Hit { t, id };
-            }
-        }
-        self.best = best;
-        ControlFlow::Continue(())
+        A::test(self, ids)
     }
 
     #[inline(always)]
@@ -157,89 +189,97 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for ClosestHit<'
             let (ids, n) = block.ids();
             return self.test(&ids[..n]);
         }
-        self.prims.closest_in_block(block, self.ray, &self.setup, &mut self.best);
+        A::test_block(self, block)
+    }
+}
+
+impl<S: Scalar> Answer<S> for Hit<S> {
+    const IS_ANY_HIT: bool = false;
+
+    #[inline(always)]
+    fn miss(ray: &Ray<S>) -> Self {
+        Self { t: ray.t_max, ..Self::NONE }
+    }
+
+    #[inline(always)]
+    fn t_max(&self, _: &Ray<S>) -> S {
+        self.t
+    }
+
+    #[inline(always)]
+    fn test<P: PrimSet<S>, C: Counters, M: Mailbox>(
+        query: &mut ClosestHit<'_, S, P, C, M>,
+        ids: &[u32],
+    ) -> ControlFlow<()> {
+        if !M::ENABLED {
+            count!(query.counters.intersection_tests(ids.len()));
+        }
+        // what is read for each is in registers, also where the query itself is not
+        let (prims, ray, mut best) = (query.prims, query.ray, query.answer);
+        for &id in ids {
+            if M::ENABLED {
+                if !query.mailbox.is_new(id) {
+                    count!(query.counters.test_saved());
+                    continue;
+                }
+                count!(query.counters.intersection_tests(1));
+            }
+            if let Some(t) = prims.intersect(id, ray, &query.setup, best.t)
+                && (t < best.t || id < best.id)
+            {
+                best = Hit { t, id };
+            }
+        }
+        query.answer = best;
         ControlFlow::Continue(())
     }
-}
 
-/// Is the ray blocked by an opaque primitive? Transmissive ones let it pass.
-pub struct AnyHit<'a, S: Scalar, P: PrimSet<S>, C: Counters, M = NoMailbox> {
-    mailbox: M,
-    prims: &'a P,
-    ray: &'a Ray<S>,
-    setup: P::RaySetup,
-    blocked: bool,
-    counters: C,
-}
-
-impl<'a, S: Scalar, P: PrimSet<S>, C: Counters> AnyHit<'a, S, P, C> {
     #[inline(always)]
-    pub fn new(prims: &'a P, ray: &'a Ray<S>) -> Self {
-        Self::prepared(prims, ray, prims.setup(ray))
+    fn test_block<P: PrimSet<S>, C, M>(
+        query: &mut ClosestHit<'_, S, P, C, M>,
+        block: &TriangleBlock<S>,
+    ) -> ControlFlow<()> {
+        query.prims.closest_in_block(block, query.ray, &query.setup, &mut query.answer);
+        ControlFlow::Continue(())
     }
 
-    /// Starts a query of a ray that is prepared for the set.
     #[inline(always)]
-    pub(crate) fn prepared(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup) -> Self {
-        Self::with_setup(prims, ray, setup, NoMailbox)
+    fn restored(self, parameters: Parameters<S>) -> Option<Self> {
+        self.is_hit().then(|| Self { t: parameters.restored(self.t), ..self })
+    }
+
+    fn of_batch(answers: &mut [Self]) -> BatchAnswers<'_, S> {
+        BatchAnswers::Closest(answers)
     }
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> AnyHit<'a, S, P, C, M> {
-    /// Starts a query with an empty mailbox.
+impl<S: Scalar> Answer<S> for bool {
+    const IS_ANY_HIT: bool = true;
+
     #[inline(always)]
-    pub fn with_mailbox(prims: &'a P, ray: &'a Ray<S>, mailbox: M) -> Self {
-        Self::with_setup(prims, ray, prims.setup(ray), mailbox)
+    fn miss(_: &Ray<S>) -> Self {
+        false
     }
 
     #[inline(always)]
-    fn with_setup(prims: &'a P, ray: &'a Ray<S>, setup: P::RaySetup, mailbox: M) -> Self {
-        Self { mailbox, prims, ray, setup, blocked: false, counters: C::default() }
-    }
-
-    /// The answer so far.
-    #[inline(always)]
-    pub(crate) fn is_blocked(&self) -> bool {
-        self.blocked
-    }
-
-    /// The counters so far.
-    #[inline(always)]
-    pub(crate) fn counters(&self) -> C {
-        self.counters
-    }
-
-    /// The answer and what it took.
-    #[inline(always)]
-    pub fn finish(self) -> (bool, C) {
-        (self.blocked, self.counters)
-    }
-}
-
-impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S, P, C, M> {
-    count_steps!();
-
-    #[inline(always)]
-    fn is_any_hit(&self) -> bool {
-        true
+    fn t_max(&self, ray: &Ray<S>) -> S {
+        ray.t_max
     }
 
     #[inline(always)]
-    fn t_max(&self) -> S {
-        self.ray.t_max
-    }
-
-    #[inline(always)]
-    fn test(&mut self, ids: &[u32]) -> ControlFlow<()> {
+    fn test<P: PrimSet<S>, C: Counters, M: Mailbox>(
+        query: &mut AnyHit<'_, S, P, C, M>,
+        ids: &[u32],
+    ) -> ControlFlow<()> {
         for &id in ids {
-            if M::ENABLED && !self.mailbox.is_new(id) {
-                count!(self.counters.test_saved());
+            if M::ENABLED && !query.mailbox.is_new(id) {
+                count!(query.counters.test_saved());
                 continue;
             }
-            count!(self.counters.intersection_tests(1));
-            let hit = self.prims.intersect(id, self.ray, &self.setup, self.ray.t_max);
-            if hit.is_some() && self.prims.is_opaque(id) {
-                self.blocked = true;
+            count!(query.counters.intersection_tests(1));
+            let hit = query.prims.intersect(id, query.ray, &query.setup, query.ray.t_max);
+            if hit.is_some() && query.prims.is_opaque(id) {
+                query.answer = true;
                 return ControlFlow::Break(());
             }
         }
@@ -247,16 +287,24 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, M: Mailbox> Sink<S> for AnyHit<'_, S
     }
 
     #[inline(always)]
-    fn test_block(&mut self, block: &TriangleBlock<S>) -> ControlFlow<()> {
-        if M::ENABLED || C::ENABLED {
-            let (ids, n) = block.ids();
-            return self.test(&ids[..n]);
-        }
-        if self.prims.is_blocked_in(block, self.ray, &self.setup) {
-            self.blocked = true;
+    fn test_block<P: PrimSet<S>, C, M>(
+        query: &mut AnyHit<'_, S, P, C, M>,
+        block: &TriangleBlock<S>,
+    ) -> ControlFlow<()> {
+        if query.prims.is_blocked_in(block, query.ray, &query.setup) {
+            query.answer = true;
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn restored(self, _: Parameters<S>) -> Option<Self> {
+        Some(self)
+    }
+
+    fn of_batch(answers: &mut [Self]) -> BatchAnswers<'_, S> {
+        BatchAnswers::Occlusion(answers)
     }
 }
 
@@ -269,18 +317,32 @@ macro_rules! count {
     };
 }
 
-macro_rules! count_steps {
+/// Hands the steps of a sink around a `query` on to that.
+macro_rules! steps_of_query {
     () => {
-        const COUNTING: bool = C::ENABLED;
         #[inline(always)]
-        fn elementary_step(&mut self, _empty: bool) {
-            count!(self.counters.elementary_step(_empty));
+        fn elementary_step(&mut self, empty: bool) {
+            self.query.elementary_step(empty);
         }
         #[inline(always)]
         fn inner_step(&mut self) {
-            count!(self.counters.inner_step());
+            self.query.inner_step();
         }
     };
 }
 
-pub(crate) use {count, count_steps};
+/// A sink around a `query` ends where that does.
+macro_rules! end_of_query {
+    () => {
+        #[inline(always)]
+        fn t_max(&self) -> S {
+            self.query.t_max()
+        }
+        #[inline(always)]
+        fn is_any_hit(&self) -> bool {
+            self.query.is_any_hit()
+        }
+    };
+}
+
+pub(crate) use {count, end_of_query, steps_of_query};

@@ -1,14 +1,13 @@
 //! Tracing a set whose primitives move.
 //!
-//! A structure has one traversal for what counts, with the one [`ErasedSink`], and one for what is
-//! timed, with the one [`RelayedSink`]: motion costs no structure a traversal for each query and
+//! A structure has one traversal for what counts, with the one [`ErasedSink`](crate::query::sink::ErasedSink), and one for what is
+//! timed, with the one [`RelayedSink`](crate::query::sink::RelayedSink): motion costs no structure a traversal for each query and
 //! mailbox. Where a structure's traversals are worth their time in the compiler (`COMPILED`), those
 //! without a mailbox have the query itself compiled in, as those of scenes at rest have. Scenes at
 //! rest are traced by [`Bound`](super::Bound) as ever.
 
-use super::counting::CountingTracer;
-use super::nearby::{closest, near};
-use super::timing::TimingTracer;
+use super::erased::ErasedTracer;
+use super::nearby::each_near;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
@@ -16,8 +15,8 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
-use crate::query::mailbox::{NoMailbox, Setting};
-use crate::query::sink::{AnyHit, ClosestHit, ErasedSink, RelayedSink};
+use crate::query::mailbox::Setting;
+use crate::query::sink::{Answer, Query};
 use crate::query::trace::TraversalTrace;
 use crate::structure::{Structure, StructureStats};
 use crate::structures::time_segments::TimeSegments;
@@ -40,45 +39,25 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         Self { prims, segments, mailbox, reach }
     }
 
-    fn counting<R>(&self, pass: impl FnOnce(CountingTracer<'_, S, P>) -> R) -> R {
-        let traversal =
-            |ray: &Ray<S>, sink: ErasedSink<'_, S>| self.segments.counted_traversal(ray, sink);
-        pass(CountingTracer { prims: self.prims, reach: self.reach, traversal: &traversal })
-    }
-
-    fn timing<R>(&self, pass: impl FnOnce(TimingTracer<'_, S, P>) -> R) -> R {
-        let traversal =
-            |ray: &Ray<S>, sink: RelayedSink<'_, S>| self.segments.timed_traversal(ray, sink);
-        let blocks = |ray: &Ray<S>| self.segments.blocks(ray);
-        pass(TimingTracer {
-            prims: self.prims,
-            reach: self.reach,
-            traversal: &traversal,
-            blocks: &blocks,
-        })
-    }
-
-    #[inline(always)]
-    fn compiled_closest(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        closest::<S, _>(self.reach, rays, hits, NoMailbox, |ray, _| {
-            let query = ClosestHit::<S, P, NoCounters>::new(self.prims, ray);
-            self.segments.traversed(ray, query).finish().0
-        });
-    }
-
-    #[inline(always)]
-    fn compiled_occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        for (ray, blocked) in rays.iter().zip(blocked) {
-            *blocked = near(self.reach, ray, false, |ray, _| {
-                let query = AnyHit::<S, P, NoCounters>::new(self.prims, ray);
-                self.segments.traversed(ray, query).finish().0
-            });
-        }
+    fn erased(&self) -> ErasedTracer<'_, S, P> {
+        ErasedTracer { prims: self.prims, reach: self.reach, structure: &self.segments }
     }
 
     /// The mailbox that rays are timed with.
     fn timed_mailbox(&self) -> Option<&Setting> {
         Some(&self.mailbox).filter(|mailbox| T::DUPLICATES && mailbox.is_used())
+    }
+
+    #[inline(always)]
+    fn timed<A: Answer<S>>(&self, rays: &[Ray<S>], answers: &mut [A]) {
+        let mailbox = self.timed_mailbox();
+        if !COMPILED || mailbox.is_some() {
+            return self.erased().timed(rays, answers, mailbox);
+        }
+        each_near(self.reach, rays, answers, |ray| {
+            let query = Query::<S, P, NoCounters, A>::new(self.prims, ray);
+            self.segments.traversed(ray, query).answer
+        });
     }
 }
 
@@ -86,23 +65,15 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     for BoundInMotion<'_, S, P, T, COMPILED>
 {
     fn closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) {
-        let mailbox = self.timed_mailbox();
-        if COMPILED && mailbox.is_none() {
-            return self.compiled_closest(rays, hits);
-        }
-        self.timing(|timing| timing.all_closest(rays, hits, mailbox));
+        self.timed(rays, hits);
     }
 
     fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
-        let mailbox = self.timed_mailbox();
-        if COMPILED && mailbox.is_none() {
-            return self.compiled_occlusions(rays, blocked);
-        }
-        self.timing(|timing| timing.all_occlusions(rays, blocked, mailbox));
+        self.timed(rays, blocked);
     }
 
     fn count_closest_hits(&self, rays: &[Ray<S>], hits: &mut [Hit<S>]) -> WorkCounters {
-        self.counting(|counting| counting.all_closest(rays, hits, &self.mailbox))
+        self.erased().all_closest(rays, hits, &self.mailbox)
     }
 
     fn count_occlusions(
@@ -111,7 +82,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.counting(|counting| counting.all_occlusions(rays, rule, answers, &self.mailbox))
+        self.erased().all_occlusions(rays, rule, answers, &self.mailbox)
     }
 
     fn stats(&self) -> StructureStats {
@@ -125,6 +96,6 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.counting(|counting| counting.trace_of(ray, &self.mailbox)))
+        Ok(self.erased().trace_of(ray, &self.mailbox))
     }
 }

@@ -4,19 +4,22 @@ use std::any::Any;
 
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
+use crate::memory::{Limits, OutOfMemory};
+use crate::params::config::Settings;
+use crate::primitives::PrimSet;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink};
 use crate::query::trace::TraversalTrace;
-use crate::structure::{Batches, Structure, StructureStats};
+use crate::structure::{Batches, BuildError, Structure, StructureStats};
+use crate::update::{Change, ChangedLists};
 
 mod bound;
-mod counting;
+mod erased;
 mod in_motion;
 pub(crate) mod nearby;
 pub(crate) mod tested;
-mod timing;
 
 pub use bound::Bound;
 pub use in_motion::BoundInMotion;
@@ -102,24 +105,95 @@ pub trait Tracer<S: Scalar>: Send + Sync {
     }
 }
 
-/// The traversal of all passes that count.
-#[inline(never)]
-pub(crate) fn traverse_counted<S: Scalar, T: Structure<S>>(
-    structure: &T,
-    ray: &Ray<S>,
-    mut sink: ErasedSink<'_, S>,
-) {
-    structure.traverse(ray, &mut sink);
+/// What passes reach through one dynamic call a ray, so that they are compiled once for each kind
+/// of primitive, not for each structure.
+pub(crate) trait Traversals<S: Scalar> {
+    /// The traversal of all passes that count.
+    fn counted(&self, ray: &Ray<S>, sink: ErasedSink<'_, S>);
+    /// The traversal of passes that are timed, for queries that are not compiled into it.
+    fn relayed(&self, ray: &Ray<S>, sink: RelayedSink<'_, S>);
+    /// The blocks of the lists that a ray may meet, where there are some.
+    fn blocks(&self, ray: &Ray<S>) -> Option<&ListBlocks<S>>;
 }
 
-/// The traversal of passes that are timed, for queries that are not compiled into it.
-#[inline(never)]
-pub(crate) fn traverse_relayed<S: Scalar, T: Structure<S>>(
-    structure: &T,
-    ray: &Ray<S>,
-    mut sink: RelayedSink<'_, S>,
-) {
-    structure.traverse(ray, &mut sink);
+/// A structure, and the blocks of its lists where they were asked for and serve the set.
+pub(crate) struct Parts<S, T> {
+    pub(crate) structure: T,
+    pub(crate) blocks: Option<ListBlocks<S>>,
+}
+
+impl<S: Scalar, T: Structure<S>> Parts<S, T> {
+    pub(crate) fn build<P: PrimSet<S>>(
+        over: &P,
+        settings: &Settings<T::Config>,
+        has_blocks: bool,
+    ) -> Result<Self, BuildError> {
+        let parts = Self { structure: T::build(over, settings)?, blocks: None };
+        Ok(if has_blocks { parts.with_blocks(over, settings.limits(), None)? } else { parts })
+    }
+
+    /// The same brought to the next frame, and whether it is not built anew.
+    pub(crate) fn updated<P: PrimSet<S>>(
+        mut self,
+        over: &P,
+        settings: &Settings<T::Config>,
+        has_blocks: bool,
+        moved: &[u32],
+    ) -> Result<(Self, bool), BuildError> {
+        let change = self.structure.update(over, settings, moved)?;
+        let is_updated = !matches!(change, Change::Rebuilt);
+        let changed = if let Change::Lists(lists) = &change { Some(lists) } else { None };
+        let parts = if has_blocks {
+            self.with_blocks(over, settings.limits(), changed)?
+        } else {
+            Self { blocks: None, ..self }
+        };
+        Ok((parts, is_updated))
+    }
+
+    /// The same with the lists as [blocks](crate::query::kernel). Where there were blocks before,
+    /// those of the lists that have `changed` alone are made anew.
+    fn with_blocks<P: PrimSet<S>>(
+        mut self,
+        over: &P,
+        limits: Limits,
+        changed: Option<&ChangedLists>,
+    ) -> Result<Self, OutOfMemory> {
+        let before = self.blocks.take();
+        if T::HAS_LISTS {
+            let mut lists = Vec::new();
+            self.structure.lists(&mut |list| lists.push(list));
+            limits.fits(ListBlocks::<S>::bytes_for(&lists))?;
+            self.blocks = match before.zip(changed) {
+                Some((blocks, changed)) => blocks.changed(over, &lists, changed),
+                None => ListBlocks::of(over, &lists),
+            };
+        }
+        Ok(self)
+    }
+
+    pub(crate) fn stats(&self) -> StructureStats {
+        let stats = self.structure.stats();
+        let blocks = self.blocks.as_ref().map_or(0, ListBlocks::bytes);
+        StructureStats { bytes: stats.bytes + blocks, ..stats }
+    }
+}
+
+impl<S: Scalar, T: Structure<S>> Traversals<S> for Parts<S, T> {
+    #[inline(never)]
+    fn counted(&self, ray: &Ray<S>, mut sink: ErasedSink<'_, S>) {
+        self.structure.traverse(ray, &mut sink);
+    }
+
+    #[inline(never)]
+    fn relayed(&self, ray: &Ray<S>, mut sink: RelayedSink<'_, S>) {
+        self.structure.traverse(ray, &mut sink);
+    }
+
+    #[inline(always)]
+    fn blocks(&self, _: &Ray<S>) -> Option<&ListBlocks<S>> {
+        if T::HAS_LISTS { self.blocks.as_ref() } else { None }
+    }
 }
 
 /// A structure apart from the primitives of its frame.
@@ -132,24 +206,21 @@ pub struct PreviousFrame<'m> {
     pub moved: &'m [u32],
 }
 
-/// A structure and the blocks of its lists.
-pub(crate) struct Parts<S, T> {
-    pub(crate) structure: T,
-    pub(crate) blocks: Option<ListBlocks<S>>,
-    pub(crate) primitives: usize,
-}
-
 impl KeptStructure {
-    pub(crate) fn new<S: Scalar, T: Structure<S>>(parts: Parts<S, T>) -> Self {
-        Self(Box::new(parts))
+    /// Keeps what was built over so many primitives.
+    pub(crate) fn new<S: Scalar, T: Structure<S>>(parts: Parts<S, T>, primitives: usize) -> Self {
+        Self(Box::new((parts, primitives)))
     }
 }
 
 impl<'m> PreviousFrame<'m> {
-    /// The structure, if it is a `T`.
-    pub(crate) fn parts<S: Scalar, T: Structure<S>>(self) -> Option<(Parts<S, T>, &'m [u32])> {
-        let parts = self.kept.0.downcast::<Parts<S, T>>().ok()?;
-        Some((*parts, self.moved))
+    /// The structure, if it is a `T` over so many primitives.
+    pub(crate) fn parts<S: Scalar, T: Structure<S>>(
+        self,
+        primitives: usize,
+    ) -> Option<(Parts<S, T>, &'m [u32])> {
+        let kept = self.kept.0.downcast::<(Parts<S, T>, usize)>().ok()?;
+        (kept.1 == primitives).then_some((kept.0, self.moved))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Rays that begin far away are brought near before a structure sees them.
 
 use crate::geometry::far_ray::{self, Parameters, PlacedRay};
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::query::mailbox::MailboxSource;
+use crate::query::sink::Answer;
 
 /// The ray, or the one that it was brought near as, kept in `moved`, and what its parameters
 /// became; none where it cannot hit anything.
@@ -20,34 +20,19 @@ pub(crate) fn rebase_origin<'r, S: Scalar>(
     }
 }
 
-/// Calls `query` with the ray, brought near, and what its parameters became.
+/// Answers each ray by what `one` says of the ray, brought near.
 #[inline(always)]
-pub(crate) fn near<S: Scalar, R>(
-    reach: S,
-    ray: &Ray<S>,
-    nowhere: R,
-    query: impl FnOnce(&Ray<S>, Parameters<S>) -> R,
-) -> R {
-    match rebase_origin(ray, reach, &mut None) {
-        Some((near, parameters)) => query(near, parameters),
-        None => nowhere,
-    }
-}
-
-/// Closest hits with one kind of mailbox; `one` asks for one of them.
-#[inline(always)]
-pub(crate) fn closest<S: Scalar, B: MailboxSource>(
+pub(crate) fn each_near<S: Scalar, A: Answer<S>>(
     reach: S,
     rays: &[Ray<S>],
-    hits: &mut [Hit<S>],
-    mut mailboxes: B,
-    mut one: impl for<'r> FnMut(&'r Ray<S>, B::Mailbox<'_>) -> Hit<S>,
+    answers: &mut [A],
+    mut one: impl FnMut(&Ray<S>) -> A,
 ) {
-    for (ray, hit) in rays.iter().zip(hits) {
-        let miss = Hit { t: ray.t_max, ..Hit::NONE };
-        *hit = near(reach, ray, miss, |near, parameters| {
-            let found = one(near, mailboxes.next_ray());
-            if found.is_hit() { Hit { t: parameters.restored(found.t), ..found } } else { miss }
-        });
+    for (ray, answer) in rays.iter().zip(answers) {
+        let found = match rebase_origin(ray, reach, &mut None) {
+            Some((near, parameters)) => one(near).restored(parameters),
+            None => None,
+        };
+        *answer = found.unwrap_or_else(|| A::miss(ray));
     }
 }

@@ -11,7 +11,6 @@ use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
 use crate::query::tracer::{Parts, PreviousFrame};
 use crate::structure::{BuildError, Structure, refuse_unusable};
-use crate::update::Change;
 use crate::variants::chosen_tests::Choice;
 
 /// How primitives are tested, whatever the structure.
@@ -74,27 +73,11 @@ where
     P: PrimSet<S>,
     T: Structure<S>,
 {
-    let limits = settings.limits();
-    let mailbox = testing.mailbox::<S, B>(over, limits)?;
-    let bound = |structure| Bound::<S, P, T, COMPILED>::new(prims, structure).with_mailbox(mailbox);
-    let of_frame = |parts: &Parts<S, T>| parts.primitives == over.len();
-    let Some((mut parts, moved)) =
-        before.and_then(PreviousFrame::parts::<S, T>).filter(|b| of_frame(&b.0))
-    else {
-        let bound = bound(T::build(over, settings)?);
-        return Ok(Box::new(if testing.has_blocks {
-            bound.with_blocks(over, limits)?
-        } else {
-            bound
-        }));
+    let mailbox = testing.mailbox::<S, B>(over, settings.limits())?;
+    let has_blocks = testing.has_blocks && P::HAS_BLOCKS;
+    let (parts, is_updated) = match before.and_then(|before| before.parts(over.len())) {
+        Some((parts, moved)) => Parts::updated(parts, over, settings, has_blocks, moved)?,
+        None => (Parts::build(over, settings, has_blocks)?, false),
     };
-    let change = parts.structure.update(over, settings, moved)?;
-    let bound = bound(parts.structure).updated(&change);
-    Ok(Box::new(match (testing.has_blocks, change, parts.blocks) {
-        (false, ..) => bound,
-        (true, Change::Lists(lists), Some(blocks)) => {
-            bound.with_changed_blocks(over, limits, blocks, &lists)?
-        }
-        (true, ..) => bound.with_blocks(over, limits)?,
-    }))
+    Ok(Box::new(Bound::<S, P, T, COMPILED>::of_parts(prims, parts, mailbox, is_updated)))
 }

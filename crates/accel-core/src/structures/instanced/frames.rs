@@ -15,16 +15,11 @@ use crate::primitives::PrimSet;
 pub(super) const ROOM_FOR_FRAMES: f64 = 4.0;
 
 /// State of the build that updates need.
+#[derive(Default)]
 pub(super) struct Frames<S: Scalar> {
     pub objects: Vec<FirstCopy>,
     /// The boxes of the copies, as the upper structure was built over them.
     pub tight: Vec<Aabb<S>>,
-}
-
-impl<S: Scalar> Default for Frames<S> {
-    fn default() -> Self {
-        Self { objects: Vec::new(), tight: Vec::new() }
-    }
 }
 
 /// Place of an object's structure.
@@ -33,12 +28,6 @@ pub(super) struct FirstCopy {
     placement: Option<DAffine3>,
     /// Epsilons by which the boxes of its primitives are larger.
     margin: f64,
-}
-
-impl<S: Scalar> Frames<S> {
-    pub fn bytes(&self) -> u64 {
-        (size_of_val(self.objects.as_slice()) + size_of_val(self.tight.as_slice())) as u64
-    }
 }
 
 impl FirstCopy {
@@ -55,6 +44,10 @@ impl FirstCopy {
 }
 
 impl<S: Scalar> Frames<S> {
+    pub fn bytes(&self) -> u64 {
+        (size_of_val(self.objects.as_slice()) + size_of_val(self.tight.as_slice())) as u64
+    }
+
     /// Places all copies as the parts of these primitives are; `count` says how many primitives an
     /// object has. False where that cannot be: something moved that is part of nothing, a part is
     /// another one, or rounding there is more than margins are for. All is of no use then.

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use super::object::{Copy, Members, Object};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::query::sink::{ErasedSink, Sink};
+use crate::query::sink::{ErasedSink, Sink, steps_of_query};
 use crate::structure::Structure;
 
 /// Copies that a ray was handed to lately, so that it is not handed to them once more by the next
@@ -139,6 +139,7 @@ impl<'q, S: Scalar, const COUNTED: bool> ObjectSink<'_, 'q, S, COUNTED> {
 
 impl<S: Scalar, const COUNTED: bool> Sink<S> for ObjectSink<'_, '_, S, COUNTED> {
     const COUNTING: bool = COUNTED;
+    steps_of_query!();
 
     #[inline(always)]
     fn t_max(&self) -> S {
@@ -158,15 +159,5 @@ impl<S: Scalar, const COUNTED: bool> Sink<S> for ObjectSink<'_, '_, S, COUNTED> 
     #[inline(always)]
     fn is_any_hit(&self) -> bool {
         self.is_any_hit
-    }
-
-    #[inline(always)]
-    fn elementary_step(&mut self, empty: bool) {
-        self.query.elementary_step(empty);
-    }
-
-    #[inline(always)]
-    fn inner_step(&mut self) {
-        self.query.inner_step();
     }
 }

@@ -1,4 +1,9 @@
-//! The cells of the grid while it is built, and the tree of entries that finds them.
+//! The cells of the grid while it is built, the tree of entries that finds them, and the lists of
+//! their parts: one is shared by the cells that have it.
+
+use crate::geometry::scalar::Scalar;
+use crate::primitives::{PrimSet, blocks};
+use crate::query::lists::Lists;
 
 /// An entry of the tree that is divided: this bit, three times two bits with the logarithms of the
 /// parts on each axis, and the number of the first part's entry. Any other is a cell's number.
@@ -39,8 +44,8 @@ impl Cells {
         Ok(())
     }
 
-    /// Takes in the cells of others; their first `roots` entries are given back, renumbered.
-    pub(super) fn absorb(&mut self, other: Self, roots: usize) -> Result<Vec<u32>, TooLarge> {
+    /// Takes in the cells of others; their first `roots` entries come to those from `at` on.
+    pub(super) fn absorb(&mut self, other: Self, at: usize, roots: usize) -> Result<(), TooLarge> {
         let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
         // both begin with the empty list
         let lists = self.lists.len() as u32 - 1;
@@ -60,7 +65,9 @@ impl Cells {
         self.lists.extend_from_slice(&other.lists[1..]);
         self.references += other.references;
         self.divided += other.divided;
-        Ok(other.entries[..roots].iter().map(renumbered).collect())
+        let renumbered = other.entries[..roots].iter().map(renumbered);
+        self.entries[at..].iter_mut().zip(renumbered).for_each(|(entry, root)| *entry = root);
+        Ok(())
     }
 
     /// The ids of a list.
@@ -83,4 +90,39 @@ pub(super) struct TooLarge {
     pub(super) what: &'static str,
     pub(super) needed: u64,
     pub(super) limit: u64,
+}
+
+/// The lists of all cells, which get their numbers. Blocks where all primitives are triangles
+/// at rest, and not too many.
+pub(super) fn lists_of<S: Scalar, P: PrimSet<S>>(cells: &mut Cells, prims: &P) -> Lists<S> {
+    if blocks::serve(prims)
+        && let Some(lists) = number::<S>(cells)
+    {
+        let lists: Vec<&[u32]> = lists.iter().map(|&list| cells.list(list)).collect();
+        return Lists::Blocks(blocks::of_lists(prims, 1, &lists));
+    }
+    Lists::Ids(std::mem::take(&mut cells.lists))
+}
+
+/// Gives cells the numbers that their lists begin with as blocks, the first being that of the empty
+/// one: the lists in their order. `None` when there are too many blocks for their numbers.
+fn number<S: Scalar>(cells: &mut Cells) -> Option<Vec<u32>> {
+    // the first block of the list that begins at that place
+    let mut known = vec![0u32; cells.lists.len()];
+    let mut lists = Vec::new();
+    let mut next = 1u32;
+    for cell in cells.cells.iter().filter(|cell| cell.list != 0) {
+        let first = &mut known[cell.list as usize];
+        if *first == 0 {
+            *first = next;
+            lists.push(cell.list);
+            let blocks = blocks::number_of::<S>(cells.list(cell.list).len());
+            let after = u32::try_from(blocks).ok().and_then(|n| next.checked_add(n));
+            next = after.filter(|next| next & DIVIDED == 0)?;
+        }
+    }
+    for cell in &mut cells.cells {
+        cell.list = known[cell.list as usize];
+    }
+    Some(lists)
 }

@@ -1,6 +1,8 @@
 //! Empty parts of a division joined to boxes: the largest cubes of two, four, eight... parts a side
 //! that are empty, at places that are multiples of their size.
 
+use crate::structures::irregular_grid::lattice::coords_of as at;
+
 /// Marks the empty cubes of a division.
 #[derive(Debug)]
 pub(super) struct EmptyBoxes {
@@ -52,11 +54,6 @@ impl EmptyBoxes {
         let last = std::array::from_fn(|k| (first[k] + (1 << level)).min(self.parts[k]) - 1);
         (index(first, self.parts), last)
     }
-}
-
-fn at(i: usize, n: [u32; 3]) -> [u32; 3] {
-    let [x, y] = [n[0] as usize, n[1] as usize];
-    [(i % x) as u32, (i / x % y) as u32, (i / x / y) as u32]
 }
 
 fn index(p: [u32; 3], n: [u32; 3]) -> usize {

@@ -93,7 +93,12 @@ impl Division {
 
     /// Coordinates of part `i`.
     pub(super) fn place(&self, i: usize) -> [u32; 3] {
-        let [x, y, _] = self.parts.map(|n| n as usize);
-        [i % x, i / x % y, i / x / y].map(|at| at as u32)
+        coords_of(i, self.parts)
     }
+}
+
+/// Coordinates of part `i` of so many, x fastest.
+pub(super) fn coords_of(i: usize, parts: [u32; 3]) -> [u32; 3] {
+    let [x, y, _] = parts.map(|n| n as usize);
+    [i % x, i / x % y, i / x / y].map(|at| at as u32)
 }

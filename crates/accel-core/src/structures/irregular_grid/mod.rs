@@ -9,7 +9,7 @@
 //! are merged before they grow, to cubes (`empty_boxes.rs`); equal lists are stored once; a step
 //! never goes back along any axis, so that rounding cannot trap a ray; CPU.
 //!
-//! A step: find the record of a lattice point (`voxels.rs`), test its list (`lists.rs`), leave its
+//! A step: find the record of a lattice point (`voxels.rs`), test its list, leave its
 //! grown box (`course.rs`), go on at the lattice point there. Points are off by a few ulps of the
 //! scene, lists have what lies within the padding of the box of their cell, which is more.
 //!
@@ -21,7 +21,6 @@ mod course_lanes;
 mod empty_boxes;
 mod expand;
 mod lattice;
-mod lists;
 mod overlap;
 mod place;
 mod shown;
@@ -38,7 +37,7 @@ use crate::geometry::ray_lanes::RayLanes;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_overlap;
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
-use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::resolve_by_density;
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::CountedItem;
 use crate::params::ParamSpec;
@@ -52,9 +51,9 @@ use crate::query::lists::Lists;
 use crate::query::mailbox;
 use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
-use crate::structure::too_many;
 use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
+    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, bounds_of,
+    too_many,
 };
 use cells::{FIRST_PART, TooLarge};
 use course::{LatticeFrame, LatticeRayState};
@@ -88,12 +87,9 @@ config! {
 }
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "irregular-grid",
-    summary: "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
     paper: "Perard-Gayot, Kalojanov, Slusallek 2017",
     deviations: "recursive division by cost, only empty cells merged, equal lists shared, CPU",
     params: IrregularGridConfig::PARAMS,
-    variants: &[""],
     also_tested: &[
         "build=fast",
         "query=batch",
@@ -104,8 +100,10 @@ pub static INFO: StructureInfo = StructureInfo {
         "mailbox=hash query=batch",
         "build=fast query=batch top-density=0.01 longest-list=5",
     ],
-    known_defect: no_defect,
-    sampled: false,
+    ..StructureInfo::new(
+        "irregular-grid",
+        "coarse grid, crowded cells divided, boxes of cells grown over their neighbours",
+    )
 };
 
 /// Parameters in which the two builds differ.
@@ -144,31 +142,17 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         config: &config::Settings<IrregularGridConfig>,
     ) -> Result<Self, BuildError> {
         let (structure, limits) = (config.structure(), config.limits());
-        let boxes = BoundsOf::new(prims, BoundsRule::Padded)
-            .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
+        let boxes = bounds_of(prims, BoundsRule::Padded, structure)?;
         let effort = config.effort;
-        let input = ResolutionInput {
-            bounds: boxes.scene(),
-            primitives: prims.len(),
-            density: config.top_density,
-            mean_longest_side: 0.0,
-            max_cells: u64::from(FIRST_PART) / 8,
-            smallest_cell: boxes.smallest_cell(),
-        };
-        let too_large = |what, needed: u128, limit: u128| BuildError::TooLarge {
-            structure,
-            what,
-            needed,
-            limit,
-        };
-        let top = resolve(ResolutionRule::Density, &input)
-            .map_err(|needed| too_large("number of cells", needed, input.max_cells.into()))?;
+        let (scene, smallest) = (boxes.scene(), boxes.smallest_cell());
+        let most = u64::from(FIRST_PART) / 8;
+        let top = resolve_by_density(scene, prims.len(), config.top_density, most, smallest);
         // copies are in all cells that one of them is in
         let are_copies = are_copies(prims);
         let top = if are_copies { [1; 3] } else { top };
         let most_growth = if are_copies { MOST_REFERENCES_A_COPY as f64 } else { f64::INFINITY };
         let padded = PaddedBounds(&boxes);
-        let whole = |top| Lattice::new(&boxes.scene(), top, boxes.smallest_cell());
+        let whole = |top| Lattice::new(&scene, top, smallest);
         let mut lattice = whole(top);
         while lattice.top != [1; 3]
             && !(Placement { lattice: &lattice, source: &padded }).is_sparse()
@@ -190,7 +174,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
                 if what == cells::REFERENCES {
                     too_many(limits, &REFERENCES, config.max_references, needed)
                 } else {
-                    too_large(what, needed.into(), limit.into())
+                    let (needed, limit) = (needed.into(), limit.into());
+                    BuildError::TooLarge { structure, what, needed, limit }
                 }
             },
         )?;
@@ -204,14 +189,14 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             references: cells.references,
             ..StructureStats::default()
         };
-        let lists = lists::of_cells(&mut cells, prims);
+        let lists = cells::lists_of(&mut cells, prims);
         voxels.fill(&cells);
         stats.bytes = (size_of_val(voxels.records.as_slice()) + lists.bytes()) as u64;
         let per_length = lattice.side.map(|side| S::from_f64(1.0 / side));
         Ok(Self {
             voxels,
             lists,
-            place: LatticeFrame::new(boxes.scene().min, per_length, lattice.resolution()),
+            place: LatticeFrame::new(scene.min, per_length, lattice.resolution()),
             is_batch: config.is_batch,
             stats,
             lattice,
@@ -222,10 +207,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         let Some((course, mut at)) = LatticeRayState::of(ray, &self.place) else { return };
         loop {
-            let mut voxel = self.voxels.top(at);
-            while voxel.is_divided() {
-                voxel = self.voxels.part(&voxel, at);
-            }
+            let voxel = self.voxels.at(at);
             let list = voxel.list();
             sink.elementary_step(list == 0);
             if list != 0 && self.lists.test(list, sink).is_break()

@@ -5,7 +5,6 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::structures::irregular_grid::cells::REFERENCES;
@@ -108,9 +107,7 @@ impl<'a> SharedInput<'a> {
         cells.entries.resize(count, 0);
         cells.divided = 1;
         for (group, part) in groups {
-            let n = group.len();
-            let roots = cells.absorb(part, n)?;
-            cells.entries[group].copy_from_slice(&roots);
+            cells.absorb(part, group.start, group.len())?;
         }
         empty.share(&mut cells.entries[..count]);
         Ok(cells)
@@ -205,14 +202,12 @@ impl<'a> Worker<'a> {
                 None
             };
             let parts = division.count() as f64;
-            let size = |shift: [u32; 3]| {
-                DVec3::from_array(std::array::from_fn(|k| {
-                    self.shared.placement.lattice.side[k] * f64::from(1u32 << shift[k])
-                }))
+            let half_area = |levels| {
+                let [x, y, z] = self.size(levels);
+                x * y + y * z + z * x
             };
-            let half_area = |s: DVec3| s.x * s.y + s.y * s.z + s.z * s.x;
             // a line that meets the cell meets a part with this probability
-            let met = half_area(size(division.shift)) / half_area(size(levels));
+            let met = half_area(division.shift) / half_area(levels);
             let step = settings.step_cost;
             let divided = (step * parts + self.pairs.len() as f64) * met;
             let pays = divided < step + n as f64;
@@ -224,8 +219,7 @@ impl<'a> Worker<'a> {
                         let cells = self.shared.divide_large(&division, &pairs, growth)?;
                         let at = self.cells.entries.len();
                         self.cells.entries.resize(at + division.count(), 0);
-                        let roots = self.cells.absorb(cells, division.count())?;
-                        self.cells.entries[at..at + division.count()].copy_from_slice(&roots);
+                        self.cells.absorb(cells, at, division.count())?;
                         at as u32
                     }
                     None => self.divide(&division, growth)?,
@@ -261,11 +255,15 @@ impl<'a> Worker<'a> {
         counts.contains(&n)
     }
 
+    /// Sides of a cell of that size.
+    fn size(&self, levels: [u32; 3]) -> [f64; 3] {
+        let side = self.shared.placement.lattice.side;
+        std::array::from_fn(|k| side[k] * f64::from(1u32 << levels[k]))
+    }
+
     /// How to divide a cell with so many primitives, if it can be.
     fn division(&self, n: usize, first: [u32; 3], levels: [u32; 3]) -> Option<Division> {
-        let size: [f64; 3] = std::array::from_fn(|k| {
-            self.shared.placement.lattice.side[k] * f64::from(1u32 << levels[k])
-        });
+        let size = self.size(levels);
         let volume: f64 = size.iter().product();
         let per_length = (self.shared.settings.density * n as f64 / volume).cbrt();
         let shift: [u32; 3] = std::array::from_fn(|k| {

@@ -159,8 +159,7 @@ impl Voxels {
     /// The records of all entries.
     pub(super) fn new(cells: &Cells, lattice: &Lattice) -> Self {
         let mut records = vec![Voxel::NOTHING; cells.entries.len()];
-        let whole = Division { first: [0; 3], shift: lattice.levels, parts: lattice.top };
-        let mut waiting = vec![(0, whole)];
+        let mut waiting = vec![(0, lattice.whole())];
         while let Some((begin, division)) = waiting.pop() {
             for part in 0..division.count() {
                 let entry = cells.entries[begin + part];

@@ -2,21 +2,36 @@
 
 use std::ops::Range;
 
-use super::config::KayKajiyaConfig;
+use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsOf;
 use crate::parallel::{collect, for_each};
+use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor};
+use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, StructureStats};
-use crate::structures::bounding_volumes::check_cells;
 use crate::structures::bounding_volumes::median_cut::Centres;
 use crate::structures::bounding_volumes::slabs::Slabs;
 use crate::structures::bounding_volumes::volume::Volume;
+use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS, check_cells};
 use crate::structures::kay_kajiya::entry_queue::EntryQueue;
+
+config! {
+    /// How the hierarchy is built.
+    pub struct KayKajiyaConfig {
+        pub(super) directions: u64 = DIRECTIONS,
+        /// primitives that a leaf may hold
+        pub(super) leaf_size: usize = ParamSpec::integer("leaf-size", "1", 1, 1 << 20),
+        /// children that a node may have
+        pub(super) branching: usize = ParamSpec::choice("branching", "2", &["2", "4", "8"]),
+        pub(super) max_cells: u64 = MAX_CELLS,
+    }
+    and kernel::PARAM
+}
 
 /// A volume and what it holds.
 #[derive(Debug, Clone, Copy)]
@@ -151,7 +166,7 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
 }
 
 #[inline(always)]
-fn range(first: u32, count: u32) -> std::ops::Range<usize> {
+fn range(first: u32, count: u32) -> Range<usize> {
     first as usize..(first + count) as usize
 }
 

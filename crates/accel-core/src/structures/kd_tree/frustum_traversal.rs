@@ -2,10 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use crate::geometry::scalar::Vector;
 use crate::query::region::{Frustum, FrustumTraversal};
 use crate::structures::kd_tree::KdTree;
-use crate::structures::kd_tree::cells::Node;
+use crate::structures::kd_tree::subdivide::Node;
 
 impl FrustumTraversal for KdTree<f64> {
     fn traverse_frustum(
@@ -24,19 +23,15 @@ impl FrustumTraversal for KdTree<f64> {
             let node = self.cells.nodes[index as usize];
             let axis = (node.link & 3) as usize;
             if node.link & 3 == Node::<f64>::LEAF {
-                let ids = self.cells.list((node.link >> 2) as usize);
+                let ids = self.cells.lists.at((node.link >> 2) as usize);
                 if !ids.is_empty() && cell(ids, depth).is_break() {
                     return;
                 }
                 continue;
             }
             let (mut lower, mut upper) = (bounds, bounds);
-            let mut plane = bounds.max.to_array();
-            plane[axis] = node.plane + frustum.tolerance();
-            lower.max = Vector::from_array(plane);
-            plane = bounds.min.to_array();
-            plane[axis] = node.plane - frustum.tolerance();
-            upper.min = Vector::from_array(plane);
+            lower.max[axis] = node.plane + frustum.tolerance();
+            upper.min[axis] = node.plane - frustum.tolerance();
             let child = node.link >> 2;
             let mut children = [(child + 1, upper), (child, lower)];
             if direction[axis] < 0.0 {

@@ -3,13 +3,12 @@
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::grid::cell_lists::CellLists;
 use crate::memory::CountedItem;
 use crate::parallel::concat;
 use crate::params::config::Settings;
 use crate::structure::BuildError;
-use crate::structures::kd_tree::cells::{Cells, DEEPEST, Node};
-use crate::structures::kd_tree::config::KdTreeConfig;
-use crate::structures::kd_tree::surface_area::{CutPlane, Heuristic};
+use crate::structures::kd_tree::surface_area::{CutPlane, DEEPEST, Heuristic, KdTreeConfig};
 use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
@@ -39,6 +38,41 @@ pub(super) fn cells<S: Scalar>(
 /// A node, and the start of a list.
 static CELLS: CountedItem = CountedItem::cells("number of cells", 16);
 static REFERENCES: CountedItem = CountedItem::references("references in cells");
+
+/// The cells; cell 0 is the root.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cells<S> {
+    pub(super) nodes: Vec<Node<S>>,
+    /// The references of leaves.
+    pub(super) lists: CellLists,
+}
+
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Node<S> {
+    /// The plane, if it is an inner cell.
+    pub(super) plane: S,
+    /// Inner cell: the axis, and above two bits the lower child, which the upper one follows.
+    /// Leaf: 3, and above two bits the number of the leaf.
+    pub(super) link: u32,
+}
+
+impl<S: Scalar> Node<S> {
+    pub(super) const LEAF: u32 = 3;
+
+    pub(super) fn leaf(number: usize) -> Self {
+        Self { plane: S::ZERO, link: (number as u32) << 2 | Self::LEAF }
+    }
+
+    pub(super) fn inner(axis: usize, plane: S, lower: usize) -> Self {
+        Self { plane, link: (lower as u32) << 2 | axis as u32 }
+    }
+
+    /// The same after cells have moved by `cells`, and leaves have got numbers higher by `leaves`.
+    pub(super) fn moved(self, cells: usize, leaves: usize) -> Self {
+        let by = if self.link & 3 == Self::LEAF { leaves } else { cells };
+        Self { link: self.link + ((by as u32) << 2), ..self }
+    }
+}
 
 /// Settings that stay constant during a build.
 struct Rules<'a, S: Scalar> {
@@ -102,11 +136,11 @@ impl<S: Scalar> CellStore for Cells<S> {
     type Cut = CutPlane<S>;
 
     fn begun() -> Self {
-        Self { nodes: vec![Node::leaf(0)], starts: vec![0], ids: Vec::new() }
+        Self { nodes: vec![Node::leaf(0)], lists: CellLists::none() }
     }
 
     fn counts(&self) -> [usize; 2] {
-        [self.nodes.len(), self.ids.len()]
+        [self.nodes.len(), self.lists.references()]
     }
 
     fn divide(&mut self, cell: usize, cut: CutPlane<S>) -> usize {
@@ -117,9 +151,8 @@ impl<S: Scalar> CellStore for Cells<S> {
     }
 
     fn leaf(&mut self, cell: usize, ids: &[u32]) {
-        self.nodes[cell] = Node::leaf(self.starts.len() - 1);
-        self.ids.extend_from_slice(ids);
-        self.starts.push(self.ids.len() as u32);
+        self.nodes[cell] = Node::leaf(self.lists.cells());
+        self.lists.push(ids);
     }
 
     fn joined(steps: &[Step<Self>]) -> Self {
@@ -140,13 +173,12 @@ impl<S: Scalar> CellStore for Cells<S> {
                     firsts.push((*cell, moved(below.nodes[0], by)));
                     nodes.push((&below.nodes[1..], by));
                     next += below.nodes.len() - 1;
-                    leaves += below.starts.len() - 1;
+                    leaves += below.lists.cells();
                 }
             }
         }
         let mut nodes = concat(&nodes, &moved);
         firsts.into_iter().for_each(|(cell, node)| nodes[cell] = node);
-        let [starts, ids] = joined_lists(steps, |cells| [&cells.starts, &cells.ids]);
-        Self { nodes, starts, ids }
+        Self { nodes, lists: joined_lists(steps, |cells| &cells.lists) }
     }
 }

@@ -14,8 +14,7 @@
 //! finite, and groups primitives with the same centre: `bvh/box_ray.rs` and `bvh/items.rs`.
 
 use crate::bvh::build::PRESETS;
-use crate::bvh::build::agglomerated::preset_named;
-use crate::params::{ParamSpec, Params};
+use crate::params::ParamSpec;
 
 /// The build preset.
 pub(crate) const PRESET: ParamSpec =
@@ -41,8 +40,3 @@ pub(crate) const DIRECT_DEFECT: &str = "obvhs as its authors use it loses hits a
                                         triangles, of rays with -0.0 components, near hits, hits \
                                         at negative t and far small boxes; of equal hits it takes \
                                         any";
-
-/// The preset that the settings name.
-pub(crate) fn preset_of(params: &Params) -> obvhs::BvhBuildParams {
-    preset_named(params.text(PRESET.name))
-}

@@ -9,7 +9,6 @@
 //! tree whose stack is on the heap is told its true depth, as it would panic. The trees are equal,
 //! node by node; only `adapter=robust` halves what is too deep.
 
-use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
@@ -19,8 +18,9 @@ use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
 use obvhs::triangle::Triangle;
+use obvhs::{Boundable, BvhBuildParams};
 
-use crate::bvh::build::agglomerated::{LEVELS, agglomerated, levels, limit_levels};
+use crate::bvh::build::agglomerated::{LEVELS, levels, limit_levels};
 
 /// Levels of an eight-wide tree: obvhs's stack holds one entry per level and is not checked by it.
 pub(crate) const WIDE_LEVELS: u32 = 31;
@@ -35,40 +35,8 @@ pub(crate) struct DepthError {
     pub(crate) limit: u32,
 }
 
-/// The tree of `build_bvh2_from_tris`.
-pub(crate) fn binary(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
-    collapsed(agglomerated_triangles(triangles, params), params)
-}
-
-/// The tree of `build_bvh2`.
-pub(crate) fn binary_of_boxes(boxes: &[Aabb], params: &BvhBuildParams) -> Bvh2 {
-    collapsed(agglomerated(boxes, params, false), params)
-}
-
-/// The tree of `build_cwbvh_from_tris`.
-///
-/// # Errors
-/// [`DepthError`].
-pub(crate) fn eight_wide(
-    triangles: &[Triangle],
-    params: &BvhBuildParams,
-) -> Result<CwBvh, DepthError> {
-    widened(agglomerated_triangles(triangles, params), params, false)
-}
-
-/// The tree of `build_cwbvh`.
-///
-/// # Errors
-/// [`DepthError`].
-pub(crate) fn eight_wide_of_boxes(
-    boxes: &[Aabb],
-    params: &BvhBuildParams,
-) -> Result<CwBvh, DepthError> {
-    widened(agglomerated(boxes, params, false), params, false)
-}
-
-/// The other steps of [`binary`].
-fn collapsed(mut bvh: Bvh2, params: &BvhBuildParams) -> Bvh2 {
+/// The other steps of `build_bvh2` and `build_bvh2_from_tris`.
+pub(crate) fn binary(mut bvh: Bvh2, params: &BvhBuildParams) -> Bvh2 {
     let mut reinsertion = ReinsertionOptimizer::default();
     reinsertion.run(&mut bvh, params.reinsertion_batch_ratio, None);
     collapse(&mut bvh, params.max_prims_per_leaf.clamp(1, 255), params.collapse_traversal_cost);
@@ -81,22 +49,16 @@ fn collapsed(mut bvh: Bvh2, params: &BvhBuildParams) -> Bvh2 {
     bvh
 }
 
-/// The eight-wide tree of a preset, for `adapter=robust`.
+/// The other steps of `build_cwbvh` and `build_cwbvh_from_tris`; if `robust`, trees that are too
+/// deep are repaired.
 ///
 /// # Errors
-/// [`DepthError`]; none is known that its repairs do not serve.
-pub(crate) fn eight_wide_robust(
-    boxes: &[Aabb],
+/// [`DepthError`]; none is known that the repairs do not serve.
+pub(crate) fn eight_wide(
+    mut bvh: Bvh2,
     params: &BvhBuildParams,
+    robust: bool,
 ) -> Result<CwBvh, DepthError> {
-    widened(agglomerated(boxes, params, true), params, true)
-}
-
-/// The steps from a binary tree to an eight-wide one; if `robust`, too deep ones are repaired.
-///
-/// # Errors
-/// [`DepthError`].
-fn widened(mut bvh: Bvh2, params: &BvhBuildParams, robust: bool) -> Result<CwBvh, DepthError> {
     ReinsertionOptimizer::default().run(&mut bvh, params.reinsertion_batch_ratio, None);
     let binary_levels = if bvh.max_depth > LEVELS as usize { levels(&bvh) } else { 0 };
     if binary_levels > CONVERTED_LEVELS {
@@ -130,26 +92,25 @@ fn wide_levels(bvh: &CwBvh) -> u32 {
     deepest
 }
 
-/// A binary tree with one box per leaf: that of a triangle, or of a part of it.
-fn agglomerated_triangles(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
+/// A binary tree with one box per leaf, that of a triangle, or of a part of it: the first step of
+/// `build_bvh2_from_tris` and `build_cwbvh_from_tris`, as [`agglomerated`] is of `build_bvh2` and
+/// `build_cwbvh`.
+pub(crate) fn agglomerated_triangles(triangles: &[Triangle], params: &BvhBuildParams) -> Bvh2 {
+    fn build<T: Boundable>(leaves: &[T], ids: Vec<u32>, params: &BvhBuildParams) -> Bvh2 {
+        PlocBuilder::with_capacity(leaves.len()).build(
+            params.ploc_search_distance,
+            leaves,
+            ids,
+            params.sort_precision,
+            params.search_depth_threshold,
+        )
+    }
     let ids = (0..triangles.len() as u32).collect();
     let mut bvh = if params.pre_split {
         let (boxes, ids) = split(triangles, ids);
-        PlocBuilder::with_capacity(boxes.len()).build(
-            params.ploc_search_distance,
-            &boxes,
-            ids,
-            params.sort_precision,
-            params.search_depth_threshold,
-        )
+        build(&boxes, ids, params)
     } else {
-        PlocBuilder::with_capacity(triangles.len()).build(
-            params.ploc_search_distance,
-            triangles,
-            ids,
-            params.sort_precision,
-            params.search_depth_threshold,
-        )
+        build(triangles, ids, params)
     };
     bvh.uses_spatial_splits = params.pre_split;
     bvh
@@ -179,8 +140,8 @@ mod tests {
 
     use super::*;
     use crate::bvh::build::PRESETS;
-    use crate::bvh::build::agglomerated::preset_named;
     use crate::bvh::build::agglomerated::tests::{nested, scattered as boxes_scattered};
+    use crate::bvh::build::agglomerated::{agglomerated, preset_named};
 
     /// Triangles at places without order, every tenth large.
     fn scattered(n: usize) -> Vec<Triangle> {
@@ -215,10 +176,12 @@ mod tests {
             for (preset, params) in presets() {
                 let time = &mut Duration::default();
                 let theirs = build_bvh2_from_tris(&triangles, params, time);
-                assert!(equal(&binary(&triangles, &params), &theirs), "{n} {preset}");
+                let ours = binary(agglomerated_triangles(&triangles, &params), &params);
+                assert!(equal(&ours, &theirs), "{n} {preset}");
                 split += usize::from(theirs.primitive_indices.len() > n);
                 let theirs = build_cwbvh_from_tris(&triangles, params, time);
-                assert!(eight_wide(&triangles, &params).unwrap() == theirs, "{n} {preset}");
+                let ours = agglomerated_triangles(&triangles, &params);
+                assert!(eight_wide(ours, &params, false).unwrap() == theirs, "{n} {preset}");
             }
         }
         assert_eq!(split, 2, "the two slow presets split");
@@ -230,10 +193,13 @@ mod tests {
         for (preset, params) in presets() {
             let time = &mut Duration::default();
             let theirs = build_bvh2(&boxes, params, time);
-            assert!(equal(&binary_of_boxes(&boxes, &params), &theirs), "{preset}");
+            let ours = |robust| agglomerated(&boxes, &params, robust);
+            assert!(equal(&binary(ours(false), &params), &theirs), "{preset}");
             let theirs = build_cwbvh(&boxes, params, time);
-            assert!(eight_wide_of_boxes(&boxes, &params).unwrap() == theirs, "{preset}");
-            assert!(eight_wide_robust(&boxes, &params).unwrap() == theirs, "{preset}");
+            for robust in [false, true] {
+                let ours = eight_wide(ours(robust), &params, robust);
+                assert!(ours.unwrap() == theirs, "{preset}");
+            }
         }
     }
 
@@ -242,10 +208,12 @@ mod tests {
         let fastest = BvhBuildParams::fastest_build();
         for (n, limit) in [(1500, WIDE_LEVELS), (4200, CONVERTED_LEVELS)] {
             let boxes = nested(n);
-            let refused = eight_wide_of_boxes(&boxes, &fastest).unwrap_err();
+            let tree = agglomerated(&boxes, &fastest, false);
+            let refused = eight_wide(tree, &fastest, false).unwrap_err();
             assert!(refused.limit == limit && refused.needed > limit, "{refused:?}");
             for (_, params) in presets() {
-                let wide = eight_wide_robust(&boxes, &params).unwrap();
+                let tree = agglomerated(&boxes, &params, true);
+                let wide = eight_wide(tree, &params, true).unwrap();
                 assert!(wide_levels(&wide) <= WIDE_LEVELS);
                 let mut ids = wide.primitive_indices.clone();
                 ids.sort_unstable();
@@ -261,7 +229,8 @@ mod tests {
         let (_, slow) = presets().find(|(preset, _)| *preset == "slow").unwrap();
         let theirs = build_bvh2_from_tris(&triangles, slow, &mut Duration::default());
         let unsplit = BvhBuildParams { pre_split: false, ..slow };
-        assert!(!equal(&binary(&triangles, &unsplit), &theirs));
+        let ours = binary(agglomerated_triangles(&triangles, &unsplit), &unsplit);
+        assert!(!equal(&ours, &theirs));
         let mut moved = theirs.clone();
         moved.nodes[7].set_aabb(Aabb::new(Vec3A::ZERO, Vec3A::ZERO));
         assert!(equal(&theirs, &theirs) && !equal(&moved, &theirs));
@@ -277,10 +246,12 @@ mod tests {
             v2: (Vec3A::Y + Vec3A::Z) * corner(i),
         };
         let triangles: Vec<_> = (0..6000).map(nested).collect();
-        let refused = eight_wide(&triangles, &BvhBuildParams::fastest_build()).unwrap_err();
+        let fastest = BvhBuildParams::fastest_build();
+        let tree = |n: usize| agglomerated_triangles(&triangles[..n], &fastest);
+        let refused = eight_wide(tree(6000), &fastest, false).unwrap_err();
         assert!(refused.needed > refused.limit && refused.limit > WIDE_LEVELS, "{refused:?}");
-        let refused = eight_wide(&triangles[..1500], &BvhBuildParams::fastest_build()).unwrap_err();
+        let refused = eight_wide(tree(1500), &fastest, false).unwrap_err();
         assert_eq!(refused.limit, WIDE_LEVELS);
-        assert_eq!(binary(&triangles, &BvhBuildParams::fastest_build()).nodes.len(), 2 * 6000 - 1);
+        assert_eq!(binary(tree(6000), &fastest).nodes.len(), 2 * 6000 - 1);
     }
 }

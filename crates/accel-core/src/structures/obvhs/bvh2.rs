@@ -7,6 +7,7 @@
 
 use std::marker::PhantomData;
 
+use crate::bvh::build::agglomerated::preset_named;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
@@ -14,15 +15,11 @@ use crate::params::Params;
 use crate::params::config::{Config, Settings};
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::counters::Counters;
-use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
-use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET, preset_of};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
+use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET};
 use crate::structures::obvhs::builder;
-use crate::structures::obvhs::direct::{self, DirectQueries};
+use crate::structures::obvhs::direct::{self, DirectQueries, direct_batches};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::bvh2::Bvh2;
@@ -31,15 +28,16 @@ use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::{BvhBuildParams, fast_stack};
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "obvhs-bvh2",
-    summary: "binary BVH of the obvhs crate (PLOC, reinsertion), as its authors use it",
     paper: "Meister, Bittner 2018 (two papers); obvhs 0.4",
     deviations: DEVIATIONS,
     params: &[PRESET, REFIT, REBUILD_AT],
     variants: &["", "preset=fastest"],
     also_tested: &["preset=very-fast", "preset=fast", "preset=slow", "preset=very-slow"],
     known_defect: |_| Some(DIRECT_DEFECT),
-    sampled: false,
+    ..StructureInfo::new(
+        "obvhs-bvh2",
+        "binary BVH of the obvhs crate (PLOC, reinsertion), as its authors use it",
+    )
 };
 
 /// Settings of the build.
@@ -51,7 +49,10 @@ pub struct Bvh2Config {
 
 impl Config for Bvh2Config {
     fn of(params: &Params) -> Self {
-        Self { preset: preset_of(params), refitted_until: refitted_until(params) }
+        Self {
+            preset: preset_named(params.text(PRESET.name)),
+            refitted_until: refitted_until(params),
+        }
     }
 }
 
@@ -74,17 +75,9 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         prims: &P,
         settings: &Settings<Bvh2Config>,
     ) -> Result<Self, BuildError> {
-        let (bvh, direct) = match direct::triangles(prims) {
-            Some(triangles) => {
-                let bvh = builder::binary(&triangles, &settings.preset);
-                let direct = DirectQueries::new(prims, &bvh, &triangles);
-                (bvh, Some(direct))
-            }
-            None => {
-                let boxes = direct::boxes(prims, settings.limits())?;
-                (builder::binary_of_boxes(&boxes, &settings.preset), None)
-            }
-        };
+        let (tree, triangles) = direct::tree(prims, settings.limits(), &settings.preset)?;
+        let bvh = builder::binary(tree, &settings.preset);
+        let direct = triangles.map(|own| DirectQueries::new(prims, &bvh, &own));
         let built_cost = settings.refitted_until.map(|_| expected_cost(&bvh));
         Ok(Self { bvh, direct, built_cost, scalar: PhantomData })
     }
@@ -120,25 +113,7 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         });
     }
 
-    #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        DirectQueries::batches::<S, P>(self.direct.as_ref(), prims)
-    }
-
-    #[inline(always)]
-    fn answer_batch<P: PrimSet<S>, C: Counters>(
-        &self,
-        _: &P,
-        _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        _: S,
-        answers: BatchAnswers<'_, S>,
-    ) -> C {
-        if let Some(own) = &self.direct {
-            own.answer_batch(&self.bvh, rays, answers);
-        }
-        C::default()
-    }
+    direct_batches!();
 
     fn stats(&self) -> StructureStats {
         let cells = self.bvh.nodes.iter().filter(|n| n.is_leaf()).count() as u64;
@@ -172,6 +147,11 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 }
 
 impl<S: Scalar> ObvhsBvh2<S> {
+    #[inline(always)]
+    fn direct(&self) -> Option<&DirectQueries> {
+        self.direct.as_ref()
+    }
+
     /// Fits the boxes, and the library's copies of triangles, to primitives of which some stand
     /// elsewhere now. False where these would be kept in another way, and nothing was done.
     fn refit_all<P: PrimSet<S>>(&mut self, prims: &P) -> bool {
@@ -179,14 +159,18 @@ impl<S: Scalar> ObvhsBvh2<S> {
         if triangles.is_some() != self.direct.is_some() {
             return false;
         }
-        refit(&mut self.bvh, |bvh, leaf| {
-            let of = |id: &u32| match &triangles {
-                Some(triangles) => triangles[*id as usize].aabb(),
-                None => direct::rounded(&prims.bounds(*id)),
-            };
-            let ids = leaf_ids(bvh, &bvh.nodes[leaf]).iter();
-            ids.fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)))
-        });
+        let of = |id: &u32| match &triangles {
+            Some(triangles) => triangles[*id as usize].aabb(),
+            None => direct::rounded(&prims.bounds(*id)),
+        };
+        for leaf in 0..self.bvh.nodes.len() {
+            if self.bvh.nodes[leaf].is_leaf() {
+                let ids = leaf_ids(&self.bvh, &self.bvh.nodes[leaf]).iter();
+                let bounds = ids.fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)));
+                self.bvh.nodes[leaf].set_aabb(bounds);
+            }
+        }
+        self.bvh.refit_all();
         self.direct = triangles.map(|own| DirectQueries::new(prims, &self.bvh, &own));
         true
     }
@@ -248,17 +232,6 @@ fn count_nodes(
         }
         waiting[waiting_before..].reverse();
     }
-}
-
-/// Fits all boxes to those that `bounds` gives for the leaves, by the number of the leaf's node.
-fn refit(bvh: &mut Bvh2, mut bounds: impl FnMut(&Bvh2, usize) -> ObvhsAabb) {
-    for number in 0..bvh.nodes.len() {
-        if bvh.nodes[number].is_leaf() {
-            let bounds = bounds(bvh, number);
-            bvh.nodes[number].set_aabb(bounds);
-        }
-    }
-    bvh.refit_all();
 }
 
 /// Expected visits to nodes and tests of primitives of a ray that meets the scene (J. D. MacDonald,

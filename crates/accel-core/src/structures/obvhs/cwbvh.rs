@@ -14,33 +14,26 @@ use obvhs::cwbvh::{CwBvh, Traversal};
 use obvhs::ray::Ray as ObvhsRay;
 
 use crate::bvh::box_ray::{Length, RaySetup};
+use crate::bvh::build::agglomerated::{agglomerated, preset_named};
 use crate::bvh::items::{Groups, Items, Padding, items_of};
+use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
-use crate::params::config::{Config, Settings};
+use crate::params::config::Settings;
 use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
-use crate::query::counters::Counters;
-use crate::query::kernel::ListBlocks;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
-use crate::structures::obvhs::adapter::{
-    ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET, preset_of,
-};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
+use crate::structures::obvhs::adapter::{ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET};
 use crate::structures::obvhs::builder::{self, DepthError};
-use crate::structures::obvhs::direct::{self, DirectQueries};
+use crate::structures::obvhs::direct::{self, DirectQueries, direct_batches};
 use crate::structures::obvhs::leaf_blocks;
 
 pub static INFO: StructureInfo = StructureInfo {
-    name: "obvhs-cwbvh",
-    summary: "compressed 8-wide BVH of the obvhs crate, as its authors use it",
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",
     deviations: DEVIATIONS,
-    params: &[PRESET, ADAPTER, KERNEL],
+    params: CwBvhConfig::PARAMS,
     variants: &["", "preset=fastest"],
     also_tested: &[
         "preset=very-slow",
@@ -54,24 +47,18 @@ pub static INFO: StructureInfo = StructureInfo {
         "adapter=robust preset=very-slow",
     ],
     known_defect: |params| (params.text(ADAPTER.name) == "direct").then_some(DIRECT_DEFECT),
-    sampled: false,
+    ..StructureInfo::new(
+        "obvhs-cwbvh",
+        "compressed 8-wide BVH of the obvhs crate, as its authors use it",
+    )
 };
 
-/// Settings of the build and of queries.
-#[derive(Clone)]
-pub struct CwBvhConfig {
-    preset: BvhBuildParams,
-    is_robust: bool,
-    has_blocks: bool,
-}
-
-impl Config for CwBvhConfig {
-    fn of(params: &Params) -> Self {
-        Self {
-            preset: preset_of(params),
-            is_robust: params.text(ADAPTER.name) == "robust",
-            has_blocks: params.text(KERNEL.name) == "block",
-        }
+config! {
+    /// Settings of the build and of queries.
+    pub struct CwBvhConfig {
+        preset: BvhBuildParams = PRESET => preset_named,
+        is_robust: bool = ADAPTER => |adapter| adapter == "robust",
+        has_blocks: bool = KERNEL => |kernel| kernel == "block",
     }
 }
 
@@ -111,26 +98,24 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
             needed: u128::from(needed),
             limit: u128::from(limit),
         };
-        let preset = settings.preset;
+        let (preset, limits) = (settings.preset, settings.limits());
+        let wide =
+            |tree, is_robust| builder::eight_wide(tree, &preset, is_robust).map_err(too_deep);
         if settings.is_robust {
-            let Items { boxes, groups, setup } =
-                items_of(prims, settings.limits(), Padding::OfScene)?;
-            let mut bvh = builder::eight_wide_robust(&boxes, &preset).map_err(too_deep)?;
+            let Items { boxes, groups, setup } = items_of(prims, limits, Padding::OfScene)?;
+            let mut bvh = wide(agglomerated(&boxes, &preset, true), true)?;
             let has_blocks = settings.has_blocks && leaf_blocks::serve(prims, &groups);
             if has_blocks {
-                leaf_blocks::fit::<S>(bvh.nodes.len(), settings.limits())?;
+                leaf_blocks::fit::<S>(bvh.nodes.len(), limits)?;
             }
             let blocks = has_blocks.then(|| leaf_blocks::of_wide(&mut bvh, prims));
             return Ok(Self { bvh, leaves: Leaves::Robust { setup, groups, blocks } });
         }
-        if let Some(triangles) = direct::triangles(prims) {
-            let bvh = builder::eight_wide(&triangles, &preset).map_err(too_deep)?;
-            let leaves = Leaves::Direct(DirectQueries::new(prims, &bvh, &triangles));
-            return Ok(Self { bvh, leaves });
-        }
-        let boxes = direct::boxes(prims, settings.limits())?;
-        let bvh = builder::eight_wide_of_boxes(&boxes, &preset).map_err(too_deep)?;
-        Ok(Self { bvh, leaves: Leaves::Callback })
+        let (tree, triangles) = direct::tree(prims, limits, &preset)?;
+        let bvh = wide(tree, false)?;
+        let direct = triangles.map(|own| DirectQueries::new(prims, &bvh, &own));
+        let leaves = direct.map_or(Leaves::Callback, Leaves::Direct);
+        Ok(Self { bvh, leaves })
     }
 
     #[inline(always)]
@@ -159,37 +144,11 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
         }
     }
 
-    #[inline(always)]
-    fn batches<P: PrimSet<S>>(&self, prims: &P, _: Option<&ListBlocks<S>>) -> Batches {
-        match &self.leaves {
-            Leaves::Direct(own) => DirectQueries::batches::<S, P>(Some(own), prims),
-            _ => Batches::RayByRay,
-        }
-    }
-
-    #[inline(always)]
-    fn answer_batch<P: PrimSet<S>, C: Counters>(
-        &self,
-        _: &P,
-        _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        _: S,
-        answers: BatchAnswers<'_, S>,
-    ) -> C {
-        if let Leaves::Direct(own) = &self.leaves {
-            own.answer_batch(&self.bvh, rays, answers);
-        }
-        C::default()
-    }
+    direct_batches!();
 
     fn stats(&self) -> StructureStats {
-        let cells = self
-            .bvh
-            .nodes
-            .iter()
-            .flat_map(|n| (0..8).map(move |c| (n, c)))
-            .filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c))
-            .count();
+        let children = self.bvh.nodes.iter().flat_map(|n| (0..8).map(move |c| (n, c)));
+        let cells = children.filter(|(n, c)| n.is_leaf(*c) && !n.is_child_empty(*c)).count();
         let indices = self.bvh.primitive_indices.as_slice();
         let (references, bytes) = match &self.leaves {
             Leaves::Direct(own) => (indices.len() as u64, own.bytes()),
@@ -259,6 +218,11 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 }
 
 impl<S: Scalar> ObvhsCwBvh<S> {
+    #[inline(always)]
+    fn direct(&self) -> Option<&DirectQueries> {
+        if let Leaves::Direct(own) = &self.leaves { Some(own) } else { None }
+    }
+
     /// The library's loop; `test` tests the primitive at which it is, `bound` says where a query
     /// ends as a parameter of `ray`.
     #[inline(always)]

@@ -6,6 +6,7 @@
 //! other sets the primitives are tested by ours in its callback, their boxes as they are. What is
 //! counted is that, too: the library's nodes, our sink.
 
+use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::cwbvh::CwBvh;
@@ -15,14 +16,51 @@ use obvhs::triangle::Triangle;
 
 use glam::Vec3A;
 
+use crate::bvh::build::agglomerated::agglomerated;
 use crate::bvh::items::outward;
 use crate::geometry::ray::{Hit, MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
+use crate::historical::bounds_rule::BoundsRule;
 use crate::memory::Limits;
 use crate::parallel;
 use crate::primitives::PrimSet;
-use crate::structure::{BatchAnswers, Batches, BuildError, refuse_out_of_scale};
+use crate::structure::{BatchAnswers, BuildError, bounds_of, refuse_out_of_scale};
+use crate::structures::obvhs::builder::agglomerated_triangles;
+
+/// How a tree answers batches: by its `direct` queries, where it has some and they serve the set.
+macro_rules! direct_batches {
+    () => {
+        #[inline(always)]
+        fn batches<P: PrimSet<S>>(
+            &self,
+            prims: &P,
+            _: Option<&$crate::query::kernel::ListBlocks<S>>,
+        ) -> $crate::structure::Batches {
+            // a set under another test may be asked, too
+            if self.direct().is_some() && direct::is_served::<S, P>(prims) {
+                $crate::structure::Batches::Library
+            } else {
+                $crate::structure::Batches::RayByRay
+            }
+        }
+
+        #[inline(always)]
+        fn answer_batch<P: PrimSet<S>, C: $crate::query::counters::Counters>(
+            &self,
+            _: &P,
+            _: Option<&$crate::query::kernel::ListBlocks<S>>,
+            rays: &[Ray<S>],
+            _: S,
+            answers: $crate::structure::BatchAnswers<'_, S>,
+        ) -> C {
+            if let Some(own) = self.direct() {
+                own.answer_batch(&self.bvh, rays, answers);
+            }
+            C::default()
+        }
+    };
+}
+pub(crate) use direct_batches;
 
 /// Queries that both trees of obvhs answer.
 pub(crate) trait Tree {
@@ -114,16 +152,6 @@ impl DirectQueries {
     }
 
     #[inline(always)]
-    pub(crate) fn batches<S: Scalar, P: PrimSet<S>>(this: Option<&Self>, prims: &P) -> Batches {
-        // a set under another test may be asked, too
-        if this.is_some() && is_served::<S, P>(prims) {
-            Batches::Library
-        } else {
-            Batches::RayByRay
-        }
-    }
-
-    #[inline(always)]
     pub(crate) fn answer_batch<S: Scalar>(
         &self,
         tree: &impl Tree,
@@ -175,21 +203,25 @@ impl DirectQueries {
     }
 }
 
-/// The boxes of all primitives of a set that [`triangles`] does not serve.
+/// A binary tree over the library's triangles, which come with it, or over boxes of primitives that
+/// these do not serve.
 ///
 /// # Errors
 /// [`BuildError`] for a set without primitives that fit f32, which is all that obvhs knows.
-pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
+pub(crate) fn tree<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     limits: Limits,
-) -> Result<Vec<Aabb>, BuildError> {
+    preset: &BvhBuildParams,
+) -> Result<(Bvh2, Option<Vec<Triangle>>), BuildError> {
+    if let Some(triangles) = triangles(prims) {
+        return Ok((agglomerated_triangles(&triangles, preset), Some(triangles)));
+    }
     // a box and an id of each primitive, twice as many nodes
     limits.fits(96 * prims.len() as u128)?;
-    let structure = limits.structure;
-    refuse_out_of_scale::<S, f32>(prims.magnitude(), structure)?;
-    BoundsOf::new(prims, BoundsRule::Padded)
-        .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
-    Ok(parallel::collect(prims.len(), |id| rounded(&prims.bounds(id as u32))))
+    refuse_out_of_scale::<S, f32>(prims.magnitude(), limits.structure)?;
+    bounds_of(prims, BoundsRule::Padded, limits.structure)?;
+    let boxes = parallel::collect(prims.len(), |id| rounded(&prims.bounds(id as u32)));
+    Ok((agglomerated(&boxes, preset, false), None))
 }
 
 /// A box in f32, rounded outwards.

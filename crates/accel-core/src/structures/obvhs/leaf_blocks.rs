@@ -65,6 +65,7 @@ pub(crate) fn references<S: Scalar>(blocks: &[TriangleBlock<S>]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::build::agglomerated::agglomerated;
     use crate::bvh::items::{Padding, items_of};
     use crate::params::config::Settings;
     use crate::primitives::TriangleSet;
@@ -79,18 +80,13 @@ mod tests {
         TriangleSet::new((0..n).map(triangle).collect(), |_| false).unwrap()
     }
 
-    fn in_block(block: &TriangleBlock<f32>) -> Vec<u32> {
-        let (ids, n) = block.ids();
-        ids[..n].to_vec()
-    }
-
     #[test]
     fn places_of_nodes_name_their_triangles() {
         let set = triangles(5000);
         let limits = Settings::<()>::of(&crate::structures::obvhs::cwbvh::INFO.defaults()).limits();
         let boxes = items_of(&set, limits, Padding::OfScene).unwrap().boxes;
         let medium = obvhs::BvhBuildParams::medium_build();
-        let ids = builder::eight_wide_robust(&boxes, &medium).unwrap();
+        let ids = builder::eight_wide(agglomerated(&boxes, &medium, true), &medium, true).unwrap();
         let mut tree = ids.clone();
         let blocks = of_wide(&mut tree, &set);
         let mut bits_of_all = 0;
@@ -99,7 +95,7 @@ mod tests {
                 let first = node.primitive_base_idx;
                 let (block, bits) = block_of(first + place, first);
                 let id = ids.primitive_indices[(own.primitive_base_idx + place) as usize];
-                assert_eq!(in_block(&blocks[block])[(place % LANES) as usize], id);
+                assert_eq!(blocks[block].ids().0[(place % LANES) as usize], id);
                 assert!(bits >> place & 1 == 1 && bits.count_ones() <= LANES);
                 bits_of_all |= bits;
             }

@@ -1,9 +1,11 @@
 //! The settings of the octree.
 
-use super::cells::DEEPEST;
 use crate::config;
 use crate::params::{ParamKind, ParamSpec, specs};
 use crate::query::{kernel, mailbox};
+
+/// Deepest cell; the root has depth 0.
+pub(super) const DEEPEST: usize = 20;
 
 config! {
     /// How an octree is built and traversed.

@@ -3,11 +3,11 @@
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::grid::cell_lists::CellLists;
 use crate::memory::CountedItem;
 use crate::parallel::concat;
 use crate::params::config::Settings;
 use crate::structure::BuildError;
-use crate::structures::octree::cells::{Cells, LEAF};
 use crate::structures::octree::config::OctreeConfig;
 use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
 
@@ -39,6 +39,41 @@ pub(super) fn cells<S: Scalar>(
 static CELLS: CountedItem = CountedItem::cells("number of cells", 8);
 static REFERENCES: CountedItem = CountedItem::references("references in cells");
 
+/// The cells. Cell 0 is the root; the children of inner cell number `i` are the cells
+/// `1 + 8 i ..= 8 + 8 i`, with bit k of the offset set on the upper side of axis k.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Cells<S> {
+    /// For each cell the number of its leaf with [`LEAF`] set, or its number among inner cells.
+    pub(super) links: Vec<u32>,
+    /// For each inner cell, the planes that cut it.
+    pub(super) planes: Vec<[S; 3]>,
+    /// The references of leaves.
+    pub(super) lists: CellLists,
+}
+
+/// Set in the link of a leaf.
+const LEAF: u32 = 1 << 31;
+
+/// The kind of a cell.
+pub(super) enum Content<'a, S> {
+    /// Cut by these planes; the first of its eight children.
+    Inner(&'a [S; 3], u32),
+    Leaf(&'a [u32]),
+}
+
+impl<S: Scalar> Cells<S> {
+    #[inline(always)]
+    pub(super) fn content(&self, cell: u32) -> Content<'_, S> {
+        let link = self.links[cell as usize];
+        let number = (link & !LEAF) as usize;
+        if link & LEAF == 0 {
+            Content::Inner(&self.planes[number], 1 + 8 * link)
+        } else {
+            Content::Leaf(self.lists.at(number))
+        }
+    }
+}
+
 /// Settings that stay constant during a build.
 struct Rules<'a, S: Scalar> {
     boxes: &'a [Aabb<S>],
@@ -63,11 +98,11 @@ impl<S: Scalar> CellStore for Cells<S> {
     type Cut = [S; 3];
 
     fn begun() -> Self {
-        Self { links: vec![LEAF], planes: Vec::new(), starts: vec![0], ids: Vec::new() }
+        Self { links: vec![LEAF], planes: Vec::new(), lists: CellLists::none() }
     }
 
     fn counts(&self) -> [usize; 2] {
-        [self.links.len(), self.ids.len()]
+        [self.links.len(), self.lists.references()]
     }
 
     fn divide(&mut self, cell: usize, planes: [S; 3]) -> usize {
@@ -79,9 +114,8 @@ impl<S: Scalar> CellStore for Cells<S> {
     }
 
     fn leaf(&mut self, cell: usize, ids: &[u32]) {
-        self.links[cell] = LEAF | (self.starts.len() - 1) as u32;
-        self.ids.extend_from_slice(ids);
-        self.starts.push(self.ids.len() as u32);
+        self.links[cell] = LEAF | self.lists.cells() as u32;
+        self.lists.push(ids);
     }
 
     fn joined(steps: &[Step<Self>]) -> Self {
@@ -102,15 +136,15 @@ impl<S: Scalar> CellStore for Cells<S> {
                     firsts.push((*cell, moved(below.links[0], by)));
                     links.push((&below.links[1..], by));
                     planes.push((&below.planes[..], ()));
-                    let [inner, leaves] = [below.planes.len(), below.starts.len() - 1];
+                    let [inner, leaves] = [below.planes.len(), below.lists.cells()];
                     by = [by[0] + inner as u32, by[1] + leaves as u32];
                 }
             }
         }
         let mut links = concat(&links, &moved);
         firsts.into_iter().for_each(|(cell, link)| links[cell] = link);
-        let [starts, ids] = joined_lists(steps, |cells| [&cells.starts, &cells.ids]);
-        Self { links, planes: concat(&planes, &|planes, ()| planes), starts, ids }
+        let lists = joined_lists(steps, |cells| &cells.lists);
+        Self { links, planes: concat(&planes, &|planes, ()| planes), lists }
     }
 }
 

@@ -5,11 +5,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::capacity::CapacityLimits;
 
-/// A limit was exceeded: so many cells and references would have been there.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct LimitExceeded {
-    pub(super) needed: [u64; 2],
-}
+/// So many cells and references would have been there, more than a limit allows.
+pub(super) type ExcessCounts = [u64; 2];
 
 /// A room and what is taken of it.
 ///
@@ -74,16 +71,16 @@ impl Budget {
     }
 
     /// The error for this many more cells and references.
-    pub(super) fn exceeded_by(&self, more: [u64; 2]) -> LimitExceeded {
-        LimitExceeded { needed: sum(*self.taken(), more) }
+    pub(super) fn exceeded_by(&self, more: [u64; 2]) -> ExcessCounts {
+        sum(*self.taken(), more)
     }
 
     /// Takes so many cells and references.
-    pub(super) fn take(&self, more: [u64; 2]) -> Result<(), LimitExceeded> {
+    pub(super) fn take(&self, more: [u64; 2]) -> Result<(), ExcessCounts> {
         let mut taken = self.taken();
         let needed = sum(*taken, more);
         if self.half.unwrap_or(self.room).check(needed).is_err() {
-            return Err(LimitExceeded { needed });
+            return Err(needed);
         }
         *taken = needed;
         Ok(())
@@ -109,19 +106,19 @@ fn sum(a: [u64; 2], b: [u64; 2]) -> [u64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::nested_grids::build::{REFERENCES, VOXELS};
+    use crate::grid::nested_grids::build::room_of;
     use crate::memory::{Limits, MemoryLimit};
 
     fn room(cells: u64, references: u64) -> CapacityLimits {
         let limits = Limits { structure: "recursive-grid", memory: MemoryLimit::NONE };
-        CapacityLimits::new(limits, [(&VOXELS, cells), (&REFERENCES, references)])
+        room_of(limits, cells, references)
     }
 
     #[test]
     fn returned_cells_are_available_in_order() {
         let budget = Budget::new(room(100, 100));
         budget.take([60, 90]).unwrap();
-        assert_eq!(budget.take([41, 0]).unwrap_err().needed, [101, 90]);
+        assert_eq!(budget.take([41, 0]).unwrap_err(), [101, 90]);
         budget.give_back([50, 0]);
         budget.take([90, 0]).unwrap();
         assert_eq!((budget.cells_left(), budget.references_left()), (0, 10));

@@ -8,14 +8,13 @@ use rayon::prelude::*;
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::grid::block_lists::{DenseRows, block_lists};
-use crate::grid::box_placement::BoxPlacement;
+use crate::grid::block_lists::{BoxPlacement, DenseRows, block_lists};
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
-use crate::grid::resolution::{MAX_PER_AXIS, ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::parallel::should_parallelize;
 use crate::query::cells::{Cell, CellVisitor};
-use crate::structures::recursive_grid::budget::{Budget, LimitExceeded};
+use crate::structures::recursive_grid::budget::{Budget, ExcessCounts};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -157,10 +156,7 @@ impl<S: Scalar> Child<S> {
         depth: u32,
     ) -> &Content<S> {
         self.content.get_or_init(|| {
-            let ids = {
-                let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-                std::mem::take(&mut *waiting)
-            };
+            let ids = std::mem::take(&mut *self.waiting());
             match division.grid(&ids, bounds(), depth) {
                 Ok(Some(grid)) => {
                     division.budget.give_back([0, ids.len() as u64]);
@@ -220,7 +216,7 @@ impl<S: Scalar> Division<S> {
         &mut self,
         bounds: Aabb<S>,
         room: CapacityLimits,
-    ) -> Result<Grid<S>, LimitExceeded> {
+    ) -> Result<Grid<S>, ExcessCounts> {
         if should_parallelize(self.boxes.len()) {
             self.budget = Budget::in_any_order(room);
             if let Ok(root) = self.outermost(bounds) {
@@ -232,7 +228,7 @@ impl<S: Scalar> Division<S> {
         self.outermost(bounds)
     }
 
-    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, LimitExceeded> {
+    fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, ExcessCounts> {
         let mut density = self.densities[0];
         loop {
             let primitives = self.boxes.len();
@@ -256,7 +252,7 @@ impl<S: Scalar> Division<S> {
         ids: &[u32],
         bounds: Aabb<S>,
         depth: u32,
-    ) -> Result<Option<Grid<S>>, LimitExceeded> {
+    ) -> Result<Option<Grid<S>>, ExcessCounts> {
         let n = self.resolution(ids.len(), bounds, self.densities[1]);
         if n == [1; 3] {
             return Ok(None);
@@ -274,7 +270,7 @@ impl<S: Scalar> Division<S> {
         frame: GridFrame<S>,
         depth: u32,
         lists: impl FnOnce(u64, &BoxPlacement<'_, S>) -> Result<CellLists, TooManyReferences>,
-    ) -> Result<Option<Grid<S>>, LimitExceeded> {
+    ) -> Result<Option<Grid<S>>, ExcessCounts> {
         let cells = frame.cells() as u64;
         self.budget.take([cells, 0])?;
         let allowed = self.max_growth * primitives as f64;
@@ -300,7 +296,7 @@ impl<S: Scalar> Division<S> {
                     Some(made) => made.next().flatten(),
                     None => self.child(&frame, cell, list, depth)?,
                 };
-                Ok(child.map(|child| {
+                Ok::<_, ExcessCounts>(child.map(|child| {
                     children.push(child);
                     CHILD | (children.len() - 1) as u32
                 }))
@@ -319,7 +315,7 @@ impl<S: Scalar> Division<S> {
         lists: &CellLists,
         frame: &GridFrame<S>,
         depth: u32,
-    ) -> Result<Option<Vec<Option<Child<S>>>>, LimitExceeded> {
+    ) -> Result<Option<Vec<Option<Child<S>>>>, ExcessCounts> {
         let pays = depth < self.eager_depth && should_parallelize(lists.references());
         if !(pays && self.budget.is_in_any_order()) {
             return Ok(None);
@@ -337,7 +333,7 @@ impl<S: Scalar> Division<S> {
         cell: usize,
         list: &[u32],
         depth: u32,
-    ) -> Result<Option<Child<S>>, LimitExceeded> {
+    ) -> Result<Option<Child<S>>, ExcessCounts> {
         if depth >= self.eager_depth {
             return Ok(Some(Child::later(list)));
         }
@@ -356,16 +352,8 @@ impl<S: Scalar> Division<S> {
             LevelRule::CubeRoot => [(wanted.cbrt() - 1e-6).ceil().max(1.0) as u32; 3],
             LevelRule::Heterogeneous => heterogeneous(size.map(|s| s.to_f64()), wanted),
             LevelRule::Density => {
-                let input = ResolutionInput {
-                    bounds,
-                    primitives: n,
-                    density,
-                    mean_longest_side: 0.0,
-                    max_cells: self.budget.cells_left().max(1),
-                    smallest_cell: self.narrowest.to_f64(),
-                };
-                // never refused: a computed rule keeps within max_cells
-                resolve(ResolutionRule::Density, &input).unwrap_or([1; 3])
+                let most = self.budget.cells_left().max(1);
+                resolve_by_density(bounds, n, density, most, self.narrowest.to_f64())
             }
         };
         for k in 0..3 {

@@ -9,14 +9,15 @@ use rayon::prelude::*;
 
 use crate::capacity::CapacityLimits;
 use crate::geometry::scalar::Scalar;
+use crate::grid::block_lists::rows_in;
 use crate::grid::cell_lists::CellLists;
+use crate::grid::nested_grids::build::references_in;
 use crate::grid::regular_grid::Contents;
-use crate::grid::resolution::{ResolutionInput, ResolutionRule, resolve};
+use crate::grid::resolution::resolve_by_density;
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::primitives::PrimSet;
 use crate::structure::BuildError;
-use crate::structures::uniform_grid::DenseCells;
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
 const MAX_REFS_PER_PRIM: u64 = 16;
@@ -91,14 +92,15 @@ impl LeafCells {
 pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     contents: &Contents<S, P>,
     division: &CellDivision<S>,
-    lists: &DenseCells,
+    lists: &CellLists,
     rules: &LeafRules,
 ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
     let upper = UpperCellInput { contents, division, lists, rules };
-    let stretches = lists.stretches(rayon::current_num_threads());
+    let mut stretches = lists.stretches(rayon::current_num_threads());
     // resolutions, then where leaf cells begin
-    let resolutions: Vec<Vec<UpperCell>> =
-        in_parallel(&stretches, |cells| cells.clone().map(|cell| upper.resolution(cell)).collect());
+    let resolutions: Vec<Vec<UpperCell>> = in_parallel(&mut stretches, |cells| {
+        cells.clone().map(|cell| upper.resolution(cell)).collect()
+    });
     let mut cells = Vec::with_capacity(contents.frame.cells());
     let mut leaf_cells = 0u64;
     let mut leaves_of: Vec<usize> = Vec::with_capacity(stretches.len());
@@ -118,7 +120,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     for (range, counters) in stretches.iter().zip(split(&mut starts, &leaves_of)) {
         parts.push(CellRange { range: range.clone(), cells: &cells[range.clone()], counters });
     }
-    let references = in_parallel_mut(&mut parts, |part| upper.count(part));
+    let references = in_parallel(&mut parts, |part| upper.count(part));
     let total: u64 = references.iter().sum();
     rules.room.check([all_cells, total])?;
     let mut ids = vec![0u32; total as usize];
@@ -130,7 +132,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
         filled.push((part, ids, before));
         before += length;
     }
-    in_parallel_mut(&mut filled, |(part, ids, before)| upper.fill(part, ids, *before));
+    in_parallel(&mut filled, |(part, ids, before)| upper.fill(part, ids, *before));
     if let Some(last) = starts.last_mut() {
         *last = total as u32;
     }
@@ -146,7 +148,7 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
 pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
     contents: &Contents<S, P>,
     division: &CellDivision<S>,
-    lists: &DenseCells,
+    lists: &CellLists,
     rules: &LeafRules,
     (old_cells, old): (&[UpperCell], &LeafCells),
     changed: &[u32],
@@ -191,18 +193,7 @@ pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
 }
 
 /// Maps items by `f` in parallel, in order; on one thread without rayon.
-fn in_parallel<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Send + Sync) -> Vec<R> {
-    match items {
-        [only] => vec![f(only)],
-        _ => items.par_iter().map(f).collect(),
-    }
-}
-
-/// [`in_parallel`] for what is changed.
-fn in_parallel_mut<T: Send, R: Send>(
-    items: &mut [T],
-    f: impl Fn(&mut T) -> R + Send + Sync,
-) -> Vec<R> {
+fn in_parallel<T: Send, R: Send>(items: &mut [T], f: impl Fn(&mut T) -> R + Send + Sync) -> Vec<R> {
     match items {
         [only] => vec![f(only)],
         _ => items.par_iter_mut().map(f).collect(),
@@ -230,7 +221,7 @@ struct CellRange<'a> {
 struct UpperCellInput<'a, 'p, S: Scalar, P: PrimSet<S>> {
     contents: &'a Contents<'p, S, P>,
     division: &'a CellDivision<S>,
-    lists: &'a DenseCells,
+    lists: &'a CellLists,
     rules: &'a LeafRules,
 }
 
@@ -242,19 +233,13 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
 
     /// The resolution of an upper cell; where its leaf cells begin is not yet known.
     fn resolution(&self, cell: usize) -> UpperCell {
-        let list = self.lists.at(cell);
+        let list = self.lists.list(cell);
         let mut n = [u8::from(!list.is_empty()); 3];
         if self.rules.density * list.len() as f64 >= 2.0 {
-            let input = ResolutionInput {
-                bounds: self.contents.frame.cell_bounds(cell),
-                primitives: list.len(),
-                density: self.rules.density,
-                mean_longest_side: 0.0,
-                max_cells: self.rules.room.most_cells(),
-                smallest_cell: smallest_cell(self.contents.padding()),
-            };
-            // never refused: a computed rule keeps within max_cells
-            let wanted = resolve(ResolutionRule::Density, &input).unwrap_or([1; 3]);
+            let bounds = self.contents.frame.cell_bounds(cell);
+            let (most, smallest) =
+                (self.rules.room.most_cells(), smallest_cell(self.contents.padding()));
+            let wanted = resolve_by_density(bounds, list.len(), self.rules.density, most, smallest);
             n = wanted.map(|n| n.min(u32::from(u8::MAX)) as u8);
             while n != [1; 3] && !self.is_useful(cell, n, list) {
                 n = n.map(|n| n.div_ceil(2));
@@ -267,11 +252,8 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
     /// multiply them.
     fn is_useful(&self, cell: usize, n: [u8; 3], list: &[u32]) -> bool {
         let leaf = self.leaf(cell, n);
-        let cells_of = |&id: &u32| {
-            let (first, last) = leaf.range(&self.contents.box_of(id));
-            (0..3).map(|k| (last[k] - first[k] + 1) as u64).product::<u64>()
-        };
-        let references: u64 = list.iter().map(cells_of).sum();
+        let boxes = list.iter().map(|&id| self.contents.box_of(id));
+        let references = references_in(&leaf, boxes);
         let length = list.len() as u64;
         2 * references <= length * leaf.cells() as u64 && references <= length * MAX_REFS_PER_PRIM
     }
@@ -285,13 +267,10 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
         id: u32,
         mut visit: impl FnMut(usize),
     ) {
-        let (first, last) = leaf.range(&self.contents.box_of(id));
-        for z in first[2]..=last[2] {
-            for y in first[1]..=last[1] {
-                let row = first_leaf + leaf.index([0, y, z]);
-                (first[0]..=last[0]).for_each(|x| visit(row + x as usize));
-            }
-        }
+        rows_in(leaf.range(&self.contents.box_of(id)), |start, length| {
+            let first = first_leaf + leaf.index(start);
+            (first..first + length).for_each(&mut visit);
+        });
     }
 
     /// Counts the references of each leaf cell and turns the counts into ends; returns how many
@@ -300,7 +279,7 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
         let base = part.cells.first().map_or(0, |cell| cell.first as usize);
         for (at, cell) in part.range.clone().zip(part.cells) {
             let first_leaf = cell.first as usize - base;
-            let list = self.lists.at(at);
+            let list = self.lists.list(at);
             if !cell.is_divided() {
                 if let Some(counter) = part.counters.get_mut(first_leaf)
                     && !cell.is_vacant()
@@ -328,7 +307,7 @@ impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
     fn fill(&self, part: &mut CellRange, ids: &mut [u32], before: u32) {
         let base = part.cells.first().map_or(0, |cell| cell.first as usize);
         for (at, cell) in part.range.clone().zip(part.cells) {
-            let list = self.lists.at(at);
+            let list = self.lists.list(at);
             let leaf = self.leaf(at, cell.n.map(|n| n.max(1)));
             // from the back: the last id placed comes first
             for &id in list.iter().rev() {

@@ -14,7 +14,7 @@
 use obvhs::ploc::morton::morton_encode_u64;
 
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::parallel::{collect, sort};
 
 /// When two clusters may be merged.
@@ -34,8 +34,7 @@ const WINDOW: usize = 16;
 /// Half the surface of a box does for ratios; the limit is halved as well.
 #[derive(Clone, Copy)]
 struct Cluster {
-    lo: [f64; 3],
-    hi: [f64; 3],
+    bounds: Aabb<f64>,
     half: f64,
     /// Its first member in the chain.
     head: u32,
@@ -44,8 +43,7 @@ struct Cluster {
 
 impl Cluster {
     fn joined(&self, other: &Self) -> f64 {
-        let s = [0, 1, 2].map(|k| self.hi[k].max(other.hi[k]) - self.lo[k].min(other.lo[k]));
-        s[0] * s[1] + s[1] * s[2] + s[2] * s[0]
+        self.bounds.union(other.bounds).half_area()
     }
 }
 
@@ -58,8 +56,7 @@ pub fn surface<S: Scalar>(b: &Aabb<S>) -> f64 {
 /// of one.
 pub fn agglomerate<S: Scalar>(boxes: &[Aabb<S>], rule: &MergeRule) -> Vec<Vec<u32>> {
     let mut clusters = collect(boxes.len(), |i| Cluster {
-        lo: boxes[i].min.to_array().map(S::to_f64),
-        hi: boxes[i].max.to_array().map(S::to_f64),
+        bounds: boxes[i].in_double(),
         half: 0.5 * surface(&boxes[i]),
         head: i as u32,
         tail: i as u32,
@@ -102,15 +99,9 @@ impl MergeRule {
 }
 
 fn merged(a: &Cluster, b: &Cluster, next: &mut [u32]) -> Cluster {
-    let mut c = *a;
-    for k in 0..3 {
-        c.lo[k] = a.lo[k].min(b.lo[k]);
-        c.hi[k] = a.hi[k].max(b.hi[k]);
-    }
-    c.half = a.joined(b);
     next[a.tail as usize] = b.head;
-    c.tail = b.tail;
-    c
+    let bounds = a.bounds.union(b.bounds);
+    Cluster { bounds, half: bounds.half_area(), head: a.head, tail: b.tail }
 }
 
 /// Merges the best of all pairs until none may be merged: every cluster remembers its best
@@ -204,19 +195,13 @@ fn local(clusters: &mut Vec<Cluster>, next: &mut [u32], rule: &MergeRule) {
 }
 
 fn sort_by_morton_code(clusters: &mut Vec<Cluster>) {
-    let mut lo = [f64::INFINITY; 3];
-    let mut hi = [f64::NEG_INFINITY; 3];
-    let centre = |c: &Cluster, k: usize| 0.5 * c.lo[k] + 0.5 * c.hi[k];
-    for c in clusters.iter() {
-        for k in 0..3 {
-            lo[k] = lo[k].min(centre(c, k));
-            hi[k] = hi[k].max(centre(c, k));
-        }
-    }
-    let extent = (0..3).map(|k| hi[k] - lo[k]).fold(f64::MIN_POSITIVE, f64::max);
+    let centre = |c: &Cluster| c.bounds.min * 0.5 + c.bounds.max * 0.5;
+    let around = |all: Aabb<f64>, p| all.union(Aabb { min: p, max: p });
+    let all = clusters.iter().map(centre).fold(Aabb::empty(), around);
+    let extent = all.size().max_element().max(f64::MIN_POSITIVE);
     let code = |c: &Cluster| {
-        let place = |k: usize| ((centre(c, k) - lo[k]) / extent * f64::from(1 << 20)) as u32;
-        morton_encode_u64(place(0), place(1), place(2))
+        let place = ((centre(c) - all.min) / extent * f64::from(1 << 20)).as_uvec3();
+        morton_encode_u64(place.x, place.y, place.z)
     };
     let mut keys = collect(clusters.len(), |i| (code(&clusters[i]), i as u32));
     sort(&mut keys);

@@ -119,20 +119,16 @@ fn connected(boxes: usize, components: Vec<Vec<u32>>, bridges: Vec<Vec<u32>>) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::structures::test_scenes::{Random, on_threads};
     use glam::DVec3;
 
     fn random_boxes(n: usize, side: f64) -> Vec<Aabb<f64>> {
-        let mut state = 7u64;
-        let mut random = || {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) as f64 / (1u64 << 31) as f64
+        let mut random = Random(7);
+        let mut place = |_| {
+            let min = random.point([1.0; 3]);
+            Aabb { min, max: min + random.point([side; 3]) }
         };
-        (0..n)
-            .map(|_| {
-                let min = DVec3::new(random(), random(), random());
-                Aabb { min, max: min + DVec3::new(random(), random(), random()) * side }
-            })
-            .collect()
+        (0..n).map(&mut place).collect()
     }
 
     /// Quadratic labelling until nothing changes.
@@ -176,8 +172,7 @@ mod tests {
     #[test]
     fn any_number_of_threads_finds_the_same() {
         let on = |threads, boxes: &[Aabb<f64>], near: &NeighbourRule<f64>| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| components(boxes, near))
+            on_threads(threads, || components(boxes, near))
         };
         // rows of touching cubes through all parts, and heaps within and across them
         let rows = (0..30_000u32).map(|i| {

@@ -7,7 +7,7 @@
 
 use accel_core::grid::cell_traversal::CellTraversal;
 use accel_core::grid::voxel_traversal::GridFrame;
-use accel_core::variants::double_traversal::DoubleTraversal;
+use accel_core::variants::voxel_traversals::DoubleTraversal;
 use accel_core::{Aabb, Ray, Vector};
 use glam::{DVec3, Vec3};
 use renderer::RayKind;

@@ -1,0 +1,173 @@
+//! The passes that reach the structure through one dynamic call per ray: those that count, and the
+//! timed ones of queries that are not compiled into the traversal, as in most sets that move, and in
+//! f64 of most structures.
+
+use super::nearby::{each_near, rebase_origin};
+use super::{ShadowCount, ShadowRule, Traversals};
+use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::scalar::Scalar;
+use crate::historical::shadow_sink::{HistoricalCellShadow, HistoricalShadow};
+use crate::primitives::PrimSet;
+use crate::query::counters::{NoCounters, WorkCounters};
+use crate::query::kernel::BlockSink;
+use crate::query::mailbox::{AnyMailbox, Mailbox, MailboxSource, NoMailbox, Setting};
+use crate::query::sink::{Answer, ClosestHit, ErasedSink, Query, RelayedSink, Sink};
+use crate::query::trace::{Recorder, TraversalTrace};
+
+/// A structure's traversals with the primitives it was built over.
+pub(super) struct ErasedTracer<'a, S: Scalar, P> {
+    pub prims: &'a P,
+    /// How far origins may be; see [`crate::geometry::far_ray`].
+    pub reach: S,
+    pub structure: &'a dyn Traversals<S>,
+}
+
+// Mailboxes are taken out here, too: a structure would have its own code for each.
+impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
+    /// [`ErasedTracer::closest_hits`] with the mailbox of the settings.
+    pub fn all_closest(
+        &self,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        mailbox: &Setting,
+    ) -> WorkCounters {
+        mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox))
+    }
+
+    /// [`ErasedTracer::occlusions`] with the mailbox of the settings.
+    pub fn all_occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+        mailbox: &Setting,
+    ) -> WorkCounters {
+        mailbox.with(|mailbox| self.occlusions(rays, rule, answers, mailbox))
+    }
+
+    /// [`ErasedTracer::trace`] with the mailbox of the settings.
+    pub fn trace_of(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
+        mailbox.with(|mailbox| self.trace(ray, mailbox))
+    }
+
+    /// The closest hit of every ray.
+    pub fn closest_hits<B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        hits: &mut [Hit<S>],
+        mut mailboxes: B,
+    ) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        each_near(self.reach, rays, hits, |ray| {
+            let (hit, counters) = self.answered(ray, mailboxes.next_ray());
+            total += counters;
+            hit
+        });
+        total
+    }
+
+    /// The answer of a ray near the scene, and what it took.
+    fn answered<A: Answer<S>, M: Mailbox>(&self, ray: &Ray<S>, mailbox: M) -> (A, WorkCounters) {
+        let mut query = Query::<S, P, WorkCounters, A, M>::with_mailbox(self.prims, ray, mailbox);
+        self.structure.counted(ray, ErasedSink::new(&mut query));
+        query.finish()
+    }
+
+    /// The closest hit of a ray, and the trace to it.
+    fn trace<B: MailboxSource>(&self, ray: &Ray<S>, mut mailboxes: B) -> TraversalTrace<S> {
+        let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
+        each_near(self.reach, std::slice::from_ref(ray), &mut hits, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let query = ClosestHit::with_mailbox(self.prims, ray, mailbox);
+            let mut recorder = Recorder { query, steps: Vec::new() };
+            self.structure.counted(ray, ErasedSink::new(&mut recorder));
+            (steps, total) = (recorder.steps, recorder.query.counters);
+            recorder.query.answer
+        });
+        TraversalTrace { steps, hit: hits[0], counters: total }
+    }
+
+    /// Finds the occlusions of each shadow ray.
+    fn occlusions(
+        &self,
+        rays: &[Ray<S>],
+        rule: ShadowRule,
+        answers: &mut [ShadowCount],
+        mut mailbox: AnyMailbox,
+    ) -> WorkCounters {
+        let mut total = WorkCounters::default();
+        for (ray, answer) in rays.iter().zip(answers) {
+            *answer = ShadowCount::default();
+            if let Some((near, _)) = rebase_origin(ray, self.reach, &mut None) {
+                let counters;
+                (*answer, counters) = self.shadow(near, rule, &mut mailbox);
+                total += counters;
+            }
+        }
+        total
+    }
+
+    /// One shadow ray; the historical ones have no mailbox.
+    fn shadow(
+        &self,
+        ray: &Ray<S>,
+        rule: ShadowRule,
+        mailbox: &mut AnyMailbox,
+    ) -> (ShadowCount, WorkCounters) {
+        match rule {
+            ShadowRule::OpaqueBlocks => {
+                let (blocked, counters) = self.answered(ray, mailbox.next_ray());
+                (ShadowCount { blocked, glass: 0 }, counters)
+            }
+            ShadowRule::Historical => {
+                let mut sink = HistoricalShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                self.structure.counted(ray, ErasedSink::new(&mut sink));
+                sink.finish()
+            }
+            ShadowRule::HistoricalInCell => {
+                let mut sink = HistoricalCellShadow::<S, P, WorkCounters>::new(self.prims, ray);
+                self.structure.counted(ray, ErasedSink::new(&mut sink));
+                sink.finish()
+            }
+        }
+    }
+
+    /// Answers each ray, with the mailbox of the settings if there is one.
+    pub fn timed<A: Answer<S>>(
+        &self,
+        rays: &[Ray<S>],
+        answers: &mut [A],
+        mailbox: Option<&Setting>,
+    ) {
+        match mailbox {
+            None => self.one_by_one(rays, answers, NoMailbox),
+            Some(mailbox) => mailbox.with(|mailbox| self.one_by_one(rays, answers, mailbox)),
+        }
+    }
+
+    fn one_by_one<A: Answer<S>, B: MailboxSource>(
+        &self,
+        rays: &[Ray<S>],
+        answers: &mut [A],
+        mut mailboxes: B,
+    ) {
+        each_near(self.reach, rays, answers, |ray| {
+            let mailbox = mailboxes.next_ray();
+            let query = Query::<S, P, NoCounters, A, _>::with_mailbox(self.prims, ray, mailbox);
+            self.traversed(ray, query).answer
+        });
+    }
+
+    /// The query after the traversal.
+    #[inline(always)]
+    fn traversed<K: Sink<S>>(&self, ray: &Ray<S>, mut query: K) -> K {
+        match self.structure.blocks(ray) {
+            Some(blocks) => {
+                let mut sink = BlockSink { blocks, query: &mut query };
+                self.structure.relayed(ray, RelayedSink::new(&mut sink));
+            }
+            None => self.structure.relayed(ray, RelayedSink::new(&mut query)),
+        }
+        query
+    }
+}
