@@ -86,9 +86,8 @@ impl<S: Scalar> GridFrame<S> {
         t_start: S,
     ) -> Option<DrivingAxisTraversal<S>> {
         let traversal = self.traversal_from(ray, t_start)?;
-        // parameter spent in one cell: least along the driving axis, infinite without direction
-        let per_cell: [S; 3] =
-            std::array::from_fn(|k| (traversal.cell[k] * traversal.inv_d[k]).abs());
+        // least along the driving axis
+        let per_cell = traversal.per_cell();
         let [x, y, z] = per_cell;
         let axes = if x <= y && x <= z {
             [0, 1, 2]

@@ -289,6 +289,12 @@ impl<S: Scalar> VoxelTraversal<S> {
         (self.plane[k] * self.cell[k] + self.from_origin[k]) * self.inv_d[k]
     }
 
+    /// Parameter spent in one cell along each axis; infinite without direction.
+    #[inline(always)]
+    pub(crate) fn per_cell(&self) -> [S; 3] {
+        std::array::from_fn(|k| (self.cell[k] * self.inv_d[k]).abs())
+    }
+
     /// Parameter of the plane that comes `planes` after the next one on axis `k`.
     #[inline(always)]
     pub fn plane_ahead(&self, k: usize, planes: i32) -> S {

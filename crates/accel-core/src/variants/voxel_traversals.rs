@@ -27,8 +27,7 @@ impl<S: Scalar> GridFrame<S> {
         t_start: S,
     ) -> Option<AccumulatingTraversal<S>> {
         let traversal = self.traversal_from(ray, t_start)?;
-        let per_cell = std::array::from_fn(|k| (traversal.cell[k] * traversal.inv_d[k]).abs());
-        Some(AccumulatingTraversal { traversal, per_cell })
+        Some(AccumulatingTraversal { per_cell: traversal.per_cell(), traversal })
     }
 }
 
