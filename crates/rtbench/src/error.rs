@@ -11,7 +11,6 @@ use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
 use measurement::rays::text::RayTextError;
 use measurement::record::file::RecordError;
-use measurement::record::machines::MachinesError;
 use measurement::record::merge::MergeError;
 use measurement::rounds::error::MeasureError;
 use measurement::scenes::LoadError;
@@ -96,7 +95,7 @@ macro_rules! other {
 
 other! {
     FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
-    RecordError, MergeError, MachinesError, ReportError, HistoryError, CopyError, ReproduceError,
+    RecordError, MergeError, ReportError, HistoryError, CopyError, ReproduceError,
     CallgrindError, AgainstError, UnsavedImage,
 }
 

@@ -1,4 +1,4 @@
-//! A program outside as a row of a run's results: `rtbench hits check --into`.
+//! A program outside as a row of a run's results: `rtbench rays check --into`.
 
 use std::path::{Path, PathBuf};
 

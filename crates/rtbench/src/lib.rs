@@ -55,7 +55,7 @@ use accel_core::query::batch::AVX512_VARIABLE;
 use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
-use crate::args::{Cli, Command, HitsAction, RaysAction};
+use crate::args::{Cli, Command, GeneratedText, RaysAction};
 use crate::commands::named_files::{files_of_folder, files_read, named_files};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::Error;
@@ -253,11 +253,9 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Rays(args) => match &args.action {
             RaysAction::Export(args) => commands::by_files::export(context, args).map(|()| SUCCESS),
+            RaysAction::Trace(args) => commands::trace::run(context, args).map(|()| SUCCESS),
+            RaysAction::Check(args) => commands::by_files::check_hits(context, args, cli.color),
         },
-        Command::Hits(args) => match &args.action {
-            HitsAction::Check(args) => commands::by_files::check_hits(context, args, cli.color),
-        },
-        Command::Trace(args) => commands::trace::run(context, args).map(|()| SUCCESS),
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
         Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
@@ -268,11 +266,12 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Child(args) => commands::child::run(context, args),
         Command::Merge(args) => commands::merge::run(context, args, cli.color),
         Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Schema(args) => commands::printed::schema(context, args).map(|()| SUCCESS),
-        Command::Completions(args) => {
-            commands::printed::completions(context, args).map(|()| SUCCESS)
+        Command::Generate(args) => match &args.text {
+            GeneratedText::Schema(args) => commands::generate::schema(context, args),
+            GeneratedText::Completions(args) => commands::generate::completions(context, args),
+            GeneratedText::Man(args) => commands::generate::man(context, args),
         }
-        Command::Man(args) => commands::printed::man(context, args).map(|()| SUCCESS),
+        .map(|()| SUCCESS),
     }
 }
 

@@ -1,4 +1,4 @@
-//! A program outside, as a row of a scene: `rtbench hits check --into`.
+//! A program outside, as a row of a scene: `rtbench rays check --into`.
 
 use crate::record::{ForeignRecord, RowRecord, Verdict};
 use statistics::estimate::Estimate;

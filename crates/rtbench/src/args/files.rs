@@ -1,4 +1,4 @@
-//! `rtbench rays` and `rtbench hits`: any program, by files.
+//! `rtbench rays`: any program, by files.
 
 use std::path::PathBuf;
 
@@ -18,6 +18,13 @@ pub struct RaysArgs {
 pub enum RaysAction {
     /// Write the rays of a scene, and its triangles, for another program
     Export(ExportRaysArgs),
+    /// Trace rays from a file, and print or write the hits
+    #[command(
+        after_help = "Examples:\n  rtbench rays trace case.obj --rays case.rays -s brute-force,wide-bvh\n  rtbench rays trace kitchen --rays kitchen.rays -s wide-bvh -o kitchen.hits"
+    )]
+    Trace(TraceArgs),
+    /// Compare another program's answers with ours: right, wrong, or different at an edge
+    Check(CheckRaysArgs),
 }
 
 #[derive(Debug, Clone, Args)]
@@ -66,19 +73,7 @@ impl Choice for RayFormat {
 }
 
 #[derive(Debug, Clone, Args)]
-pub struct HitsArgs {
-    #[command(subcommand)]
-    pub action: HitsAction,
-}
-
-#[derive(Debug, Clone, Subcommand)]
-pub enum HitsAction {
-    /// Compare another program's answers with ours: right, wrong, or different at an edge
-    Check(CheckHitsArgs),
-}
-
-#[derive(Debug, Clone, Args)]
-pub struct CheckHitsArgs {
+pub struct CheckRaysArgs {
     /// Scene whose rays the program answered
     #[arg(value_parser = scene_name())]
     pub scene: String,
@@ -145,7 +140,7 @@ pub struct TraceArgs {
         required_unless_present = "plugin"
     )]
     pub structures: Vec<String>,
-    /// Write the hits of one structure to a file as `hits check` reads it [default: print them]
+    /// Write the hits of one structure to a file as `rays check` reads it [default: print them]
     #[arg(short, long, value_name = "FILE")]
     pub output: Option<PathBuf>,
     /// Floating-point precision of primitives and rays

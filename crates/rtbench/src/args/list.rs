@@ -1,4 +1,4 @@
-//! `rtbench list`.
+//! `rtbench list`, `scenes`, `doctor` and `generate`.
 
 use std::path::PathBuf;
 
@@ -91,6 +91,23 @@ pub struct SceneNames {
     /// Scenes, sets or files [default: all scenes]
     #[arg(value_name = "NAME", value_parser = scene_name())]
     pub names: Vec<String>,
+}
+
+#[derive(Debug, Clone, Args)]
+pub struct GenerateArgs {
+    #[command(subcommand)]
+    pub text: GeneratedText,
+}
+
+#[derive(Debug, Clone, Subcommand)]
+pub enum GeneratedText {
+    /// The JSON schemas of output files and scene files
+    Schema(SchemaArgs),
+    /// Completions for a shell
+    #[command(after_help = "Examples:\n  rtbench generate completions bash")]
+    Completions(CompletionsArgs),
+    /// The manual page, or the pages of all commands
+    Man(ManArgs),
 }
 
 #[derive(Debug, Clone, Args)]

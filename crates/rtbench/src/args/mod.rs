@@ -17,14 +17,12 @@ mod studies;
 mod sweep;
 
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs, TrialArgs};
-pub use files::TraceArgs;
 pub use files::{
-    CheckHitsArgs, ExportRaysArgs, HitsAction, HitsArgs, RayFormat, RaysAction, RaysArgs,
-    settings_of,
+    CheckRaysArgs, ExportRaysArgs, RayFormat, RaysAction, RaysArgs, TraceArgs, settings_of,
 };
 pub use list::{
-    CompletionsArgs, DoctorArgs, Format, ListArgs, ListSubject, ManArgs, SceneNames, ScenesAction,
-    ScenesArgs, SchemaArgs, SchemaOf,
+    CompletionsArgs, DoctorArgs, Format, GenerateArgs, GeneratedText, ListArgs, ListSubject,
+    ManArgs, SceneNames, ScenesAction, ScenesArgs, SchemaArgs, SchemaOf,
 };
 pub use measuring::{ExportArgs, MeasuringArgs, PluginArgs, ServeArgs, TableArgs};
 pub(crate) use parsers::percent;
@@ -126,15 +124,8 @@ pub enum Command {
     CompareTracers(CompareTracersArgs),
     /// Inspect, check or fetch scenes
     Scenes(ScenesArgs),
-    /// Write the rays of a scene for another program
+    /// Write rays for another program, check its answers, or trace rays from a file
     Rays(RaysArgs),
-    /// Check the answers of another program
-    Hits(HitsArgs),
-    /// Trace rays from a file, and print or write the hits
-    #[command(
-        after_help = "Examples:\n  rtbench trace case.obj --rays case.rays -s brute-force,wide-bvh\n  rtbench trace kitchen --rays kitchen.rays -s wide-bvh -o kitchen.hits"
-    )]
-    Trace(TraceArgs),
     /// Check structures on the hard cases: awkward rays, primitives, cells
     #[command(after_help = "Examples:\n  rtbench verify -s kd-tree --rays 1000")]
     Verify(VerifyArgs),
@@ -165,13 +156,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// Report what may disturb measurements on this machine, and how to fix it
     Doctor(DoctorArgs),
-    /// Print the JSON schemas of output files
-    Schema(SchemaArgs),
-    /// Print completions for a shell
-    #[command(after_help = "Examples:\n  rtbench completions bash")]
-    Completions(CompletionsArgs),
-    /// Print the manual page, or write the pages of all commands
-    Man(ManArgs),
+    /// Generate the manual page, completions for a shell, or JSON schemas
+    Generate(GenerateArgs),
 }
 
 impl Command {
@@ -180,7 +166,7 @@ impl Command {
         Some(match self {
             Self::Run(args) => &args.plugins,
             Self::Verify(args) => &args.plugins,
-            Self::Trace(args) => &args.plugins,
+            Self::Rays(RaysArgs { action: RaysAction::Trace(args) }) => &args.plugins,
             Self::Check(args) => &args.plugins,
             Self::Child(args) => &args.plugins,
             Self::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. }) => {

@@ -51,18 +51,12 @@ pub enum CompareFormat {
 
 #[derive(Debug, Clone, Args)]
 pub struct MergeArgs {
-    /// Shards to merge: results.json files, or folders of `run --shard I/N -o DIR`, in any order;
-    /// with --machines, whole runs
+    /// Shards to merge: results.json files, or folders of `run --shard I/N -o DIR`, in any order
     #[arg(value_name = "DIR|FILE", required = true)]
     pub parts: Vec<PathBuf>,
     /// Merge shards of different machines; ratios and counters stay comparable, times do not
     #[arg(long)]
     pub mixed_machines: bool,
-    /// Tabulate the same run on several machines: each ratio per machine, and its range; -o writes
-    /// machines.json, machines.csv and machines.md
-    #[arg(long, conflicts_with_all = ["mixed_machines", "export_github_smaller",
-          "export_github_bigger", "export_bencher"])]
-    pub machines: bool,
     #[command(flatten)]
     pub exports: ExportArgs,
 }

@@ -1,4 +1,4 @@
-//! `rtbench rays export` and `rtbench hits check`: the rays of a scene for any program, and its
+//! `rtbench rays export` and `rtbench rays check`: the rays of a scene for any program, and its
 //! answers.
 
 use accel_core::primitives::PrimSet;
@@ -19,7 +19,7 @@ use presentation::table::{Cell, Style, Table};
 use renderer::{Geometry, RayKind};
 use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::args::{CheckHitsArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, settings_of};
+use crate::args::{CheckRaysArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, settings_of};
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
@@ -83,7 +83,7 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
 /// Compares answers with ours; returns the exit code.
 pub fn check_hits(
     context: &mut Context<'_>,
-    args: &CheckHitsArgs,
+    args: &CheckRaysArgs,
     color: Color,
 ) -> Result<u8, Error> {
     let read = |source| plugins::PluginError::Read { file: args.file.clone(), source };
@@ -193,7 +193,7 @@ pub(super) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
     files::put(path, bytes).map_err(|source| WriteError { path: path.into(), source }.into())
 }
 
-fn file_name(args: &CheckHitsArgs) -> String {
+fn file_name(args: &CheckRaysArgs) -> String {
     args.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 

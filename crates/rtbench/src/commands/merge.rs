@@ -7,24 +7,18 @@ use crate::commands::measuring::{PlanResults, exit_code, warn_of};
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::Error;
-use crate::exit_code::SUCCESS;
 use crate::exports::measures::{self, Measure};
 use crate::exports::outputs::OutputError;
-use measurement::record::file::{self, RecordError};
-use measurement::record::machines::over_machines;
+use measurement::record::file;
 use measurement::record::merge::{PartialRun, merge};
-use measurement::system::files::write_text;
-use presentation::json;
 use studies::run::conclusions::conclude;
+use studies::run::text;
 use studies::run::view::View;
-use studies::run::{machines, text};
 
 /// Merges and returns the exit code: that of the whole run.
 pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
-    if args.machines {
-        return machines_of(context, args, color);
-    }
-    let parts = read(args).collect();
+    let read = |path: &PathBuf| Ok(PartialRun { record: file::read(path)?, path: path.clone() });
+    let parts = args.parts.iter().map(read).collect();
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge(parts, args.mixed_machines)?;
     if let Some(select) = &args.exports.export_select
@@ -50,28 +44,4 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     }
     context.out.flush()?;
     Ok(exit_code(&PlanResults { record, failures: 0, disturbed: false }))
-}
-
-fn read(args: &MergeArgs) -> impl Iterator<Item = Result<PartialRun, RecordError>> {
-    let read = |path: &PathBuf| Ok(PartialRun { record: file::read(path)?, path: path.clone() });
-    args.parts.iter().map(read)
-}
-
-/// The record's file in the folder of `-o`, where `rtbench report` finds it.
-pub const NAME: &str = "machines.json";
-
-/// Joins, prints and writes; returns the exit code.
-fn machines_of(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<u8, Error> {
-    let runs = read(args).collect::<Result<Vec<_>, _>>()?;
-    let record = over_machines(&runs, &context.command_line)?;
-    let names = [NAME, "machines.csv", "machines.md"];
-    let _created = context.created_folder(args.exports.output.as_ref(), &names)?;
-    if let Some(folder) = &args.exports.output {
-        write_text(&folder.join(NAME), &json::written(&record)?)?;
-        write_text(&folder.join("machines.csv"), &machines::csv(&record)?)?;
-        write_text(&folder.join("machines.md"), &machines::markdown(&record)?)?;
-    }
-    context.terminal.screen(color).write_table(context.out, &machines::table(&record))?;
-    context.out.flush()?;
-    Ok(SUCCESS)
 }

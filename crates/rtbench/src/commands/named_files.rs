@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::args::{BaselineAction, Command, RaysAction, RaysArgs};
-use crate::commands::{check, cost, printed, run_outputs};
+use crate::args::{BaselineAction, Command, GeneratedText, RaysAction};
+use crate::commands::{check, cost, generate, run_outputs};
 use measurement::record::file;
 
 /// The files that a command is asked for by name; what folders are filled with is asked for by the
@@ -21,14 +21,20 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
             BaselineAction::Save(args) => run_outputs::named(&args.run.exports),
             _ => Vec::new(),
         },
-        Command::Rays(RaysArgs { action: RaysAction::Export(args) }) => {
-            args.output.iter().chain(&args.triangles).cloned().collect()
-        }
+        Command::Rays(args) => match &args.action {
+            RaysAction::Export(args) => {
+                args.output.iter().chain(&args.triangles).cloned().collect()
+            }
+            RaysAction::Trace(args) => one(&args.output),
+            RaysAction::Check(_) => Vec::new(),
+        },
         Command::Render(args) => one(&args.output),
-        Command::Trace(args) => one(&args.output),
         Command::Show(args) => one(&args.output),
         Command::Cost(args) => within(&args.heat_maps, &cost::MAPS.map(str::to_owned)),
-        Command::Man(args) => within(&args.output, &printed::page_names()),
+        Command::Generate(args) => match &args.text {
+            GeneratedText::Man(args) => within(&args.output, &generate::page_names()),
+            GeneratedText::Schema(_) | GeneratedText::Completions(_) => Vec::new(),
+        },
         _ => Vec::new(),
     }
 }
@@ -38,7 +44,7 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
 pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
     let folder = match command {
         Command::Run(args) => args.resume.as_ref().or(args.exports.output.as_ref()),
-        Command::Merge(args) if !args.machines => args.exports.output.as_ref(),
+        Command::Merge(args) => args.exports.output.as_ref(),
         Command::Check(args) if args.results.is_none() => args.output.as_ref(),
         Command::Baseline(args) => match &args.action {
             BaselineAction::Save(args) => args.run.exports.output.as_ref(),
@@ -73,7 +79,10 @@ pub fn files_read(command: &Command) -> Vec<PathBuf> {
             let others = args.results.iter().chain(&args.against).chain(&args.against_plugin);
             others.map(PathBuf::as_path).chain(baseline).collect()
         }
-        Command::Trace(args) => vec![&args.rays],
+        Command::Rays(args) => match &args.action {
+            RaysAction::Trace(args) => vec![&args.rays],
+            RaysAction::Export(_) | RaysAction::Check(_) => Vec::new(),
+        },
         _ => Vec::new(),
     };
     read.into_iter().map(file::path_of).collect()

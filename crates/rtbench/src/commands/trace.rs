@@ -1,4 +1,4 @@
-//! `rtbench trace`: the hits of rays from a file.
+//! `rtbench rays trace`: the hits of rays from a file.
 
 use accel_core::primitives::PrimsRef;
 use accel_core::registry::Buildable;

@@ -6,7 +6,6 @@ use std::{fs, io};
 
 use crate::report::page::utc;
 use measurement::record::file::{self, RecordError};
-use measurement::record::machines::MachinesRecord;
 use measurement::record::{RunRecord, SceneRecord};
 use scene_loading::source_hash::sha256_of_bytes;
 use serde::Deserialize;
@@ -45,8 +44,6 @@ pub struct Material {
     /// By scene: what its rows cost.
     pub profiles: Vec<Vec<Profile>>,
     pub accuracy: Option<AccuracyRecord>,
-    /// Record of `rtbench merge --machines`.
-    pub machines: Option<MachinesRecord>,
     /// Records of `rtbench compare-tracers`, by scene.
     pub tracers: Vec<TracersRecord>,
     pub heat_maps: Vec<HeatMap>,
@@ -106,7 +103,6 @@ impl Material {
         })?;
         Ok(Self {
             accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
-            machines: json(&folder.join("machines.json"), "rtbench merge --machines -o DIR")?,
             tracers,
             heat_maps: heat_maps(&folder.join("heat-maps"))?,
             sweeps: sweeps(&folder)?,

@@ -92,35 +92,3 @@ fn accuracy_has_times_of_all_processes_and_errors_of_one() {
     assert_eq!(ended.code, 1, "{}", ended.out);
     assert!(ended.err.contains("cannot start /nowhere/rtbench"), "{}", ended.err);
 }
-
-#[test]
-fn runs_on_several_machines_have_ranges() {
-    let folder = Folder::new();
-    let path = folder.path();
-    for name in ["a", "b"] {
-        let ended = run(&folder, &format!("run {TABLE} --rounds 3 -o {path}/{name}"));
-        assert_eq!(ended.code, 0, "{}", ended.err);
-    }
-    let ended = run(&folder, &format!("merge --machines {path}/a {path}/b -o {path}/both"));
-    assert_eq!(ended.code, 0, "{}", ended.err);
-    assert!(ended.out.contains("2 machines: ratios to obvhs-cwbvh"), "{}", ended.out);
-    assert!(ended.out.contains("range over machines"), "{}", ended.out);
-    let json: Value = serde_json::from_str(&folder.text("both/machines.json")).unwrap();
-    assert_eq!(json["machines"].as_array().unwrap().len(), 2);
-    assert!(
-        folder.text("both/machines.csv").starts_with("scene,structure,settings,quantity,mean,")
-    );
-    assert!(folder.text("both/machines.md").contains("| uniform-grid | trace |"));
-    std::fs::copy(format!("{path}/both/machines.json"), format!("{path}/a/machines.json")).unwrap();
-    let report = run(&folder, &format!("report {path}/a"));
-    assert_eq!(report.code, 0, "{}", report.err);
-    assert!(folder.text("a/report.html").contains("2 machines: ratios to obvhs-cwbvh"));
-    // planted: another seed is another run
-    let other = run(&folder, &format!("run {TABLE} --rounds 3 --seed 2 -o {path}/c"));
-    assert_eq!(other.code, 0, "{}", other.err);
-    let refused = run(&folder, &format!("merge --machines {path}/a {path}/c"));
-    assert_eq!(refused.code, 1, "{}", refused.out);
-    assert!(refused.err.contains("settings.seed: was 1, is 2"), "{}", refused.err);
-    let one = run(&folder, &format!("merge --machines {path}/a"));
-    assert!(one.err.contains("expected at least two runs"), "{}", one.err);
-}

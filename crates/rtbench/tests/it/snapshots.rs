@@ -121,8 +121,8 @@ const SNAPSHOTS: &[Snapshot] = &[
     Snapshot { before: PARTS, ..of("merge-missing", "merge DIR/1") },
     Snapshot { before: RUNS, ..of("report", "report DIR/a --no-pictures -o - -q") },
     of("doctor", "doctor"),
-    of("schema", "schema bencher-metric-format"),
-    of("man", "man doctor"),
+    of("schema", "generate schema bencher-metric-format"),
+    of("man", "generate man doctor"),
     of("usage-error", "run tetra:2 -s unifrom-grid"),
     of("help", "--help"),
 ];

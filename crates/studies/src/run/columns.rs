@@ -162,7 +162,7 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
 
 /// Note below the table of foreign rows.
 const FOREIGN: &str = "foreign: another program. It reported its times itself, on its own hardware; \
-                    its answers were checked from a file (`rtbench hits check`). It is in no \
+                    its answers were checked from a file (`rtbench rays check`). It is in no \
                     ratio, mean or comparison.";
 
 /// The rows of a scene that programs outside told, in a table of their own, so that nobody takes

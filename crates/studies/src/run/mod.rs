@@ -8,7 +8,6 @@ pub mod few;
 pub mod kind_tables;
 pub mod leads;
 pub mod lines;
-pub mod machines;
 pub mod markdown;
 pub mod tables;
 pub mod text;

@@ -38,9 +38,6 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
         html.element("dd", &[], &value);
     }
     html.close();
-    if let Some(machines) = &material.machines {
-        tables::write(html, &studies::run::machines::table(machines), look());
-    }
     html.element("h3", &[], "Commands");
     let mut commands = vec![run.command_line.join(" ")];
     commands.extend(material.accuracy.iter().map(|a| a.command_line.join(" ")));

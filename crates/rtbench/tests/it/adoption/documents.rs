@@ -11,7 +11,7 @@ use rtbench::args::Cli;
 use crate::common::{files_below, run};
 
 /// Commands that print something and measure nothing: they are run.
-const CHEAP: [&str; 5] = ["list", "schema", "completions", "man", "doctor"];
+const CHEAP: [&str; 3] = ["list", "generate", "doctor"];
 
 /// Folders of the repository, as documents name what is in them.
 const FOLDERS: [&str; 9] = [

@@ -8,7 +8,7 @@ use crate::common::{Folder, run_stepping};
 const RUN: &str = "run tetra:2 --size 12 --rounds 2 -s uniform-grid,light-buffer,obvhs-cwbvh";
 
 fn validator(schema: &str) -> Validator {
-    let printed = run_stepping(&format!("schema {schema}"));
+    let printed = run_stepping(&format!("generate schema {schema}"));
     assert_eq!(printed.code, 0, "{}", printed.err);
     let schema: Value = serde_json::from_str(&printed.out).unwrap();
     jsonschema::validator_for(&schema).expect("a schema")

@@ -12,18 +12,18 @@ use crate::common::{Folder, PLANTED, run, run_in_world, run_stepping};
 #[test]
 fn completions_and_pages_have_the_commands() {
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
-        let ended = run(&format!("completions {shell}"));
+        let ended = run(&format!("generate completions {shell}"));
         assert_eq!((ended.code, ended.err.as_str()), (0, ""), "{shell}");
         for part in ["rtbench", "merge", "shard"] {
             assert!(ended.out.contains(part), "{shell}: {part}");
         }
     }
-    let top = run("man");
+    let top = run("generate man");
     assert!(top.out.starts_with(".ie") && top.out.contains("Exit codes"), "{}", top.out);
-    let page = run("man run");
+    let page = run("generate man run");
     assert!(page.out.contains("\\-\\-shard"), "{}", page.out);
     let folder = Folder::new();
-    assert_eq!(run(&format!("man -o {}/man", folder.path())).code, 0);
+    assert_eq!(run(&format!("generate man -o {}/man", folder.path())).code, 0);
     for page in ["rtbench.1", "rtbench-run.1", "rtbench-scenes-info.1"] {
         assert!(folder.text(&format!("man/{page}")).contains(".TH"), "{page}");
     }
@@ -83,9 +83,9 @@ fn misspelt_names_are_answered_with_the_right_ones() {
         ("run tetra:1 --reference obvhs-cwbhv", "obvhs-cwbvh"),
         ("sweep tetra:1 -s uniform-grid -p densty --values 1", "density"),
         ("list structurs", "structures"),
-        ("man mrege", "merge"),
-        ("schema run-recrod", "run-record"),
-        ("completions bsh", "bash"),
+        ("generate man mrege", "merge"),
+        ("generate schema run-recrod", "run-record"),
+        ("generate completions bsh", "bash"),
         ("accuracy triangel-test", "triangle-test"),
         ("accuracy --scene blals", "balls"),
         ("compare-tracers tetra:1 --tracers whited", "whitted"),

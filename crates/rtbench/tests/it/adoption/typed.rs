@@ -10,17 +10,16 @@ use super::documents::{arguments, chapters, joined, parse, root, text_of};
 use crate::common::Folder;
 
 /// Commands that are parsed only: a part of the line, and why.
-const PARSED_ONLY: [(&str, &str); 12] = [
+const PARSED_ONLY: [(&str, &str); 11] = [
     ("scenes fetch", "it needs a network"),
     ("--plugin", "it needs a compiled plugin: the tests of plugins type it"),
-    ("hits check", "it needs the hits of another program: the tests of plugins have them"),
+    ("rays check", "it needs the hits of another program: the tests of plugins have them"),
     ("part-3", "it merges eight parts: the tests of shards merge what they measure"),
     ("--resume", "it needs an interrupted run: the tests of resuming have them"),
     ("--shard $", "it is a part of an array job: the tests of Slurm's scripts run it"),
     ("check --baseline", "it judges times, which a busy machine changes: the tests of check"),
     ("baselines/main.json", "as above"),
     ("--against", "it needs a minute, and an older program: the tests of check"),
-    ("merge --machines", "it needs records of two machines"),
     ("--processes", "it needs a minute: the tests of processes"),
     ("hagrid", "another program reads it"),
 ];
@@ -66,7 +65,7 @@ const LESS: [(&str, Options, &str); 14] = [
     ("reproduce", &[("--scenes", "tetra"), ("--quick", ""), ("--size", "16")], ""),
     ("cost", &[("--size", "16")], ""),
     ("render", &[("--size", "16")], ""),
-    ("rays", &[("--size", "16")], ""),
+    ("rays export", &[("--size", "16")], ""),
     ("verify", &[("--rays", "20")], "--cases=G1"),
     ("baseline save main", &[("--quick", ""), ("--size", "16")], ""),
     ("check", &[("--quick", "")], ""),

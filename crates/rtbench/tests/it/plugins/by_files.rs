@@ -83,7 +83,7 @@ fn answers_of_another_program_are_judged() {
     let hits = answered(&r, &t);
     let check = |hits: &[u8]| {
         fs::write(&answers, hits).unwrap();
-        let ended = rtbench(&["hits", "check", "tetra:3", &answers]);
+        let ended = rtbench(&["rays", "check", "tetra:3", &answers]);
         let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
         (ended.status.code().unwrap(), said)
     };
@@ -166,7 +166,7 @@ fn exports_of_far_scenes_name_the_origin_and_are_judged() {
     assert!((f64::from(f32_at(&t, header(&t))) - 0.1).abs() < 1e-7);
     let check = |hits: &[u8]| {
         fs::write(&answers, hits).unwrap();
-        rtbench(&["hits", "check", &scene, &answers]).status.code()
+        rtbench(&["rays", "check", &scene, &answers]).status.code()
     };
     let hits = answered(&r, &t);
     assert_eq!(check(&hits), Some(0));

@@ -45,7 +45,7 @@ impl Outside {
     /// Result of merging a file.
     fn merged(&self, hits: &str, more: &[&str]) -> (i32, String) {
         let into = self.results.path();
-        let check = ["hits", "check", "tetra:3", hits, "--into", &into, "--time-ms", "0.5"];
+        let check = ["rays", "check", "tetra:3", hits, "--into", &into, "--time-ms", "0.5"];
         let ended = rtbench(&[&check[..], more].concat());
         let said = String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned();
         (ended.status.code().unwrap(), said)
@@ -141,6 +141,6 @@ fn results_of_other_rays_take_no_row() {
         assert!(code == 1 && said.contains(why), "{said}");
     }
     // a name and a time go with a place
-    let ended = rtbench(&["hits", "check", "tetra:3", &good, "--into", &outside.results.path()]);
+    let ended = rtbench(&["rays", "check", "tetra:3", &good, "--into", &outside.results.path()]);
     assert_eq!(ended.status.code(), Some(2));
 }

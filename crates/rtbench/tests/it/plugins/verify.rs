@@ -136,7 +136,8 @@ fn a_lost_hit_is_reduced_to_a_reproducing_program() {
     // the same rays again
     let traced = |row: &str| {
         let (scene, rays) = (file("obj"), file("rays"));
-        let arguments = ["trace", &scene, "--rays", &rays, "--plugin", plugin.to_str().unwrap()];
+        let arguments =
+            ["rays", "trace", &scene, "--rays", &rays, "--plugin", plugin.to_str().unwrap()];
         let ended = rtbench(&[&arguments[..], &["-s", row]].concat());
         let said = String::from_utf8_lossy(&ended.stdout).into_owned();
         assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));

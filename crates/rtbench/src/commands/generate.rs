@@ -1,4 +1,4 @@
-//! `rtbench schema`, `completions` and `man`: what is printed of the program itself.
+//! `rtbench generate`: what the program says of itself, for other programs.
 
 use clap::CommandFactory;
 use clap_mangen::Man;
@@ -44,7 +44,7 @@ fn pages(command: &clap::Command) -> Vec<Man> {
     all
 }
 
-/// The files that `man -o` writes.
+/// The files that `generate man -o` writes.
 pub fn page_names() -> Vec<String> {
     pages(&built()).iter().map(Man::get_filename).collect()
 }
