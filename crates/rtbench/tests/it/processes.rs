@@ -4,7 +4,6 @@ use accel_core::structures::REGISTRY;
 use measurement::record::{RunRecord, Verdict};
 use measurement::system::clock::SystemClock;
 use rtbench::context::Environment;
-use serde_json::Value;
 use studies::accuracy::record::AccuracyRecord;
 
 use crate::check::{run_timed, with_program};
