@@ -9,6 +9,7 @@ pub mod interrupt;
 pub mod machine;
 pub mod memory_layout;
 pub mod memory_limit;
+pub mod noise;
 pub mod panics;
 pub mod pools;
 pub mod program_copy;

@@ -50,8 +50,9 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
         let all = by_kind.iter().flat_map(|(_, rays)| rays).map(abi::Ray::from);
         let bytes: Vec<u8> = match args.format {
             RayFormat::Rtbench => {
-                let header = about.header(Content::Rays).into_iter();
-                header.chain(all.flat_map(|r| ray_record(&r))).collect()
+                let mut bytes = about.header(Content::Rays);
+                all.for_each(|ray| bytes.extend_from_slice(&ray_record(&ray)));
+                bytes
             }
             RayFormat::Hagrid => {
                 let [x, y, z] = about.origin;
@@ -73,7 +74,7 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
     if let Some(path) = &args.triangles {
         let mut bytes = about.header(Content::Triangles);
         for (corners, id) in set.triangles().iter().zip(0..) {
-            bytes.extend(triangle_record(corners, !set.is_opaque(id)));
+            bytes.extend_from_slice(&triangle_record(corners, !set.is_opaque(id)));
         }
         write(path, &bytes)?;
     }

@@ -11,11 +11,11 @@ use std::path::PathBuf;
 use serde::Serialize;
 
 use crate::args::{Color, DoctorArgs, Format};
-use crate::commands::noise::Noise;
 use crate::context::Context;
 use crate::error::Error;
 use measurement::system::huge_pages::use_of;
 use measurement::system::machine::{kibibytes, value};
+use measurement::system::noise::Noise;
 use measurement::system::world;
 use presentation::fitted::wrapped;
 use presentation::json;

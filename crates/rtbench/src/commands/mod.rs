@@ -18,7 +18,6 @@ pub mod list;
 pub mod measuring;
 pub mod merge;
 pub mod named_files;
-mod noise;
 mod processes;
 pub mod render;
 pub mod report;

@@ -64,7 +64,7 @@ fn traced<S: Buildable>(
         let all = answers.iter().flat_map(|answers| (0..answers.len()).map(move |i| (answers, i)));
         for (number, (answers, i)) in all.enumerate() {
             if args.output.is_some() {
-                file.extend(files::hit_record(&record_of(answers, i)));
+                file.extend_from_slice(&files::hit_record(&record_of(answers, i)));
             } else {
                 let exact = match answers {
                     Answers::Hits(hits) => hits.get(i).filter(|hit| hit.is_hit()),

@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use serde::Serialize;
 
-use measurement::system::clock::Clock;
+use crate::system::clock::Clock;
 use statistics::outliers::quantile;
 
 /// Number of times that the loop is timed.
