@@ -117,6 +117,28 @@ pub(crate) fn exchange<T: Send>(first: Vec<&mut [T]>, others: Vec<&mut [T]>) {
     pairs.into_par_iter().for_each(|(a, b)| a.swap_with_slice(b));
 }
 
+/// A piece of a tree, whose first node is its root, and those that other threads made below some of
+/// its nodes.
+pub(crate) struct ForkedTree<T> {
+    pub(crate) piece: T,
+    pub(crate) below: Vec<(usize, Self)>,
+}
+
+impl<T> ForkedTree<T> {
+    /// Lists the pieces, each before those below it, and the places of their roots among the nodes
+    /// of all, of which a piece adds `nodes` but for its root.
+    pub(crate) fn pieces(self, nodes: impl Fn(&T) -> usize) -> Vec<(usize, T)> {
+        let (mut pieces, mut in_front) = (Vec::new(), 0);
+        let mut waiting = vec![(0, self)];
+        while let Some((root, Self { piece, below })) = waiting.pop() {
+            waiting.extend(below.into_iter().rev().map(|(at, below)| (at + in_front, below)));
+            in_front += nodes(&piece) - 1;
+            pieces.push((root, piece));
+        }
+        pieces
+    }
+}
+
 /// Concatenates the pieces, each mapped by `moved`.
 pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
     pieces: &[(&[T], M)],

@@ -19,8 +19,8 @@ use crate::parallel;
 /// So few boxes are not divided: they mostly share a block.
 const FEW: u32 = 3;
 
-/// Nodes of no more boxes than this stay where they are.
-pub(super) const MANY: usize = 64;
+/// Nodes of no more boxes than this are not reinserted.
+pub(super) const FEWEST_REINSERTED: usize = 64;
 
 /// The tree over these boxes, so many in a leaf at most; the same for any number of threads.
 pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
