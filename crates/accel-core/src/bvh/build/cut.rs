@@ -14,8 +14,8 @@ const FEWEST_BINS: usize = 4;
 const BOXES_PER_BIN: usize = 20;
 const MOST_BINS: usize = 32;
 
-/// So many items are counted into two sets of bins by turns.
-const MANY: usize = 256;
+/// From so many items on, neighbours are counted into two sets of bins by turns.
+const ALTERNATED_FROM: usize = 256;
 
 /// Maps the centres of items to bins.
 #[derive(Clone, Copy)]
@@ -76,7 +76,7 @@ impl Bins {
     fn fill(&mut self, count: usize, binning: &Binning, items: &[Item]) {
         self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
         self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
-        if items.len() < MANY {
+        if items.len() < ALTERNATED_FROM {
             items.iter().for_each(|item| self.count(binning, item));
             return;
         }

@@ -16,7 +16,7 @@ use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::morton::morton_encode_u64;
 use rayon::prelude::*;
 
-use super::binned::{MANY, insert_anew};
+use super::binned::{REINSERTED_ABOVE, insert_anew};
 use super::boxes::{Item, SetBounds};
 use super::cut::Bins;
 use super::sets::{MOST_CUTS, Nodes, Set, Sizes};
@@ -31,7 +31,7 @@ const MOST: usize = 32;
 /// So many boxes are not divided: they share a block.
 const FEW: u32 = TriangleBlock::<f32>::LANES as u32;
 
-/// Nodes of no more clusters than this stay where they are.
+/// Nodes of more clusters than this are inserted anew.
 const MANY_CLUSTERS: usize = 4;
 
 /// Levels within a cluster, of the [`MOST_CUTS`] of a tree, below which its sets are halved.
@@ -58,7 +58,7 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     let mut heads: Vec<Item> = parallel::collect(clusters.len(), head);
     let around = SetBounds::of_all(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
-    let sizes = Sizes { few: 1, many: MANY_CLUSTERS, is_parallel: true };
+    let sizes = Sizes { few: 1, reinserted_above: MANY_CLUSTERS, is_parallel: true };
     let nodes = set.tree(sizes);
     let nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
     let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
@@ -227,7 +227,7 @@ fn within(
     items: &mut [Item],
     few: usize,
 ) -> Nodes {
-    let sizes = Sizes { few, many: MANY, is_parallel: false };
+    let sizes = Sizes { few, reinserted_above: REINSERTED_ABOVE, is_parallel: false };
     let items_in_all = items.len();
     let parts = parallel::parts(items_in_all);
     let mut slices: Vec<&mut [Item]> = Vec::with_capacity(clusters.len());

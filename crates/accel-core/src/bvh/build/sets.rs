@@ -57,8 +57,8 @@ impl Nodes {
 pub(super) struct Sizes {
     /// So many are a leaf.
     pub(super) few: usize,
-    /// The nodes of more are those which are inserted anew.
-    pub(super) many: usize,
+    /// Nodes of more items are inserted anew.
+    pub(super) reinserted_above: usize,
     /// Sets may be divided by several threads, so that the order of their items is nobody's.
     pub(super) is_parallel: bool,
 }
@@ -147,7 +147,7 @@ impl Set<'_> {
             Set { items: lower_items, first, around: lower, level, node: pair },
             Set { items: upper_items, first: first + middle, around: upper, level, node: pair + 1 },
         ];
-        let many = sides.iter().filter(|set| set.items.len() > sizes.many);
+        let many = sides.iter().filter(|set| set.items.len() > sizes.reinserted_above);
         nodes.upper.extend(many.map(|set| set.node as u32));
         Some(sides)
     }
