@@ -49,7 +49,7 @@ impl CollapsedTree {
             return tree;
         }
         if !parallel::should_parallelize(collapse.inner_nodes()) {
-            return Self::forked(collapse, 0, 0).tree;
+            return Self::forked(collapse, 0, 0).piece;
         }
         // a level of eight-wide nodes is three of binary ones
         let forked = Self::forked(collapse, 0, parallel::forks().div_ceil(3));

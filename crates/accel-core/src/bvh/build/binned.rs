@@ -38,7 +38,11 @@ fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
     }
     let around = SetBounds::of_all(&items);
     let set = Set { items: &mut items, first: 0, around, level, node: 0 };
-    let sizes = Sizes { few: FEW.min(longest_leaf) as usize, reinserted_above: REINSERTED_ABOVE, is_parallel: true };
+    let sizes = Sizes {
+        few: FEW.min(longest_leaf) as usize,
+        reinserted_above: REINSERTED_ABOVE,
+        is_parallel: true,
+    };
     let nodes = set.tree(sizes);
     let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
     (Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() }, nodes.upper)
