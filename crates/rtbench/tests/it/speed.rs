@@ -9,7 +9,7 @@ use crate::common::{
 use accel_core::primitives::PrimSet;
 use accel_core::structure::{BatchAnswers, RayBatch, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
-use accel_core::{Hit, Ray, Scalar, Vector};
+use accel_core::{Hit, Scalar, Vector};
 use measurement::record::query::Query;
 use measurement::record::{RunRecord, Verdict};
 use measurement::scenes::InstalledScenes;

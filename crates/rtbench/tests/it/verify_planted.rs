@@ -180,8 +180,8 @@ static FAULTS: &[Entry] = &[
     planted_entry!("odd-crossings", Own<S, MissesOddCrossings>),
     planted_entry!("shrunk", Boxes<S, ShrinksBoxes>),
     planted_entry!("lone-rays", Batched<S, LosesLoneRays>),
-    crate::common::batched_entry!(SilentShadows, SILENT_SHADOWS),
-    crate::common::batched_entry!(SilentAll, SILENT),
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS, prepare_f32, true),
+    accel_core::entry!(SilentAll, SILENT, prepare_f32, true),
 ];
 
 fn verify(arguments: &str) -> Ended {

@@ -54,7 +54,7 @@ impl BatchFault for GlassBlocks {
         let BatchAnswers::Occlusion(blocked) = &mut batch.answers else {
             return answered_by_brute_force(prims, batch);
         };
-        for (ray, blocked) in batch.rays.iter().zip(blocked) {
+        for (ray, blocked) in batch.rays.iter().zip(&mut **blocked) {
             let setup = prims.setup(ray);
             let mut ids = 0..prims.len() as u32;
             *blocked = ids.any(|id| prims.intersect(id, ray, &setup, ray.t_max).is_some());
