@@ -34,16 +34,9 @@ pub(crate) fn should_parallelize(references: usize) -> bool {
 }
 
 /// Cuts `0..primitives` into [`parts`] and gives what `f` makes of each, in their order.
-pub(crate) fn map_parts<T: Send>(
-    primitives: usize,
-    f: impl Fn(Range<u32>) -> T + Send + Sync,
-) -> Vec<T> {
+pub(crate) fn map_parts<T: Send>(primitives: usize, f: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
     let ranges = ranges(primitives, parts(primitives));
-    let part = |range: &Range<usize>| f(range.start as u32..range.end as u32);
-    match ranges.as_slice() {
-        [only] => vec![part(only)],
-        ranges => ranges.par_iter().map(part).collect(),
-    }
+    map(&ranges, &|range| f(range.start as u32..range.end as u32))
 }
 
 /// Cuts `0..n` into at most so many parts, at least one, all of one length but for the last.
@@ -64,10 +57,29 @@ pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -
 
 /// Maps expensive items by `f` in parallel, keeping the order.
 pub(crate) fn map<I: Sync, T: Send>(items: &[I], f: &(dyn Fn(&I) -> T + Sync)) -> Vec<T> {
-    match rayon::current_num_threads() {
-        0 | 1 => items.iter().map(f).collect(),
-        _ => items.par_iter().map(f).collect(),
+    match items {
+        [_, _, ..] if rayon::current_num_threads() > 1 => items.par_iter().map(f).collect(),
+        _ => items.iter().map(f).collect(),
     }
+}
+
+/// The same of items that `f` changes.
+pub(crate) fn map_mut<I: Send, T: Send>(
+    items: &mut [I],
+    f: &(dyn Fn(&mut I) -> T + Sync),
+) -> Vec<T> {
+    match items {
+        [_, _, ..] if rayon::current_num_threads() > 1 => items.par_iter_mut().map(f).collect(),
+        _ => items.iter_mut().map(f).collect(),
+    }
+}
+
+/// Cuts off one piece of each length, from the front on.
+pub(crate) fn split_mut<T>(
+    mut items: &mut [T],
+    lengths: impl IntoIterator<Item = usize>,
+) -> impl Iterator<Item = &mut [T]> {
+    lengths.into_iter().map_while(move |length| items.split_off_mut(..length))
 }
 
 /// Sorts numbers of which none is there twice.
@@ -75,14 +87,6 @@ pub(crate) fn sort<T: Ord + Send>(numbers: &mut [T]) {
     match parts(numbers.len()) {
         1 => numbers.sort_unstable(),
         _ => numbers.par_sort_unstable(),
-    }
-}
-
-/// Calls `f` with each item, of which there is one for each of some [`parts`].
-pub(crate) fn for_each_part<T: Send>(items: &mut [T], f: &(dyn Fn(&mut T) + Sync)) {
-    match items {
-        [only] => f(only),
-        items => items.par_iter_mut().for_each(f),
     }
 }
 
@@ -115,6 +119,28 @@ pub(crate) fn exchange<T: Send>(first: Vec<&mut [T]>, others: Vec<&mut [T]>) {
         }
     }
     pairs.into_par_iter().for_each(|(a, b)| a.swap_with_slice(b));
+}
+
+/// A piece of a tree, whose first node is its root, and those that other threads made below some of
+/// its nodes.
+pub(crate) struct ForkedTree<T> {
+    pub(crate) piece: T,
+    pub(crate) below: Vec<(usize, Self)>,
+}
+
+impl<T> ForkedTree<T> {
+    /// Lists the pieces, each before those below it, and the places of their roots among the nodes
+    /// of all, of which a piece adds `nodes` but for its root.
+    pub(crate) fn pieces(self, nodes: impl Fn(&T) -> usize) -> Vec<(usize, T)> {
+        let (mut pieces, mut in_front) = (Vec::new(), 0);
+        let mut waiting = vec![(0, self)];
+        while let Some((root, Self { piece, below })) = waiting.pop() {
+            waiting.extend(below.into_iter().rev().map(|(at, below)| (at + in_front, below)));
+            in_front += nodes(&piece) - 1;
+            pieces.push((root, piece));
+        }
+        pieces
+    }
 }
 
 /// Concatenates the pieces, each mapped by `moved`.
@@ -197,7 +223,8 @@ mod tests {
                 assert!(own == sorted);
                 for_each(&mut own, |n| *n += 1);
                 assert!(own.iter().zip(&sorted).all(|(n, before)| *n == before + 1));
-                for_each_part(&mut own[..3], &|n| *n = 0);
+                let taken = map_mut(&mut own[..3], &|n| std::mem::take(n));
+                assert!(taken.iter().zip(&sorted).all(|(n, before)| *n == before + 1));
                 assert_eq!(own[..4], [0, 0, 0, sorted[3] + 1]);
                 assert!(map(&numbers, &|n| n + 1).iter().zip(&numbers).all(|(n, m)| *n == m + 1));
                 assert!(concat(&pieces, &|n, by| n + by) == joined);

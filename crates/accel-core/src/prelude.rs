@@ -17,7 +17,8 @@ pub use crate::primitives::{PrimSet, PrimsRef, TriangleSet};
 pub use crate::query::sink::Sink;
 pub use crate::query::tracer::Tracer;
 pub use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, no_defect,
+    BatchAnswers, Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats,
+    no_defect,
 };
 pub use crate::structures::{Entry, REGISTRY, find};
 pub use crate::{config, entry};

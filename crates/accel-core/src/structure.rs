@@ -15,7 +15,7 @@ use crate::query::kernel::{BlockSink, ListBlocks};
 use crate::query::sink::Sink;
 use crate::update::Change;
 
-pub use crate::query::sink::BatchAnswers;
+pub use crate::query::sink::{BatchAnswers, RayBatch};
 
 /// An acceleration structure over primitive ids. `peers/rust-template/src/median_bvh.rs` is a small
 /// one in a crate of its own.
@@ -79,17 +79,14 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     }
 
     /// Answers the rays of a batch, where [`Structure::batches`] says that they are not traversed
-    /// ray by ray. Where these are together, rays are brought near ([`crate::geometry::far_ray`])
-    /// within `reach`. What it counts is asked for with [`Batches::Packets`] alone; elsewhere each
+    /// ray by ray. What it counts is asked for with [`Batches::Packets`] alone; elsewhere each
     /// ray has the steps of [`Structure::traverse`], which are counted.
     #[inline(always)]
     fn answer_batch<P: PrimSet<S>, C: Counters>(
         &self,
         _prims: &P,
         _blocks: Option<&ListBlocks<S>>,
-        _rays: &[Ray<S>],
-        _reach: S,
-        _answers: BatchAnswers<'_, S>,
+        _batch: RayBatch<'_, S>,
     ) -> C {
         C::default()
     }

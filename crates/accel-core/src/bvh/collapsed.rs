@@ -1,7 +1,7 @@
 //! The eight-wide nodes and the leaves that a planned collapse makes, numbered.
 
 use super::collapse::{Collapse, LEAF, WIDTH};
-use crate::parallel;
+use crate::parallel::{self, ForkedTree};
 
 /// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after
 /// their parents.
@@ -40,33 +40,6 @@ impl CollapsedNode {
     }
 }
 
-/// A tree of which some nodes are the roots of others, that other threads made.
-struct ForkedTree {
-    tree: CollapsedTree,
-    /// Behind its own nodes, in this order, come those below these nodes.
-    below: Vec<(usize, Self)>,
-}
-
-/// A tree without its root in the order of all nodes.
-struct Graft {
-    /// The place of its root.
-    root: usize,
-    tree: CollapsedTree,
-    /// Nodes, leaves and ids in front of it; of its own nodes the first is the root.
-    in_front: [usize; 3],
-}
-
-impl ForkedTree {
-    /// Adds the tree whose root is in that place and all below it.
-    fn graft(self, root: usize, next: &mut [usize; 3], grafts: &mut Vec<Graft>) {
-        let in_front = *next;
-        let own = [self.tree.nodes.len() - 1, self.tree.ends.len(), self.tree.ids.len()];
-        next.iter_mut().zip(own).for_each(|(next, own)| *next += own);
-        grafts.push(Graft { root, tree: self.tree, in_front });
-        self.below.into_iter().for_each(|(at, below)| below.graft(at + in_front[0], next, grafts));
-    }
-}
-
 impl CollapsedTree {
     /// The nodes and leaves of a collapse; the same for any number of threads.
     pub(super) fn of(collapse: &Collapse<'_>) -> Self {
@@ -76,27 +49,28 @@ impl CollapsedTree {
             return tree;
         }
         if !parallel::should_parallelize(collapse.inner_nodes()) {
-            return Self::forked(collapse, 0, 0).tree;
+            return Self::forked(collapse, 0, 0).piece;
         }
         // a level of eight-wide nodes is three of binary ones
         let forked = Self::forked(collapse, 0, parallel::forks().div_ceil(3));
-        let mut grafts = Vec::new();
-        forked.graft(0, &mut [0; 3], &mut grafts);
-        Self::joined(&grafts)
+        Self::joined(&forked.pieces(|tree| tree.nodes.len()))
     }
 
-    fn joined(grafts: &[Graft]) -> Self {
-        let shift = |graft: &Graft| (graft.in_front[0] as u32, graft.in_front[1] as u32);
-        let nodes = grafts.iter().map(|graft| (&graft.tree.nodes[1..], shift(graft)));
-        let root = (&[CollapsedNode::NONE][..], (0, 0));
-        let nodes: Vec<_> = std::iter::once(root).chain(nodes).collect();
-        let mut nodes = parallel::concat(&nodes, &CollapsedNode::moved);
-        for graft in grafts {
-            nodes[graft.root] = graft.tree.nodes[0].moved(shift(graft));
+    fn joined(pieces: &[(usize, Self)]) -> Self {
+        // nodes and leaves in front of a piece, and ids
+        let (mut shift, mut ids_in_front) = ((0, 0), 0);
+        let (mut roots, mut nodes) = (Vec::new(), vec![(&[CollapsedNode::NONE][..], shift)]);
+        let (mut ids, mut ends) = (Vec::new(), Vec::new());
+        for (place, tree) in pieces {
+            roots.push((*place, tree.nodes[0].moved(shift)));
+            nodes.push((&tree.nodes[1..], shift));
+            ids.push((&tree.ids[..], ()));
+            ends.push((&tree.ends[..], ids_in_front));
+            shift = (shift.0 + tree.nodes.len() as u32 - 1, shift.1 + tree.ends.len() as u32);
+            ids_in_front += tree.ids.len();
         }
-        let ids: Vec<_> = grafts.iter().map(|graft| (&graft.tree.ids[..], ())).collect();
-        let ends = grafts.iter().map(|graft| (&graft.tree.ends[..], graft.in_front[2]));
-        let ends: Vec<_> = ends.collect();
+        let mut nodes = parallel::concat(&nodes, &CollapsedNode::moved);
+        roots.into_iter().for_each(|(place, root)| nodes[place] = root);
         Self {
             nodes,
             ids: parallel::concat(&ids, &|id, ()| id),
@@ -106,7 +80,7 @@ impl CollapsedTree {
 
     /// The tree of a subtree that is no leaf; those of its children at once, `forks` times one below
     /// the other.
-    fn forked(collapse: &Collapse<'_>, root: u32, forks: u32) -> ForkedTree {
+    fn forked(collapse: &Collapse<'_>, root: u32, forks: u32) -> ForkedTree<Self> {
         let (mut tree, mut ids) = (Self::default(), Vec::new());
         tree.nodes.push(CollapsedNode::NONE);
         let mut waiting = vec![(0, root)];
@@ -120,7 +94,7 @@ impl CollapsedTree {
         let below = |&(number, subtree): &(usize, u32)| {
             (number, Self::forked(collapse, subtree, forks - 1))
         };
-        ForkedTree { tree, below: parallel::map(&waiting, &below) }
+        ForkedTree { piece: tree, below: parallel::map(&waiting, &below) }
     }
 
     /// Adds the children of a node; those that are no leaves are waiting then.

@@ -36,9 +36,7 @@ use crate::query::kernel::ListBlocks;
 use crate::query::lists::{Layout, Lists};
 use crate::query::prepared::SequentialDriver;
 use crate::query::sink::Sink;
-use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
-};
+use crate::structure::{Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
 use box_ray::RaySetup;
@@ -279,17 +277,15 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         &self,
         prims: &P,
         _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
+        batch: RayBatch<'_, S>,
     ) -> C {
         if self.batches == Batches::Packets {
             let unit = self.setup.unit();
             return batch::answer_in_order::<SequentialDriver, C, _, _, _>(
-                self, prims, rays, reach, unit, answers,
+                self, prims, batch, unit,
             );
         }
-        batch::answer::<SequentialDriver, C, _, _, _>(self, prims, rays, reach, answers)
+        batch::answer::<SequentialDriver, C, _, _, _>(self, prims, batch)
     }
 
     fn stats(&self) -> StructureStats {

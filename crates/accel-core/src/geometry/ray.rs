@@ -2,6 +2,8 @@
 
 #![warn(missing_docs)]
 
+use glam::DVec3;
+
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
 /// The id of "no primitive".
@@ -30,6 +32,11 @@ impl<S: Scalar> Ray<S> {
     /// A ray from `origin` with the interval [0, infinity], at time 0.
     pub fn new(origin: Vec3<S>, direction: Vec3<S>) -> Self {
         Self { origin, direction, t_min: S::ZERO, t_max: S::INFINITY, time: S::ZERO }
+    }
+
+    /// [`Ray::new`] of coordinates in f64, rounded.
+    pub fn from_dvec3(origin: DVec3, direction: DVec3) -> Self {
+        Self::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
     }
 
     /// The point at parameter `t`.

@@ -64,8 +64,7 @@ pub(crate) mod tests {
                 2 => d.z = -1e-30,
                 _ => {}
             }
-            let vector = |v: DVec3| Vec3::<S>::from_dvec3(v);
-            let mut ray = Ray::<S>::new(vector(from), vector(d));
+            let mut ray = Ray::<S>::from_dvec3(from, d);
             ray.t_max = if round.is_multiple_of(4) { S::ONE } else { S::INFINITY };
             ray
         })

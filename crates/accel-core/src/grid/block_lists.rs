@@ -5,13 +5,12 @@
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use rayon::prelude::*;
-
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::grid::sort_in_parts::{filled, useful_parts};
 use crate::grid::voxel_traversal::GridFrame;
+use crate::parallel::{map_mut, split_mut};
 
 /// Says to which block of cells a primitive goes.
 pub(crate) trait BlockPlacement: Sync {
@@ -123,14 +122,11 @@ pub(crate) fn block_lists(
     let sort = Sort { rows, placement, order };
     let max_references = max_references.min(u64::from(u32::MAX));
     let parts = useful_parts(primitives, rows.cells());
-    let size = parts.first().map_or(1, |part| part.len().max(1));
     let mut kept = vec![0; primitives];
-    let count =
-        |(i, kept): (usize, &mut [u64])| sort.count((i * size) as u32, kept, max_references);
-    let counted = match parts.len() {
-        1 => vec![count((0, &mut kept))],
-        _ => kept.par_chunks_mut(size).enumerate().map(count).collect(),
-    };
+    let lengths = parts.iter().map(ExactSizeIterator::len);
+    let mut kept_of: Vec<_> = parts.iter().zip(split_mut(&mut kept, lengths)).collect();
+    let counted =
+        map_mut(&mut kept_of, &|(part, kept)| sort.count(part.start as u32, kept, max_references));
     let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
         sort.fill(part.start as u32, &kept[part], cursors, ids);
     };

@@ -7,9 +7,8 @@ use std::ops::{Deref, Range};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use crate::grid::sort_in_parts::{
-    Counts, counted, filled, filled_whole, turn_into_ends, useful_parts,
-};
+use crate::grid::sort_in_parts::{Counts, filled, filled_whole, turn_into_ends, useful_parts};
+use crate::parallel::map;
 use crate::structure::StructureStats;
 
 /// For every cell, the slice of ids it holds; in an array of its own, or in one shared with other
@@ -114,7 +113,7 @@ impl CellLists {
     ) -> Result<Self, TooManyReferences> {
         let parts = useful_parts(primitives, cells);
         let ids = |part: Range<usize>| part.start as u32..part.end as u32;
-        let counted = counted(&parts, &|part| count(cells, ids(part), u64::MAX, placement));
+        let counted = map(&parts, &|part| count(cells, ids(part.clone()), u64::MAX, placement));
         let fill = |part: Range<usize>, cursors: &mut [u32], numbers: &[AtomicU32]| {
             let put = |at: usize, id| numbers[at].store(id, Ordering::Relaxed);
             fill(ids(part), order, placement, cursors, put);

@@ -28,17 +28,6 @@ pub(super) fn useful_parts(primitives: usize, cells: usize) -> Vec<Range<usize>>
 /// Lengths of the lists in a part (and a zero), and their sum.
 pub(super) type Counts = (Vec<u32>, u64);
 
-/// Applies `count` to each part.
-pub(super) fn counted(
-    parts: &[Range<usize>],
-    count: &(dyn Fn(Range<usize>) -> Counts + Sync),
-) -> Vec<Counts> {
-    match parts {
-        [only] => vec![count(only.clone())],
-        parts => parts.par_iter().cloned().map(count).collect(),
-    }
-}
-
 /// As [`filled`], of one part.
 #[inline(always)]
 pub(super) fn filled_whole(

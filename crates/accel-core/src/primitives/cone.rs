@@ -454,7 +454,7 @@ mod tests {
             let target = base + axis * (length * at) + out * (r0 + (r1 - r0) * at);
             let way = [along, along + around * 0.3, axis, around, out][i % 5] + off;
             let origin = target - way * (1.0 + length).min(size);
-            let ray = Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(way));
+            let ray = Ray::from_dvec3(origin, way);
             if let Some(t) = test(&cone, &ray) {
                 let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * t.to_f64();
                 most = most.max((lo - p).max(p - hi).max_element() / size / S::EPSILON.to_f64());

@@ -15,7 +15,7 @@ use crate::primitives::PrimSet;
 use crate::query::counters::Counters;
 use crate::query::mailbox::NoMailbox;
 use crate::query::ray_order;
-use crate::query::sink::{Answer, BatchAnswers, Query, Sink};
+use crate::query::sink::{Answer, BatchAnswers, Query, RayBatch, Sink};
 use crate::query::tracer::nearby::rebase_origin;
 use crate::structure::Structure;
 
@@ -118,9 +118,7 @@ impl<S: Scalar, T: Traverse<S>> BatchDriver<S, T> for RayByRay {
 pub(crate) fn answer<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
     prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
-    answers: BatchAnswers<'_, S>,
+    RayBatch { rays, reach, answers }: RayBatch<'_, S>,
 ) -> C {
     let work = C::default();
     if !P::HAS_BLOCKS || D::IS_TOGETHER && P::HAS_OTHER_TESTS {
@@ -149,10 +147,8 @@ const ORDERED_AT_A_TIME: usize = 1 << 18;
 pub(crate) fn answer_in_order<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: PrimSet<S>, T>(
     structure: &T,
     prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
+    RayBatch { rays, reach, mut answers }: RayBatch<'_, S>,
     unit: f64,
-    mut answers: BatchAnswers<'_, S>,
 ) -> C {
     let mut work = C::default();
     let mut first = 0;
@@ -160,8 +156,9 @@ pub(crate) fn answer_in_order<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: P
         let places = first..rays.len().min(first + ORDERED_AT_A_TIME);
         let Some(order) = ray_order::of(&rays[places.clone()], unit) else { break };
         let ordered: Vec<Ray<S>> = order.iter().map(|&at| rays[first + at as usize]).collect();
-        let ask = |into: BatchAnswers<'_, S>| {
-            answer::<D, C, _, _, _>(structure, prims, &ordered, reach, into)
+        let ask = |answers: BatchAnswers<'_, S>| {
+            let batch = RayBatch { rays: &ordered, reach, answers };
+            answer::<D, C, _, _, _>(structure, prims, batch)
         };
         first = places.end;
         work += match answers.of(places) {
@@ -173,8 +170,9 @@ pub(crate) fn answer_in_order<D: BatchDriver<S, T>, C: Counters, S: Scalar, P: P
             }
         };
     }
-    let rest = answers.of(first..rays.len());
-    work += answer::<D, C, _, _, _>(structure, prims, &rays[first..], reach, rest);
+    let answers = answers.of(first..rays.len());
+    let rest = RayBatch { rays: &rays[first..], reach, answers };
+    work += answer::<D, C, _, _, _>(structure, prims, rest);
     work
 }
 

@@ -130,7 +130,7 @@ mod tests {
                 ControlFlow::Continue(())
             });
             for direction in directions {
-                let ray = Ray::<f64>::new(Vector::from_dvec3(apex), Vector::from_dvec3(direction));
+                let ray = Ray::<f64>::from_dvec3(apex, direction);
                 let setup = set.setup(&ray);
                 for id in 0..set.len() as u32 {
                     let Some(t) = set.intersect(id, &ray, &setup, f64::INFINITY) else { continue };

@@ -11,13 +11,15 @@
 //! A look-up probes at most as far as the farthest key of the build, even in a full table. Keys are
 //! taken in their order.
 
+use std::ops::Range;
+
 use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::NewCells;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
-use crate::parallel::{for_each_part, parts, ranges, sort};
+use crate::parallel::{map_mut, parts, ranges, sort, split_mut};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::primitives::PrimSet;
@@ -244,19 +246,13 @@ impl HashedCells {
     fn fill<'a>(&mut self, list: &(dyn Fn(u64) -> &'a [u32] + Sync)) {
         let slots = &self.table.slots;
         let parts = ranges(slots.len(), parts(slots.len()));
-        let mut rest = self.ids.as_mut_slice();
-        let mut jobs: Vec<_> = parts
-            .into_iter()
-            .map(|part| {
-                let n = slots[part.clone()].iter().map(|slot| slot.len as usize).sum();
-                let (own, behind) = std::mem::take(&mut rest).split_at_mut(n);
-                rest = behind;
-                (part, own)
-            })
-            .collect();
-        for_each_part(&mut jobs, &|(part, ids)| {
+        let length =
+            |part: &Range<usize>| slots[part.clone()].iter().map(|slot| slot.len as usize).sum();
+        let mut jobs: Vec<_> =
+            parts.iter().zip(split_mut(&mut self.ids, parts.iter().map(length))).collect();
+        map_mut(&mut jobs, &|(part, ids)| {
             let mut next = 0;
-            for slot in slots[part.clone()].iter().filter(|slot| slot.key != VACANT) {
+            for slot in slots[(*part).clone()].iter().filter(|slot| slot.key != VACANT) {
                 let end = next + slot.len as usize;
                 ids[next..end].copy_from_slice(list(slot.key));
                 next = end;

@@ -44,7 +44,7 @@ use crate::variants::chosen_tests::{self, Choice, TestedSetVisitor};
 #[cfg(not(test))]
 pub static REGISTRY: &[Entry] = &[
     entry!(brute_force::BruteForce, brute_force::INFO),
-    compiled_entry!(prepare_tested, uniform_grid::UniformGrid, uniform_grid::INFO),
+    entry!(uniform_grid::UniformGrid, uniform_grid::INFO, prepare_tested, true),
     entry!(hashed_grid::HashedGrid, hashed_grid::INFO),
     entry!(compact_grid::CompactGrid, compact_grid::INFO),
     entry!(bricked_grid::BrickedGrid, bricked_grid::INFO),
@@ -53,16 +53,16 @@ pub static REGISTRY: &[Entry] = &[
     entry!(hug::Hug, hug::INFO),
     entry!(two_level_grid::TwoLevelGrid, two_level_grid::INFO),
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
-    compiled_entry!(prepare_compiled, irregular_grid::IrregularGrid, irregular_grid::INFO),
+    entry!(irregular_grid::IrregularGrid, irregular_grid::INFO, prepare_compiled, true),
     entry!(octree::Octree, octree::INFO),
-    compiled_entry!(prepare_compiled, kd_tree::KdTree, kd_tree::INFO),
+    entry!(kd_tree::KdTree, kd_tree::INFO, prepare_compiled, true),
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
-    compiled_entry!(prepare_tested, WideBvh, bvh::INFO),
+    entry!(WideBvh, bvh::INFO, prepare_tested, true),
     entry!(instanced_grid::InstancedGrid, instanced_grid::INFO),
     entry!(instanced_bvh::InstancedBvh, instanced_bvh::INFO),
-    compiled_entry!(prepare_compiled, obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO),
-    compiled_entry!(prepare_compiled, obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO),
+    entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO, prepare_compiled, true),
+    entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO, prepare_compiled, true),
 ];
 
 /// Structures that unit tests find by name, or through the light buffer. Each line compiles a
@@ -143,7 +143,12 @@ pub fn prepare<S: Scalar, T: Structure<S>, const COMPILED: bool>(
     prepare_for::<S, T, COMPILED, false>(params)
 }
 
-/// [`prepare`] for a structure of which the queries of sets that move are compiled, too, in f32.
+/// [`prepare`] in f32, where queries are compiled into the traversal.
+pub fn prepare_f32<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
+    prepare::<f32, T, true>(params)
+}
+
+/// [`prepare_f32`] for a structure of which the queries of sets that move are compiled, too.
 pub fn prepare_compiled<T: Structure<f32>>(params: &Params) -> PreparedStructure<f32> {
     prepare_for::<f32, T, true, true>(params)
 }
@@ -229,42 +234,26 @@ impl<'a, T: Structure<f32>> TestedSetVisitor<'a> for Tested<'a, '_, '_, T> {
 /// A registry entry for a generic structure and its description: `entry!(my_tree::MyTree,
 /// my_tree::INFO)`. The type's only parameter is its scalar; it is a
 /// [`Structure`](crate::structure::Structure) in f32 and in f64. Of f64, which is an option, no
-/// query is compiled into the traversal.
+/// query is compiled into the traversal. Where more is compiled, the function that prepares it in
+/// f32 follows, and whether queries in f64 are compiled, so that the price of double precision is
+/// measured on them.
 #[macro_export]
 macro_rules! entry {
     ($structure:path, $info:path) => {
+        $crate::entry!($structure, $info, prepare_f32, false)
+    };
+    ($structure:path, $info:path, $prepare_f32:ident, $is_compiled_in_f64:literal) => {
         $crate::structures::Entry::new(
             &$info,
             |params| {
                 use $structure as It;
-                $crate::structures::prepare::<f32, It<f32>, true>(params)
+                $crate::structures::$prepare_f32::<It<f32>>(params)
             },
             |params| {
                 use $structure as It;
-                $crate::structures::prepare::<f64, It<f64>, false>(params)
+                $crate::structures::prepare::<f64, It<f64>, $is_compiled_in_f64>(params)
             },
         )
     };
 }
-
-/// [`entry!`] for a structure of which more is compiled: in f32 by `$prepare`, and f64, so that the
-/// price of double precision is measured on them.
-#[cfg_attr(test, allow(unused_macros, reason = "unit tests see two structures"))]
-macro_rules! compiled_entry {
-    ($prepare:ident, $structure:path, $info:path) => {
-        $crate::structures::Entry::new(
-            &$info,
-            |params| {
-                use $structure as It;
-                $crate::structures::$prepare::<It<f32>>(params)
-            },
-            |params| {
-                use $structure as It;
-                $crate::structures::prepare::<f64, It<f64>, true>(params)
-            },
-        )
-    };
-}
-#[cfg_attr(test, allow(unused_imports, reason = "as above"))]
-use compiled_entry;
 use entry;

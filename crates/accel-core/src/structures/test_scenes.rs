@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::geometry::ray::{Hit, Ray};
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
 use crate::query::tracer::Tracer;
@@ -105,8 +105,7 @@ pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray
             }
             _ => {}
         }
-        let (from, direction) = (Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(direction));
-        let mut ray = Ray::<S>::new(from, direction);
+        let mut ray = Ray::<S>::from_dvec3(from, direction);
         if i % 5 == 4 {
             (ray.t_min, ray.t_max) = (S::from_f64(0.1), S::from_f64(0.8));
         }

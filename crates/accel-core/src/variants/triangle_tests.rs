@@ -153,6 +153,8 @@ impl<S: Scalar> TriangleTest<S> for WatertightInDouble {
 mod tests {
     use std::any::type_name;
 
+    use glam::dvec3;
+
     use super::*;
     use crate::primitives::MoellerTrumbore;
     use crate::primitives::triangle_block::tests::{agreed, ray_to_3};
@@ -164,8 +166,7 @@ mod tests {
         let tri = [corner(0.0, 0.0), corner(1.0, 0.0), corner(0.0, 1.0)];
         for side in [1.0, -1.0] {
             let at = |x: f64, y: f64| {
-                let o = Vec3::<S>::from_dvec3(glam::dvec3(x, y, 1.0 - side));
-                let ray = Ray::<S>::new(o, Vec3::<S>::from_dvec3(glam::dvec3(0.0, 0.0, side)));
+                let ray = Ray::<S>::from_dvec3(dvec3(x, y, 1.0 - side), dvec3(0.0, 0.0, side));
                 T::intersect(&tri, &ray, &T::setup(&ray, S::ONE), S::from_f64(9.0)).map(S::to_f64)
             };
             assert_eq!(at(0.25, 0.25), Some(1.0), "{}", type_name::<T>());

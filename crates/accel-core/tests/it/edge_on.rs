@@ -17,10 +17,6 @@ fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
     TriangleSet::new(triangles.iter().map(narrow).collect(), |_| false).unwrap()
 }
 
-fn ray<S: Scalar>(o: DVec3, d: DVec3) -> Ray<S> {
-    Ray::new(Vec3::<S>::from_dvec3(o), Vec3::<S>::from_dvec3(d))
-}
-
 /// A lattice of 2 n n triangles over the square from 0 to n in x and z, at y = 0.
 fn lattice(n: usize) -> Vec<[DVec3; 3]> {
     let at = |x: usize, z: usize| dvec3(x as f64, 0.0, z as f64);
@@ -103,7 +99,7 @@ fn within_a_plane<S: Scalar>(random: &mut Random) -> (TriangleSet<S>, Vec<Ray<S>
         let way = rotation * (random.signed() * dvec3(1.0, 0.0, 1.0));
         let off = random.signed() * ulp * random.one_of(&[0.0, 0.0, 1.0, 8.0]);
         let origin = target - way * random.one_of(&[5.0, 20.0, 40.0]);
-        ray(origin + off, (target - origin) * random.one_of(&[1.0, 0.01, 300.0]))
+        Ray::from_dvec3(origin + off, (target - origin) * random.one_of(&[1.0, 0.01, 300.0]))
     });
     (set, rays.collect())
 }
@@ -122,7 +118,7 @@ fn beside_needles<S: Scalar>(random: &mut Random) -> (TriangleSet<S>, Vec<Ray<S>
         let turn = random.unit() * 7.0;
         let d = dvec3(turn.cos(), angle, turn.sin());
         let origin = target - d * random.one_of(&[20.0, 600.0]);
-        rays.push(ray(rotation * origin + shift, rotation * d));
+        rays.push(Ray::from_dvec3(rotation * origin + shift, rotation * d));
     }
     (set(&placed), rays)
 }
@@ -206,7 +202,7 @@ fn flat_scenes_are_hit_where_they_are_left<S: Buildable>(components: &[f64]) {
         if i % 4 == 0 {
             d[[0, 2][i / 4 % 2]] = random.one_of(components);
         }
-        rays.push(ray::<S>(o, d));
+        rays.push(Ray::<S>::from_dvec3(o, d));
     }
     agreed(&set, &rays);
     // behind the origin, too: zero is rounded to either side
@@ -264,7 +260,7 @@ fn extreme_rays(random: &mut Random, sizes: &[f64], tilted: bool) -> Vec<(Ray<f3
         for k in (0..3).filter(|k| [0b001, 0b011, 0b111, 0b110, 0b100][i % 5] >> k & 1 == 1) {
             d[(k + i) % 3] = d[(k + i) % 3] / 32.0 * size;
         }
-        let narrow = ray::<f32>(origin, d);
+        let narrow = Ray::<f32>::from_dvec3(origin, d);
         let d = narrow.direction.as_dvec3();
         (narrow, Ray::new(narrow.origin.as_dvec3(), d / d.abs().max_element()))
     };

@@ -81,7 +81,7 @@ fn rays<S: Buildable>(random: &mut Random, faces: &[[DVec3; 3]], count: usize) -
         let o = a + (b - a) * u + (c - a) * v + beside;
         let far =
             if random.unit() < 0.1 { d.normalize_or(DVec3::X) * 9.0 * side } else { DVec3::ZERO };
-        let mut ray = Ray::<S>::new(Vec3::<S>::from_dvec3(o + far), Vec3::<S>::from_dvec3(d));
+        let mut ray = Ray::<S>::from_dvec3(o + far, d);
         if random.unit() < 0.1 {
             ray.t_min = S::from_f64(side * 1e-5);
         }

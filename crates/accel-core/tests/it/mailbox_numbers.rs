@@ -38,7 +38,7 @@ fn rays<S: Buildable>(random: &mut Random) -> Vec<Ray<S>> {
         let again = i.checked_sub(back).filter(|_| random.unit() < 0.5).map(|i| rays[i]);
         rays.push(again.unwrap_or_else(|| {
             let (from, to) = (random.signed() * 2.0, random.point());
-            Ray::new(Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(to - from))
+            Ray::from_dvec3(from, to - from)
         }));
     }
     rays

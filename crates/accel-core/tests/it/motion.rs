@@ -1,7 +1,7 @@
 //! Primitives that move: a moment of a motion is the set at rest there.
 
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
-use accel_core::{Ray, Scalar, Vec3, Vector};
+use accel_core::{Ray, Scalar};
 use glam::{DVec3, dvec3};
 
 const VELOCITY: DVec3 = dvec3(0.5, -2.0, 8.0);
@@ -47,8 +47,7 @@ fn a_moment_is_the_set_at_rest_there<S: Scalar>() {
         for k in 0..50 {
             let target = way + dvec3(f64::from(k % 7) * 0.125, f64::from(k / 7) * 0.125, 0.0);
             let from = target + dvec3(0.25, -0.5, 4.0);
-            let mut ray =
-                Ray::<S>::new(Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(target - from));
+            let mut ray = Ray::<S>::from_dvec3(from, target - from);
             ray.time = S::from_f64(time);
             for id in 0..4 {
                 // these numbers are exact in both precisions, so the answers are too

@@ -59,8 +59,7 @@ fn rays<S: Scalar>(lo: DVec3, hi: DVec3, count: usize, seed: u64) -> Vec<Ray<S>>
                 1 => target - direction * size.length(),
                 _ => ((lo + size * random.point()) * 4.0).round() / 4.0,
             };
-            let mut ray =
-                Ray::<S>::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction));
+            let mut ray = Ray::<S>::from_dvec3(origin, direction);
             if i % 5 == 0 {
                 ray.t_min = S::from_f64(0.1);
                 ray.t_max = S::from_f64(random.next() * size.length());

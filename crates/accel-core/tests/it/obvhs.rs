@@ -102,8 +102,7 @@ fn backward_rays<S: Buildable>(n: usize, centre: DVec3, random: &mut Random) -> 
                 _ => random.signed(),
             };
             direction *= [1.0, 0.01, 30.0][i % 3];
-            let to = Vec3::<S>::from_dvec3;
-            let mut ray = Ray::<S>::new(to(origin), to(direction));
+            let mut ray = Ray::<S>::from_dvec3(origin, direction);
             let (t_min, t_max) = match i % 7 {
                 0..3 => (-2.0, f64::INFINITY),
                 3 => (-2.0, -0.1),
@@ -173,10 +172,9 @@ fn shells(n: usize) -> Vec<Corners> {
 /// Rays between shells of radius 1 to 2, from within and from without.
 fn shell_rays<S: Buildable>(n: usize) -> Vec<Ray<S>> {
     let mut random = Random::new(3);
-    let to = Vec3::<S>::from_dvec3;
     let ray = |i: usize| {
         let origin = random.signed() * [0.2, 1.0, 3.0][i % 3];
-        Ray::new(to(origin), to(random.signed() - origin * f64::from(i.is_multiple_of(2))))
+        Ray::from_dvec3(origin, random.signed() - origin * f64::from(i.is_multiple_of(2)))
     };
     (0..n).map(ray).collect()
 }
@@ -208,7 +206,6 @@ fn in_plane<S: Buildable>(n: usize, random: &mut Random) -> (Vec<Corners>, Vec<R
         [[a, b, d], [a, d, c]]
     };
     let triangles = (0..n * n).flat_map(square).collect();
-    let to = Vec3::<S>::from_dvec3;
     let rays = (0..2000).map(|i| {
         let whole = |x: f64| (x * n as f64).round() / n as f64;
         let (mut x, mut y) = (3.0 * random.unit() - 1.0, 3.0 * random.unit() - 1.0);
@@ -218,7 +215,7 @@ fn in_plane<S: Buildable>(n: usize, random: &mut Random) -> (Vec<Corners>, Vec<R
             [x, y, u, v] = [x, y, u, v].map(whole);
         }
         let origin = place(x, y);
-        Ray::new(to(origin), to(place(u, v) - origin))
+        Ray::from_dvec3(origin, place(u, v) - origin)
     });
     (triangles, rays.filter(Ray::is_traceable).collect())
 }

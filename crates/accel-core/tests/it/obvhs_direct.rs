@@ -37,13 +37,12 @@ fn soup<S: Buildable>(n: usize) -> TriangleSet<S, Watertight> {
 /// Rays through it, some along axes (with components of -0.0), some with intervals of their own.
 fn rays<S: Buildable>(n: usize) -> Vec<Ray<S>> {
     let mut random = Random::new(8);
-    let to = Vec3::<S>::from_dvec3;
     let ray = |i: usize| {
         let direction = match i % 4 {
             0 => [DVec3::X, -DVec3::Y, -DVec3::Z][i / 4 % 3],
             _ => random.signed() * [1.0, 0.01, 30.0][i % 3],
         };
-        let mut ray = Ray::<S>::new(to(random.signed() * 4.0), to(direction));
+        let mut ray = Ray::<S>::from_dvec3(random.signed() * 4.0, direction);
         if i.is_multiple_of(5) {
             (ray.t_min, ray.t_max) = (S::from_f64(0.1), S::from_f64(2.0));
         }

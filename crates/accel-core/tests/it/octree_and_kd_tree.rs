@@ -8,7 +8,7 @@ use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::find;
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar};
 use glam::{DVec3, Vec3Swizzles as _};
 
 /// A small generator; the same numbers on every machine.
@@ -90,8 +90,7 @@ fn rays<S: Scalar>(n: usize, random: &mut Random) -> Vec<Ray<S>> {
                 }
                 _ => {}
             }
-            let to = Vec3::<S>::from_dvec3;
-            let mut ray = Ray::<S>::new(to(origin), to(direction));
+            let mut ray = Ray::<S>::from_dvec3(origin, direction);
             if i % 4 == 0 {
                 ray.t_min = S::from_f64(random.unit());
                 ray.t_max = S::from_f64(random.unit() * 3.0);

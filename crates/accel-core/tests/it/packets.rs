@@ -26,8 +26,7 @@ fn rays(are_alike: bool) -> Vec<Ray<f32>> {
         let at = if are_alike { i as f64 / 4096.0 } else { (i * 1031 % 4096) as f64 / 4096.0 };
         let to = dvec3(at, (i / 8 % 64) as f64 / 64.0, 1.0);
         let from = dvec3(-0.5, -0.75, -3.0);
-        let mut ray =
-            Ray::<f32>::new(Vec3::<f32>::from_dvec3(from), Vec3::<f32>::from_dvec3(to - from));
+        let mut ray = Ray::<f32>::from_dvec3(from, to - from);
         if !are_alike && i % 2 == 1 {
             ray.direction = Vec3::<f32>::from_dvec3((to - from) * DVec3::new(0.01, 1.0, 1.0));
         }
@@ -104,7 +103,7 @@ fn rays_that_start_alike_keep_their_order() {
     let ray = |i: usize| {
         let from = dvec3(i as f64 / 4096.0, 0.5, 0.5);
         let to = random.point() - 0.5;
-        Ray::<f32>::new(Vec3::<f32>::from_dvec3(from), Vec3::<f32>::from_dvec3(to))
+        Ray::<f32>::from_dvec3(from, to)
     };
     let rays: Vec<Ray<f32>> = (0..4096).map(ray).collect();
     assert_eq!(counted(&set, "one", &rays), counted(&set, "packets", &rays));

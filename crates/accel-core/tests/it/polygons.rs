@@ -110,10 +110,6 @@ fn met<S: Scalar>(set: &MixedSet<S>, ray: &Ray<S>) -> Vec<u32> {
     (0..set.len() as u32).filter(is_met).collect()
 }
 
-fn ray<S: Scalar>(o: DVec3, d: DVec3) -> Ray<S> {
-    Ray::new(Vec3::<S>::from_dvec3(o), Vec3::<S>::from_dvec3(d))
-}
-
 /// The test as it was: an upward edge counts at x > 0, a downward one at x >= 0, so that neighbours
 /// of one winding refuse their edge both. Rays along the z axis, whole numbers.
 fn old_rule(outline: &[I64Vec2], point: I64Vec2) -> bool {
@@ -150,7 +146,7 @@ fn tilings_have_no_gaps<S: Scalar>() {
             if off.dot(u.cross(v)) == 0.0 {
                 continue;
             }
-            let met = met(&set, &ray::<S>(eighths(point) + off, -off));
+            let met = met(&set, &Ray::<S>::from_dvec3(eighths(point) + off, -off));
             let holders = tiling.holders(point);
             assert!(!met.is_empty(), "{} {round} {point} from {off}", S::NAME);
             assert!(with_triangles || met.len() == 1, "{} {round} {point}: {met:?}", S::NAME);
@@ -227,7 +223,7 @@ fn rays_at_box<S: Scalar>(
                 _ => target + random.signed() * 6.0,
             }
         };
-        ray(origin, target - origin)
+        Ray::from_dvec3(origin, target - origin)
     });
     (rays.collect(), n / 2)
 }
@@ -313,7 +309,8 @@ fn hits_lie_within_their_polygon<S: Buildable>() {
                 let along = rotation * dvec3(turn.cos(), turn.sin(), 0.0);
                 let angle = random.one_of(&[0.0, 1e-8, 3e-8, 1e-6, 1e-4, 1e-3, 1e-2, 0.1]);
                 let way = (along + normal * angle) * random.one_of(&[3.0, 40.0, 90.0, 300.0]);
-                let mut ray = ray::<S>(target - way, way * random.one_of(&[1.0, 0.03, 20.0]));
+                let mut ray =
+                    Ray::<S>::from_dvec3(target - way, way * random.one_of(&[1.0, 0.03, 20.0]));
                 ray.t_min = S::from_f64(random.one_of(&[0.0, 0.0, -30.0]));
                 ray
             })
@@ -357,7 +354,7 @@ fn covered(outline: &[DVec3], lattice: usize) -> f64 {
     let at = |i: usize| (i as f64 + 0.5) / lattice as f64 * 2.0 - 1.0;
     let hits = (0..lattice * lattice)
         .filter(|i| {
-            let ray = ray(dvec3(at(i / lattice), at(i % lattice), 3.0), -DVec3::Z);
+            let ray = Ray::from_dvec3(dvec3(at(i / lattice), at(i % lattice), 3.0), -DVec3::Z);
             !met(&set, &ray).is_empty()
         })
         .count();

@@ -77,7 +77,7 @@ fn rays<S: Buildable>(n: usize, seed: u64) -> Vec<Ray<S>> {
                     ((target * 16.0).round() / 16.0 - direction * 3.0, direction)
                 }
             };
-            Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
+            Ray::from_dvec3(origin, direction)
         })
         .filter(Ray::is_traceable)
         .collect()

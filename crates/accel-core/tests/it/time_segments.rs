@@ -7,7 +7,7 @@ use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{REGISTRY, find};
-use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector, entry};
+use accel_core::{Aabb, Hit, Ray, Scalar, entry};
 use glam::{DVec3, dvec3};
 
 use crate::agreement::{Answers, mismatches_under};
@@ -173,8 +173,7 @@ fn before_and_after_the_exposure_all_stands_still() {
     let params = entry.params([("time-segments", "8")]).unwrap();
     let tracer = entry.build(PrimsRef::Mixed(&set), &params).unwrap();
     for (time, x) in [(-3.0, 0.0), (f64::NAN, 0.0), (0.25, 2.0), (0.5, 4.0), (7.0, 4.0)] {
-        let origin = Vec3::<f64>::from_dvec3(dvec3(x, 0.0, 5.0));
-        let ray = Ray::<f64> { time, ..Ray::new(origin, Vec3::<f64>::from_dvec3(DVec3::NEG_Z)) };
+        let ray = Ray::<f64> { time, ..Ray::new(dvec3(x, 0.0, 5.0), DVec3::NEG_Z) };
         let mut hit = [Hit::NONE];
         tracer.closest_hits(&[ray], &mut hit);
         assert_eq!((hit[0].id, hit[0].t), (0, 4.0), "{time}");

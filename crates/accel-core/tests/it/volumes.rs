@@ -54,10 +54,6 @@ fn compare<S: Buildable>(prims: PrimsRef<S>, rays: &[Ray<S>], scene: &str) {
     }
 }
 
-fn to_ray<S: Buildable>(origin: DVec3, direction: DVec3) -> Ray<S> {
-    Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
-}
-
 fn random_scenes<S: Buildable>() {
     for (name, set, bounds) in all_scenes::<S>() {
         compare(set.prims(), &rays_for::<S>(bounds, &mut Random::new(21)), name);
@@ -105,7 +101,7 @@ fn lattice_rays<S: Buildable>(size: f64) -> Vec<Ray<S>> {
         if i % 2 == 0 {
             direction = -direction;
         }
-        rays.push(to_ray(origin * size, direction * size));
+        rays.push(Ray::from_dvec3(origin * size, direction * size));
     }
     rays
 }
@@ -130,7 +126,7 @@ fn rays_from_eight_magnitudes_and_beyond() {
                 let distance = [7.9, 8.5, 1e3, 1e6][i % 4];
                 let direction = random.signed().normalize_or(DVec3::X);
                 let target = (random.point() * 9.0).floor() / 8.0;
-                to_ray(target - direction * distance, direction * random.unit().max(0.01))
+                Ray::from_dvec3(target - direction * distance, direction * random.unit().max(0.01))
             })
             .collect();
         compare(set.prims(), &rays, "from afar");
@@ -147,8 +143,9 @@ fn duplicates(n: usize) -> Set<f32> {
 #[test]
 fn ten_thousand_duplicates() {
     let set = duplicates(10_000);
-    let rays: Vec<Ray<f32>> =
-        (0..20).map(|i| to_ray(dvec3(0.4, 0.3 + f64::from(i) * 0.05, 5.0), -DVec3::Z)).collect();
+    let rays: Vec<Ray<f32>> = (0..20)
+        .map(|i| Ray::from_dvec3(dvec3(0.4, 0.3 + f64::from(i) * 0.05, 5.0), -DVec3::Z))
+        .collect();
     compare(set.prims(), &rays, "duplicates");
     for (name, settings) in SETTINGS {
         let stats: StructureStats = build(set.prims(), name, settings).unwrap().stats();
@@ -177,7 +174,7 @@ fn counters_say_what_was_tested() {
     }
     let set = set.finish();
     // past the first five spheres, down onto the sixth
-    let ray = [to_ray(dvec3(15.0, 0.0, 9.0), -DVec3::Z)];
+    let ray = [Ray::from_dvec3(dvec3(15.0, 0.0, 9.0), -DVec3::Z)];
     for settings in ["", "volume=sphere", "volume=slabs"] {
         let tracer = build(PrimsRef::Mixed(&set), "bounding-volumes", settings).unwrap();
         let work = answers(tracer.as_ref(), &ray).2;
@@ -185,7 +182,7 @@ fn counters_say_what_was_tested() {
         assert_eq!((steps, work.intersection_tests), ((10, 1, 0), 1), "{settings}");
     }
     // from the end: the nearest sphere is reached and no other
-    let ray = [to_ray(dvec3(-9.0, 0.0, 0.0), DVec3::X)];
+    let ray = [Ray::from_dvec3(dvec3(-9.0, 0.0, 0.0), DVec3::X)];
     let tracer = build(PrimsRef::Mixed(&set), "kay-kajiya", "").unwrap();
     let work = answers(tracer.as_ref(), &ray).2;
     assert_eq!((work.elementary_steps, work.intersection_tests), (1, 1));

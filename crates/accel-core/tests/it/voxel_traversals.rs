@@ -56,8 +56,7 @@ impl GridRay {
         let high = self.low + self.side * f64::from(self.n);
         let [low, high] = [self.low, high].map(|x| Vec3::<S>::splat(S::from_f64(x)));
         let frame = GridFrame::new(Aabb { min: low, max: high }, [self.n; 3]);
-        let [origin, direction] = [self.origin, self.direction].map(Vec3::<S>::from_dvec3);
-        (frame, Ray::new(origin, direction))
+        (frame, Ray::from_dvec3(self.origin, self.direction))
     }
 
     /// Tolerance in cells. The numbers of the question are exact, so that only the parameters of

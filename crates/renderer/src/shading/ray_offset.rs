@@ -98,7 +98,7 @@ impl RayOffset {
         };
         let way = target - from;
         let length = way.length();
-        let mut ray = Ray::new(Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(way / length));
+        let mut ray = Ray::from_dvec3(from, way / length);
         ray.t_min = S::from_f64(self.nearest::<S>());
         ray.t_max = S::from_f64(length - margin);
         ray

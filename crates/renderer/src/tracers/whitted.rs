@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::{Buildable, PerScalar, ScalarPair};
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 use rand_xoshiro::SplitMix64;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
@@ -165,8 +165,7 @@ impl<'a> Whitted<'a> {
         let mut wave: Vec<Path<S>> = eye_rays
             .iter()
             .map(|eye| {
-                let from = Vec3::<S>::from_dvec3(eye.from);
-                let mut ray = Ray::new(from, Vec3::<S>::from_dvec3(eye.direction));
+                let mut ray = Ray::from_dvec3(eye.from, eye.direction);
                 ray.time = S::from_f64(eye.origin.time);
                 Path { ray, origin: eye.origin, weight: [eye.share; 3] }
             })

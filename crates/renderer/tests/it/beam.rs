@@ -62,7 +62,7 @@ fn sampled(
                     let cell = DVec2::new(f64::from(k % EDGE), f64::from(k / EDGE));
                     let within = (cell + DVec2::new(random(), random())) / f64::from(EDGE);
                     let direction = eye.direction_within(at % width, at / width, within);
-                    Ray::new(Vector::from_dvec3(eye.origin()), Vector::from_dvec3(direction))
+                    Ray::from_dvec3(eye.origin(), direction)
                 })
                 .collect();
             for depth in 1..=frame.max_depth {

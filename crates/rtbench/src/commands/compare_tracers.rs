@@ -7,7 +7,7 @@ use accel_core::query::region::Frustum;
 use accel_core::query::tracer::Tracer;
 use accel_core::structure::BuildError;
 use accel_core::structures::frustum_queries;
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Hit, Ray};
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::{Structures, TRACERS, whitted};
@@ -150,7 +150,7 @@ fn frusta_of(
     let [w, h] = resolution;
     let centre = |(x, y)| {
         let direction = eye.direction_within(x, y, DVec2::splat(0.5));
-        Ray::<f64>::new(Vec3::<f64>::from_dvec3(eye.origin()), Vec3::<f64>::from_dvec3(direction))
+        Ray::<f64>::from_dvec3(eye.origin(), direction)
     };
     let pixels = (0..h).flat_map(|y| (0..w).map(move |x| (x, y)));
     let rays: Vec<Ray<f64>> = pixels.map(centre).collect();

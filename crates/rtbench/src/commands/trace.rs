@@ -3,7 +3,7 @@
 use accel_core::primitives::PrimsRef;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use accel_core::{Ray, Scalar, Vec3, Vector};
+use accel_core::{Ray, Scalar, Vector};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Row};
 use measurement::rays::batches::{Answers, trace, trace_chunked};
@@ -148,9 +148,8 @@ fn answers<S: Buildable>(
 }
 
 fn rounded<S: Scalar>(ray: &Ray<f64>) -> Ray<S> {
-    let vector = Vec3::<S>::from_dvec3;
     let (t_min, t_max) = (S::from_f64(ray.t_min), S::from_f64(ray.t_max));
-    Ray { t_min, t_max, ..Ray::new(vector(ray.origin), vector(ray.direction)) }
+    Ray { t_min, t_max, ..Ray::from_dvec3(ray.origin, ray.direction) }
 }
 
 /// An answer as a record; of a shadow ray that is blocked any primitive's.

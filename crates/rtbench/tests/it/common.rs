@@ -13,7 +13,7 @@ use accel_core::query::counters::Counters;
 use accel_core::query::kernel::ListBlocks;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats,
+    BatchAnswers, Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats,
 };
 use accel_core::structures::{Entry, REGISTRY, brute_force, find, obvhs};
 use accel_core::{Hit, Ray, Scalar};
@@ -86,12 +86,8 @@ pub fn by_brute_force<S: Scalar, P: PrimSet<S>>(
 }
 
 /// A batch by brute force, where all primitives are opaque.
-pub fn answered_by_brute_force<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
-    rays: &[Ray<S>],
-    reach: S,
-    answers: BatchAnswers<'_, S>,
-) {
+pub fn answered_by_brute_force<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+    let RayBatch { rays, reach, ref mut answers } = *batch;
     match answers {
         BatchAnswers::Closest(hits) => by_brute_force(prims, rays, reach, hits),
         BatchAnswers::Occlusion(blocked) => {
@@ -114,12 +110,7 @@ pub fn files_below(path: &Path) -> Vec<PathBuf> {
 /// Fault planted into the batches of a structure.
 pub trait BatchFault: Send + Sync + 'static {
     /// Answers the rays of a batch.
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    );
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>);
 }
 
 /// Brute force, right ray by ray, whose batches have a fault.
@@ -148,11 +139,9 @@ impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
         &self,
         prims: &P,
         _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
+        mut batch: RayBatch<'_, S>,
     ) -> C {
-        F::answer(prims, rays, reach, answers);
+        F::answer(prims, &mut batch);
         C::default()
     }
 
@@ -165,14 +154,9 @@ impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
 pub struct Silent<const ALL: bool>;
 
 impl<const ALL: bool> BatchFault for Silent<ALL> {
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    ) {
-        match answers {
-            BatchAnswers::Closest(hits) if !ALL => by_brute_force(prims, rays, reach, hits),
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        match &mut batch.answers {
+            BatchAnswers::Closest(_) if !ALL => answered_by_brute_force(prims, batch),
             BatchAnswers::Closest(_) | BatchAnswers::Occlusion(_) => {}
         }
     }
@@ -198,38 +182,20 @@ static DROPPER: StructureInfo = INFO;
 static SHIPPED: StructureInfo =
     StructureInfo { known_defect: |_| Some("forgets on purpose"), ..INFO };
 
-/// An entry whose batches are compiled, and so asked, in f64 too.
-macro_rules! batched_entry {
-    ($structure:path, $info:path) => {
-        accel_core::structures::Entry::new(
-            &$info,
-            |params| {
-                use $structure as It;
-                accel_core::structures::prepare::<f32, It<f32>, true>(params)
-            },
-            |params| {
-                use $structure as It;
-                accel_core::structures::prepare::<f64, It<f64>, true>(params)
-            },
-        )
-    };
-}
-pub(crate) use batched_entry;
-
 /// An entry that is wrong on purpose, `planted_entry!("at-zero", Boxes<S, BeginsAtZero>)`; batches
-/// of [`Batched`] are compiled in f64 too.
+/// of [`Batched`] are compiled, and so asked, in f64 too.
 macro_rules! planted_entry {
     ($name:literal, Batched<S, $fault:ty>) => {
-        crate::common::planted_entry!($name, Batched, $fault, crate::common::batched_entry)
+        crate::common::planted_entry!($name, Batched, $fault, prepare_f32, true)
     };
     ($name:literal, $structure:ident<S, $fault:ty>) => {
-        crate::common::planted_entry!($name, $structure, $fault, accel_core::entry)
+        crate::common::planted_entry!($name, $structure, $fault, prepare_f32, false)
     };
-    ($name:literal, $structure:ident, $fault:ty, $($entry:ident)::+) => {{
+    ($name:literal, $structure:ident, $fault:ty, $prepare:ident, $in_f64:literal) => {{
         type Wrong<S> = $structure<S, $fault>;
         static WRONG: accel_core::structure::StructureInfo =
             crate::common::planted($name, "wrong on purpose");
-        $($entry)::+!(Wrong, WRONG)
+        accel_core::entry!(Wrong, WRONG, $prepare, $in_f64)
     }};
 }
 pub(crate) use planted_entry;

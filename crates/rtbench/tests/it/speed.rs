@@ -7,9 +7,9 @@ use crate::common::{
     BatchFault, Batched, Ended, Folder, answered_by_brute_force, planted, row, run_with,
 };
 use accel_core::primitives::PrimSet;
-use accel_core::structure::{BatchAnswers, StructureInfo};
+use accel_core::structure::{BatchAnswers, RayBatch, StructureInfo};
 use accel_core::structures::{Entry, REGISTRY, obvhs};
-use accel_core::{Hit, Ray, Scalar, Vector};
+use accel_core::{Hit, Scalar, Vector};
 use measurement::record::query::Query;
 use measurement::record::{RunRecord, Verdict};
 use measurement::scenes::InstalledScenes;
@@ -167,12 +167,8 @@ fn options_override_those_of_a_set() {
 struct OfNeighbours;
 
 impl BatchFault for OfNeighbours {
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    ) {
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        let rays = batch.rays;
         let from_the_eye = rays.windows(2).all(|pair| pair[0].origin == pair[1].origin);
         // 16 pixels a line: the first two are neighbours
         let apart = match rays {
@@ -183,9 +179,9 @@ impl BatchFault for OfNeighbours {
             }
             _ => false,
         };
-        match answers {
+        match &mut batch.answers {
             BatchAnswers::Closest(hits) if apart => hits.fill(Hit::NONE),
-            answers => answered_by_brute_force(prims, rays, reach, answers),
+            _ => answered_by_brute_force(prims, batch),
         }
     }
 }

@@ -5,7 +5,7 @@ use crate::common::{
     BatchFault, Batched, Folder, answered_by_brute_force, planted_entry, run_with,
 };
 use accel_core::primitives::PrimSet;
-use accel_core::structure::BatchAnswers;
+use accel_core::structure::{BatchAnswers, RayBatch};
 use accel_core::structures::{Entry, brute_force};
 use accel_core::{Ray, Scalar, Vector};
 use measurement::scenes::InstalledScenes;
@@ -25,21 +25,11 @@ fn are_alike<S: Scalar>(rays: &[Ray<S>]) -> bool {
 struct OfTheFirst;
 
 impl BatchFault for OfTheFirst {
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    ) {
-        match answers {
-            BatchAnswers::Closest(hits) => {
-                answered_by_brute_force(prims, rays, reach, BatchAnswers::Closest(hits));
-                take_the_first(rays, hits);
-            }
-            BatchAnswers::Occlusion(blocked) => {
-                answered_by_brute_force(prims, rays, reach, BatchAnswers::Occlusion(blocked));
-                take_the_first(rays, blocked);
-            }
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        answered_by_brute_force(prims, batch);
+        match &mut batch.answers {
+            BatchAnswers::Closest(hits) => take_the_first(batch.rays, hits),
+            BatchAnswers::Occlusion(blocked) => take_the_first(batch.rays, blocked),
         }
     }
 }
@@ -57,23 +47,14 @@ fn take_the_first<S: Scalar, T: Clone>(rays: &[Ray<S>], answers: &mut [T]) {
 struct OutOfOrder;
 
 impl BatchFault for OutOfOrder {
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        mut answers: BatchAnswers<'_, S>,
-    ) {
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        let rays = batch.rays;
         let group: Vec<Ray<S>> = rays.iter().copied().step_by((rays.len() / 8).max(1)).collect();
         let is_mixed = rays.len() > 8 && are_alike(&group);
-        match &mut answers {
-            BatchAnswers::Closest(hits) => {
-                answered_by_brute_force(prims, rays, reach, BatchAnswers::Closest(hits));
-                hits.rotate_left(usize::from(is_mixed));
-            }
-            BatchAnswers::Occlusion(blocked) => {
-                answered_by_brute_force(prims, rays, reach, BatchAnswers::Occlusion(blocked));
-                blocked.rotate_left(usize::from(is_mixed));
-            }
+        answered_by_brute_force(prims, batch);
+        match &mut batch.answers {
+            BatchAnswers::Closest(hits) => hits.rotate_left(usize::from(is_mixed)),
+            BatchAnswers::Occlusion(blocked) => blocked.rotate_left(usize::from(is_mixed)),
         }
     }
 }

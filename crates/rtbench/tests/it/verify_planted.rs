@@ -10,7 +10,7 @@ use crate::common::{
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::query::sink::Sink;
-use accel_core::structure::{BatchAnswers, BuildError, Structure, StructureStats};
+use accel_core::structure::{BatchAnswers, BuildError, RayBatch, Structure, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
 use accel_core::{Aabb, Hit, Ray, Scalar, Vec3, Vector};
 use measurement::scenes::InstalledScenes;
@@ -161,15 +161,10 @@ impl Choice for MissesOddCrossings {
 struct LosesLoneRays;
 
 impl BatchFault for LosesLoneRays {
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    ) {
-        match (rays, answers) {
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        match (batch.rays, &mut batch.answers) {
             ([ray], BatchAnswers::Closest([hit])) => *hit = Hit { t: ray.t_max, ..Hit::NONE },
-            (_, answers) => answered_by_brute_force(prims, rays, reach, answers),
+            _ => answered_by_brute_force(prims, batch),
         }
     }
 }
@@ -185,8 +180,8 @@ static FAULTS: &[Entry] = &[
     planted_entry!("odd-crossings", Own<S, MissesOddCrossings>),
     planted_entry!("shrunk", Boxes<S, ShrinksBoxes>),
     planted_entry!("lone-rays", Batched<S, LosesLoneRays>),
-    crate::common::batched_entry!(SilentShadows, SILENT_SHADOWS),
-    crate::common::batched_entry!(SilentAll, SILENT),
+    accel_core::entry!(SilentShadows, SILENT_SHADOWS, prepare_f32, true),
+    accel_core::entry!(SilentAll, SILENT, prepare_f32, true),
 ];
 
 fn verify(arguments: &str) -> Ended {

@@ -6,7 +6,9 @@ use accel_core::params::config::Settings;
 use accel_core::primitives::PrimSet;
 use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BatchAnswers, BuildError, Structure, StructureInfo, StructureStats};
+use accel_core::structure::{
+    BatchAnswers, BuildError, RayBatch, Structure, StructureInfo, StructureStats,
+};
 use accel_core::structures::{Entry, brute_force};
 use accel_core::update::{Change, INCREMENTAL};
 use accel_core::{Aabb, Ray, Scalar, Vector};
@@ -48,16 +50,11 @@ impl Lapse for EndsEarly {
 /// In batches, whatever is hit blocks a shadow ray.
 struct GlassBlocks;
 impl BatchFault for GlassBlocks {
-    fn answer<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
-    ) {
-        let BatchAnswers::Occlusion(blocked) = answers else {
-            return answered_by_brute_force(prims, rays, reach, answers);
+    fn answer<S: Scalar, P: PrimSet<S>>(prims: &P, batch: &mut RayBatch<'_, S>) {
+        let BatchAnswers::Occlusion(blocked) = &mut batch.answers else {
+            return answered_by_brute_force(prims, batch);
         };
-        for (ray, blocked) in rays.iter().zip(blocked) {
+        for (ray, blocked) in batch.rays.iter().zip(&mut **blocked) {
             let setup = prims.setup(ray);
             let mut ids = 0..prims.len() as u32;
             *blocked = ids.any(|id| prims.intersect(id, ray, &setup, ray.t_max).is_some());

@@ -6,7 +6,7 @@
 
 use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
-use accel_core::{Ray, Vec3, Vector};
+use accel_core::{Ray, Vector};
 use glam::DVec3;
 
 use measurement::system::clock::Clock;
@@ -68,8 +68,7 @@ fn drawn<P: PrimSet<f32>>(prims: &P) -> Vec<(u32, Ray<f32>)> {
         let target = bounds.min.to_dvec3() + size * DVec3::new(unit(), unit(), unit());
         let direction = DVec3::new(unit() - 0.5, unit() - 0.5, unit() - 0.5);
         let direction = direction.normalize_or(DVec3::X);
-        let from = Vec3::<f32>::from_dvec3(target - direction * reach);
-        pairs.push((id, Ray::new(from, Vec3::<f32>::from_dvec3(direction))));
+        pairs.push((id, Ray::from_dvec3(target - direction * reach, direction)));
     }
     pairs
 }

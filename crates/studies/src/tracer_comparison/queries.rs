@@ -129,7 +129,7 @@ mod tests {
     use accel_core::query::sink::Sink;
     use accel_core::structure::{Structure, StructureStats};
     use accel_core::structures::uniform_grid::{INFO, UniformGrid};
-    use accel_core::{Hit, Ray, Vec3, Vector};
+    use accel_core::{Hit, Ray};
     use renderer::Geometry;
 
     use super::*;
@@ -181,7 +181,7 @@ mod tests {
         let rays: Vec<Ray<f64>> = (0..24 * 24)
             .map(|i| {
                 let direction = eye.direction(i % 24, i / 24);
-                Ray::new(Vec3::<f64>::from_dvec3(eye.origin()), Vec3::<f64>::from_dvec3(direction))
+                Ray::from_dvec3(eye.origin(), direction)
             })
             .collect();
         let entry = accel_core::structures::find("brute-force").unwrap();

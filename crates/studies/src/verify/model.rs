@@ -3,7 +3,7 @@
 use accel_core::primitives::{
     MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, PrimsRef, TriangleSet,
 };
-use accel_core::{Aabb, Ray, Scalar, Vec3, Vector};
+use accel_core::{Aabb, Ray, Scalar, Vector};
 use glam::DVec3;
 
 pub type Corners = [DVec3; 3];
@@ -76,5 +76,5 @@ impl<S: Scalar> Model<S> {
 
 /// A ray with the interval [0, infinity], rounded to `S`.
 pub fn ray<S: Scalar>(origin: DVec3, direction: DVec3) -> Ray<S> {
-    Ray::new(Vec3::<S>::from_dvec3(origin), Vec3::<S>::from_dvec3(direction))
+    Ray::from_dvec3(origin, direction)
 }

@@ -7,7 +7,7 @@
 use std::cell::Cell;
 
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
 
 use super::catalogue::Case;
@@ -236,9 +236,8 @@ fn wrong<S: Buildable>(
 fn round_of<S: Scalar>(triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Round<S>> {
     let mut round = Round::new(Model::triangles(triangles).ok()?);
     for ray in rays {
-        let vector = Vec3::<S>::from_dvec3;
         let (t_min, t_max) = (S::from_f64(ray.t_min), S::from_f64(ray.t_max));
-        let ray = Ray { t_min, t_max, ..Ray::new(vector(ray.origin), vector(ray.direction)) };
+        let ray = Ray { t_min, t_max, ..Ray::from_dvec3(ray.origin, ray.direction) };
         round.push(ray, OracleAnswer::Anything);
     }
     Some(round)

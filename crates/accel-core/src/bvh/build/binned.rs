@@ -19,8 +19,8 @@ use crate::parallel;
 /// So few boxes are not divided: they mostly share a block.
 const FEW: u32 = 3;
 
-/// Nodes of no more boxes than this stay where they are.
-pub(super) const MANY: usize = 64;
+/// Nodes of more boxes than this are inserted anew.
+pub(super) const REINSERTED_ABOVE: usize = 64;
 
 /// The tree over these boxes, so many in a leaf at most; the same for any number of threads.
 pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
@@ -38,7 +38,11 @@ fn divided(boxes: &[Aabb], longest_leaf: u32, level: u32) -> (Bvh2, Vec<u32>) {
     }
     let around = SetBounds::of_all(&items);
     let set = Set { items: &mut items, first: 0, around, level, node: 0 };
-    let sizes = Sizes { few: FEW.min(longest_leaf) as usize, many: MANY, is_parallel: true };
+    let sizes = Sizes {
+        few: FEW.min(longest_leaf) as usize,
+        reinserted_above: REINSERTED_ABOVE,
+        is_parallel: true,
+    };
     let nodes = set.tree(sizes);
     let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
     (Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() }, nodes.upper)

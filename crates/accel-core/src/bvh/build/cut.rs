@@ -1,21 +1,20 @@
 //! Divides a set of boxes between two of equal bins of their centres, where the surface-area
 //! heuristic is least.
 
-use rayon::prelude::*;
 use wide::{f32x4, i32x4};
 
 use super::boxes::{Bounds, Item, SetBounds};
 use crate::bvh::collapse::blocks;
 use crate::geometry::lanes::Four;
-use crate::parallel::{exchange, map_parts, parts};
+use crate::parallel::{exchange, map_mut, map_parts, parts};
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;
 const BOXES_PER_BIN: usize = 20;
 const MOST_BINS: usize = 32;
 
-/// So many items are counted into two sets of bins by turns.
-const MANY: usize = 256;
+/// From so many items on, neighbours are counted into two sets of bins by turns.
+const ALTERNATED_FROM: usize = 256;
 
 /// Maps the centres of items to bins.
 #[derive(Clone, Copy)]
@@ -76,7 +75,7 @@ impl Bins {
     fn fill(&mut self, count: usize, binning: &Binning, items: &[Item]) {
         self.bounds.iter_mut().for_each(|of_axis| of_axis[..count].fill(Bounds::NONE));
         self.numbers.iter_mut().for_each(|of_axis| of_axis[..count].fill(0));
-        if items.len() < MANY {
+        if items.len() < ALTERNATED_FROM {
             items.iter().for_each(|item| self.count(binning, item));
             return;
         }
@@ -199,16 +198,15 @@ impl BinSplit {
     #[cold]
     #[inline(never)]
     fn partition_in_parts(&self, items: &mut [Item], size: usize) -> (usize, [Bounds; 2]) {
-        let parts = items.par_chunks_mut(size).map(|part| self.partition_alone(part));
-        let parts: Vec<(usize, [Bounds; 2])> = parts.collect();
-        let middle: usize = parts.iter().map(|(own_middle, _)| own_middle).sum();
+        let mut parts: Vec<&mut [Item]> = items.chunks_mut(size).collect();
+        let divided = map_mut(&mut parts, &|part| self.partition_alone(part));
+        let middle: usize = divided.iter().map(|(own_middle, _)| own_middle).sum();
         let mut sides = [Bounds::NONE; 2];
         let (mut lower, mut upper) = (Vec::new(), Vec::new());
-        for ((part, first), (own_middle, around)) in
-            items.chunks_mut(size).zip((0..).step_by(size)).zip(&parts)
-        {
-            sides.iter_mut().zip(around).for_each(|(side, around)| side.add(around));
-            let (below, above) = part.split_at_mut(*own_middle);
+        let parts = parts.into_iter().zip((0..).step_by(size));
+        for ((part, first), (own_middle, around)) in parts.zip(divided) {
+            sides.iter_mut().zip(&around).for_each(|(side, around)| side.add(around));
+            let (below, above) = part.split_at_mut(own_middle);
             let in_front = |from: usize, n: usize| middle.saturating_sub(from).min(n);
             let right_below = in_front(first, below.len());
             let wrong_above = in_front(first + own_middle, above.len());

@@ -14,9 +14,8 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::morton::morton_encode_u64;
-use rayon::prelude::*;
 
-use super::binned::{MANY, insert_anew};
+use super::binned::{REINSERTED_ABOVE, insert_anew};
 use super::boxes::{Item, SetBounds};
 use super::cut::Bins;
 use super::sets::{MOST_CUTS, Nodes, Set, Sizes};
@@ -31,7 +30,7 @@ const MOST: usize = 32;
 /// So many boxes are not divided: they share a block.
 const FEW: u32 = TriangleBlock::<f32>::LANES as u32;
 
-/// Nodes of no more clusters than this stay where they are.
+/// Nodes of more clusters than this are inserted anew.
 const MANY_CLUSTERS: usize = 4;
 
 /// Levels within a cluster, of the [`MOST_CUTS`] of a tree, below which its sets are halved.
@@ -58,7 +57,7 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     let mut heads: Vec<Item> = parallel::collect(clusters.len(), head);
     let around = SetBounds::of_all(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
-    let sizes = Sizes { few: 1, many: MANY_CLUSTERS, is_parallel: true };
+    let sizes = Sizes { few: 1, reinserted_above: MANY_CLUSTERS, is_parallel: true };
     let nodes = set.tree(sizes);
     let nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
     let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
@@ -166,25 +165,20 @@ impl Cluster {
 }
 
 /// The clusters of these runs, which are all items one after the other.
-fn clusters(runs: &[Range<usize>], mut items: &mut [Item]) -> Vec<Cluster> {
+fn clusters(runs: &[Range<usize>], items: &mut [Item]) -> Vec<Cluster> {
     let size = runs.len().div_ceil(parallel::parts(items.len()));
-    let mut parts = Vec::new();
-    for runs in runs.chunks(size.max(1)) {
-        let n = runs.iter().map(ExactSizeIterator::len).sum();
-        let Some(own) = items.split_off_mut(..n) else { break };
-        parts.push((runs, own, Vec::with_capacity(runs.len())));
-    }
-    parallel::for_each_part(&mut parts, &|(runs, items, clusters)| {
-        let mut items = std::mem::take(items);
-        for run in *runs {
-            let Some(own) = items.split_off_mut(..run.len()) else { break };
-            add_clusters(run.start, own, clusters);
+    let parts = runs.chunks(size.max(1));
+    let lengths = parts.clone().map(|runs| runs.iter().map(ExactSizeIterator::len).sum());
+    let mut parts: Vec<_> = parts.clone().zip(parallel::split_mut(items, lengths)).collect();
+    let mut clusters = parallel::map_mut(&mut parts, &|(runs, items)| {
+        let mut clusters = Vec::with_capacity(runs.len());
+        let lengths = runs.iter().map(ExactSizeIterator::len);
+        for (run, own) in runs.iter().zip(parallel::split_mut(items, lengths)) {
+            add_clusters(run.start, own, &mut clusters);
         }
+        clusters
     });
-    match parts.as_mut_slice() {
-        [(_, _, only)] => std::mem::take(only),
-        parts => parts.iter().flat_map(|(_, _, clusters)| clusters).copied().collect(),
-    }
+    if clusters.len() > 1 { clusters.concat() } else { clusters.pop().unwrap_or_default() }
 }
 
 /// Adds the clusters of a run, whose first item is in that place. Large ones are brought behind the
@@ -227,16 +221,11 @@ fn within(
     items: &mut [Item],
     few: usize,
 ) -> Nodes {
-    let sizes = Sizes { few, many: MANY, is_parallel: false };
+    let sizes = Sizes { few, reinserted_above: REINSERTED_ABOVE, is_parallel: false };
     let items_in_all = items.len();
     let parts = parallel::parts(items_in_all);
-    let mut slices: Vec<&mut [Item]> = Vec::with_capacity(clusters.len());
-    let mut others = items;
-    for cluster in clusters {
-        let (own, behind) = others.split_at_mut(cluster.items);
-        slices.push(own);
-        others = behind;
-    }
+    let lengths = clusters.iter().map(|cluster| cluster.items);
+    let mut slices: Vec<_> = parallel::split_mut(items, lengths).collect();
     let leaves = nodes.all.iter().zip(0..).filter(|(node, _)| node.is_leaf());
     let sets: Vec<Set<'_>> = leaves
         .map(|(leaf, node)| {
@@ -254,8 +243,9 @@ fn within(
     }
     let size = sets.len().div_ceil(parts);
     let mut sets = sets.into_iter();
-    let parts: Vec<Vec<Set<'_>>> = (0..parts).map(|_| sets.by_ref().take(size).collect()).collect();
-    let built = parts.into_par_iter().map(|sets| {
+    let mut parts: Vec<Vec<Set<'_>>> =
+        (0..parts).map(|_| sets.by_ref().take(size).collect()).collect();
+    let built = parallel::map_mut(&mut parts, &|sets| {
         let room = sets.iter().map(|set| set.items.len()).sum::<usize>() / 2;
         let (mut nodes, mut bins) = (Nodes::with_root(room), Bins::NONE);
         let root = |set: Set<'_>| {
@@ -263,10 +253,10 @@ fn within(
             Set { node: 0, ..set }.build(&mut nodes, &mut bins, sizes);
             (place, nodes.all[0])
         };
-        let roots: Vec<(usize, Bvh2Node)> = sets.into_iter().map(root).collect();
+        let roots: Vec<(usize, Bvh2Node)> = sets.drain(..).map(root).collect();
         (roots, nodes)
     });
-    nodes.grafted(built.collect())
+    nodes.grafted(built)
 }
 
 #[cfg(test)]

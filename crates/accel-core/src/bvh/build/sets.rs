@@ -5,7 +5,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use super::boxes::{Item, SetBounds};
 use super::cut::{BinSplit, Bins};
-use crate::parallel;
+use crate::parallel::{self, ForkedTree};
 
 /// Levels below which sets are halved in the order of their numbers: with those of a balanced tree a
 /// stack of obvhs has room for them.
@@ -52,34 +52,13 @@ impl Nodes {
     }
 }
 
-/// Nodes that one thread made, and those that others made below some of them.
-struct ForkedNodes {
-    nodes: Nodes,
-    below: Vec<(usize, Self)>,
-}
-
-impl ForkedNodes {
-    /// Grafts that put the root at `place` and all other nodes behind the first `next`.
-    fn grafts(
-        self,
-        place: usize,
-        next: &mut usize,
-        grafts: &mut Vec<(Vec<(usize, Bvh2Node)>, Nodes)>,
-    ) {
-        let shift = *next - 1;
-        *next += self.nodes.all.len() - 1;
-        grafts.push((vec![(place, self.nodes.all[0])], self.nodes));
-        self.below.into_iter().for_each(|(at, below)| below.grafts(at + shift, next, grafts));
-    }
-}
-
 /// Thresholds of small and large sets.
 #[derive(Clone, Copy)]
 pub(super) struct Sizes {
     /// So many are a leaf.
     pub(super) few: usize,
-    /// The nodes of more are those which are inserted anew.
-    pub(super) many: usize,
+    /// Nodes of more items are inserted anew.
+    pub(super) reinserted_above: usize,
     /// Sets may be divided by several threads, so that the order of their items is nobody's.
     pub(super) is_parallel: bool,
 }
@@ -98,14 +77,17 @@ pub(super) struct Set<'a> {
 impl Set<'_> {
     /// The tree of these items, the set being the root; on all threads.
     pub(super) fn tree(self, sizes: Sizes) -> Nodes {
-        let ForkedNodes { nodes, below } = self.forked(sizes, parallel::forks());
-        let (mut grafts, mut next) = (Vec::new(), nodes.all.len());
-        below.into_iter().for_each(|(at, below)| below.grafts(at, &mut next, &mut grafts));
-        if grafts.is_empty() { nodes } else { nodes.grafted(grafts) }
+        let forked = self.forked(sizes, parallel::forks());
+        if forked.below.is_empty() {
+            return forked.piece;
+        }
+        let pieces = forked.pieces(|nodes| nodes.all.len()).into_iter();
+        let grafts = pieces.map(|(place, nodes)| (vec![(place, nodes.all[0])], nodes));
+        Nodes::with_root(1).grafted(grafts.collect())
     }
 
     /// Both sides at once, `forks` times one below the other.
-    fn forked(self, sizes: Sizes, forks: u32) -> ForkedNodes {
+    fn forked(self, sizes: Sizes, forks: u32) -> ForkedTree<Nodes> {
         let n = self.items.len();
         let is_alone = forks == 0 || !parallel::should_parallelize(n);
         let room = if is_alone { 2 * n } else { 3 };
@@ -113,15 +95,15 @@ impl Set<'_> {
         let root = Set { node: 0, ..self };
         if is_alone {
             root.build(&mut nodes, &mut bins, sizes);
-            return ForkedNodes { nodes, below: Vec::new() };
+            return ForkedTree { piece: nodes, below: Vec::new() };
         }
         let Some(sides) = root.divided(&mut nodes, sizes, &mut bins) else {
-            return ForkedNodes { nodes, below: Vec::new() };
+            return ForkedTree { piece: nodes, below: Vec::new() };
         };
         let places = [0, 1].map(|k| sides[k].node);
         let [a, b] = sides;
         let (a, b) = rayon::join(|| a.forked(sizes, forks - 1), || b.forked(sizes, forks - 1));
-        ForkedNodes { nodes, below: vec![(places[0], a), (places[1], b)] }
+        ForkedTree { piece: nodes, below: vec![(places[0], a), (places[1], b)] }
     }
 
     /// Makes the node and all below it.
@@ -165,7 +147,7 @@ impl Set<'_> {
             Set { items: lower_items, first, around: lower, level, node: pair },
             Set { items: upper_items, first: first + middle, around: upper, level, node: pair + 1 },
         ];
-        let many = sides.iter().filter(|set| set.items.len() > sizes.many);
+        let many = sides.iter().filter(|set| set.items.len() > sizes.reinserted_above);
         nodes.upper.extend(many.map(|set| set.node as u32));
         Some(sides)
     }

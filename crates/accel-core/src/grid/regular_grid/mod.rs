@@ -25,7 +25,7 @@ use crate::query::counters::{Counters, NoCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::LaneDriver;
 use crate::query::sink::Sink;
-use crate::structure::{BatchAnswers, Batches, BuildError, Structure, StructureStats, too_many};
+use crate::structure::{Batches, BuildError, RayBatch, Structure, StructureStats, too_many};
 use crate::update::{Change, ChangedLists, is_worth_changing};
 use crate::variants::voxel_traversals::DoubleTraversal;
 pub(crate) use contents::contents_of;
@@ -212,9 +212,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         &self,
         prims: &P,
         blocks: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
+        batch: RayBatch<'_, S>,
     ) -> C {
         if let Some(blocks) = blocks {
             let grid = &BlockGrid {
@@ -224,7 +222,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
                 list: |index| self.storage.list(&IndexedCell { frame: &self.frame, index }),
                 blocks,
             };
-            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, rays, reach, answers);
+            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, batch);
         }
         C::default()
     }

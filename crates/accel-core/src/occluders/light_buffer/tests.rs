@@ -59,8 +59,7 @@ fn said<S: Scalar, O: Occluder<S> + ?Sized>(
 /// A shadow ray as the renderer makes it.
 fn shadow_ray<S: Scalar>(from: DVec3, light: DVec3, epsilon: f64) -> Ray<S> {
     let (distance, direction) = ((light - from).length(), (light - from).normalize());
-    let (from, direction) = (Vec3::<S>::from_dvec3(from), Vec3::<S>::from_dvec3(direction));
-    let mut ray = Ray::<S>::new(from, direction);
+    let mut ray = Ray::<S>::from_dvec3(from, direction);
     (ray.t_min, ray.t_max) = (S::from_f64(epsilon), S::from_f64(distance));
     ray
 }

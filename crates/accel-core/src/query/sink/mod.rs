@@ -89,6 +89,18 @@ pub trait Answer<S: Scalar>: Copy {
     fn of_batch(answers: &mut [Self]) -> BatchAnswers<'_, S>;
 }
 
+/// Rays that are answered together.
+#[derive(Debug)]
+pub struct RayBatch<'a, S: Scalar> {
+    /// As many as there are answers.
+    pub rays: &'a [Ray<S>],
+    /// How far from the scene's origin rays may start before they are brought near
+    /// ([`crate::geometry::far_ray`]).
+    pub reach: S,
+    /// Where the answers go.
+    pub answers: BatchAnswers<'a, S>,
+}
+
 /// Query kind of a batch, with one answer slot per ray.
 #[derive(Debug)]
 pub enum BatchAnswers<'a, S: Scalar> {

@@ -10,12 +10,14 @@ use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
 use crate::query::batch::{self, PlainStructure, RayByRay};
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::counters::{NoCounters, WorkCounters};
+use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
 use crate::query::mailbox::{MailboxSource, NoMailbox, Setting};
 use crate::query::sink::{Answer, Query};
 use crate::query::trace::TraversalTrace;
-use crate::structure::{BatchAnswers, Batches, Structure, StructureStats, traverse_by_blocks};
+use crate::structure::{
+    BatchAnswers, Batches, RayBatch, Structure, StructureStats, traverse_by_blocks,
+};
 
 /// A structure bound to its primitives: the [`Tracer`] of static scenes. Where `COMPILED`, queries
 /// are compiled into the traversal; elsewhere each list that a traversal meets costs a dynamic
@@ -68,7 +70,8 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
     fn by_blocks<A: Answer<S>>(&self, blocks: &ListBlocks<S>, rays: &[Ray<S>], answers: &mut [A]) {
         let prims = self.prims;
         if self.parts.structure.batches(prims, Some(blocks)).are_together() {
-            return self.answer_batch(Some(blocks), rays, A::of_batch(answers));
+            let NoCounters = self.answer_batch(Some(blocks), rays, A::of_batch(answers));
+            return;
         }
         each_near(self.reach, rays, answers, |ray| {
             let mut query = Query::<S, P, NoCounters, A>::new(prims, ray);
@@ -96,28 +99,26 @@ impl<'a, S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool>
         }
         match self.parts.structure.batches(self.prims, None) {
             Batches::RayByRay if T::HAS_AVX512 && P::HAS_BLOCKS => {
-                let (structure, answers) =
-                    (&PlainStructure(&self.parts.structure), A::of_batch(answers));
-                batch::answer::<RayByRay, NoCounters, _, _, _>(
-                    structure, self.prims, rays, self.reach, answers,
-                );
+                let structure = &PlainStructure(&self.parts.structure);
+                let batch = RayBatch { rays, reach: self.reach, answers: A::of_batch(answers) };
+                batch::answer::<RayByRay, NoCounters, _, _, _>(structure, self.prims, batch);
             }
             Batches::RayByRay => self.one_by_one(rays, answers, NoMailbox),
             Batches::Together | Batches::Packets | Batches::Library => {
-                self.answer_batch(None, rays, A::of_batch(answers));
+                let NoCounters = self.answer_batch(None, rays, A::of_batch(answers));
             }
         }
     }
 
     #[inline(always)]
-    fn answer_batch(
+    fn answer_batch<C: Counters>(
         &self,
         blocks: Option<&ListBlocks<S>>,
         rays: &[Ray<S>],
         answers: BatchAnswers<'_, S>,
-    ) {
-        let (prims, reach) = (self.prims, self.reach);
-        let NoCounters = self.parts.structure.answer_batch(prims, blocks, rays, reach, answers);
+    ) -> C {
+        let batch = RayBatch { rays, reach: self.reach, answers };
+        self.parts.structure.answer_batch(self.prims, blocks, batch)
     }
 
     /// [`Tracer::count_closest_hits`] with a mailbox of the caller's, in place of that of the
@@ -158,8 +159,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
             return self.erased().all_closest(rays, hits, &self.mailbox);
         }
         let n = rays.len().min(hits.len());
-        let (rays, answers) = (&rays[..n], BatchAnswers::Closest(&mut hits[..n]));
-        self.parts.structure.answer_batch(self.prims, None, rays, self.reach, answers)
+        self.answer_batch(None, &rays[..n], BatchAnswers::Closest(&mut hits[..n]))
     }
 
     fn count_occlusions(
@@ -174,9 +174,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         }
         let n = rays.len().min(answers.len());
         let mut blocked: Vec<bool> = answers[..n].iter().map(|answer| answer.blocked).collect();
-        let of_batch = BatchAnswers::Occlusion(&mut blocked);
-        let rays = &rays[..n];
-        let work = self.parts.structure.answer_batch(self.prims, None, rays, self.reach, of_batch);
+        let work = self.answer_batch(None, &rays[..n], BatchAnswers::Occlusion(&mut blocked));
         for (answer, blocked) in answers.iter_mut().zip(blocked) {
             *answer = ShadowCount { blocked, glass: 0 };
         }

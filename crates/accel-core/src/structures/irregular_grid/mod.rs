@@ -52,8 +52,7 @@ use crate::query::mailbox;
 use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
 use crate::structure::{
-    BatchAnswers, Batches, BuildError, Structure, StructureInfo, StructureStats, bounds_of,
-    too_many,
+    Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats, bounds_of, too_many,
 };
 use cells::{FIRST_PART, TooLarge};
 use course::{LatticeFrame, LatticeRayState};
@@ -228,11 +227,9 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         &self,
         prims: &P,
         _: Option<&ListBlocks<S>>,
-        rays: &[Ray<S>],
-        reach: S,
-        answers: BatchAnswers<'_, S>,
+        batch: RayBatch<'_, S>,
     ) -> C {
-        batch::answer::<LaneDriver, NoCounters, _, _, _>(self, prims, rays, reach, answers);
+        batch::answer::<LaneDriver, NoCounters, _, _, _>(self, prims, batch);
         C::default()
     }
 

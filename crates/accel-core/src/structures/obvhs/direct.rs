@@ -24,7 +24,7 @@ use crate::historical::bounds_rule::BoundsRule;
 use crate::memory::Limits;
 use crate::parallel;
 use crate::primitives::PrimSet;
-use crate::structure::{BatchAnswers, BuildError, bounds_of, refuse_out_of_scale};
+use crate::structure::{BatchAnswers, BuildError, RayBatch, bounds_of, refuse_out_of_scale};
 use crate::structures::obvhs::builder::agglomerated_triangles;
 
 /// How a tree answers batches: by its `direct` queries, where it has some and they serve the set.
@@ -49,12 +49,10 @@ macro_rules! direct_batches {
             &self,
             _: &P,
             _: Option<&$crate::query::kernel::ListBlocks<S>>,
-            rays: &[Ray<S>],
-            _: S,
-            answers: $crate::structure::BatchAnswers<'_, S>,
+            batch: $crate::structure::RayBatch<'_, S>,
         ) -> C {
             if let Some(own) = self.direct() {
-                own.answer_batch(&self.bvh, rays, answers);
+                own.answer_batch(&self.bvh, batch);
             }
             C::default()
         }
@@ -155,8 +153,7 @@ impl DirectQueries {
     pub(crate) fn answer_batch<S: Scalar>(
         &self,
         tree: &impl Tree,
-        rays: &[Ray<S>],
-        answers: BatchAnswers<'_, S>,
+        RayBatch { rays, answers, .. }: RayBatch<'_, S>,
     ) {
         match answers {
             BatchAnswers::Closest(hits) => self.closest_hits(tree, rays, hits),

@@ -5,8 +5,6 @@
 
 use std::ops::Range;
 
-use rayon::prelude::*;
-
 use crate::capacity::CapacityLimits;
 use crate::geometry::scalar::Scalar;
 use crate::grid::block_lists::rows_in;
@@ -16,6 +14,7 @@ use crate::grid::regular_grid::Contents;
 use crate::grid::resolution::resolve_by_density;
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
+use crate::parallel::{map, map_mut, split_mut};
 use crate::primitives::PrimSet;
 use crate::structure::BuildError;
 
@@ -96,11 +95,10 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     rules: &LeafRules,
 ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
     let upper = UpperCellInput { contents, division, lists, rules };
-    let mut stretches = lists.stretches(rayon::current_num_threads());
+    let stretches = lists.stretches(rayon::current_num_threads());
     // resolutions, then where leaf cells begin
-    let resolutions: Vec<Vec<UpperCell>> = in_parallel(&mut stretches, |cells| {
-        cells.clone().map(|cell| upper.resolution(cell)).collect()
-    });
+    let resolutions: Vec<Vec<UpperCell>> =
+        map(&stretches, &|cells| cells.clone().map(|cell| upper.resolution(cell)).collect());
     let mut cells = Vec::with_capacity(contents.frame.cells());
     let mut leaf_cells = 0u64;
     let mut leaves_of: Vec<usize> = Vec::with_capacity(stretches.len());
@@ -117,22 +115,22 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
     // counts, turned into ends that begin at 0 in each stretch
     let mut starts = vec![0u32; leaf_cells as usize + 1];
     let mut parts: Vec<CellRange> = Vec::with_capacity(stretches.len());
-    for (range, counters) in stretches.iter().zip(split(&mut starts, &leaves_of)) {
+    for (range, counters) in stretches.iter().zip(split_mut(&mut starts, leaves_of)) {
         parts.push(CellRange { range: range.clone(), cells: &cells[range.clone()], counters });
     }
-    let references = in_parallel(&mut parts, |part| upper.count(part));
+    let references = map_mut(&mut parts, &|part| upper.count(part));
     let total: u64 = references.iter().sum();
     rules.room.check([all_cells, total])?;
     let mut ids = vec![0u32; total as usize];
-    let ids_of: Vec<usize> = references.iter().map(|&n| n as usize).collect();
+    let ids_of = references.iter().map(|&n| n as usize);
     let mut before = 0;
     let mut filled: Vec<_> = Vec::with_capacity(parts.len());
-    for (part, ids) in parts.into_iter().zip(split(&mut ids, &ids_of)) {
+    for (part, ids) in parts.into_iter().zip(split_mut(&mut ids, ids_of)) {
         let length = ids.len() as u32;
         filled.push((part, ids, before));
         before += length;
     }
-    in_parallel(&mut filled, |(part, ids, before)| upper.fill(part, ids, *before));
+    map_mut(&mut filled, &|(part, ids, before)| upper.fill(part, ids, *before));
     if let Some(last) = starts.last_mut() {
         *last = total as u32;
     }
@@ -190,24 +188,6 @@ pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
     }
     starts.push(ids.len() as u32);
     Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
-}
-
-/// Maps items by `f` in parallel, in order; on one thread without rayon.
-fn in_parallel<T: Send, R: Send>(items: &mut [T], f: impl Fn(&mut T) -> R + Send + Sync) -> Vec<R> {
-    match items {
-        [only] => vec![f(only)],
-        _ => items.par_iter_mut().map(f).collect(),
-    }
-}
-
-/// Cuts off one piece of each length, from the front on.
-fn split<'a>(mut all: &'a mut [u32], lengths: &[usize]) -> Vec<&'a mut [u32]> {
-    let cut = |&length: &usize| {
-        let (piece, rest) = std::mem::take(&mut all).split_at_mut(length);
-        all = rest;
-        piece
-    };
-    lengths.iter().map(cut).collect()
 }
 
 /// A stretch of upper cells with the counters of its leaf cells.

@@ -8,7 +8,7 @@
 
 use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use renderer::Geometry;
 use renderer::refined_hit::RefinedHit;
@@ -172,7 +172,7 @@ impl BareTests<'_, f32> {
 fn lifted(refined: &RefinedHit, offset: f64, out: DVec3) -> Ray<f32> {
     let side = refined.normal * refined.normal.dot(out).signum();
     let from = refined.position + side * offset;
-    Ray::new(Vec3::<f32>::from_dvec3(from), Vec3::<f32>::from_dvec3(out))
+    Ray::from_dvec3(from, out)
 }
 
 #[cfg(test)]

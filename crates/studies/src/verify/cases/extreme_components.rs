@@ -96,7 +96,7 @@ fn expected<S: Scalar>(exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
     let from = |x: f64| if x.abs() < NOTHING { 0.0 } else { x };
     let o = ray.origin.to_dvec3();
     let o = dvec3(from(o.x), from(o.y), from(o.z));
-    let seen = Ray::<S>::new(S::Vec3::from_dvec3(o), S::Vec3::from_dvec3(d));
+    let seen = Ray::<S>::from_dvec3(o, d);
     match in_soup_within(f64::from(f32::EPSILON), exact, &seen) {
         Some(OracleAnswer::Hit { id, t }) => {
             let by = |t: f64| t * half.exp2() * (-exponent - half).exp2();
