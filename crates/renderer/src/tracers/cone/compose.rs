@@ -181,7 +181,7 @@ pub fn union(fragments: &[Fragment]) -> (f64, bool) {
 mod tests {
     use super::*;
     use crate::tracers::cone::disc_overlap::{of_disc, of_polygon};
-    use crate::tracers::cone::outline::Outline;
+    use crate::tracers::cone::coverage::Outline;
 
     fn fragment(id: u32, depth: f64, outline: Outline) -> Fragment {
         let overlap = match &outline {
