@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FileLocation, FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
@@ -238,6 +238,14 @@ impl Welder {
             u32::try_from(scene.vertices.len() - 1).unwrap_or(u32::MAX)
         })
     }
+}
+
+/// Matrix that transforms normals: the cofactors, which keep their orientation under mirroring.
+pub(crate) fn cofactor(world: DMat4) -> DMat3 {
+    let m = DMat3::from_mat4(world);
+    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+        * sign
 }
 
 /// True for coordinates that can be worked with.
