@@ -15,7 +15,7 @@ use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::read::read_at_most;
 use crate::limits::MAX_WARNINGS;
 use crate::scene::Scene;
-use crate::scene::texture::Wrap;
+use crate::scene::Wrap;
 
 /// The textures of a document, each read when a primitive needs it.
 pub(crate) struct Textures<'a> {
