@@ -8,24 +8,25 @@
 //! | `camera` | rays from the eye |
 //! | `geometry` | the primitives of a scene, for structures |
 //! | `film` | images, their files, heat maps |
-//! | `shading` | surfaces where rays meet them; rays that leave them |
+//! | `refined_hit`, `surface`, `ray_offset` | surfaces where rays meet them; rays that leave them |
 //! | `rays` | kinds of rays, and the rays of a scene |
-//! | `effects` | what an image simulates: one file an effect |
+//! | `effects` | what an image simulates |
 //! | `tracers` | Whitted's rays, cones, beams; recorded rays; the work of an image |
 
 pub mod camera;
 pub mod effects;
 mod film;
 mod geometry;
+pub mod ray_offset;
 mod rays;
-mod shading;
+pub mod refined_hit;
+pub mod surface;
 pub mod tracers;
 
 pub use effects::{Effect, EffectPlan, Gating, RayCounts, RenderSettings, Samples};
 pub use film::{Image, ImageError, ImageFormat};
 pub use geometry::{Geometry, GeometryError};
 pub use rays::{RayBatches, RayKind, RaySettings, ShadowRays};
-pub use shading::{ray_offset, refined_hit, surface};
 pub use tracers::generate_rays;
 pub use tracers::whitted::{RenderedImage, render, render_plan, render_watched};
 pub use tracers::work;

@@ -3,7 +3,7 @@
 use accel_core::Ray;
 use accel_core::registry::Buildable;
 
-use crate::shading::ray_offset::OffsetRule;
+use crate::ray_offset::OffsetRule;
 
 /// Purpose of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

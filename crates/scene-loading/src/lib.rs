@@ -43,10 +43,9 @@ pub mod triangle_soup;
 pub mod view_options;
 
 pub use error::{FilePlace, LoadError};
-pub use scene::texture::{Texture, Wrap};
 pub use scene::{
     Bounds, Camera, Cone, Instance, Light, Material, Primitive, Rgb, SampleWishes, Scene, Shape,
-    Sphere, Warning,
+    Sphere, Texture, Warning, Wrap,
 };
 pub use scene_file::set as scene_set;
 pub use source::{LoadedScene, SceneCatalogue, SceneRef, SceneSizes};

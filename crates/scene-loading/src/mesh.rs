@@ -1,12 +1,11 @@
-//! Faces over a list of vertices, as PLY, STL and PBRT have them: what becomes of each, and what is
-//! counted. They are taken as OBJ's are: a triangle stays one; a larger flat face is a polygon
+//! Faces over a list of vertices: what becomes of each, and what is counted. A triangle stays one; a larger flat face is a polygon
 //! unless it has normals or triangles are asked for; one that crosses itself is split; faces
 //! without area, or with a corner that is NaN, are left out.
 
 use std::collections::HashMap;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FileLocation, FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
@@ -115,53 +114,21 @@ impl Mesh {
         place: impl Fn() -> FilePlace,
     ) -> Result<(), LoadError> {
         let point = |&i: &u32| scene.vertices.get(self.first as usize + i as usize).copied();
-        if let [a, b, c] = corners {
-            let points = [point(a), point(b), point(c)].map(Option::unwrap_or_default);
-            if area_vector(&points).is_some() {
-                self.push([*a, *b, *c], scene);
-            } else if points.iter().any(|p| p.is_nan()) {
-                counts.unusable.add(place);
-            } else {
-                counts.without_area.add(place);
-            }
-            return Ok(());
-        }
-        let points: Vec<DVec3> = corners.iter().filter_map(point).collect();
-        // a face makes at most as many vertices and primitives as it has corners
-        let size = scene.vertices.len().max(scene.primitives.len()) + 3 * corners.len();
-        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
-        let pieces = match Outline::of(&points) {
-            Outline::Flat if self.normals.is_none() && !self.triangulate => {
-                scene.push_polygon(self.material, &points);
-                return Ok(());
-            }
-            Outline::Flat => triangulate(&points),
-            Outline::Bent(area) => {
-                counts.bent.add(&place);
-                triangulate_bent(&points, area)
-            }
-            Outline::Crossing(triangles) => {
-                counts.crossing.add(place);
-                push_all(self.material, triangles, scene);
-                return Ok(());
-            }
-            Outline::Unusable => {
-                counts.unusable.add(place);
-                return Ok(());
-            }
-            Outline::WithoutArea => {
-                counts.without_area.add(place);
-                return Ok(());
-            }
+        let (three, more): ([DVec3; 3], Vec<DVec3>);
+        let points = if let [a, b, c] = corners {
+            three = [a, b, c].map(|i| point(i).unwrap_or_default());
+            &three[..]
+        } else {
+            more = corners.iter().filter_map(point).collect();
+            // a face makes at most as many vertices and primitives as it has corners
+            let size = scene.vertices.len().max(scene.primitives.len()) + 3 * corners.len();
+            limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
+            &more
         };
-        let pieces = pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
-        for piece in pieces {
-            let pick = piece.map(|i| corners.get(i as usize).copied().unwrap_or_default());
-            let at = piece.map(|i| points.get(i as usize).copied().unwrap_or_default());
-            if area_vector(&at).is_some() {
-                self.push(pick, scene);
-            }
-        }
+        let may_stay = self.normals.is_none() && !self.triangulate;
+        add_face(self.material, points, may_stay, scene, counts, place, |piece, scene| {
+            self.push(piece.map(|i| corners.get(i).copied().unwrap_or_default()), scene);
+        })?;
         Ok(())
     }
 
@@ -192,6 +159,56 @@ impl Mesh {
             replace(scene.normals.get_mut(first as usize..).unwrap_or_default());
         }
     }
+}
+
+/// Adds a face: a larger one than a triangle whole where it is flat and `may_stay`, one that crosses
+/// itself as the triangles that it encloses, and others by `push`, which gets the places in the
+/// face of the corners of each of its triangles. False for one that crosses itself or is left out.
+pub(crate) fn add_face(
+    material: u32,
+    points: &[DVec3],
+    may_stay: bool,
+    scene: &mut Scene,
+    counts: &mut FaceCounts,
+    place: impl Fn() -> FilePlace,
+    mut push: impl FnMut([usize; 3], &mut Scene),
+) -> Result<bool, LoadError> {
+    if points.len() == 3 && area_vector(points).is_some() {
+        push([0, 1, 2], scene);
+        return Ok(true);
+    }
+    let pieces = match Outline::of(points) {
+        Outline::Flat if may_stay => {
+            scene.push_polygon(material, points);
+            return Ok(true);
+        }
+        Outline::Flat => triangulate(points),
+        Outline::Bent(area) => {
+            counts.bent.add(&place);
+            triangulate_bent(points, area)
+        }
+        Outline::Crossing(triangles) => {
+            counts.crossing.add(place);
+            push_all(material, triangles, scene);
+            return Ok(false);
+        }
+        Outline::Unusable => {
+            counts.unusable.add(place);
+            return Ok(false);
+        }
+        Outline::WithoutArea => {
+            counts.without_area.add(place);
+            return Ok(false);
+        }
+    };
+    let pieces = pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
+    for piece in pieces {
+        let piece = piece.map(|i| i as usize);
+        if area_vector(&piece.map(|i| points.get(i).copied().unwrap_or_default())).is_some() {
+            push(piece, scene);
+        }
+    }
+    Ok(true)
 }
 
 /// Adds a polygon with vertices of its own: triangles where it is bent or crosses itself.
@@ -238,6 +255,14 @@ impl Welder {
             u32::try_from(scene.vertices.len() - 1).unwrap_or(u32::MAX)
         })
     }
+}
+
+/// Matrix that transforms normals: the cofactors, which keep their orientation under mirroring.
+pub(crate) fn cofactor(world: DMat4) -> DMat3 {
+    let m = DMat3::from_mat4(world);
+    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(m.y_axis.cross(m.z_axis), m.z_axis.cross(m.x_axis), m.x_axis.cross(m.y_axis))
+        * sign
 }
 
 /// True for coordinates that can be worked with.

@@ -1,8 +1,7 @@
-//! The effects, and what is known of each.
+//! The effects, what in a scene calls for each, and the settings of an image.
 
-use scene_loading::{Material, Scene};
-
-use super::settings::RenderSettings;
+use glam::DVec3;
+use scene_loading::{Material, SampleWishes, Scene, Shape};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
@@ -42,13 +41,131 @@ pub struct EffectInfo {
     pub called_by: fn(&Scene, &RenderSettings) -> Option<String>,
 }
 
-/// `1 light`, `2 lights`.
-pub(super) fn counted(n: usize, what: &str) -> String {
-    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
+/// Every effect.
+pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
+    EffectInfo {
+        effect: Effect::HardShadows,
+        name: "hard shadows",
+        paper: "Appel 1968",
+        called_by: |scene, _| {
+            let points = scene.lights.iter().filter(|light| light.radius() <= 0.0).count();
+            counted(points, "light").map(|lights| lights + " without a radius")
+        },
+    },
+    EffectInfo {
+        effect: Effect::SoftShadows,
+        name: "soft shadows",
+        paper: "Cook, Porter, Carpenter 1984",
+        called_by: |scene, _| {
+            let discs = scene.lights.iter().filter(|light| light.radius() > 0.0).count();
+            counted(discs, "light").map(|lights| lights + " with a radius")
+        },
+    },
+    EffectInfo {
+        effect: Effect::Mirror,
+        name: "mirror reflection",
+        paper: "Whitted 1980",
+        called_by: |scene, settings| {
+            let is_mirror =
+                |m: &Material| (m.specular > 0.0 && m.roughness <= 0.0) || m.transmittance > 0.0;
+            sending(scene, settings, is_mirror, "mirror")
+                .map(|mirrors| mirrors + " without a roughness")
+        },
+    },
+    EffectInfo {
+        effect: Effect::Gloss,
+        name: "glossy reflection",
+        paper: "Cook, Porter, Carpenter 1984; Walter et al. 2007",
+        called_by: |scene, settings| {
+            let is_rough = |m: &Material| m.specular > 0.0 && m.roughness > 0.0;
+            sending(scene, settings, is_rough, "mirror")
+                .map(|mirrors| mirrors + " with a roughness")
+        },
+    },
+    EffectInfo {
+        effect: Effect::Refraction,
+        name: "refraction",
+        paper: "Whitted 1980",
+        called_by: |scene, settings| {
+            let transmits = |m: &Material| m.transmittance > 0.0;
+            sending(scene, settings, transmits, "material")
+                .map(|materials| materials + " with a transmittance")
+        },
+    },
+    EffectInfo {
+        effect: Effect::SmoothNormals,
+        name: "smooth normals",
+        paper: "Phong 1975",
+        called_by: |scene, _| {
+            let is_patch = |shape: Shape| matches!(shape, Shape::Patch { .. });
+            let patches = scene.primitives.iter().filter(|p| is_patch(p.shape)).count();
+            counted(patches, "triangle").map(|triangles| triangles + " with normals")
+        },
+    },
+    EffectInfo {
+        effect: Effect::Textures,
+        name: "textures",
+        paper: "Catmull 1974; bilinear, no mip maps",
+        called_by: |scene, _| {
+            let has_texture =
+                |m: &&Material| m.texture.is_some_and(|t| (t as usize) < scene.textures.len());
+            let textured = used_materials(scene).filter(has_texture).count();
+            let textured = counted(textured, "material").filter(|_| !scene.texcoords.is_empty());
+            textured.map(|materials| materials + " with a texture")
+        },
+    },
+    EffectInfo {
+        effect: Effect::Focus,
+        name: "depth of field",
+        paper: "Potmesil, Chakravarty 1981; Cook, Porter, Carpenter 1984",
+        called_by: |scene, _| {
+            let aperture = scene.camera.aperture;
+            (aperture > 0.0).then(|| format!("a lens of radius {aperture}"))
+        },
+    },
+    EffectInfo {
+        effect: Effect::Motion,
+        name: "motion blur",
+        paper: "Cook, Porter, Carpenter 1984",
+        called_by: |scene, _| {
+            let moving = scene.velocities.iter().filter(|v| **v != DVec3::ZERO).count();
+            let shutter = scene.camera.shutter;
+            let moving = counted(moving, "moving primitive").filter(|_| shutter > 0.0);
+            moving.map(|moving| format!("{moving}, a shutter open for {shutter}"))
+        },
+    },
+    EffectInfo {
+        effect: Effect::Supersampling,
+        name: "supersampling",
+        paper: "Whitted 1980; Cook 1986",
+        called_by: |scene, settings| {
+            let samples = Samples::of(scene, settings).supersamples;
+            let typed = settings.samples.supersamples.is_some();
+            let who = if typed { "the command line" } else { "the scene" };
+            (samples > 1).then(|| format!("{who} asks for {samples} samples of a pixel's area"))
+        },
+    },
+];
+
+/// `1 light`, `2 lights`; `None` for 0.
+fn counted(n: usize, what: &str) -> Option<String> {
+    let plural = if n == 1 { "" } else { "s" };
+    (n > 0).then(|| format!("{n} {what}{plural}"))
+}
+
+/// Counts used materials that send rays on, if rays may be that long.
+fn sending(
+    scene: &Scene,
+    settings: &RenderSettings,
+    test: fn(&Material) -> bool,
+    what: &str,
+) -> Option<String> {
+    let materials = used_materials(scene).filter(|m| test(m)).count();
+    counted(materials, what).filter(|_| settings.max_depth > 1)
 }
 
 /// Materials that primitives are made of; others cannot call for anything.
-pub(super) fn used_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
+fn used_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
     let mut used = vec![false; scene.materials.len()];
     for primitive in &scene.primitives {
         if let Some(used) = used.get_mut(primitive.material as usize) {
@@ -56,4 +173,57 @@ pub(super) fn used_materials(scene: &Scene) -> impl Iterator<Item = &Material> {
         }
     }
     scene.materials.iter().zip(used).filter(|(_, used)| *used).map(|(m, _)| m)
+}
+
+/// How an image is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RenderSettings {
+    /// Pixels of the image.
+    pub resolution: [u32; 2],
+    /// Longest chain of rays; eye rays have depth 1.
+    pub max_depth: u32,
+    /// Numbers of samples that replace those of the scene.
+    pub samples: SampleWishes,
+    /// Seed of all sample patterns.
+    pub seed: u64,
+}
+
+impl Default for RenderSettings {
+    fn default() -> Self {
+        let (resolution, samples) = ([256, 256], SampleWishes::default());
+        Self { resolution, max_depth: 5, samples, seed: 1 }
+    }
+}
+
+/// Numbers of samples: what the settings say, else what the scene says, else 16 (1 for the area
+/// of a pixel). Those of effects that are not called for are not used.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Samples {
+    /// Eye rays per pixel for its area.
+    pub supersamples: u32,
+    /// Shadow rays per hit and light with a radius.
+    pub shadow: u32,
+    /// Rays of the first rough mirror of a path.
+    pub glossy: u32,
+    /// Eye rays per pixel for the time the shutter is open.
+    pub temporal: u32,
+    /// Eye rays per pixel for the area of the lens.
+    pub focal: u32,
+}
+
+impl Samples {
+    /// The numbers for a scene.
+    pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
+        let (typed, wished) = (settings.samples, scene.samples);
+        let number = |typed: Option<u32>, wished: Option<u32>, default: u32| {
+            typed.or(wished).unwrap_or(default).max(1)
+        };
+        Self {
+            supersamples: number(typed.supersamples, wished.supersamples, 1),
+            shadow: number(typed.shadow, wished.shadow, 16),
+            glossy: number(typed.glossy, wished.glossy, 16),
+            temporal: number(typed.temporal, wished.temporal, 16),
+            focal: number(typed.focal, wished.focal, 16),
+        }
+    }
 }

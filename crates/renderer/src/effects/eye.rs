@@ -2,17 +2,20 @@
 //!
 //! Paper: R. Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984: a pixel's
 //! rays are as many as the product of the factors says, and each ray samples all of them at once,
-//! so that no factor repeats the positions of another.
+//! so that no factor repeats the positions of another. Depth of field: M. Potmesil, I. Chakravarty,
+//! "A Lens and Aperture Camera Model for Synthetic Image Generation", SIGGRAPH 1981, as rays from
+//! points of a thin lens through the point of the focal plane that the pinhole's ray goes through.
+//! The area of a pixel: T. Whitted 1980 and R. Cook, "Stochastic Sampling in Computer Graphics", ACM
+//! TOG 5(1), 1986, averaged by a box filter. Deviation: a low-discrepancy pattern instead of jitter.
 
 use std::ops::Range;
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
+use scene_loading::Camera;
 
-use super::counts::RayCounts;
 use super::effect::Effect;
-use super::focus::Lens;
 use super::sampler::{Pattern, Purpose};
-use super::stages::{EyeRay, EyeStage, Origin};
+use super::stages::{EyeRay, EyeStage, Origin, RayCounts};
 use crate::camera::EyeRays;
 use crate::rays::RayKind;
 
@@ -32,6 +35,35 @@ impl EyeStage for Pinhole {
             origin: Origin { column, sample: 0, fanned: false, time: 0.0 },
             share: 1.0,
         }));
+    }
+}
+
+#[derive(Debug, Clone, Copy)]
+pub struct Lens {
+    forward: DVec3,
+    right: DVec3,
+    up: DVec3,
+    focal_distance: f64,
+}
+
+impl Lens {
+    pub fn new(camera: &Camera) -> Self {
+        let view = camera.at - camera.from;
+        let forward = view.normalize_or(DVec3::NEG_Z);
+        let (right, up) = forward.any_orthonormal_pair();
+        Self {
+            forward,
+            right: right * camera.aperture,
+            up: up * camera.aperture,
+            focal_distance: camera.focal_distance.unwrap_or(view.length()),
+        }
+    }
+
+    /// The ray through the point `p` of the unit disc that replaces the pinhole's ray.
+    pub fn ray(&self, from: DVec3, direction: DVec3, p: DVec2) -> (DVec3, DVec3) {
+        let offset = self.right * p.x + self.up * p.y;
+        let sharp = direction * (self.focal_distance / direction.dot(self.forward));
+        (from + offset, (sharp - offset).normalize_or(direction))
     }
 }
 
@@ -102,6 +134,25 @@ impl<const AREA: bool, const LENS: bool, const TIME: bool> EyeStage
                 let origin = Origin { column, sample, fanned: false, time };
                 out.push(EyeRay { from, direction, origin, share });
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_rays_of_a_pixel_meet_in_the_focal_plane() {
+        let camera = Camera { aperture: 0.3, focal_distance: Some(5.0), ..Camera::default() };
+        let lens = Lens::new(&camera);
+        let direction = DVec3::new(0.2, -0.1, -1.0).normalize();
+        let sharp = camera.from + direction * (5.0 / direction.dot(lens.forward));
+        for p in [DVec2::ZERO, DVec2::X, DVec2::new(-0.3, 0.8)] {
+            let (from, d) = lens.ray(camera.from, direction, p);
+            assert!((from - camera.from).length() <= 0.3 + 1e-12);
+            let at = from + d * ((sharp - from).dot(d));
+            assert!((at - sharp).length() < 1e-12, "{at} {sharp}");
         }
     }
 }

@@ -3,36 +3,13 @@
 
 use scene_loading::Scene;
 
-use super::effect::{Effect, EffectInfo};
-use super::eye::{Pinhole, Sampling, sampled};
-use super::focus::Lens;
-use super::gloss::Lobe;
-use super::hard_shadows::PointLights;
-use super::mirror::Scatter;
-use super::motion::MovedSurfaces;
-use super::settings::{RenderSettings, Samples};
-use super::soft_shadows::DiscLights;
+use super::effect::{EFFECTS, Effect, EffectInfo, RenderSettings, Samples};
+use super::eye::{Lens, Pinhole, Sampling, sampled};
+use super::hits::{ImageColors, MovedSurfaces};
+use super::lights::{DiscLights, PointLights};
+use super::scatter::{Lobe, Scatter};
 use super::stages::{EyeStage, LightStage, ScatterStage, Stages};
-use super::textures::ImageColors;
-use super::{
-    focus, gloss, hard_shadows, mirror, motion, refraction, smooth_normals, soft_shadows,
-    supersampling, textures,
-};
 use crate::camera::EyeRays;
-
-/// Every effect: one line each.
-pub static EFFECTS: &[&EffectInfo] = &[
-    &hard_shadows::INFO,
-    &soft_shadows::INFO,
-    &mirror::INFO,
-    &gloss::INFO,
-    &refraction::INFO,
-    &smooth_normals::INFO,
-    &textures::INFO,
-    &focus::INFO,
-    &motion::INFO,
-    &supersampling::INFO,
-];
 
 pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 
@@ -73,7 +50,7 @@ pub enum Gating {
 impl EffectPlan {
     /// The plan for a scene.
     pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
-        let called = |info: &&'static EffectInfo| {
+        let called = |info: &'static EffectInfo| {
             (info.called_by)(scene, settings).map(|by| RequestedEffect { info, by })
         };
         let called: Vec<RequestedEffect> = EFFECTS.iter().filter_map(called).collect();

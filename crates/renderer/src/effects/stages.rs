@@ -1,14 +1,15 @@
 //! The stages that an image is traced by. Each takes a whole wave of rays or hits at one dynamic
 //! call; which ones there are is decided once, before the first ray ([`crate::effects::plan`]).
+//! And the rays that they make, counted by kind and by effect.
 
 use std::ops::Range;
 
 use glam::DVec3;
 use scene_loading::Rgb;
 
-use super::counts::RayCounts;
+use super::effect::Effect;
 use crate::rays::RayKind;
-use crate::shading::surface::SurfacePoint;
+use crate::surface::SurfacePoint;
 
 /// Data of a path that are constant from its eye ray on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -66,6 +67,53 @@ pub struct ScatteredRay {
     /// Contribution of the light that it finds to the pixel.
     pub weight: Rgb,
     pub origin: Origin,
+}
+
+/// Rays of an image. Counted by wave, not by ray.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    kinds: [u64; 5],
+    effects: [u64; Effect::COUNT],
+    /// Refracted rays that total internal reflection left untraced.
+    pub total_internal_reflections: u64,
+}
+
+impl RayCounts {
+    /// Rays of a kind.
+    pub fn kind(&self, kind: RayKind) -> u64 {
+        self.kinds[kind as usize]
+    }
+
+    /// Rays that belong to an effect; an eye ray belongs to each effect that it samples.
+    pub fn effect(&self, effect: Effect) -> u64 {
+        self.effects[effect as usize]
+    }
+
+    /// Rays of all kinds.
+    pub fn total(&self) -> u64 {
+        self.kinds.iter().sum()
+    }
+
+    /// `n` more rays of a kind.
+    pub fn add_kind(&mut self, kind: RayKind, n: usize) {
+        self.kinds[kind as usize] += n as u64;
+    }
+
+    /// `n` more rays of an effect.
+    pub fn add_effect(&mut self, effect: Effect, n: usize) {
+        self.effects[effect as usize] += n as u64;
+    }
+}
+
+impl std::ops::AddAssign for RayCounts {
+    fn add_assign(&mut self, other: Self) {
+        let add = |all: &mut [u64], more: &[u64]| {
+            all.iter_mut().zip(more).for_each(|(a, b)| *a += b);
+        };
+        add(&mut self.kinds, &other.kinds);
+        add(&mut self.effects, &other.effects);
+        self.total_internal_reflections += other.total_internal_reflections;
+    }
 }
 
 /// Position of a wave: row of the image, and depth (1 for hits of eye rays).

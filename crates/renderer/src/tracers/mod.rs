@@ -4,12 +4,18 @@
 pub mod beam;
 pub mod cone;
 mod info;
-mod recording;
 pub mod whitted;
 pub mod work;
 
+use accel_core::query::tracer::Tracer;
+use accel_core::registry::Buildable;
+use rayon::prelude::*;
+use scene_loading::Scene;
+
 pub use info::{DrawnImage, Frame, Refusal, Structures, TracerInfo};
-pub use recording::generate_rays;
+
+use crate::rays::{RayBatches, RaySettings};
+use whitted::{TracedRow, Whitted};
 
 /// Every tracer: one line each.
 pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO, &beam::INFO];
@@ -17,4 +23,22 @@ pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO, &beam::INFO]
 /// The tracer of that name.
 pub fn find(name: &str) -> Option<&'static TracerInfo> {
     TRACERS.iter().find(|t| t.name == name).copied()
+}
+
+/// Traces the scene with `tracer` and keeps every ray it took, so that every structure can be asked
+/// the same. Runs in the current rayon pool;
+/// the rays do not depend on the number of threads.
+pub fn generate_rays<S: Buildable>(
+    scene: &Scene,
+    tracer: &dyn Tracer<S>,
+    settings: &RaySettings,
+) -> RayBatches<S> {
+    let whitted = Whitted::new(scene, settings);
+    let rows: Vec<TracedRow<S>> =
+        (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
+    let mut all = RayBatches::default();
+    for rays in rows.into_iter().filter_map(|row| row.rays) {
+        all.append(rays);
+    }
+    all
 }

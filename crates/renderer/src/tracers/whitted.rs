@@ -27,9 +27,9 @@ use crate::effects::{
     first_light, plain_stages,
 };
 use crate::film::Image;
+use crate::ray_offset::{OffsetRule, RayOffset, magnitude};
 use crate::rays::{RayBatches, RayKind, RaySettings, ShadowRays};
-use crate::shading::ray_offset::{OffsetRule, RayOffset, magnitude};
-use crate::shading::surface::Surfaces;
+use crate::surface::Surfaces;
 
 pub static INFO: TracerInfo = TracerInfo {
     name: "whitted",

@@ -60,7 +60,7 @@ fn rays_of_effects_that_are_not_called_for_are_exactly_none() {
         let mut settings = settings(SIZE, samples(4));
         settings.samples.supersamples = scene.samples.supersamples;
         let rendered = image(scene, &settings);
-        for info in EFFECTS {
+        for info in &EFFECTS {
             let rays = rendered.counts.effect(info.effect);
             let is_rayless = matches!(info.effect, Effect::SmoothNormals | Effect::Textures);
             let has_rays = effects.contains(&info.effect) && !is_rayless;

@@ -163,7 +163,7 @@ pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
         header: vec!["effect", "samples", "rays/pixel", "called for by"],
         ..Table::default()
     };
-    for info in EFFECTS {
+    for info in &EFFECTS {
         let row = match plan.called.iter().find(|c| c.info.effect == info.effect) {
             Some(called) => {
                 let rays = added(info.effect, &all, || counted(&plan.clone().without(info.effect)));

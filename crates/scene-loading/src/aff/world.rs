@@ -7,7 +7,7 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use crate::aff::motion::{AnimatedPatch, Motions};
 use crate::error::{FilePlace, LoadError, NOT_FINITE};
-use crate::gltf::vectors::cofactor;
+use crate::mesh::cofactor;
 use crate::pbrt::state::uniform_scale;
 use crate::scene::{Camera, Instance, Light, Scene, Shape};
 

@@ -49,7 +49,7 @@ fn is_moving(path: &Path) -> bool {
 /// [`LoadError::UnknownFormat`] for other endings, else those of the loader.
 pub fn parse(path: &Path, bytes: Vec<u8>) -> Result<Animation, LoadError> {
     let animation = match extension(path).as_str() {
-        "gltf" | "glb" => gltf::animated::parse(path, &bytes),
+        "gltf" | "glb" => gltf::parse_animation(path, &bytes),
         "aff" => aff::parse(path, bytes),
         _ => Err(LoadError::UnknownFormat {
             place: FilePlace::file(path),

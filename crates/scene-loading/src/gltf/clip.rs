@@ -6,15 +6,14 @@
 //! arc), cubic Hermite splines with their tangents in the file.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use crate::error::{FilePlace, LoadError};
-use crate::gltf::buffers::Buffers;
+use crate::error::LoadError;
+use crate::gltf::container::OpenedFile;
 use crate::limits::{self, MAX_ELEMENTS};
+use ::gltf::Accessor;
 use ::gltf::accessor::Dimensions;
 use ::gltf::animation::{Interpolation, Property};
 use ::gltf::json::validation::Checked;
-use ::gltf::{Accessor, Document};
 use glam::{DQuat, DVec3};
 
 /// How the nodes of a scene stand at a moment: animated values by node.
@@ -63,7 +62,8 @@ struct Channel {
 
 impl Clip {
     /// Reads the first animation.
-    pub fn read(path: &Path, document: &Document, buffers: &Buffers) -> Result<Self, LoadError> {
+    pub fn read(file: &OpenedFile) -> Result<Self, LoadError> {
+        let OpenedFile { path, document, .. } = file;
         let Some(animation) = document.as_json().animations.first() else {
             return Err(LoadError::gltf(path, "document", "no animations", "at least one"));
         };
@@ -102,10 +102,10 @@ impl Clip {
             let keys = match slot {
                 Some(keys) => keys,
                 None => {
-                    let keys = read_keys(path, document, buffers, s, property, width)?;
+                    let keys = read_keys(file, s, property, width)?;
                     numbers += keys.values.len();
-                    let place = || FilePlace::file(path);
-                    limits::check(numbers, MAX_ELEMENTS, "the numbers of all keys", place)?;
+                    let what = "the numbers of all keys";
+                    limits::check(numbers, MAX_ELEMENTS, what, || file.place())?;
                     slot.insert(keys)
                 }
             };
@@ -159,13 +159,12 @@ impl Clip {
 
 /// The keys of a sampler for what it is used for first.
 fn read_keys(
-    path: &Path,
-    document: &Document,
-    buffers: &Buffers,
+    file: &OpenedFile,
     sampler: usize,
     property: Property,
     width: usize,
 ) -> Result<Keys, LoadError> {
+    let OpenedFile { path, document, buffers, .. } = file;
     let object = format!("animation 0 sampler {sampler}");
     let json = document.as_json().animations.first();
     let missing = || {

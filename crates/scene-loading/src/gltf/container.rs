@@ -1,13 +1,16 @@
 //! The container of a glTF file: JSON alone, or a GLB file of chunks (sections 4.4 and 4.1 of the
-//! glTF 2.0 specification). Everything here is checked before the JSON is parsed.
+//! glTF 2.0 specification), checked before the JSON is parsed; and the file that is read from it.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use ::gltf::Document;
 use ::gltf::json::Root;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
-use crate::gltf::rules::parser_error;
+use crate::gltf::buffers::Buffers;
+use crate::gltf::extensions::{self, NodeExtensions};
+use crate::gltf::rules::{self, parser_error};
 use crate::input::text::without_mark;
 use crate::limits;
 
@@ -15,17 +18,48 @@ use crate::limits;
 /// few as three in the file.
 const MAX_OBJECTS: usize = 2 << 20;
 
+/// A file, its parts checked as far as the crate does not.
+pub(crate) struct OpenedFile {
+    pub path: PathBuf,
+    pub document: Document,
+    pub buffers: Buffers,
+    pub extensions: NodeExtensions,
+}
+
+impl OpenedFile {
+    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
+        let container = Container::open(path, bytes)?;
+        let json = container.parse(path)?;
+        extensions::check(path, &json)?;
+        rules::check(path, &json)?;
+        let extensions = NodeExtensions::read(path, container.json, &json)?;
+        let document = Document::from_json_without_validation(json);
+        let buffers = Buffers::load(path, &document, container.binary)?;
+        Ok(Self { path: path.to_path_buf(), document, buffers, extensions })
+    }
+
+    /// The scene to be loaded.
+    pub fn scene(&self) -> Result<::gltf::Scene<'_>, LoadError> {
+        let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
+        scene.ok_or_else(|| LoadError::gltf(&self.path, "document", "no scene", "at least one"))
+    }
+
+    pub fn place(&self) -> FilePlace {
+        FilePlace::file(&self.path)
+    }
+}
+
 /// The parts of a file.
 #[derive(Debug)]
-pub(super) struct Container<'a> {
-    pub json: &'a [u8],
+struct Container<'a> {
+    json: &'a [u8],
     /// The binary chunk of a GLB file.
-    pub binary: Option<&'a [u8]>,
+    binary: Option<&'a [u8]>,
 }
 
 impl<'a> Container<'a> {
     /// Splits a file. Chunks of unknown types are skipped, as the format asks.
-    pub fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
+    fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
         let bytes = without_mark(path, bytes)?;
         let container = match bytes.strip_prefix(b"glTF") {
             None => Self { json: bytes, binary: None },
@@ -67,7 +101,7 @@ impl<'a> Container<'a> {
     }
 
     /// Parses the JSON; the values are not checked yet.
-    pub fn parse(&self, path: &Path) -> Result<Root, LoadError> {
+    fn parse(&self, path: &Path) -> Result<Root, LoadError> {
         let error = match serde_json::from_slice(self.json) {
             Ok(root) => return Ok(root),
             Err(error) => error,

@@ -6,18 +6,17 @@
 //! place of its node.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::rc::Rc;
 
 use ::gltf::accessor::Dimensions;
 use ::gltf::{Accessor, Mesh, Node, Primitive, Semantic, Skin};
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DVec3, Vec3};
 
-use crate::error::{FilePlace, LoadError};
-use crate::gltf::buffers::Buffers;
+use crate::error::LoadError;
 use crate::gltf::clip::Pose;
-use crate::gltf::vectors::{affine, cofactor, wide};
+use crate::gltf::container::OpenedFile;
 use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::cofactor;
 
 /// The most vertices that morph targets and sets of joints move, in all meshes of a scene: a file
 /// can name the same data many times.
@@ -28,8 +27,7 @@ const MAX_JOINTS: usize = 1 << 20;
 
 /// Deforms the primitives of a scene.
 pub(crate) struct Deformer<'a> {
-    path: &'a Path,
-    buffers: &'a Buffers,
+    file: &'a OpenedFile,
     pose: Option<&'a Pose>,
     /// Placements of nodes by number; `None` for nodes outside the scene.
     pub joints: Vec<Option<DMat4>>,
@@ -52,6 +50,11 @@ pub(crate) struct DeformedMesh {
     pub is_mirrored: bool,
 }
 
+/// A vector of a file.
+pub(super) fn wide(v: &[f32; 3]) -> DVec3 {
+    Vec3::from_array(*v).as_dvec3()
+}
+
 /// True when a mesh at a node may change its shape.
 pub(crate) fn is_soft(node: &Node<'_>, mesh: &Mesh<'_>) -> bool {
     node.skin().is_some() || mesh.primitives().any(|p| p.morph_targets().len() > 0)
@@ -65,20 +68,8 @@ fn joint_sets<'a>(primitive: &Primitive<'a>) -> impl Iterator<Item = (Accessor<'
 }
 
 impl<'a> Deformer<'a> {
-    pub fn new(path: &'a Path, buffers: &'a Buffers) -> Self {
-        Self {
-            path,
-            buffers,
-            pose: None,
-            joints: Vec::new(),
-            skins: BTreeMap::new(),
-            moved: 0,
-            skinned: 0,
-        }
-    }
-
-    pub fn set_pose(&mut self, pose: &'a Pose) {
-        self.pose = Some(pose);
+    pub fn new(file: &'a OpenedFile, pose: Option<&'a Pose>) -> Self {
+        Self { file, pose, joints: Vec::new(), skins: BTreeMap::new(), moved: 0, skinned: 0 }
     }
 
     /// The vertices of a primitive, none where they are as the file has them; and why it does not
@@ -133,7 +124,7 @@ impl<'a> Deformer<'a> {
     fn count_moved(&mut self, vertices: usize) -> Result<(), LoadError> {
         self.moved = self.moved.saturating_add(vertices);
         let what = "the number of vertices that morph targets and joints move";
-        limits::check(self.moved, MAX_MOVED, what, || FilePlace::file(self.path))
+        limits::check(self.moved, MAX_MOVED, what, || self.file.place())
     }
 
     /// Adds the targets by their weights.
@@ -154,19 +145,19 @@ impl<'a> Deformer<'a> {
             for (accessor, all) in of_target {
                 let Some(accessor) = accessor.filter(|_| !all.is_empty()) else { continue };
                 let index = accessor.index();
-                let moves = self.buffers.vectors(accessor, "morph target")?;
+                let moves = self.file.buffers.vectors(accessor, "morph target")?;
                 if moves.len() != all.len() {
                     let object = format!("accessor {index} (morph target)");
                     let found = format!("{} elements", moves.len());
                     let expected = format!("{}, as many as vertices", all.len());
-                    return Err(self.buffers.invalid(&object, &found, &expected));
+                    return Err(self.file.buffers.invalid(&object, &found, &expected));
                 }
                 for (i, (v, by)) in all.iter_mut().zip(&moves).enumerate() {
                     let by = wide(by) * weight;
                     if !by.is_finite() {
                         let found = by.to_array().into_iter().find(|x| !x.is_finite());
                         let found = found.unwrap_or_default();
-                        return Err(self.buffers.not_finite(index, "morph target", i, found));
+                        return Err(self.file.buffers.not_finite(index, "morph target", i, found));
                     }
                     *v += by;
                 }
@@ -188,13 +179,13 @@ impl<'a> Deformer<'a> {
         let mut sums = vec![0.0; count];
         let mut firsts = vec![0; count];
         for (set, (joints, weights)) in joint_sets(primitive).enumerate() {
-            let joints = self.buffers.joints(joints)?;
-            let weights = self.buffers.numbers(weights, "weights", Dimensions::Vec4, true)?;
+            let joints = self.file.buffers.joints(joints)?;
+            let weights = self.file.buffers.numbers(weights, "weights", Dimensions::Vec4, true)?;
             let weights = weights.as_chunks::<4>().0;
             if joints.len() != count || weights.len() != count {
                 let found = format!("joints of {} and weights of {}", joints.len(), weights.len());
                 let expected = format!("of {count} vertices");
-                return Err(self.buffers.invalid(skin, &found, &expected));
+                return Err(self.file.buffers.invalid(skin, &found, &expected));
             }
             if set == 0 {
                 firsts = joints.iter().map(|&[first, ..]| first).collect();
@@ -237,7 +228,7 @@ impl<'a> Deformer<'a> {
         matrices.get(usize::from(joint)).copied().ok_or_else(|| {
             let found = format!("joint {joint} of vertex {vertex}");
             let expected = format!("one of {}, counted from 0", matrices.len());
-            self.buffers.invalid(skin, &found, &expected)
+            self.file.buffers.invalid(skin, &found, &expected)
         })
     }
 
@@ -247,19 +238,17 @@ impl<'a> Deformer<'a> {
         }
         let count = skin.joints().len();
         self.skinned += count;
-        limits::check(self.skinned, MAX_JOINTS, "the number of joints", || {
-            FilePlace::file(self.path)
-        })?;
+        limits::check(self.skinned, MAX_JOINTS, "the number of joints", || self.file.place())?;
         let mut inverse = Vec::new();
         if let Some(accessor) = skin.inverse_bind_matrices() {
             let what = "inverse bind matrices";
-            let numbers = self.buffers.numbers(accessor, what, Dimensions::Mat4, false)?;
+            let numbers = self.file.buffers.numbers(accessor, what, Dimensions::Mat4, false)?;
             let matrices = numbers.as_chunks().0.iter().map(DMat4::from_cols_array);
-            inverse = matrices.map(affine).collect();
+            inverse = matrices.map(|matrix| DAffine3::from_mat4(matrix).into()).collect();
             if inverse.len() < count {
                 let object = format!("skin {}", skin.index());
                 let found = format!("{} matrices for {count} joints", inverse.len());
-                return Err(self.buffers.invalid(&object, &found, "one for each"));
+                return Err(self.file.buffers.invalid(&object, &found, "one for each"));
             }
         }
         let world = |joint: Node<'_>| self.joints.get(joint.index()).copied().flatten();

@@ -4,13 +4,12 @@ use ::gltf::Semantic;
 use ::gltf::mesh::Mode;
 use glam::{DMat3, DMat4, DVec3};
 
-use crate::error::{FilePlace, LoadError, NOT_FINITE};
-use crate::gltf::deform::{self, DeformedMesh};
-use crate::gltf::instancing;
+use crate::error::{LoadError, NOT_FINITE};
+use crate::gltf::deform::{self, DeformedMesh, wide};
 use crate::gltf::nodes::NodeWalker;
-use crate::gltf::tree::PlacedNode;
-use crate::gltf::vectors::{cofactor, wide};
+use crate::gltf::tree::{self, PlacedNode};
 use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::cofactor;
 use crate::polygon::area_vector;
 use crate::progress;
 use crate::scene::{Material, Primitive, Shape, Texcoords};
@@ -48,7 +47,7 @@ impl NodeWalker<'_> {
             self.counts.hidden += 1;
             return Ok(());
         }
-        if self.extensions.instancing.contains_key(&node.index()) {
+        if self.file.extensions.instancing.contains_key(&node.index()) {
             match node.skin() {
                 None => return self.instances(placed, &mesh),
                 Some(_) => self.warn(format!("node {} has a skin: no instances", node.index())),
@@ -87,12 +86,11 @@ impl NodeWalker<'_> {
             return Ok(());
         }
         let node = &placed.node;
-        let placements =
-            instancing::placements(self.document, self.buffers, self.extensions, node)?;
+        let placements = tree::placements(self.file, node)?;
         let placements = placements.unwrap_or_else(|| vec![DMat4::IDENTITY]);
         self.instances += placements.len();
         limits::check(self.instances, MAX_INSTANCES, "the number of instances", || {
-            FilePlace::file(self.path)
+            self.file.place()
         })?;
         let count = placements.len();
         self.check_room(vertices.saturating_mul(count), triangles.saturating_mul(count))?;
@@ -153,9 +151,9 @@ impl NodeWalker<'_> {
             return Ok(None);
         }
         let position_accessor = accessor.index();
-        let mut positions = self.buffers.vectors(accessor, "positions")?;
+        let mut positions = self.file.buffers.vectors(accessor, "positions")?;
         let indices = match primitive.indices() {
-            Some(accessor) => self.buffers.indices(accessor, positions.len())?,
+            Some(accessor) => self.file.buffers.indices(accessor, positions.len())?,
             None => (0..positions.len() as u32).collect(),
         };
         self.check_positions(position_accessor, &mut positions, &indices)?;
@@ -205,7 +203,7 @@ impl NodeWalker<'_> {
             let corner = positions.get(i as usize).into_iter().flatten();
             if let Some(&found) = corner.into_iter().find(|x| !x.is_finite()) {
                 let (i, found) = (i as usize, f64::from(found));
-                return Err(self.buffers.not_finite(accessor, "positions", i, found));
+                return Err(self.file.buffers.not_finite(accessor, "positions", i, found));
             }
         }
         for position in positions.iter_mut().filter(|position| is_bad(position)) {
@@ -223,11 +221,11 @@ impl NodeWalker<'_> {
         vertices: usize,
     ) -> Result<Vec<[f32; 3]>, LoadError> {
         let Some(accessor) = primitive.get(&Semantic::Normals) else { return Ok(Vec::new()) };
-        let mut normals = self.buffers.vectors(accessor, "normals")?;
+        let mut normals = self.file.buffers.vectors(accessor, "normals")?;
         if normals.len() != vertices {
             let found = format!("{} normals for {vertices} positions", normals.len());
             let expected = "as many normals as positions";
-            return Err(LoadError::gltf(self.path, object, found, expected));
+            return Err(LoadError::gltf(&self.file.path, object, found, expected));
         }
         for normal in &mut normals {
             if !normal.iter().all(|x| x.is_finite()) {
@@ -252,10 +250,10 @@ impl NodeWalker<'_> {
             self.warn(format!("{object}: no TEXCOORD_{set}, so its texture is ignored"));
             return Ok(None);
         };
-        let mut texcoords = self.buffers.texcoords(accessor)?;
+        let mut texcoords = self.file.buffers.texcoords(accessor)?;
         if texcoords.len() != vertices {
             let found = format!("{} texture coordinates for {vertices}", texcoords.len());
-            return Err(LoadError::gltf(self.path, object, found, "as many as positions"));
+            return Err(LoadError::gltf(&self.file.path, object, found, "as many as positions"));
         }
         for texcoord in texcoords.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
             *texcoord = [0.0; 2];
@@ -268,7 +266,7 @@ impl NodeWalker<'_> {
         let vertices = self.scene.vertices.len().saturating_add(vertices);
         let triangles = self.scene.primitives.len().saturating_add(triangles);
         let what = "the number of vertices or triangles of all instances";
-        limits::check(vertices.max(triangles), MAX_ELEMENTS, what, || FilePlace::file(self.path))
+        limits::check(vertices.max(triangles), MAX_ELEMENTS, what, || self.file.place())
     }
 
     /// Adds the triangles of a primitive under a transform.
@@ -295,8 +293,7 @@ impl NodeWalker<'_> {
         };
         let Some((first, first_normal)) = first else {
             let object = format!("mesh {} primitive {}", mesh.index(), primitive.index());
-            let (place, what) =
-                (FilePlace::file(self.path), format!("{object}: a transformed position"));
+            let (place, what) = (self.file.place(), format!("{object}: a transformed position"));
             return Err(LoadError::not_finite(place, what, NOT_FINITE));
         };
         let all = read.triangles();

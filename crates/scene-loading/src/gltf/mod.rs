@@ -1,11 +1,17 @@
 //! glTF 2.0: `.glb`, and `.gltf` with `.bin` files or data URIs, through the crate `gltf`.
 //!
 //! Read: triangles (lists, strips, fans) under the transforms of their nodes, skins and morph
-//! targets at rest or in an animation (`animated`), instances (`instancing`), base colours and
+//! targets at rest or in the first animation, instances, base colours and
 //! their textures (`textures`), the first perspective camera, point and spot lights
 //! (`KHR_lights_punctual`). Left out with a warning: other textures, vertex colours, points and
 //! lines, orthographic cameras, directional lights, and extensions that are not read
 //! (`extensions`). A file that requires one of these that may be geometry is refused.
+//!
+//! An animation has 25 frames per second from its first key to its last, at least [`LEAST`] and at
+//! most [`MOST`]: those of a longer one are further apart. Nodes whose meshes keep their shape are
+//! claimed as instances, but for those that are scaled to nothing or mirrored on the way. A triangle
+//! is left out if it has no area in the mesh, in whichever frame; one that has none only in some
+//! frames stays. A file without a camera is seen by the one that frames the first frame.
 //!
 //! The crate panics on some invalid files and believes lengths that it reads. So the container,
 //! URIs, buffer views and accessors are checked here before it reads through them; images it never
@@ -13,31 +19,35 @@
 //! line keeps the panic's own message from stderr).
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use crate::animation::frames::Animation;
 use crate::error::LoadError;
-use crate::gltf::buffers::Buffers;
-use crate::gltf::container::Container;
-use crate::gltf::extensions::NodeExtensions;
+use crate::gltf::clip::Clip;
 use crate::gltf::nodes::NodeWalker;
 use crate::gltf::rules::parser_error;
 use crate::input::read::{read_file, scene_name};
-use crate::scene::Scene;
-use ::gltf::Document;
+use crate::scene::{Camera, Scene};
 
-pub(crate) mod animated;
+pub(crate) use container::OpenedFile;
+
 pub(crate) mod buffers;
 mod clip;
 mod container;
 mod deform;
 pub(crate) mod extensions;
-pub(crate) mod instancing;
 mod meshes;
 mod nodes;
 mod rules;
 mod textures;
-mod tree;
-pub(crate) mod vectors;
+pub(crate) mod tree;
+
+/// Frames per second.
+const RATE: f64 = 25.0;
+
+/// The fewest and the most frames.
+const LEAST: f64 = 2.0;
+const MOST: f64 = 1500.0;
 
 /// Loads a `.gltf` or `.glb` file, and the buffer files below its folder.
 ///
@@ -58,10 +68,41 @@ pub fn load_gltf(path: &Path) -> Result<Scene, LoadError> {
 pub fn parse_gltf(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError> {
     guarded(path, || {
         let opened = OpenedFile::read(path, bytes)?;
-        let mut walker = opened.walker();
-        walker.walk(&opened.scene()?)?;
-        walker.finish(None)
+        NodeWalker::new(&opened, None).walk(None)
     })
+}
+
+/// The first animation of a file.
+///
+/// # Errors
+/// [`LoadError::Gltf`] for a file without one or with one that breaks a rule, and those of
+/// [`parse_gltf`].
+pub(crate) fn parse_animation(path: &Path, bytes: &[u8]) -> Result<Animation, LoadError> {
+    let (opened, clip) = guarded(path, || {
+        let opened = OpenedFile::read(path, bytes)?;
+        let clip = Clip::read(&opened)?;
+        Ok((opened, clip))
+    })?;
+    let [from, to] = clip.span();
+    // at most MOST
+    let frames = (((to - from) * RATE).round() + 1.0).clamp(LEAST, MOST) as u32;
+    let scene = move |index: u32, camera: Option<Camera>| {
+        guarded(&opened.path, || {
+            let share = f64::from(index) / f64::from(frames - 1);
+            let pose = clip.pose(from + (to - from) * share);
+            NodeWalker::new(&opened, Some(&pose)).walk(camera)
+        })
+    };
+    // that of the first frame, once it is known
+    let mut camera = None;
+    Ok(Animation::new(scene_name(path), frames, move |index| {
+        if camera.is_none() && index > 0 {
+            camera = Some(scene(0, None)?.camera);
+        }
+        let scene = scene(index, camera)?;
+        camera.get_or_insert(scene.camera);
+        Ok(scene)
+    }))
 }
 
 /// Turns a panic inside the crate `gltf` into an error.
@@ -76,35 +117,4 @@ pub(crate) fn catch_panic<T>(read: impl FnOnce() -> T) -> Result<T, String> {
         let text = text.or(panic.downcast_ref::<&str>().copied()).unwrap_or("unknown");
         format!("panic: {text}")
     })
-}
-
-/// A file, its parts checked as far as the crate does not.
-pub(crate) struct OpenedFile {
-    path: PathBuf,
-    pub document: Document,
-    pub buffers: Buffers,
-    pub extensions: NodeExtensions,
-}
-
-impl OpenedFile {
-    pub fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
-        let container = Container::open(path, bytes)?;
-        let json = container.parse(path)?;
-        extensions::check(path, &json)?;
-        rules::check(path, &json)?;
-        let extensions = NodeExtensions::read(path, container.json, &json)?;
-        let document = Document::from_json_without_validation(json);
-        let buffers = Buffers::load(path, &document, container.binary)?;
-        Ok(Self { path: path.to_path_buf(), document, buffers, extensions })
-    }
-
-    fn scene(&self) -> Result<::gltf::Scene<'_>, LoadError> {
-        let scene = self.document.default_scene().or_else(|| self.document.scenes().next());
-        scene.ok_or_else(|| LoadError::gltf(&self.path, "document", "no scene", "at least one"))
-    }
-
-    fn walker(&self) -> NodeWalker<'_> {
-        let scene = Scene::new(scene_name(&self.path));
-        NodeWalker::new(&self.path, &self.document, &self.buffers, &self.extensions, scene)
-    }
 }

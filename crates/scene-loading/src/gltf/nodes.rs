@@ -1,18 +1,16 @@
 //! The walk over the nodes of a glTF scene, which fills a [`Scene`]. Light colours are scaled so
 //! that the strongest light has intensity 1, because lights here do not fall off with distance.
 
-use std::path::Path;
-
-use crate::error::{FilePlace, LoadError};
-use crate::gltf::buffers::Buffers;
+use crate::error::LoadError;
 use crate::gltf::clip::Pose;
+use crate::gltf::container::OpenedFile;
 use crate::gltf::deform::Deformer;
-use crate::gltf::extensions::{self, NodeExtensions};
+use crate::gltf::extensions;
 use crate::gltf::textures::Textures;
 use crate::gltf::tree::{self, PlacedNode};
+use crate::input::read::scene_name;
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
 use crate::scene::{Camera, Light, Material, Scene, Warning};
-use ::gltf::Document;
 use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
 use ::gltf::material::AlphaMode;
@@ -22,10 +20,7 @@ use glam::{DMat4, DVec3, Vec4};
 const HEIGHT: u32 = 512;
 
 pub(crate) struct NodeWalker<'a> {
-    pub(super) path: &'a Path,
-    pub(super) document: &'a Document,
-    pub(super) buffers: &'a Buffers,
-    pub(super) extensions: &'a NodeExtensions,
+    pub(super) file: &'a OpenedFile,
     pub(super) textures: Textures<'a>,
     pub(super) deformer: Deformer<'a>,
     pub(super) scene: Scene,
@@ -41,25 +36,18 @@ pub(crate) struct NodeWalker<'a> {
 }
 
 impl<'a> NodeWalker<'a> {
-    pub fn new(
-        path: &'a Path,
-        document: &'a Document,
-        buffers: &'a Buffers,
-        extensions: &'a NodeExtensions,
-        mut scene: Scene,
-    ) -> Self {
-        scene.materials = document.materials().map(|m| material_of(&m)).collect();
+    /// A walk over the nodes as the file has them, or as a pose says.
+    pub fn new(file: &'a OpenedFile, pose: Option<&'a Pose>) -> Self {
+        let mut scene = Scene::new(scene_name(&file.path));
+        scene.materials = file.document.materials().map(|m| material_of(&m)).collect();
         Self {
-            path,
-            document,
-            buffers,
-            extensions,
-            textures: Textures::new(path, document, buffers),
-            deformer: Deformer::new(path, buffers),
+            file,
+            textures: Textures::new(file),
+            deformer: Deformer::new(file, pose),
             scene,
             default_material: None,
             lights: Vec::new(),
-            pose: None,
+            pose,
             has_camera: false,
             counts: Counts::default(),
             instances: 0,
@@ -67,34 +55,23 @@ impl<'a> NodeWalker<'a> {
         }
     }
 
-    /// Has the nodes stand as a pose says.
-    pub fn posed(mut self, pose: &'a Pose) -> Self {
-        self.pose = Some(pose);
-        self.deformer.set_pose(pose);
-        self
-    }
-
-    /// Visits every node of a scene once, parents first.
-    pub fn walk(&mut self, scene: &::gltf::Scene<'a>) -> Result<(), LoadError> {
-        for text in extensions::warnings(self.document.as_json()) {
+    /// The scene: every node is visited once, parents first. Where the file has no camera it gets
+    /// this one, or one that frames the scene.
+    pub fn walk(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
+        let document = &self.file.document;
+        for text in extensions::warnings(document.as_json()) {
             self.warn(text);
         }
-        let more = self.extensions;
-        let placed = tree::placed(self.path, self.document, scene, self.pose, more)?;
-        self.deformer.joints = vec![None; self.document.nodes().len()];
+        let placed = tree::placed(self.file, self.pose)?;
+        self.deformer.joints = vec![None; document.nodes().len()];
         for node in &placed {
             if let Some(joint) = self.deformer.joints.get_mut(node.node.index()) {
                 *joint = Some(node.world);
             }
         }
-        placed.iter().try_for_each(|placed| self.visit(placed))
-    }
-
-    /// Ends the walk: lights, warnings, and where the file has no camera this one or one that
-    /// frames the scene.
-    pub fn finish(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
+        placed.iter().try_for_each(|placed| self.visit(placed))?;
         if self.scene.primitives.is_empty() {
-            return Err(LoadError::no_primitives(self.path, "triangle with an area"));
+            return Err(LoadError::no_primitives(&self.file.path, "triangle with an area"));
         }
         let strongest = self.lights.iter().map(|light| light.2).fold(0.0, f64::max);
         for (position, color, intensity) in &self.lights {
@@ -107,7 +84,7 @@ impl<'a> NodeWalker<'a> {
         }
         let unsaid = self.unsaid + self.textures.unsaid;
         if unsaid > 0 {
-            let text = format!("{}: {unsaid} more warnings", self.path.display());
+            let text = format!("{}: {unsaid} more warnings", self.file.path.display());
             self.scene.warnings.push(Warning(text));
         }
         match camera {
@@ -123,7 +100,7 @@ impl<'a> NodeWalker<'a> {
             self.unsaid += 1;
             return;
         }
-        self.scene.warnings.push(Warning(format!("{}: {text}", self.path.display())));
+        self.scene.warnings.push(Warning(format!("{}: {text}", self.file.path.display())));
     }
 
     fn visit(&mut self, placed: &PlacedNode<'_>) -> Result<(), LoadError> {
@@ -144,7 +121,7 @@ impl<'a> NodeWalker<'a> {
         world: DMat4,
     ) -> Result<(), LoadError> {
         let count = self.lights.len() + 1;
-        limits::check(count, MAX_LIGHTS, "the number of lights", || FilePlace::file(self.path))?;
+        limits::check(count, MAX_LIGHTS, "the number of lights", || self.file.place())?;
         let (index, color) = (light.index(), light.color().map(f64::from));
         let intensity = f64::from(light.intensity());
         if !(intensity.is_finite() && intensity >= 0.0 && color.iter().all(|c| c.is_finite())) {
@@ -183,8 +160,8 @@ impl<'a> NodeWalker<'a> {
             resolution: [(aspect * f64::from(HEIGHT)).round().max(1.0) as u32, HEIGHT],
             ..Camera::default()
         };
-        if let Err(error) = converted.check(|| FilePlace::file(self.path)) {
-            let (error, place) = (error.to_string(), format!("{}: ", self.path.display()));
+        if let Err(error) = converted.check(|| self.file.place()) {
+            let (error, place) = (error.to_string(), format!("{}: ", self.file.path.display()));
             let why = error.strip_prefix(&place).unwrap_or(&error);
             self.warn(format!("camera {} left out: {why}", camera.index()));
             return Ok(());

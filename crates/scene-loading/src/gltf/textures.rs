@@ -6,24 +6,20 @@
 //! not taken (the renderer has one), nor is alpha. The crate's own `Image::source` and
 //! `Texture::source` panic where there is nothing: they are not called.
 
-use std::path::Path;
 use std::rc::Rc;
 
-use ::gltf::Document;
 use ::gltf::texture::{Info, WrappingMode};
 
-use crate::gltf::buffers::Buffers;
+use crate::gltf::container::OpenedFile;
 use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::read::read_at_most;
 use crate::limits::MAX_WARNINGS;
 use crate::scene::Scene;
-use crate::scene::texture::Wrap;
+use crate::scene::Wrap;
 
 /// The textures of a document, each read when a primitive needs it.
 pub(crate) struct Textures<'a> {
-    path: &'a Path,
-    document: &'a Document,
-    buffers: &'a Buffers,
+    file: &'a OpenedFile,
     reader: TextureReader,
     /// For each material: `None` before its first use, then its set of texture coordinates if it
     /// has a texture.
@@ -34,10 +30,9 @@ pub(crate) struct Textures<'a> {
 
 impl<'a> Textures<'a> {
     /// Prepares the textures of a document; reads nothing yet.
-    pub fn new(path: &'a Path, document: &'a Document, buffers: &'a Buffers) -> Self {
-        let sets = vec![None; document.materials().len()];
-        let reader = TextureReader::default();
-        Self { path, document, buffers, reader, sets, unsaid: 0 }
+    pub fn new(file: &'a OpenedFile) -> Self {
+        let sets = vec![None; file.document.materials().len()];
+        Self { file, reader: TextureReader::default(), sets, unsaid: 0 }
     }
 
     /// The set of texture coordinates that a material wants; its texture is in the scene then.
@@ -62,7 +57,7 @@ impl<'a> Textures<'a> {
             WrappingMode::MirroredRepeat => Wrap::Mirror,
             WrappingMode::ClampToEdge => Wrap::Clamp,
         });
-        let json = self.document.as_json();
+        let json = self.file.document.as_json();
         let image = json.textures.get(texture.index()).map(|texture| texture.source.value());
         let (name, read) = match image.filter(|&image| image < json.images.len()) {
             Some(image) => {
@@ -83,7 +78,7 @@ impl<'a> Textures<'a> {
                 Some(info.tex_coord())
             }
             Err(error) => {
-                let place = self.path.display();
+                let place = self.file.path.display();
                 if scene.warnings.len() < MAX_WARNINGS {
                     scene.warnings.push(warning(&place, &entry.name, &name, &error));
                 } else {
@@ -102,7 +97,7 @@ impl<'a> Textures<'a> {
         wrap: [Wrap; 2],
         scene: &mut Scene,
     ) -> Result<u32, Rc<TextureError>> {
-        let (document, buffers) = (self.document, self.buffers);
+        let OpenedFile { document, buffers, .. } = self.file;
         let json = document.as_json().images.get(image);
         let view = json.and_then(|json| json.buffer_view);
         let uri = json.and_then(|json| json.uri.as_deref());

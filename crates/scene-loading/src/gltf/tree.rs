@@ -1,15 +1,16 @@
-//! The tree of nodes: where each stands in the world, as the file says or in a pose.
+//! The tree of nodes: where each stands in the world, as the file says or in a pose, and where the
+//! instances of its mesh stand (`EXT_mesh_gpu_instancing`).
 
 use std::path::Path;
 
+use ::gltf::Node;
+use ::gltf::accessor::Dimensions;
 use ::gltf::scene::Transform;
-use ::gltf::{Document, Node};
-use glam::{DMat3, DMat4, DQuat, DVec3, DVec4};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError, NOT_FINITE};
 use crate::gltf::clip::Pose;
-use crate::gltf::extensions::NodeExtensions;
-use crate::gltf::vectors::affine;
+use crate::gltf::container::OpenedFile;
 
 /// A node and where it is.
 pub(crate) struct PlacedNode<'a> {
@@ -25,15 +26,13 @@ pub(crate) struct PlacedNode<'a> {
 /// All nodes of a scene once, parents first. The document need not be a tree: the crate accepts
 /// cycles, and shared children would multiply.
 pub(crate) fn placed<'a>(
-    path: &Path,
-    document: &'a Document,
-    scene: &::gltf::Scene<'a>,
+    file: &'a OpenedFile,
     pose: Option<&Pose>,
-    extensions: &NodeExtensions,
 ) -> Result<Vec<PlacedNode<'a>>, LoadError> {
+    let OpenedFile { path, document, extensions, .. } = file;
     let mut visited = vec![false; document.nodes().len()];
     let mut stack: Vec<(Node<'a>, Parent)> =
-        scene.nodes().map(|node| (node, Parent::WORLD)).collect();
+        file.scene()?.nodes().map(|node| (node, Parent::WORLD)).collect();
     stack.reverse();
     let mut placed = Vec::new();
     while let Some((node, parent)) = stack.pop() {
@@ -41,15 +40,14 @@ pub(crate) fn placed<'a>(
         match visited.get_mut(index) {
             Some(seen) if !*seen => *seen = true,
             _ => {
-                let place = FilePlace::file(path);
-                return Err(LoadError::NodeReachedTwice { place, node: index });
+                return Err(LoadError::NodeReachedTwice { place: file.place(), node: index });
             }
         }
         let world =
             parent.world * transform(path, &node, pose, extensions.translations.get(&index))?;
         if !world.is_finite() {
             let what = format!("node {index}: world transform");
-            return Err(LoadError::not_finite(FilePlace::file(path), what, NOT_FINITE));
+            return Err(LoadError::not_finite(file.place(), what, NOT_FINITE));
         }
         let moved = pose.and_then(|pose| pose.of(index));
         let own = Parent {
@@ -133,5 +131,53 @@ fn transform(
         let found = format!("a matrix with last row {}", matrix.row(3));
         return Err(LoadError::gltf(path, object, found, "0, 0, 0, 1"));
     }
-    Ok(affine(matrix))
+    Ok(DAffine3::from_mat4(matrix).into())
+}
+
+/// From the space of each instance to that of the node; none where the node has no instances.
+pub(crate) fn placements(
+    file: &OpenedFile,
+    node: &Node<'_>,
+) -> Result<Option<Vec<DMat4>>, LoadError> {
+    let OpenedFile { document, buffers, extensions, .. } = file;
+    let object = format!("node {}: EXT_mesh_gpu_instancing", node.index());
+    let Some(attributes) = extensions.instancing.get(&node.index()) else { return Ok(None) };
+    let read = |index: Option<u32>, what, dimensions, normalized| {
+        let Some(index) = index else { return Ok(None) };
+        let accessor = document.accessors().nth(index as usize).ok_or_else(|| {
+            let expected = format!("one of {}, counted from 0", document.accessors().len());
+            buffers.invalid(&object, &format!("accessor {index}"), &expected)
+        })?;
+        buffers.numbers(accessor, what, dimensions, normalized).map(Some)
+    };
+    let translations =
+        read(attributes.translation, "translations of instances", Dimensions::Vec3, false)?;
+    let rotations = read(attributes.rotation, "rotations of instances", Dimensions::Vec4, true)?;
+    let scales = read(attributes.scale, "scales of instances", Dimensions::Vec3, false)?;
+    let lists = [(&translations, 3), (&rotations, 4), (&scales, 3)];
+    let mut counts = lists.iter().filter_map(|(list, width)| Some(list.as_ref()?.len() / width));
+    let Some(count) = counts.next() else { return Ok(None) };
+    if let Some(other) = counts.find(|&other| other != count) {
+        let found = format!("attributes of {count} and of {other} instances");
+        return Err(buffers.invalid(&object, &found, "as many of each"));
+    }
+    let vector = |list: &Option<Vec<f64>>, i: usize, usual: f64| {
+        let xyz = list.as_ref().and_then(|list| list.as_chunks::<3>().0.get(i));
+        xyz.map_or(DVec3::splat(usual), |xyz| DVec3::from_array(*xyz))
+    };
+    let mut placements = Vec::with_capacity(count);
+    for i in 0..count {
+        let rotation = rotations.as_ref().and_then(|list| list.as_chunks::<4>().0.get(i));
+        let rotation = rotation.map_or(DQuat::IDENTITY, |xyzw| DQuat::from_array(*xyzw));
+        if rotation.length_squared() == 0.0 {
+            let found = format!("a rotation of 0, 0, 0, 0 of instance {i}");
+            return Err(buffers.invalid(&object, &found, "a quaternion other than 0"));
+        }
+        placements.push(DMat4::from_scale_rotation_translation(
+            vector(&scales, i, 1.0),
+            rotation.normalize(),
+            vector(&translations, i, 0.0),
+        ));
+    }
+    Ok(Some(placements))
 }

@@ -14,8 +14,8 @@ use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader};
 
 use crate::error::LoadError;
 use crate::limits::MAX_TEXTURES;
-use crate::scene::texture::{Texture, Wrap};
 use crate::scene::{Scene, Warning};
+use crate::scene::{Texture, Wrap};
 
 /// The most bytes that all images of a scene may have once decoded, and in their files: 512 MiB.
 const BUDGET: u64 = 512 << 20;

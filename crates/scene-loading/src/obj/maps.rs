@@ -14,7 +14,7 @@ use crate::limits::MAX_WARNINGS;
 use crate::obj::contents::ObjScan;
 use crate::obj::corners::NONE;
 use crate::obj::material::ColorMap;
-use crate::scene::texture::Wrap;
+use crate::scene::Wrap;
 use crate::scene::{Scene, Texcoords, Warning};
 
 /// Placement of an image on a surface: texture coordinates times `scale`, plus `offset`.

@@ -32,14 +32,12 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::decompress::decompress;
 use crate::input::read::{read_file, scene_name};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, FirstAndCount, push_all};
+use crate::mesh::{FaceCounts, FirstAndCount, add_face};
 use crate::obj::contents::{FaceLine, ObjScan};
 use crate::obj::libraries::Materials;
 use crate::obj::maps::FaceTexcoords;
 use crate::obj::material::parse_mtl;
 use crate::obj::scan::scan;
-use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
-use crate::polygon::{Outline, area_vector};
 use crate::scene::{Material, Primitive, Scene, Shape, Warning};
 
 /// How faces become primitives.
@@ -230,76 +228,33 @@ impl Builder<'_> {
         points: &[DVec3],
         face: FaceLine,
     ) -> Result<(), LoadError> {
-        let place = || FilePlace::line(self.path, face.line as usize);
-        let outline = match Outline::of(points) {
-            Outline::Unusable | Outline::WithoutArea => {
-                self.counts.without_area.add(place);
-                return Ok(());
+        let Self { path, scene, counts, texcoords, materials, .. } = self;
+        let place = || FilePlace::line(path, face.line as usize);
+        let is_textured =
+            scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
+        let is_placed = is_textured && texcoords.are_known();
+        let placement = || materials.placements.get(&material);
+        let push = |piece: [usize; 3], scene: &mut Scene| {
+            let pick = |from: &[u32]| match piece.map(|i| from.get(i).copied()) {
+                [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+                _ => None,
+            };
+            let shape = match (pick(corners), pick(normals)) {
+                (Some(v), Some(n)) => Shape::Patch { v, n },
+                (Some(v), None) => Shape::Triangle { v },
+                (None, _) => return,
+            };
+            scene.primitives.push(Primitive { shape, material });
+            if is_placed && let Some(texcoords) = texcoords.of(piece, placement()) {
+                scene.last_is_textured(texcoords);
             }
-            Outline::Crossing(triangles) => {
-                self.counts.crossing.add(place);
-                push_all(material, triangles, &mut self.scene);
-                return Ok(());
-            }
-            outline => outline,
         };
-        let textured =
-            self.scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
-        let textured = textured && {
-            let known = self.texcoords.are_known();
-            if !known {
-                self.without_texcoords.add(place);
-            }
-            known
-        };
-        if corners.len() == 3 {
-            self.push(material, corners, normals, textured, [0, 1, 2]);
-            return Ok(());
-        }
-        let pieces = match outline {
-            Outline::Bent(area) => {
-                self.counts.bent.add(place);
-                triangulate_bent(points, area)
-            }
-            _ if normals.is_empty() && !textured && !self.options.triangulate => {
-                self.scene.push_polygon(material, points);
-                return Ok(());
-            }
-            _ => triangulate(points),
-        };
-        let pieces = pieces.map_err(|source| LoadError::Entangled { place: place(), source })?;
-        for piece in pieces {
-            let piece = piece.map(|i| i as usize);
-            let points = piece.map(|i| points.get(i).copied().unwrap_or_default());
-            if area_vector(&points).is_some() {
-                self.push(material, corners, normals, textured, piece);
-            }
+        let may_stay = normals.is_empty() && !is_placed && !self.options.triangulate;
+        let is_there = add_face(material, points, may_stay, scene, counts, place, push)?;
+        if is_there && is_textured && !is_placed {
+            self.without_texcoords.add(place);
         }
         Ok(())
-    }
-
-    fn push(
-        &mut self,
-        material: u32,
-        corners: &[u32],
-        normals: &[u32],
-        textured: bool,
-        piece: [usize; 3],
-    ) {
-        let pick = |from: &[u32]| match piece.map(|i| from.get(i).copied()) {
-            [Some(a), Some(b), Some(c)] => Some([a, b, c]),
-            _ => None,
-        };
-        let shape = match (pick(corners), pick(normals)) {
-            (Some(v), Some(n)) => Shape::Patch { v, n },
-            (Some(v), None) => Shape::Triangle { v },
-            (None, _) => return,
-        };
-        self.scene.primitives.push(Primitive { shape, material });
-        let placement = || self.materials.placements.get(&material);
-        if textured && let Some(texcoords) = self.texcoords.of(piece, placement()) {
-            self.scene.last_is_textured(texcoords);
-        }
     }
 }
 

@@ -9,7 +9,7 @@ use ::gltf::{Accessor, Document, Gltf, Node, Primitive, Skin};
 use glam::{DMat4, DVec3, Vec3};
 
 use super::reading::Reading;
-use crate::gltf::{OpenedFile, instancing};
+use crate::gltf::{OpenedFile, tree};
 use crate::polygon::area_vector;
 
 /// Its reading, and what it takes from our reader. It may panic and does not validate, so call it
@@ -99,9 +99,8 @@ impl<'a> SecondReader<'a> {
         let is_skinned = skinned.is_some();
         let positions = skinned.unwrap_or(positions);
         let mut worlds = vec![if is_skinned { DMat4::IDENTITY } else { world }];
-        let OpenedFile { buffers, extensions, .. } = self.ours;
         if node.skin().is_none() {
-            let placements = instancing::placements(self.document, buffers, extensions, node);
+            let placements = tree::placements(self.ours, node);
             if let Some(placements) = placements.map_err(|error| error.to_string())? {
                 self.shared.insert("where instances are");
                 worlds = placements.into_iter().map(|placement| world * placement).collect();

@@ -139,7 +139,7 @@ fn hex(bytes: &[u8]) -> String {
 mod tests {
     use super::*;
     use crate::scene::Light;
-    use crate::scene::texture::{Texture, Wrap};
+    use crate::scene::{Texture, Wrap};
 
     #[test]
     fn known_hash_of_bytes() {

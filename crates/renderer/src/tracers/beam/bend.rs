@@ -16,7 +16,7 @@ use glam::{DVec2, DVec3};
 use super::convex::{Affine, ConvexPolygon, CutSide};
 use super::pyramid::{Plane, Pyramid};
 use super::visibility::halving_line;
-use crate::shading::surface::refract;
+use crate::surface::refract;
 
 /// Pieces of less area, square pixels, are not halved: they are bent as their central rays.
 const SMALLEST: f64 = 1.0 / 64.0;

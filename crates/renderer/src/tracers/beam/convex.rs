@@ -140,6 +140,33 @@ impl ConvexPolygon {
         }
         CutSide::Both(Self { corners: inside }, Self { corners: outside })
     }
+
+    /// Its parts by pixel.
+    pub fn pixels(&self) -> Vec<Self> {
+        let rows = strips(self.clone(), DVec2::Y).into_iter();
+        rows.flat_map(|row| strips(row, DVec2::X)).collect()
+    }
+}
+
+/// A piece cut at whole numbers along an axis.
+fn strips(piece: ConvexPolygon, axis: DVec2) -> Vec<ConvexPolygon> {
+    let [low, high] = piece.bounds();
+    let (first, last) = (low.dot(axis).floor() as i64 + 1, high.dot(axis).ceil() as i64 - 1);
+    let mut strips = Vec::new();
+    let mut rest = piece;
+    for border in first..=last {
+        let line = Affine { slope: axis, offset: -(border as f64) };
+        match rest.cut(&line) {
+            CutSide::Inside => {}
+            CutSide::Outside => break,
+            CutSide::Both(beyond, before) => {
+                strips.push(before);
+                rest = beyond;
+            }
+        }
+    }
+    strips.push(rest);
+    strips
 }
 
 #[cfg(test)]
@@ -179,5 +206,14 @@ mod tests {
         assert_eq!(piece.cut(&line(-1.0, 0.0, 0.5 * ON)), CutSide::Outside);
         assert_eq!(piece.cut(&Affine { slope: DVec2::ZERO, offset: -1.0 }), CutSide::Outside);
         assert_eq!(Affine { slope: DVec2::ZERO, offset: 0.0 }.as_line(), None);
+    }
+
+    #[test]
+    fn the_pixels_of_a_piece_are_all_of_it() {
+        let piece = ConvexPolygon::rectangle(DVec2::new(0.5, 1.25), DVec2::new(3.0, 2.5));
+        let parts = piece.pixels();
+        let areas: Vec<f64> = parts.iter().map(ConvexPolygon::area).collect();
+        assert_eq!(areas, [0.375, 0.75, 0.75, 0.25, 0.5, 0.5]);
+        assert_eq!(ConvexPolygon::rectangle(DVec2::ZERO, DVec2::ONE).pixels().len(), 1);
     }
 }

@@ -27,30 +27,24 @@
 
 mod bend;
 mod convex;
-mod counts;
 mod faces;
 mod outline;
-mod pixels;
-mod prepared;
 mod pyramid;
-mod refusal;
-mod settings;
+mod scene;
 mod tile;
-mod tiling;
 mod visibility;
 
 use accel_core::query::region::FrustumWork;
+use rayon::prelude::*;
 use scene_loading::Scene;
 
-pub use refusal::refusal;
-pub use settings::{INFO, Settings};
+pub use scene::{INFO, Settings, refusal};
 pub use tile::CoveredArea;
-pub use tiling::coverage;
 
 use super::info::{DrawnImage, Frame, Refusal, Structures};
 use crate::film::Image;
-use counts::Counts;
-use prepared::BeamScene;
+use scene::{BeamScene, Counts};
+use tile::Tile;
 
 /// Draws the scene by beams, in the current rayon pool. The same image for any number of threads.
 ///
@@ -72,4 +66,74 @@ pub fn draw(
     let pixels = prepared.assemble([0.0; 3], &tiles, |tile| &tile.colors);
     let [width, height] = frame.resolution;
     Ok(DrawnImage { image: Image { width, height, pixels }, work, counts: counts.named() })
+}
+
+/// Surfaces seen by the pixels of an image, row by row: one line per depth and primitive, in that
+/// order. The exact answer that samples estimate.
+///
+/// # Errors
+/// [`Refusal`], as [`draw`].
+pub fn coverage(
+    scene: &Scene,
+    frame: Frame,
+    settings: &Settings,
+    over: Structures<'_>,
+) -> Result<Vec<Vec<CoveredArea>>, Refusal> {
+    let prepared = BeamScene::new(scene, frame, settings, over)?;
+    let tiles = prepared.tiles(true);
+    let mut pixels = prepared.assemble(Vec::new(), &tiles, Tile::covered);
+    for pixel in &mut pixels {
+        pixel.sort_by_key(|c: &CoveredArea| (c.depth, c.id));
+        pixel.dedup_by(|more, sum| {
+            let same = (more.depth, more.id) == (sum.depth, sum.id);
+            if same {
+                sum.area += more.area;
+                sum.lit += more.lit;
+            }
+            same
+        });
+    }
+    Ok(pixels)
+}
+
+impl BeamScene<'_> {
+    /// Traces every tile in the current rayon pool, `recording` what is seen where or not; in
+    /// order.
+    pub fn tiles(&self, recording: bool) -> Vec<Tile<'_>> {
+        let [width, height] = self.frame.resolution;
+        let edge = self.settings.tile;
+        let corners: Vec<[u32; 2]> = (0..height)
+            .step_by(edge as usize)
+            .flat_map(|y| (0..width).step_by(edge as usize).map(move |x| [x, y]))
+            .collect();
+        let trace = |candidates: &mut _, corner: &[u32; 2]| {
+            let [x, y] = *corner;
+            let size = [edge.min(width - x), edge.min(height - y)];
+            let mut tile = Tile::new(self, *corner, size, recording);
+            tile.trace(candidates);
+            tile
+        };
+        corners.par_iter().map_init(Default::default, trace).collect()
+    }
+
+    /// Places the pixels of tiles into an image.
+    pub fn assemble<'t, T: Clone + 't>(
+        &self,
+        empty: T,
+        tiles: &'t [Tile<'t>],
+        of: impl Fn(&'t Tile<'t>) -> &'t [T],
+    ) -> Vec<T> {
+        let [width, height] = self.frame.resolution.map(|n| n as usize);
+        let mut pixels = vec![empty; width * height];
+        for tile in tiles {
+            let rows = of(tile).chunks(tile.size[0].max(1) as usize);
+            for (row, y) in rows.zip(tile.corner[1] as usize..) {
+                let begin = y * width + tile.corner[0] as usize;
+                if let Some(place) = pixels.get_mut(begin..begin + row.len()) {
+                    place.clone_from_slice(row);
+                }
+            }
+        }
+        pixels
+    }
 }

@@ -182,7 +182,7 @@ impl HalfSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shading::surface::reflect;
+    use crate::surface::reflect;
 
     fn pyramid() -> Pyramid {
         let frame = DMat3::from_cols(

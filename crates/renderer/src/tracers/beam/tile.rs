@@ -7,14 +7,12 @@ use scene_loading::Rgb;
 
 use super::bend::{BeamPart, BendOutcome, BendSetup};
 use super::convex::ConvexPolygon;
-use super::counts::Counts;
 use super::outline::{Outline, Relation};
-use super::pixels::pixels_of;
-use super::prepared::BeamScene;
 use super::pyramid::{Plane, Pyramid};
+use super::scene::{BeamScene, Counts};
 use super::visibility::{cut_along, resolve};
 use crate::effects::{Origin, SurfaceHit, lit_normal, shadow_ray};
-use crate::shading::surface::{SurfacePoint, reflect};
+use crate::surface::{SurfacePoint, reflect};
 
 /// A frustum reaches so many times the scene's largest coordinate: farther than any two points of
 /// the scene are apart.
@@ -132,7 +130,7 @@ impl<'a> Tile<'a> {
         let outlines = self
             .outlines(&frustum, &beam.pyramid, &beam.piece, candidates, |id| beam.from != Some(id));
         let piece = beam.piece.clone();
-        let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts.cuts);
+        let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts);
         self.counts.fragments += fragments.len() as u64;
         for fragment in fragments {
             match fragment.seen.and_then(|i| outlines.get(i)) {
@@ -251,7 +249,7 @@ impl<'a> Tile<'a> {
                         if inside.is_none_or(|inside| inside.area() <= least) {
                             next.push(part);
                         } else {
-                            self.counts.cuts.pieces += 1;
+                            self.counts.cut += 1;
                             next.extend(outside.into_iter().filter(|o| o.area() > least));
                         }
                     }
@@ -273,7 +271,7 @@ impl<'a> Tile<'a> {
         id: Option<u32>,
         light: impl Fn(DVec2) -> Rgb,
     ) {
-        for part in pixels_of(piece) {
+        for part in piece.pixels() {
             let (centre, area) = (part.centroid(), part.area());
             let light = light(centre);
             if let Some(color) = self.index(centre).and_then(|i| self.colors.get_mut(i)) {
@@ -293,7 +291,7 @@ impl<'a> Tile<'a> {
         if self.covered.is_none() {
             return;
         }
-        for part in pixels_of(piece) {
+        for part in piece.pixels() {
             let (index, area) = (self.index(part.centroid()), part.area());
             let pixel = self.covered.as_mut().zip(index).and_then(|(all, i)| all.get_mut(i));
             if let Some(pixel) = pixel {

@@ -180,8 +180,8 @@ pub fn union(fragments: &[Fragment]) -> (f64, bool) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracers::cone::coverage::Outline;
     use crate::tracers::cone::disc_overlap::{of_disc, of_polygon};
-    use crate::tracers::cone::outline::Outline;
 
     fn fragment(id: u32, depth: f64, outline: Outline) -> Fragment {
         let overlap = match &outline {

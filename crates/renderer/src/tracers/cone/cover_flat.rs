@@ -9,9 +9,9 @@
 use glam::{DVec2, DVec3};
 
 use super::circular_cone::Cone;
+use super::coverage::Outline;
 use super::coverage::{Coverage, DepartedSurface};
 use super::disc_overlap::{Overlap, of_polygon};
-use super::outline::Outline;
 
 /// Outlines are cut off so many radii from the axis: what is beyond covers nothing.
 const WINDOW: f64 = 2.0;

@@ -13,8 +13,8 @@ use glam::{DVec2, DVec3};
 
 use super::circular_cone::Cone;
 use super::cover_flat::project;
+use super::coverage::Outline;
 use super::coverage::{Coverage, DepartedSurface};
-use super::outline::Outline;
 
 /// How far an arc may bulge over its chord, in radii of the bundle.
 const BULGE: f64 = 0.01;

@@ -14,9 +14,9 @@ use accel_core::primitives::Sphere;
 use glam::DVec2;
 
 use super::circular_cone::Cone;
+use super::coverage::Outline;
 use super::coverage::{Coverage, DepartedSurface};
 use super::disc_overlap::{Overlap, of_disc};
-use super::outline::Outline;
 
 /// A cone whose radius changes by less than this part over the way to the sphere is a cylinder.
 const PARALLEL: f64 = 1e-7;

@@ -9,10 +9,10 @@ use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3};
 
+use super::caster::Scratch;
 use super::caster::{Caster, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::{Composition, Fragment, compose};
-use super::counts::Scratch;
 use super::coverage::{Coverage, DepartedSurface};
 
 /// While candidates still arrive, so many are combined to see whether the cone is full; more are

@@ -29,7 +29,6 @@
 mod caster;
 pub mod circular_cone;
 pub mod compose;
-mod counts;
 mod cover_flat;
 mod cover_side;
 mod cover_sphere;
@@ -37,8 +36,6 @@ pub mod coverage;
 mod disc_overlap;
 pub mod forms;
 mod fragments;
-mod outline;
-mod settings;
 mod shadows;
 mod tracing;
 mod widening;
@@ -48,14 +45,13 @@ use glam::DVec2;
 use rayon::prelude::*;
 use scene_loading::{Rgb, Scene};
 
-pub use settings::{INFO, Settings, refusal};
+pub use caster::{INFO, Settings, refusal};
 
 use super::info::{DrawnImage, Frame, Refusal, Structures};
 use crate::camera::{EyeRays, Sampling};
 use crate::film::Image;
-use caster::Caster;
+use caster::{Caster, Counts, Scratch};
 use circular_cone::Cone;
-use counts::{Counts, Scratch};
 
 /// Draws the scene, in the current rayon pool. The same image for any number of threads and any
 /// right structure.

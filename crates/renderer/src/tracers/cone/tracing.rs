@@ -7,14 +7,14 @@ use accel_core::{Hit, Ray};
 use glam::DVec3;
 use scene_loading::Rgb;
 
+use super::caster::Scratch;
 use super::caster::{Caster, Path, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::VisibleSurface;
-use super::counts::Scratch;
 use super::coverage::DepartedSurface;
 use super::widening::Incidence;
 use crate::effects::{HitStage, Origin, SurfaceHit, lit_normal, shadow_ray};
-use crate::shading::surface::{reflect, refract};
+use crate::surface::{reflect, refract};
 
 /// Cones that spread more than this are cut into four: half an angle of 27 degrees.
 const WIDE: f64 = 0.5;

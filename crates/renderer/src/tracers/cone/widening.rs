@@ -22,7 +22,7 @@
 
 use glam::DVec3;
 
-use crate::shading::surface::Surfaces;
+use crate::surface::Surfaces;
 
 /// The widest cone: half an angle of 45 degrees. What spreads further is seen by its middle.
 pub const WIDEST: f64 = 1.0;
@@ -121,7 +121,7 @@ fn mean(a: f64, b: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::shading::surface::{reflect, refract};
+    use crate::surface::{reflect, refract};
     use scene_loading::{Material, Scene};
 
     /// Spreads by rays: how directions change across the footprint of a narrow cone that meets the

@@ -4,7 +4,7 @@ use glam::DVec3;
 use scene_loading::animation::{Animation, open};
 use scene_loading::{Light, LoadError, Scene, Shape};
 
-use super::claims;
+use super::{claim_error, claimed};
 
 /// A view, a light, and a clip of five frames from 0 to 4 seconds.
 const HEAD: &str = "v\nfrom 0 0 9\nat 0 0 4\nup 0 1 0\nangle 40\nhither 1\nresolution 8 6\n\
@@ -66,9 +66,9 @@ fn transforms_are_nested_and_keys_move_them() {
     let color = Some([0.5; 3]);
     assert_eq!(first.lights, [Light::Point { position: DVec3::new(1.0, 2.0, 3.0), color }]);
     assert_eq!((first.camera.resolution, first.camera.from.z), ([8, 6], 9.0));
-    assert_eq!(claims::claimed(&first), 3);
+    assert_eq!(claimed(&first), 3);
     for index in 1..5 {
-        assert!(claims::error(&first, &animation.frame(index).unwrap()) < 1e-12);
+        assert!(claim_error(&first, &animation.frame(index).unwrap()) < 1e-12);
     }
     assert!(matches!(animation.frame(5), Err(LoadError::IndexOutOfRange { .. })));
 }
@@ -83,7 +83,7 @@ fn a_file_that_is_included_twice_is_one_object() {
     let scene = opened(&files).unwrap().frame(0).unwrap();
     let objects: Vec<u32> = scene.instances.iter().map(|i| i.object).collect();
     assert!(objects.len() == 3 && objects[0] == objects[1] && objects[1] != objects[2]);
-    assert!(claims::error(&scene, &scene) < 1e-12);
+    assert!(claim_error(&scene, &scene) < 1e-12);
     near(corners(&scene, 0)[1], [1.0, 0.0, 7.0]);
     near(corners(&scene, 1)[1], [1.0, 0.0, 0.0]);
 }

@@ -5,7 +5,7 @@ use scene_loading::animation::{ANIMATED, open};
 use scene_loading::source_hash::sha256_of_scene;
 use scene_loading::{LoadError, Scene};
 
-use super::claims;
+use super::{claim_error, claimed};
 
 /// Those in which nothing is rigid.
 const SOFT: [&str; 2] = ["cloth", "particles"];
@@ -60,16 +60,16 @@ fn claimed_rigid_motions_are_rigid() {
             assert!(first.instances.is_empty());
             continue;
         }
-        assert_eq!(claims::claimed(&first), first.primitives.len(), "{}", entry.name);
+        assert_eq!(claimed(&first), first.primitives.len(), "{}", entry.name);
         for index in 1..entry.frames {
             let scene = animation.frame(index).unwrap();
-            let error = claims::error(&first, &scene);
+            let error = claim_error(&first, &scene);
             assert!(error < 1e-12, "{} {index}: {error}", entry.name);
         }
         // planted fault: a part that is not where it is said to be
         let mut bad = animation.frame(5).unwrap();
         bad.instances.last_mut().unwrap().placement.translation.x += 1e-9;
-        assert!(claims::error(&first, &bad) > 1e-10, "{}", entry.name);
+        assert!(claim_error(&first, &bad) > 1e-10, "{}", entry.name);
     }
 }
 

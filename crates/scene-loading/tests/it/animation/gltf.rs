@@ -5,7 +5,7 @@ use scene_loading::animation::{Animation, open};
 use scene_loading::{LoadError, Scene};
 use serde_json::{Value, json};
 
-use super::claims;
+use super::{claim_error, claimed};
 use crate::gltf_file::File;
 
 impl File {
@@ -69,12 +69,12 @@ fn nodes_are_moved_turned_and_scaled() {
     near(middle.vertices[5], [4.0 - eighth, eighth, 5.0]);
     near(middle.vertices[1], [1.0, 0.0, 0.0]);
     // claims: two instances of one object, rigid but for the scale, which is claimed as well
-    assert_eq!(claims::claimed(&first), 2);
+    assert_eq!(claimed(&first), 2);
     assert_eq!(first.instances[0].object, first.instances[1].object);
-    assert!(claims::error(&first, &middle) < 1e-12);
+    assert!(claim_error(&first, &middle) < 1e-12);
     let mut bad = middle.clone();
     bad.instances[1].placement.translation.x += 1e-9;
-    assert!(claims::error(&first, &bad) > 1e-10, "a planted fault");
+    assert!(claim_error(&first, &bad) > 1e-10, "a planted fault");
     // no camera in the file: that of the first frame; a light at its eye
     assert_eq!((middle.camera, &middle.lights), (first.camera, &first.lights));
     assert_eq!(middle.lights.len(), 1);
@@ -199,7 +199,7 @@ fn vanished_nodes_keep_their_triangles_and_claim_no_copies() {
     let [middle, first] = file.frames();
     assert_eq!((middle.primitives.len(), first.primitives.len()), (2, 2));
     near(middle.vertices[4], [0.0, 0.0, 5.0]);
-    assert_eq!((claims::claimed(&first), claims::claimed(&middle)), (1, 1));
+    assert_eq!((claimed(&first), claimed(&middle)), (1, 1));
 }
 
 #[test]

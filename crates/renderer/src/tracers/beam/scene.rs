@@ -1,12 +1,51 @@
-//! Scenes that beam tracing does not support: curved surfaces, area lights, blurred reflections.
+//! Settings of beam tracing, the scenes that it does not support (curved surfaces, area lights,
+//! blurred reflections), a scene made ready for it, and the numbers of beams of an image.
+
+use std::ops::AddAssign;
 
 use accel_core::primitives::newell_normal;
 use glam::DVec3;
-use scene_loading::{Primitive, Scene, Shape};
+use scene_loading::{Primitive, Rgb, Scene, Shape};
 
-use super::faces;
-use super::settings::INFO;
-use crate::tracers::info::Refusal;
+use super::faces::{self, Faces};
+use crate::camera::{EyeRays, Sampling};
+use crate::effects::lights;
+use crate::ray_offset::magnitude;
+use crate::surface::Surfaces;
+use crate::tracers::info::{Frame, Refusal, Structures, TracerInfo};
+
+pub static INFO: TracerInfo = TracerInfo {
+    name: "beam",
+    summary: "pyramids cut exactly by the polygons they meet: antialiasing without samples",
+    paper: "Heckbert, Hanrahan 1984",
+    assumptions: "flat polygons with simple outlines; shading is constant over a pixel's part of \
+                  a face; refracted directions are off by up to a tenth of a pixel's angle",
+    deviations: "beams stay in image coordinates; no beam tree and no depth order: cycles and \
+                 intersections are cut; candidates come from a structure",
+    refuses: "spheres, cones, lights with a radius, lenses, motion, textures, rough mirrors, \
+              mirrors and glass with smooth normals, polygons that cross themselves",
+};
+
+/// How beams are cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Edge of the tiles that beams start with, pixels, at least 1.
+    pub tile: u32,
+    /// With more candidates than these, a piece larger than a pixel is halved, not cut by them.
+    pub candidates: usize,
+    /// By how much a ray may be bent wrong at one refraction, in angles that a pixel spans.
+    pub bend: f64,
+    /// Pieces with less area, square pixels, are dropped.
+    pub least_area: f64,
+    /// Pieces of a beam that are cut before all others are decided at their centres.
+    pub most_cuts: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self { tile: 16, candidates: 32, bend: 0.1, least_area: 1e-13, most_cuts: 1_000_000 }
+    }
+}
 
 /// The sine of the angle between a mirror's normals and its face beyond which it is not flat.
 const FLAT: f64 = 1e-9;
@@ -52,6 +91,99 @@ fn is_flat(scene: &Scene, shape: Shape) -> bool {
         let normal = scene.normals.get(i as usize).copied().unwrap_or(DVec3::ZERO);
         normal.normalize_or_zero().cross(face).length() <= FLAT
     })
+}
+
+/// A scene made ready for beams.
+pub struct BeamScene<'a> {
+    pub scene: &'a Scene,
+    pub over: Structures<'a>,
+    pub settings: Settings,
+    pub frame: Frame,
+    pub eye: EyeRays,
+    pub faces: Faces,
+    pub surfaces: Surfaces<'a>,
+    pub lights: Vec<(DVec3, Rgb, f64)>,
+    /// Largest coordinate, world units.
+    pub magnitude: f64,
+}
+
+impl<'a> BeamScene<'a> {
+    /// Refuses what beams cannot do.
+    ///
+    /// # Errors
+    /// [`Refusal`] naming what the scene has.
+    pub fn new(
+        scene: &'a Scene,
+        frame: Frame,
+        settings: &Settings,
+        over: Structures<'a>,
+    ) -> Result<Self, Refusal> {
+        refusal(scene)?;
+        Ok(Self {
+            scene,
+            over,
+            settings: Settings { tile: settings.tile.max(1), ..*settings },
+            frame,
+            eye: EyeRays::new(&scene.camera, frame.resolution, Sampling::PixelCentres),
+            faces: Faces::of(scene),
+            surfaces: Surfaces::new(scene, false),
+            lights: lights(scene),
+            magnitude: magnitude(scene),
+        })
+    }
+}
+
+/// Numbers of beams of an image.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Counts {
+    /// Beams from the eye: tiles.
+    pub beams: u64,
+    /// Beams sent on by mirrors.
+    pub mirrored: u64,
+    /// Beams sent on by glass.
+    pub refracted: u64,
+    pub shadows: u64,
+    /// Pieces that see one face, or nothing.
+    pub fragments: u64,
+    /// Parts of beams that are reflected totally.
+    pub internal: u64,
+    /// Beams that would have no volume.
+    pub degenerate: u64,
+    /// Pieces that were cut in two or more.
+    pub cut: u64,
+    /// Pieces that were decided by the face in front of their centre, as too many cuts were made.
+    pub unresolved: u64,
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.beams += other.beams;
+        self.mirrored += other.mirrored;
+        self.refracted += other.refracted;
+        self.shadows += other.shadows;
+        self.fragments += other.fragments;
+        self.internal += other.internal;
+        self.degenerate += other.degenerate;
+        self.cut += other.cut;
+        self.unresolved += other.unresolved;
+    }
+}
+
+impl Counts {
+    /// With the words for each.
+    pub fn named(&self) -> Vec<(&'static str, u64)> {
+        vec![
+            ("eye beams", self.beams),
+            ("mirrored beams", self.mirrored),
+            ("refracted beams", self.refracted),
+            ("shadow beams", self.shadows),
+            ("fragments", self.fragments),
+            ("pieces cut", self.cut),
+            ("pieces decided at their centre", self.unresolved),
+            ("beams reflected totally", self.internal),
+            ("beams without a volume", self.degenerate),
+        ]
+    }
 }
 
 #[cfg(test)]

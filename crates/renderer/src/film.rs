@@ -1,10 +1,106 @@
-//! OpenEXR images: three channels of 32-bit floats, uncompressed scanlines.
+//! Images and their files: PNG, and OpenEXR of three channels of 32-bit floats in uncompressed
+//! scanlines.
 //!
 //! Format: "OpenEXR File Layout", Academy Software Foundation, version 2 of the file format. This
 //! is the simplest of its forms, which every reader must know. Crate `exr` 1.74 writes it too, but
 //! brings nine more crates, which compile for 16 seconds of one core; this writer is a page.
 
-use super::rgb_image::Image;
+use std::path::{Path, PathBuf};
+
+use image::ImageEncoder;
+
+/// Linear RGB image, row 0 at the top.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Image {
+    /// Pixels per row.
+    pub width: u32,
+    pub height: u32,
+    /// `width * height` colours, row by row.
+    pub pixels: Vec<[f64; 3]>,
+}
+
+/// A kind of image file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// 8 bits per channel, clamped to [0, 1], in the sRGB transfer function.
+    Png,
+    /// 32-bit floats, linear, nothing clamped.
+    Exr,
+}
+
+impl ImageFormat {
+    /// The endings of their files.
+    pub const ENDINGS: [&'static str; 2] = ["png", "exr"];
+
+    /// The format that a file's ending asks for: PNG where there is none; `None` for others.
+    pub fn of(path: &Path) -> Option<Self> {
+        let Some(ending) = path.extension() else { return Some(Self::Png) };
+        match ending.to_string_lossy().to_lowercase().as_str() {
+            "png" => Some(Self::Png),
+            "exr" => Some(Self::Exr),
+            _ => None,
+        }
+    }
+}
+
+/// An image that could not be written.
+#[derive(Debug, thiserror::Error)]
+#[error("{}: cannot write the image: {source}", path.display())]
+pub struct ImageError {
+    pub path: PathBuf,
+    pub source: image::ImageError,
+}
+
+impl Image {
+    /// Writes the image in that format.
+    ///
+    /// # Errors
+    /// [`ImageError`] naming the file.
+    pub fn save(&self, path: &Path, format: ImageFormat) -> Result<(), ImageError> {
+        let error = |source| ImageError { path: path.to_owned(), source };
+        let bytes = match format {
+            ImageFormat::Png => self.png().map_err(error)?,
+            ImageFormat::Exr => exr(self),
+        };
+        std::fs::write(path, bytes).map_err(|e| error(e.into()))
+    }
+
+    /// Writes an 8-bit PNG in the sRGB transfer function.
+    ///
+    /// # Errors
+    /// [`ImageError`] naming the file.
+    pub fn save_png(&self, path: &Path) -> Result<(), ImageError> {
+        self.save(path, ImageFormat::Png)
+    }
+
+    /// Pixels in sRGB, row by row.
+    pub fn rgb8(&self) -> Vec<[u8; 3]> {
+        self.pixels.iter().map(|pixel| pixel.map(srgb)).collect()
+    }
+
+    /// The bytes of such a file.
+    ///
+    /// # Errors
+    /// Those of the encoder.
+    pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
+        let bytes = self.rgb8().concat();
+        let mut png = Vec::new();
+        image::codecs::png::PngEncoder::new(&mut png).write_image(
+            &bytes,
+            self.width,
+            self.height,
+            image::ExtendedColorType::Rgb8,
+        )?;
+        Ok(png)
+    }
+}
+
+/// IEC 61966-2-1, clamped; NaN becomes black.
+fn srgb(x: f64) -> u8 {
+    let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
+    let y = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    (y * 255.0 + 0.5) as u8
+}
 
 const MAGIC: u32 = 20_000_630;
 const VERSION: u32 = 2;
@@ -12,13 +108,13 @@ const FLOAT: i32 = 2;
 /// Channels must be in alphabetical order; each with its place in a colour.
 const CHANNELS: [(&[u8; 2], usize); 3] = [(b"B\0", 2), (b"G\0", 1), (b"R\0", 0)];
 
-/// The file of an image; colours stay linear and are rounded to 32 bits.
-pub fn encode(image: &Image) -> Vec<u8> {
+/// The bytes of an OpenEXR file; colours stay linear and are rounded to 32 bits.
+fn exr(image: &Image) -> Vec<u8> {
     let (width, height) = (image.width as usize, image.height as usize);
     let mut out = Vec::with_capacity(512 + height * (16 + 12 * width));
     out.extend(MAGIC.to_le_bytes());
     out.extend(VERSION.to_le_bytes());
-    header(image, &mut out);
+    exr_header(image, &mut out);
     let block = 8 + 12 * width;
     let first = out.len() + 8 * height;
     for y in 0..height {
@@ -34,7 +130,7 @@ pub fn encode(image: &Image) -> Vec<u8> {
     out
 }
 
-fn header(image: &Image, out: &mut Vec<u8>) {
+fn exr_header(image: &Image, out: &mut Vec<u8>) {
     let mut channels = Vec::new();
     for (name, _) in CHANNELS {
         channels.extend(name);
@@ -126,7 +222,7 @@ mod tests {
     fn the_file_follows_the_layout_and_holds_the_floats() {
         // crate `exr` 1.74.2 read this very image back, too (2026-11-21)
         let image = image();
-        let bytes = encode(&image);
+        let bytes = exr(&image);
         let (names, pixels) = decoded(&bytes).unwrap();
         assert_eq!(names.len(), 8);
         assert!(names.is_sorted() && names[0] == "channels");
@@ -142,7 +238,6 @@ mod tests {
 
     #[test]
     fn endings_choose_the_format() {
-        use super::super::file::ImageFormat;
         let of = |name: &str| ImageFormat::of(std::path::Path::new(name));
         assert_eq!(of("a.EXR"), Some(ImageFormat::Exr));
         assert_eq!(of("a.png"), Some(ImageFormat::Png));

@@ -1,33 +1,44 @@
-//! Colours from images: the colour of a material times the image at the hit.
+//! The stages that correct hits: colours from images (the colour of a material times the image at
+//! the hit), and surfaces of what moves.
 //!
-//! Paper: E. Catmull, "A Subdivision Algorithm for Computer Display of Curved Surfaces", thesis,
+//! Papers: R. Cook, T. Porter, L. Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984 (motion blur:
+//! every eye ray has a time within the exposure, and its path sees moving primitives where they are
+//! then); E. Catmull, "A Subdivision Algorithm for Computer Display of Curved Surfaces", thesis,
 //! University of Utah, 1974.
-//! Deviations: hits are points, so the image is interpolated between the four nearest texels
+//! Deviations: primitives move in a straight line at constant speed; eye and lights are at rest. Hits are points, so the image is interpolated between the four nearest texels
 //! (bilinear) and not averaged over the area that a pixel covers: no mip maps, far texels alias
 //! (supersampling helps). Texel centres are at (i + 1/2) / size.
 
 use glam::{DVec2, DVec3};
 use scene_loading::{Rgb, Scene, Shape, Texture};
 
-use super::effect::{Effect, EffectInfo, counted, used_materials};
-use super::settings::RenderSettings;
 use super::stages::{HitStage, SurfaceHit};
-use crate::shading::surface::barycentric;
+use crate::surface::{Surfaces, barycentric};
 
-pub static INFO: EffectInfo = EffectInfo {
-    effect: Effect::Textures,
-    name: "textures",
-    paper: "Catmull 1974; bilinear, no mip maps",
-    called_by,
-};
+/// Looks up the surfaces of moving primitives where they are at rest.
+pub struct MovedSurfaces<'a> {
+    scene: &'a Scene,
+    surfaces: Surfaces<'a>,
+}
 
-fn called_by(scene: &Scene, _: &RenderSettings) -> Option<String> {
-    let has_texture = |m: &&scene_loading::Material| {
-        m.texture.is_some_and(|texture| (texture as usize) < scene.textures.len())
-    };
-    let textured = used_materials(scene).filter(has_texture).count();
-    (textured > 0 && !scene.texcoords.is_empty())
-        .then(|| format!("{} with a texture", counted(textured, "material")))
+impl<'a> MovedSurfaces<'a> {
+    pub fn new(scene: &'a Scene) -> Self {
+        Self { scene, surfaces: Surfaces::new(scene, false) }
+    }
+}
+
+impl HitStage for MovedSurfaces<'_> {
+    fn apply(&self, hits: &mut [SurfaceHit<'_>]) {
+        for hit in hits {
+            let velocity = self.scene.velocity(hit.id);
+            if velocity != DVec3::ZERO {
+                let way = velocity * hit.origin.time;
+                let at_rest = self.surfaces.at(hit.id, hit.point.position - way);
+                hit.point.normal = at_rest.normal;
+                hit.point.refined = at_rest.refined.moved_by(way);
+            }
+        }
+    }
 }
 
 /// Colours hits on textured triangles.
@@ -86,6 +97,7 @@ pub fn bilinear(texture: &Texture, place: DVec2) -> Rgb {
 
 #[cfg(test)]
 mod tests {
+    use super::super::effect::{EFFECTS, Effect, RenderSettings};
     use super::*;
     use scene_loading::{Material, Wrap};
 
@@ -129,9 +141,11 @@ mod tests {
         scene.push_material(Material { color, texture, ..Material::default() });
         scene.textures.push(image(Wrap::Clamp));
         scene.push_triangle(0, [DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0]);
-        assert_eq!(called_by(&scene, &RenderSettings::default()), None);
+        let textures = &EFFECTS[Effect::Textures as usize];
+        let called_by = |scene: &Scene| (textures.called_by)(scene, &RenderSettings::default());
+        assert_eq!(called_by(&scene), None);
         scene.last_is_textured([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);
-        let called = called_by(&scene, &RenderSettings::default());
+        let called = called_by(&scene);
         assert_eq!(called.as_deref(), Some("1 material with a texture"));
         let place = texture_place(&scene, 0, DVec3::new(3.0, 1.0, 0.0)).unwrap();
         assert_eq!(place, DVec2::new(0.75, 0.25));
