@@ -110,13 +110,13 @@ pub fn timed<'v>(
 
 /// The parts of a variant's work, and seconds of each by round.
 struct Parts {
-    names: Vec<String>,
+    names: Vec<&'static str>,
     seconds: Vec<Vec<f64>>,
 }
 
 impl Parts {
     fn of(work: &dyn Work) -> Self {
-        let names = work.parts();
+        let names = work.parts().to_vec();
         Self { seconds: vec![Vec::new(); names.len()], names }
     }
 
@@ -158,7 +158,7 @@ const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64:
 /// Record of a variant before [`figure`] evaluates its times.
 fn row(variant: Variant<'_>, seconds: Vec<f64>, parts: Parts, own_error: f64) -> VariantRecord {
     let is_below_reference = variant.error.value() < TIMES_REFERENCE * own_error;
-    let part = |(part, seconds)| PartTime { part, ratio: NO_TIME, seconds };
+    let part = |(part, seconds): (&str, _)| PartTime { part: part.into(), ratio: NO_TIME, seconds };
     VariantRecord {
         variant: variant.name,
         setting: variant.setting,
