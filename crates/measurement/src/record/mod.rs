@@ -3,7 +3,6 @@
 pub mod conclusion;
 pub mod file;
 pub mod floor;
-pub mod foreign;
 pub mod machines;
 #[cfg(any(test, feature = "testing"))]
 #[allow(clippy::unwrap_used)]
