@@ -3,7 +3,7 @@
 use crate::accuracy::audit;
 use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding};
-use crate::accuracy::stage::{Stage, StagedStructure, Work};
+use crate::accuracy::stage::{Limits, Stage, StagedStructure, Work};
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};
@@ -85,8 +85,9 @@ pub fn timed<'v>(
         first.push((answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
-    let is_left = |round| round < stage.limits.rounds;
-    interleaved(variants.len(), stage.limits.seed, &purpose, is_left, |Visit { row, .. }| {
+    let Limits { rounds, seed, .. } = stage.limits;
+    let is_left = |round| round < rounds;
+    interleaved(0, variants.len(), seed, &purpose, is_left, |Visit { row, .. }| {
         let (Some(variant), Some(of)) = (variants.get_mut(row), seconds.get_mut(row)) else {
             return;
         };

@@ -116,7 +116,7 @@ pub fn compare(
         rows.iter().map(|_| None).collect();
     let mut seconds = vec![Vec::new(); rows.len()];
     let is_left = |round| round < question.rounds as usize;
-    interleaved(rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
+    interleaved(0, rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
         if matches!(made[row], Some(Err(_))) {
             return;
         }
