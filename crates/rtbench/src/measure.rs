@@ -30,9 +30,10 @@ use crate::program;
 /// use rtbench::measurement::settings::RunSettings;
 ///
 /// let grid = find("uniform-grid").ok_or("there is none")?.defaults();
-/// let mut settings = RunSettings::default().scene("teapot").rounds(3);
+/// let mut settings = RunSettings { scenes: vec!["teapot".into()], ..RunSettings::default() };
+/// settings.measuring.rounds = Some(3);
 /// for density in [1, 4, 16] {
-///     settings = settings.row(&grid.clone().set("density", density)?);
+///     settings.structures.push(grid.clone().set("density", density)?.label());
 /// }
 /// for row in &rtbench::measure(REGISTRY, &settings)?.scenes[0].rows {
 ///     println!("{} {}: {:?}", row.structure, row.settings, row.verdict);

@@ -138,13 +138,16 @@ mod tests {
     #[test]
     fn every_answer_is_right() {
         // triangles alone, and primitives of all kinds
-        let mut settings = RunSettings::default().scene("tetra").scene("mount").scene("tree");
-        for leaf in [1, 4, 64] {
-            settings = settings.row(&INFO.defaults().set("leaf", leaf).unwrap());
-        }
+        let row = |leaf| INFO.defaults().set("leaf", leaf).unwrap().label();
+        let mut settings = RunSettings {
+            scenes: ["tetra", "mount", "tree"].map(String::from).to_vec(),
+            structures: [1, 4, 64].map(row).to_vec(),
+            ..RunSettings::default()
+        };
+        (settings.measuring.quick, settings.measuring.rounds) = (true, Some(1));
         for precision in [Precision::F32, Precision::F64] {
-            let asked = settings.clone().quick().rounds(1).precision(precision);
-            let record = rtbench::measure(&[entry!(MedianBvh, INFO)], &asked).unwrap();
+            settings.measuring.precision = precision;
+            let record = rtbench::measure(&[entry!(MedianBvh, INFO)], &settings).unwrap();
             let rows: Vec<_> = record.scenes.iter().flat_map(|scene| &scene.rows).collect();
             assert_eq!(rows.len(), 9);
             for row in rows {

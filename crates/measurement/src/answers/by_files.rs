@@ -9,6 +9,7 @@ use crate::answers::reference::{Reference, Stage};
 use crate::plan::Plan;
 use crate::rays::batches::{Answers, BatchSet};
 use crate::rays::exactness::Exactness;
+use crate::record::{ForeignRecord, RowRecord, Verdict};
 use crate::rounds::error::MeasureError;
 use crate::rounds::scene_run::lights_asked;
 use crate::rounds::scope::Scope;
@@ -16,6 +17,7 @@ use crate::scenes::LoadedScene;
 use crate::system::clock::Clock;
 use crate::system::pools::Pools;
 use crate::system::progress::Progress;
+use statistics::estimate::Estimate;
 
 pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
 
@@ -74,6 +76,35 @@ fn answers_of(kind: RayKind, hits: &[Hit<f32>], rays: &[Ray<f32>]) -> Answers<f3
         if hit.is_hit() { *hit } else { Hit { t: ray.t_max, id: MISS } }
     };
     Answers::Hits(hits.iter().zip(rays).map(own).collect())
+}
+
+/// The row of a program whose answers were judged, with the seconds that it reports, unless some
+/// are wrong. There are no samples, no ratio and no interval: it was not in the rounds of the run.
+pub fn foreign_row(
+    name: &str,
+    hits_sha256: String,
+    [trace_s, build_s]: [Option<f64>; 2],
+    judged: &[(RayKind, BatchVerdict)],
+) -> RowRecord {
+    let sum = |of: fn(&BatchVerdict) -> usize| -> u64 {
+        judged.iter().map(|(_, judged)| of(judged) as u64).sum()
+    };
+    let mismatches = sum(|judged| judged.wrong);
+    let verdict = if mismatches > 0 { Verdict::Wrong } else { Verdict::Ok };
+    let reported = |s: Option<f64>| s.filter(|_| verdict.is_timed()).map(Estimate::exactly);
+    let of_kind =
+        |(kind, judged): &(RayKind, BatchVerdict)| (kind.name().to_owned(), judged.compared as u64);
+    RowRecord {
+        checked_rays: sum(|judged| judged.compared),
+        mismatches,
+        example: judged.iter().find_map(|(_, judged)| judged.example.clone()),
+        rays: sum(|judged| judged.compared),
+        rays_by_kind: judged.iter().map(of_kind).collect(),
+        trace_s: reported(trace_s),
+        build_s: reported(build_s),
+        foreign: Some(ForeignRecord { hits_sha256, edge_mismatches: sum(|judged| judged.edges) }),
+        ..RowRecord::unmeasured(name.to_owned(), String::new(), verdict)
+    }
 }
 
 /// Applies `then` to the rays and their answers.

@@ -65,48 +65,13 @@ pub fn count_all(plan: &Plan<'_>) -> Result<Vec<CountedCalls>, MeasureError> {
     Ok(counted)
 }
 
+/// All rows in a scene, asked the rays of an image of at most [`SIZE`] pixels across, in its order.
 fn count_scene<S: Buildable>(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
     pool: &ThreadPool,
     calls: &mut usize,
     counted: &mut Vec<CountedCalls>,
-) -> Result<(), MeasureError> {
-    with_rays::<S>(plan, loaded, pool, |geometry, lights, all| {
-        for row in &plan.rows {
-            let most = if row.is_sampled() { FEW_RAYS } else { RAYS };
-            let asked = all.restricted(|kind| row.answers(kind));
-            let stride = |rays: usize| rays.div_ceil(most).max(1);
-            let thinned = asked.batches.iter().map(|b| b.thinned(stride(b.rays.len())));
-            let set = BatchSet { stride: 1, batches: thinned.collect() };
-            // within the pool: what is called from outside would run beside the counted function
-            let phases = caught(|| pool.install(|| phases(row, geometry, lights, &set)));
-            let [is_built, is_asked] = phases.unwrap_or([true, false]);
-            let mut next = |happened: bool| {
-                happened.then(|| {
-                    *calls += 1;
-                    *calls - 1
-                })
-            };
-            counted.push(CountedCalls {
-                scene: loaded.scene.name.clone(),
-                structure: row.structure().into(),
-                settings: row.settings(),
-                rays: set.total() as u64,
-                build_call: next(is_built),
-                trace_call: next(is_asked),
-            });
-        }
-    })
-}
-
-/// Makes the rays of the plan in a scene, of an image of at most [`SIZE`] pixels across, and works
-/// with them: with the primitives, the lights asked, and the rays in the order of the image.
-fn with_rays<S: Buildable>(
-    plan: &Plan<'_>,
-    loaded: &LoadedScene,
-    pool: &ThreadPool,
-    work: impl FnOnce(&Geometry<S>, &[DVec3], BatchSet<'_, S>),
 ) -> Result<(), MeasureError> {
     let scene = &loaded.scene;
     let geometry = Geometry::<S>::of(scene)?;
@@ -125,7 +90,30 @@ fn with_rays<S: Buildable>(
     let answers = pool.install(|| answer(&rays, &plan.kinds, &*tracer));
     let lights = lights_asked(scene, &plan.settings);
     let all = BatchSet::new(&rays, answers, &lights);
-    work(&geometry, &lights, all);
+    for row in &plan.rows {
+        let most = if row.is_sampled() { FEW_RAYS } else { RAYS };
+        let asked = all.restricted(|kind| row.answers(kind));
+        let stride = |rays: usize| rays.div_ceil(most).max(1);
+        let thinned = asked.batches.iter().map(|b| b.thinned(stride(b.rays.len())));
+        let set = BatchSet { stride: 1, batches: thinned.collect() };
+        // within the pool: what is called from outside would run beside the counted function
+        let phases = caught(|| pool.install(|| phases(row, &geometry, &lights, &set)));
+        let [is_built, is_asked] = phases.unwrap_or([true, false]);
+        let mut next = |happened: bool| {
+            happened.then(|| {
+                *calls += 1;
+                *calls - 1
+            })
+        };
+        counted.push(CountedCalls {
+            scene: scene.name.clone(),
+            structure: row.structure().into(),
+            settings: row.settings(),
+            rays: set.total() as u64,
+            build_call: next(is_built),
+            trace_call: next(is_asked),
+        });
+    }
     Ok(())
 }
 

@@ -5,19 +5,14 @@
 //! Rows keep the ratios and rounds of the part that measured them. The reference row, which every
 //! part measured, is taken from the first part that has the scene; its counters must agree in all.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::journal::lines::compare;
 use crate::record::file::RecordError;
 use crate::record::summary::summarize;
-use crate::record::{
-    Compiler, Machine, OracleRecord, PartRecord, RowRecord, RunRecord, SceneRecord, Settings,
-    StatsRecord, Tool, Verdict, WorkRecord,
-};
+use crate::record::{Machine, PartRecord, RowRecord, RunRecord, SceneRecord};
 use crate::settings::shard::ShardRecord;
 
 /// The parts cannot be joined.
@@ -33,39 +28,6 @@ pub struct MergeError {
 pub struct PartialRun {
     pub path: PathBuf,
     pub record: RunRecord,
-}
-
-/// Settings shared by the parts of one run.
-#[derive(Serialize)]
-struct SharedSettings<'a> {
-    tool: &'a Tool,
-    compiler: &'a Compiler,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    machine: Option<&'a Machine>,
-    settings: &'a Settings,
-    count: u32,
-    scenes: &'a [String],
-    rows: &'a [String],
-    rounds: &'a str,
-}
-
-/// Description of a scene shared by several parts.
-#[derive(Serialize)]
-struct CommonScene<'a> {
-    sha256: &'a str,
-    primitives: u64,
-    rays: &'a BTreeMap<String, u64>,
-    oracle: &'a OracleRecord,
-    reference: Option<CountedResults<'a>>,
-}
-
-/// Results of a row that do not depend on a clock.
-#[derive(Serialize)]
-struct CountedResults<'a> {
-    verdict: Verdict,
-    stats: &'a Option<StatsRecord>,
-    work: &'a Option<WorkRecord>,
-    answers_sha256: &'a Option<String>,
 }
 
 /// Joins parts, read or not, in any order. `mixed` allows parts of different machines. The result
@@ -122,18 +84,17 @@ fn complete(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<String>) {
 /// All parts are of the same program, machine, settings and table.
 fn agree(parts: &[(ShardRecord, PartialRun)], mixed: bool, problems: &mut Vec<String>) {
     let common = |(shard, part): &(ShardRecord, PartialRun)| {
-        let record = &part.record;
-        let common = SharedSettings {
-            tool: &record.tool,
-            compiler: &record.compiler,
-            machine: (!mixed).then_some(&record.machine),
-            settings: &record.settings,
-            count: shard.count,
-            scenes: &shard.scenes,
-            rows: &shard.rows,
-            rounds: &shard.rounds,
-        };
-        serde_json::to_value(common).unwrap_or(Value::Null)
+        let RunRecord { tool, compiler, machine, settings, .. } = &part.record;
+        json!({
+            "tool": tool,
+            "compiler": compiler,
+            "machine": (!mixed).then_some(machine),
+            "settings": settings,
+            "count": shard.count,
+            "scenes": shard.scenes,
+            "rows": shard.rows,
+            "rounds": shard.rounds,
+        })
     };
     let Some(first) = parts.first() else { return };
     let expected = common(first);
@@ -206,7 +167,7 @@ fn scenes_agree(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<String>)
         let mut first: Option<(&PartialRun, Value)> = None;
         for (shard, part) in parts {
             let Some(scene) = scene_at(shard, part, place) else { continue };
-            let found = serde_json::to_value(common_scene(scene)).unwrap_or(Value::Null);
+            let found = common_scene(scene);
             match &first {
                 None => first = Some((part, found)),
                 Some((one, expected)) => {
@@ -218,21 +179,23 @@ fn scenes_agree(parts: &[(ShardRecord, PartialRun)], problems: &mut Vec<String>)
     }
 }
 
-fn common_scene(scene: &SceneRecord) -> CommonScene<'_> {
+/// What does not depend on a clock.
+fn common_scene(scene: &SceneRecord) -> Value {
     // a reference too slow for all rays is counted on as many as its time allows
     let is_whole = |row: &&RowRecord| row.is_reference && row.checked_rays == scene.distinct_rays();
-    CommonScene {
-        sha256: &scene.sha256,
-        primitives: scene.primitives,
-        rays: &scene.rays,
-        oracle: &scene.oracle,
-        reference: scene.rows.iter().find(is_whole).map(|row| CountedResults {
-            verdict: row.verdict,
-            stats: &row.stats,
-            work: &row.work,
-            answers_sha256: &row.answers_sha256,
-        }),
-    }
+    let counted = |row: &RowRecord| {
+        let RowRecord { verdict, stats, work, answers_sha256, .. } = row;
+        json!({
+            "verdict": verdict, "stats": stats, "work": work, "answers_sha256": answers_sha256,
+        })
+    };
+    json!({
+        "sha256": scene.sha256,
+        "primitives": scene.primitives,
+        "rays": scene.rays,
+        "oracle": scene.oracle,
+        "reference": scene.rows.iter().find(is_whole).map(counted),
+    })
 }
 
 /// The whole run of parts that fit, in their order; none of no parts.

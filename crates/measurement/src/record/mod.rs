@@ -3,7 +3,6 @@
 pub mod conclusion;
 pub mod file;
 pub mod floor;
-pub mod foreign;
 #[cfg(any(test, feature = "testing"))]
 #[allow(clippy::unwrap_used)]
 pub mod made_up;

@@ -13,20 +13,9 @@ pub struct Visit {
     pub row: usize,
 }
 
-/// Visits all rows, round by round, as long as `goes_on` says so of the round to come. Orders are
-/// those of the seed and of what is measured.
+/// Visits all rows, round by round from `first` on, as long as `goes_on` says so of the round to
+/// come. Orders are those of the seed and of what is measured.
 pub fn interleaved(
-    rows: usize,
-    seed: u64,
-    what: &str,
-    goes_on: impl FnMut(usize) -> bool,
-    visit: impl FnMut(Visit),
-) {
-    interleaved_from(0, rows, seed, what, goes_on, visit);
-}
-
-/// [`interleaved`] from the round `first` on.
-pub fn interleaved_from(
     first: usize,
     rows: usize,
     seed: u64,
@@ -54,7 +43,7 @@ pub fn timed(
 ) -> Vec<Vec<f64>> {
     works.iter_mut().for_each(|work| work());
     let mut seconds = vec![Vec::new(); works.len()];
-    interleaved(works.len(), seed, what, goes_on, |Visit { row, .. }| {
+    interleaved(0, works.len(), seed, what, goes_on, |Visit { row, .. }| {
         if let (Some(work), Some(seconds)) = (works.get_mut(row), seconds.get_mut(row)) {
             let start = clock.now();
             work();
@@ -85,7 +74,7 @@ mod tests {
     #[test]
     fn every_round_visits_every_row_once_in_its_own_order() {
         let mut visits = Vec::new();
-        interleaved(5, 7, "tetra", |round| round < 3, |visit| visits.push(visit));
+        interleaved(0, 5, 7, "tetra", |round| round < 3, |visit| visits.push(visit));
         assert_eq!(visits.len(), 15);
         let of = |round| {
             let rows = visits.iter().filter(|v| v.round == round).map(|v| v.row);

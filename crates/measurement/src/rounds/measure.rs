@@ -15,7 +15,7 @@ use crate::plan::measured_row::{BuiltRow, MeasuredRow};
 use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
-use crate::rounds::interleaved::{Visit, interleaved_from, round_order};
+use crate::rounds::interleaved::{Visit, interleaved, round_order};
 use crate::rounds::scope::{Laps, RowLog, Scope};
 use crate::system::clock::{Clock, timed};
 use crate::system::interrupt;
@@ -152,7 +152,7 @@ impl Schedule {
             }
         };
         let (seed, scene) = (plan.seed, &scope.stage.scene.name);
-        interleaved_from(first, self.rows.len(), seed, scene, goes_on, visit);
+        interleaved(first, self.rows.len(), seed, scene, goes_on, visit);
         interrupt::rounds_ended();
         log.rows_passed();
         RoundTimes { timed, of_reference, interrupted: interrupted.get() }

@@ -3,7 +3,6 @@
 pub mod choice;
 pub mod quantity;
 pub mod shard;
-mod typed;
 
 use std::time::Duration;
 
@@ -115,11 +114,13 @@ impl Default for MeasuringSettings {
     }
 }
 
+/// Where a number is out of range, [`Plan::new`](crate::plan::Plan::new) says so.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct RunSettings {
     /// Scenes, scene sets or scene files; none means the default set.
     pub scenes: Vec<String>,
-    /// Structures and occluders, each with its settings if any; none means all.
+    /// Structures and occluders, each with its settings if any, as
+    /// [`Params::label`](accel_core::params::Params::label) has them; none means all.
     pub structures: Vec<String>,
     /// Overrides of defaults: `uniform-grid.density=4`.
     pub overrides: Vec<String>,

@@ -18,7 +18,7 @@ use measurement::system::files::write_text;
 use measurement::system::pools::Pools;
 use measurement::system::progress::Progress;
 use presentation::json;
-use studies::animate::measure::{AnimationInput, AnimationResults, measure};
+use studies::animate::measure::measure;
 use studies::animate::record::AnimationRecord;
 use studies::animate::{Animate, plot, table};
 use studies::error::UnsavedImage;
@@ -48,7 +48,7 @@ pub fn run(
     let mut strip = args.output.as_ref().map(|_| strip()).transpose()?;
     let progress = Progress::new(context.shows_progress(), u64::from(last - first) + 1, None);
     let clock = context.clock;
-    let equipment = AnimationInput { clock, progress: &progress };
+    let shown = (clock, &progress);
     let (mut unwritten, mut too_fine) = (None, None);
     let load = |number: u32| {
         let mut scene = scene.frame(number)?;
@@ -61,17 +61,15 @@ pub fn run(
         }
         Ok(scene)
     };
-    let watch = |measured: &AnimationResults| {
-        record.frames.clone_from(&measured.frames);
-        record.lanes.clone_from(&measured.lanes);
+    let watch = |record: &mut AnimationRecord| {
         record.took_s = clock.seconds_since(start);
         if let Some(folder) = &args.output {
-            unwritten = write_all(folder, &record).err();
+            unwritten = write_all(folder, record).err();
         }
     };
     let measured = match animate.precision() {
-        Precision::F32 => measure::<f32>(&animate, load, &equipment, watch),
-        Precision::F64 => measure::<f64>(&animate, load, &equipment, watch),
+        Precision::F32 => measure::<f32>(&animate, load, shown, &mut record, watch),
+        Precision::F64 => measure::<f64>(&animate, load, shown, &mut record, watch),
     };
     progress.finish();
     if let Some(warning) = too_fine {

@@ -3,11 +3,9 @@
 
 use accel_core::primitives::PrimSet;
 use accel_core::{Hit, MISS};
-use measurement::answers::by_files::{check, rays};
-use measurement::answers::judge::BatchVerdict;
+use measurement::answers::by_files::{check, foreign_row, rays};
 use measurement::plan::Plan;
 use measurement::plan::error::PlanError;
-use measurement::record::foreign::{ExternalResult, JudgedKind};
 use measurement::scenes::LoadedScene;
 use measurement::settings::{Lights, RunSettings};
 use measurement::system::created::WriteError;
@@ -152,22 +150,10 @@ pub fn check_hits(
     screen.write_table(context.out, &Table { title, header, rows, notes })?;
     context.out.flush()?;
     if let (Some(folder), Some(name), Some(ms)) = (&args.into, &args.name, args.time_ms) {
-        let of_kind = |(kind, judged): &(RayKind, BatchVerdict)| JudgedKind {
-            kind: kind.name().to_owned(),
-            compared: judged.compared as u64,
-            wrong: judged.wrong as u64,
-            edges: judged.edges as u64,
-            example: judged.example.clone(),
-        };
-        let told = ExternalResult {
-            name: name.clone(),
-            hits_sha256: sha256_of_bytes(&bytes),
-            trace_s: ms / 1e3,
-            build_s: args.build_ms.map(|ms| ms / 1e3),
-            answers: judged.iter().map(of_kind).collect(),
-        };
+        let seconds = [Some(ms), args.build_ms].map(|ms| ms.map(|ms| ms / 1e3));
+        let row = foreign_row(name, sha256_of_bytes(&bytes), seconds, &judged);
         let scene = (args.scene.as_str(), loaded.sha256.as_str());
-        let record = merged(folder, scene, &about, told.row(), context.overwrite)?;
+        let record = merged(folder, scene, &about, row, context.overwrite)?;
         let exports = ExportArgs { output: Some(folder.clone()), ..ExportArgs::default() };
         run_outputs::of_run(&exports)?.write(&record, true)?;
     }

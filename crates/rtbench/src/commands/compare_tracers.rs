@@ -93,7 +93,7 @@ pub fn run(
         tracers: &tracers,
         rounds,
     };
-    let rows = measured.install(|| compare(&question, &reference, clock));
+    let images = measured.install(|| compare(&question, &reference, clock));
     let queries = if tracers.iter().any(|name| *name != whitted::INFO.name) {
         let frusta = frusta_of(&scene, &*rays, frame.resolution);
         let rounds = Rounds { rounds, seed: frame.seed, primitives: scene.primitives.len() };
@@ -112,10 +112,10 @@ pub fn run(
         command_line: context.command_line.clone(),
         machine: Some(context.world.machine()),
         reference: ReferenceRecord { own_error: reference.own_error, samples: reference_samples },
-        images: Vec::new(),
+        images,
         queries,
     };
-    let report = Report::new(record, reference.image, rows);
+    let report = Report { record, reference: reference.image };
     if let Some(folder) = &args.output {
         write_files(folder, &report)?;
     }
@@ -172,10 +172,10 @@ fn write_files(folder: &Path, report: &Report) -> Result<(), Error> {
         image.save_png(&path).map_err(|source| UnsavedImage { path, source })
     };
     image("reference.png".to_owned(), &report.reference)?;
-    for row in &report.rows {
-        if let Ok(measured) = &row.outcome {
-            let name = row.label().replace([' ', '='], "-");
-            image(format!("{name}.png"), &measured.image)?;
+    for made in &report.record.images {
+        if let Some(pixels) = made.made().and_then(|measured| measured.image.as_ref()) {
+            let name = made.row.short_label().replace([' ', '='], "-");
+            image(format!("{name}.png"), pixels)?;
         }
     }
     Ok(())

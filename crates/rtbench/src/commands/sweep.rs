@@ -80,7 +80,7 @@ fn over_sizes(
     outputs.add_in_folder(CSV, sizes::table::sizes_csv)?;
     outputs.add_in_folder(SLOPES, sizes::table::slopes_csv)?;
     outputs.add_in_folder(MARKDOWN, |run| Ok(sizes::table::to_markdown(run)))?;
-    outputs.add_in_folder(SVG, |run| Ok(sizes::plot::to_svg(run)))?;
+    outputs.add_in_folder(SVG, |run| Ok(sizes::table::to_svg(run)))?;
     let record = RunRecord {
         scale: Some(sweep.record.clone()),
         ..begin(context.world, &context.command_line, &sweep.plan)

@@ -96,14 +96,14 @@ fn checked(
             break;
         }
         let Case { id, summary, .. } = listed.1;
-        watch.begin(&format!("{id} {}: {summary}", precision_name(precision)));
+        watch.progress.message(format!("{id} {}: {summary}", precision_name(precision)));
         let (lines, rounds) = pool.install(|| plan.check(listed, precision, &watch))?;
         report.lines.extend(lines);
         report.rounds_asked += rounds;
         report.seconds = context.clock.seconds_since(start);
         save(args, &report)?;
     }
-    watch.finish();
+    watch.progress.finish();
     if report.rounds_asked < report.rounds {
         report.cut = watch.cut();
     } else if report.lines.is_empty() {

@@ -1,29 +1,34 @@
-//! Use from Rust programs: runs as a function, typed settings, the texts that show the template.
+//! Use from Rust programs: runs as a function, and the texts that show the template.
 
 use std::path::Path;
 
-use accel_core::structures::{brute_force, find, uniform_grid};
+use accel_core::structures::{find, uniform_grid};
 use measurement::plan::error::PlanError;
 use measurement::record::Verdict;
 use measurement::settings::{MeasuringSettings, RunSettings};
-use renderer::RayKind;
 use rtbench::error::Error;
 
 use crate::common::{PLANTED, WRONG_ONLY};
+
+/// Settings of a run over a scene.
+fn over(scene: &str, measuring: MeasuringSettings) -> RunSettings {
+    RunSettings { scenes: vec![scene.into()], measuring, ..RunSettings::default() }
+}
 
 #[test]
 fn a_run_can_be_called_as_a_function() {
     let grid = find("uniform-grid").unwrap().defaults();
     let dense = grid.clone().set("density", 8).unwrap();
-    let settings = RunSettings::default()
-        .scene("tetra")
-        .row(&grid)
-        .row(&dense)
-        .reference(&brute_force::INFO.defaults())
-        .rays([RayKind::Primary, RayKind::Shadow])
-        .quick()
-        .rounds(2)
-        .size(16);
+    let measuring = MeasuringSettings {
+        reference: Some("brute-force".into()),
+        rays: vec!["primary".into(), "shadow".into()],
+        quick: true,
+        rounds: Some(2),
+        size: Some(16),
+        ..MeasuringSettings::default()
+    };
+    let mut settings = over("tetra", measuring);
+    settings.structures = vec![grid.label(), dense.label()];
     let record = rtbench::measure(&PLANTED, &settings).unwrap();
     assert!(record.complete && record.scenes.len() == 1 && record.summary.len() == 3);
     assert_eq!(record.settings.resolution, [16, 16]);
@@ -42,9 +47,13 @@ fn a_run_can_be_called_as_a_function() {
 #[test]
 fn a_structure_alone_is_judged_and_found_wrong() {
     // without shadow rays no occluder is a row
-    let base = RunSettings::default().scene("tetra:2").rays([RayKind::Primary]);
-    let settings = base.quick().rounds(1);
-    let record = rtbench::measure(WRONG_ONLY, &settings).unwrap();
+    let measuring = MeasuringSettings {
+        rays: vec!["primary".into()],
+        quick: true,
+        rounds: Some(1),
+        ..MeasuringSettings::default()
+    };
+    let record = rtbench::measure(WRONG_ONLY, &over("tetra:2", measuring)).unwrap();
     let rows = &record.scenes[0].rows;
     assert_eq!(rows.len(), 1);
     assert_eq!(rows[0].verdict, Verdict::Wrong);
@@ -53,25 +62,36 @@ fn a_structure_alone_is_judged_and_found_wrong() {
 
 #[test]
 fn impossible_settings_are_refused() {
-    let base = RunSettings::default().scene("tetra");
-    for (settings, expected) in [
-        (base.clone().rounds(0), "rounds: 0, expected a number from 1 to 10000"),
-        (base.clone().size(0), "size: 0, expected a number from 1 to 8192"),
-        (base.clone().size(MeasuringSettings::LARGEST_SIZE + 1), "size: 8193"),
-        (base.clone().threads(0), "threads: 0, expected a number from 1 to 1024"),
+    let base = MeasuringSettings::default;
+    let larger = Some(MeasuringSettings::LARGEST_SIZE + 1);
+    for (measuring, expected) in [
+        (
+            MeasuringSettings { rounds: Some(0), ..base() },
+            "rounds: 0, expected a number from 1 to 10000",
+        ),
+        (
+            MeasuringSettings { size: Some(0), ..base() },
+            "size: 0, expected a number from 1 to 8192",
+        ),
+        (MeasuringSettings { size: larger, ..base() }, "size: 8193"),
+        (
+            MeasuringSettings { threads: 0, ..base() },
+            "threads: 0, expected a number from 1 to 1024",
+        ),
     ] {
-        let error = rtbench::measure(&PLANTED, &settings).unwrap_err();
+        let error = rtbench::measure(&PLANTED, &over("tetra", measuring)).unwrap_err();
         let is_typed = matches!(error, Error::Plan(PlanError::OutOfRange { .. }));
         assert!(is_typed && error.to_string().starts_with(expected), "{error}");
     }
     // a structure that this registry does not have
-    let row = base.row(&find("kd-tree").unwrap().defaults());
-    let error = rtbench::measure(&PLANTED, &row).unwrap_err();
+    let mut settings = over("tetra", base());
+    settings.structures = vec!["kd-tree".into()];
+    let error = rtbench::measure(&PLANTED, &settings).unwrap_err();
     assert!(
         matches!(error, Error::Plan(PlanError::UnknownName { what: "structure", .. })),
         "{error}"
     );
-    let error = rtbench::measure(&PLANTED, &RunSettings::default().scene("nowhere")).unwrap_err();
+    let error = rtbench::measure(&PLANTED, &over("nowhere", base())).unwrap_err();
     assert!(error.to_string().contains("nowhere"), "{error}");
     assert!(uniform_grid::INFO.defaults().set("density", "dense").is_err());
 }

@@ -204,26 +204,52 @@ pub fn build_columns(bytes: u64, build_s: f64) -> [(&'static str, f64); 2] {
     [("MiB", mebibytes(bytes)), ("build ms", build_s * 1e3)]
 }
 
+/// Batches of rays that are asked again and again.
 pub struct Replay<'a, S: Scalar> {
-    tracer: &'a dyn Tracer<S>,
-    batches: &'a Batches<S>,
-    is_by_kind: bool,
     /// One per batch.
     pub answers: Vec<Answers<S>>,
+    /// Names of the batches, where each is timed by itself.
+    pub parts: Vec<&'static str>,
+    /// Answers a batch, by its number.
+    ask: Box<dyn FnMut(usize, &mut Answers<S>) + 'a>,
 }
 
 impl<'a, S: Buildable> Replay<'a, S> {
     pub fn new(tracer: &'a dyn Tracer<S>, batches: &'a Batches<S>) -> Self {
-        let answers = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
-        let mut replay = Self { tracer, batches, is_by_kind: false, answers };
-        replay.prepare();
-        replay.run();
-        replay
+        Self::of_several([(tracer, batches)])
     }
 
     /// The same, each kind of ray timed by itself.
-    pub fn by_kind(self) -> Self {
-        Self { is_by_kind: true, ..self }
+    pub fn by_kind(tracer: &'a dyn Tracer<S>, batches: &'a Batches<S>) -> Self {
+        let parts = batches.iter().map(|(kind, _)| kind.name()).collect();
+        Self { parts, ..Self::new(tracer, batches) }
+    }
+
+    /// Several structures, each with batches of its own.
+    pub fn of_several(
+        structures: impl IntoIterator<Item = (&'a dyn Tracer<S>, &'a Batches<S>)>,
+    ) -> Self {
+        let of_one = |(tracer, batches): (&'a dyn Tracer<S>, &'a Batches<S>)| {
+            batches.iter().map(move |(kind, rays)| (tracer, *kind, rays))
+        };
+        let asked: Vec<_> = structures.into_iter().flat_map(of_one).collect();
+        let answers = asked.iter().map(|(_, kind, rays)| Answers::new(*kind, rays.len())).collect();
+        Self::answered_by(answers, move |batch, answers| {
+            if let Some((tracer, _, rays)) = asked.get(batch) {
+                trace(*tracer, rays, answers);
+            }
+        })
+    }
+
+    /// Batches that `ask` answers.
+    pub fn answered_by(
+        answers: Vec<Answers<S>>,
+        ask: impl FnMut(usize, &mut Answers<S>) + 'a,
+    ) -> Self {
+        let mut replay = Self { answers, parts: Vec::new(), ask: Box::new(ask) };
+        replay.prepare();
+        replay.run();
+        replay
     }
 
     /// Number of answers that differ from another's to the same rays.
@@ -231,20 +257,20 @@ impl<'a, S: Buildable> Replay<'a, S> {
         let pairs = self.answers.iter().zip(&other.answers);
         pairs.map(|(a, b)| a.differing(b).count() as u64).sum()
     }
+}
 
-    /// The work of all rays, counted.
-    pub fn counted(&self) -> WorkCounters {
-        let mut total = WorkCounters::default();
-        for (kind, rays) in self.batches {
-            total += if kind.is_occlusion() {
-                let mut answers = vec![ShadowCount::default(); rays.len()];
-                self.tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers)
-            } else {
-                self.tracer.count_closest_hits(rays, &mut vec![Hit::NONE; rays.len()])
-            };
-        }
-        total
+/// The work of all rays, counted.
+pub fn counted<S: Scalar>(tracer: &dyn Tracer<S>, batches: &Batches<S>) -> WorkCounters {
+    let mut total = WorkCounters::default();
+    for (kind, rays) in batches {
+        total += if kind.is_occlusion() {
+            let mut answers = vec![ShadowCount::default(); rays.len()];
+            tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers)
+        } else {
+            tracer.count_closest_hits(rays, &mut vec![Hit::NONE; rays.len()])
+        };
     }
+    total
 }
 
 /// The rays through each of the structures, each kind timed by itself.
@@ -252,7 +278,7 @@ pub fn replays<'r>(
     built: &'r [StagedStructure<'_>],
     batches: &'r Batches<f32>,
 ) -> Vec<Replay<'r, f32>> {
-    built.iter().map(|built| Replay::new(&*built.tracer, batches).by_kind()).collect()
+    built.iter().map(|built| Replay::by_kind(&*built.tracer, batches)).collect()
 }
 
 impl<S: Buildable> Work for Replay<'_, S> {
@@ -261,21 +287,16 @@ impl<S: Buildable> Work for Replay<'_, S> {
     }
 
     fn run(&mut self) {
-        for ((_, rays), answers) in self.batches.iter().zip(&mut self.answers) {
-            trace(self.tracer, rays, answers);
-        }
+        (0..self.answers.len()).for_each(|part| self.run_part(part));
     }
 
-    fn parts(&self) -> Vec<String> {
-        let kinds = self.batches.iter().filter(|_| self.is_by_kind);
-        kinds.map(|(kind, _)| kind.name().to_owned()).collect()
+    fn parts(&self) -> &[&'static str] {
+        &self.parts
     }
 
     fn run_part(&mut self, part: usize) {
-        if let (Some((_, rays)), Some(answers)) =
-            (self.batches.get(part), self.answers.get_mut(part))
-        {
-            trace(self.tracer, rays, answers);
+        if let Some(answers) = self.answers.get_mut(part) {
+            (self.ask)(part, answers);
         }
     }
 
@@ -324,8 +345,8 @@ pub trait Work {
     fn prepare(&mut self) {}
     fn run(&mut self);
     /// Names of the parts that are timed one by one, in order; none where it is timed as a whole.
-    fn parts(&self) -> Vec<String> {
-        Vec::new()
+    fn parts(&self) -> &[&'static str] {
+        &[]
     }
     /// The part of that number; all parts together are the work itself.
     fn run_part(&mut self, _part: usize) {

@@ -3,7 +3,7 @@
 use crate::accuracy::audit;
 use crate::accuracy::pareto::{self, FrontPoint};
 use crate::accuracy::record::{ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding};
-use crate::accuracy::stage::{Stage, StagedStructure, Work};
+use crate::accuracy::stage::{Limits, Stage, StagedStructure, Work};
 use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};
@@ -85,8 +85,9 @@ pub fn timed<'v>(
         first.push((answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
-    let is_left = |round| round < stage.limits.rounds;
-    interleaved(variants.len(), stage.limits.seed, &purpose, is_left, |Visit { row, .. }| {
+    let Limits { rounds, seed, .. } = stage.limits;
+    let is_left = |round| round < rounds;
+    interleaved(0, variants.len(), seed, &purpose, is_left, |Visit { row, .. }| {
         let (Some(variant), Some(of)) = (variants.get_mut(row), seconds.get_mut(row)) else {
             return;
         };
@@ -110,13 +111,13 @@ pub fn timed<'v>(
 
 /// The parts of a variant's work, and seconds of each by round.
 struct Parts {
-    names: Vec<String>,
+    names: Vec<&'static str>,
     seconds: Vec<Vec<f64>>,
 }
 
 impl Parts {
     fn of(work: &dyn Work) -> Self {
-        let names = work.parts();
+        let names = work.parts().to_vec();
         Self { seconds: vec![Vec::new(); names.len()], names }
     }
 
@@ -158,7 +159,7 @@ const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64:
 /// Record of a variant before [`figure`] evaluates its times.
 fn row(variant: Variant<'_>, seconds: Vec<f64>, parts: Parts, own_error: f64) -> VariantRecord {
     let is_below_reference = variant.error.value() < TIMES_REFERENCE * own_error;
-    let part = |(part, seconds)| PartTime { part, ratio: NO_TIME, seconds };
+    let part = |(part, seconds): (&str, _)| PartTime { part: part.into(), ratio: NO_TIME, seconds };
     VariantRecord {
         variant: variant.name,
         setting: variant.setting,

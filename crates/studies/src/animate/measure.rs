@@ -16,34 +16,20 @@ use measurement::system::progress::Progress;
 use scene_loading::{LoadError, Scene};
 
 use crate::animate::Animate;
-use crate::animate::lane::Frame;
-use crate::animate::lane::{FrameInput, Lane};
+use crate::animate::lane::{Frame, FrameInput, Lane};
 use crate::animate::quality::surface_points;
-use crate::animate::record::{FrameRecord, LaneRecord};
+use crate::animate::record::{AnimationRecord, FrameRecord};
 use crate::error::StudyError;
 
-pub struct AnimationInput<'a> {
-    pub clock: &'a dyn Clock,
-    /// The bar: a step each frame.
-    pub progress: &'a Progress,
-}
-
-#[derive(Debug, Default)]
-pub struct AnimationResults {
-    /// The frames, in their order.
-    pub frames: Vec<FrameRecord>,
-    /// The rows, each with a number of threads.
-    pub lanes: Vec<LaneRecord>,
-}
-
-/// Measures all frames, which `scene_of` makes by their numbers. `watch` sees what there is after
-/// each.
+/// Measures all frames, which `scene_of` makes by their numbers, into `record`; the bar has a step
+/// for each. `watch` sees what there is after each.
 pub fn measure<S: Buildable>(
     animate: &Animate<'_>,
     mut scene_of: impl FnMut(u32) -> Result<Scene, LoadError>,
-    equipment: &AnimationInput<'_>,
-    mut watch: impl FnMut(&AnimationResults),
-) -> Result<AnimationResults, StudyError> {
+    (clock, progress): (&dyn Clock, &Progress),
+    record: &mut AnimationRecord,
+    mut watch: impl FnMut(&mut AnimationRecord),
+) -> Result<(), StudyError> {
     let plan = &animate.plan;
     let pools = Pools::new(plan.threads)?;
     let measured = animate.threads.iter();
@@ -53,29 +39,28 @@ pub fn measure<S: Buildable>(
         .iter()
         .flat_map(|row| measured.iter().filter_map(|pool| Lane::new(row, pool, animate.rounds)))
         .collect();
-    let mut all = AnimationResults::default();
     let mut first = None;
     let mut before = None;
     let [begin, end] = animate.frames;
     for number in begin..=end {
-        equipment.progress.message(format!("{}: frame {number}", animate.scene));
+        progress.message(format!("{}: frame {number}", animate.scene));
         let scene = scene_of(number).map_err(MeasureError::from)?;
         let frame = Frame::<S>::new(number, scene, first.as_ref(), before.as_ref())?;
         if number > begin && frame.moved.is_none() {
             // no structure of the frame before can be updated
             lanes.iter_mut().for_each(|lane| lane.kept.fill_with(|| None));
         }
-        let record = visit_all(animate, &frame, &pools, equipment, &mut lanes)?;
-        all.frames.push(record);
-        all.lanes = lanes.iter().map(|lane| lane.record.clone()).collect();
-        watch(&all);
-        equipment.progress.step(equipment.clock.now());
+        let visited = visit_all(animate, &frame, &pools, (clock, progress), &mut lanes)?;
+        record.frames.push(visited);
+        record.lanes = lanes.iter().map(|lane| lane.record.clone()).collect();
+        watch(record);
+        progress.step(clock.now());
         let done = before.replace(frame.geometry);
         if first.is_none() {
             first = done;
         }
     }
-    Ok(all)
+    Ok(())
 }
 
 /// All rounds of all rows on a frame.
@@ -83,7 +68,7 @@ fn visit_all<S: Buildable>(
     animate: &Animate<'_>,
     frame: &Frame<S>,
     pools: &Pools,
-    equipment: &AnimationInput<'_>,
+    (clock, progress): (&dyn Clock, &Progress),
     lanes: &mut [Lane<'_>],
 ) -> Result<FrameRecord, StudyError> {
     let plan = &animate.plan;
@@ -97,15 +82,7 @@ fn visit_all<S: Buildable>(
     let points = surface_points(frame.geometry.prims(), plan.seed);
     let on = FrameInput {
         frame,
-        scope: Scope {
-            plan,
-            stage: &stage,
-            lights: &lights,
-            all: &asked,
-            pools,
-            clock: equipment.clock,
-            progress: equipment.progress,
-        },
+        scope: Scope { plan, stage: &stage, lights: &lights, all: &asked, pools, clock, progress },
         points: &points,
     };
     let what = format!("{}/{}", animate.scene, frame.number);

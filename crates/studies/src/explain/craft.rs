@@ -156,6 +156,12 @@ impl Variant {
         let structure = format!("{}{settings}", row.structure());
         Self { structure, craft: CodeDifferences::of(&row.params) }
     }
+
+    /// Its properties, in the order of [`AXES`](crate::explain::steps::AXES).
+    pub fn values(&self) -> [&str; 4] {
+        let CodeDifferences { adapter, kernel, query } = self.craft;
+        [adapter.name(), kernel.name(), &self.structure, query.name()]
+    }
 }
 
 fn has_mailbox(params: &Params) -> bool {

@@ -13,7 +13,7 @@ pub mod table;
 use accel_core::structures::Entry;
 
 use crate::explain::craft::{Variant, crafts_of};
-use crate::explain::steps::{Axis, Step, steps};
+use crate::explain::steps::{AXES, Step, steps};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::plan::{Plan, default_baseline};
@@ -142,7 +142,7 @@ pub struct Explanation<'a> {
     pub scene: &'a SceneRecord,
     /// Variant of each row in this scene; `None` for a duplicate of an earlier one.
     pub variants: Vec<Option<Variant>>,
-    /// The factors, in the order of [`Axis`]; empty where one of the two rows has no time.
+    /// The factors, in the order of [`AXES`]; empty where one of the two rows has no time.
     pub factors: Vec<Factor>,
 }
 
@@ -193,9 +193,12 @@ impl<'a> Explanation<'a> {
 }
 
 /// Names the changes between two rows on these axes.
-fn name(axes: &[Axis], from: &Variant, to: &Variant) -> String {
-    let ends = |axis: &Axis| format!("{}: {} to {}", axis.name(), axis.value(from), axis.value(to));
-    axes.iter().map(ends).collect::<Vec<_>>().join("; ")
+fn name(axes: &[usize], from: &Variant, to: &Variant) -> String {
+    let all = AXES.iter().zip(from.values().into_iter().zip(to.values())).enumerate();
+    let changed = all.filter(|(axis, _)| axes.contains(axis));
+    let names: Vec<String> =
+        changed.map(|(_, (name, (from, to)))| format!("{name}: {from} to {to}")).collect();
+    names.join("; ")
 }
 
 #[cfg(test)]

@@ -6,50 +6,16 @@
 //! brings, whichever of the others were changed before (L. S. Shapley, "A Value for n-Person
 //! Games", 1953, of logarithms).
 
-use crate::explain::craft::{CodeDifferences, Variant};
+use crate::explain::craft::Variant;
 
-/// Properties in which two rows may differ.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Axis {
-    /// Code that sets up rays and tests primitives.
-    Adapter,
-    /// How triangles are tested.
-    Kernel,
-    /// The structure with its settings.
-    Structure,
-    /// How rays are asked.
-    Query,
-}
-
-impl Axis {
-    /// In the order of tables.
-    const ALL: [Self; 4] = [Self::Adapter, Self::Kernel, Self::Structure, Self::Query];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Adapter => "adapter",
-            Self::Kernel => "kernel",
-            Self::Structure => "structure",
-            Self::Query => "query",
-        }
-    }
-
-    /// The property of a row, by name.
-    pub fn value(self, of: &Variant) -> &str {
-        match self {
-            Self::Adapter => of.craft.adapter.name(),
-            Self::Kernel => of.craft.kernel.name(),
-            Self::Structure => &of.structure,
-            Self::Query => of.craft.query.name(),
-        }
-    }
-}
+/// Properties in which two rows may differ, in the order of tables and of [`Variant::values`].
+pub const AXES: [&str; 4] = ["adapter", "kernel", "structure", "query"];
 
 /// A factor of the whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
-    /// Properties that change; several if no row changes only one of them.
-    pub axes: Vec<Axis>,
+    /// Those of [`AXES`] that change; several if no row changes only one of them.
+    pub axes: Vec<usize>,
     /// The factor: the product of the times of rows, by index, raised to these powers.
     pub powers: Vec<(usize, f64)>,
 }
@@ -59,27 +25,21 @@ pub struct Step {
 pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
     let at = |row: usize| rows.get(row).and_then(Option::as_ref);
     let (Some(first), Some(last)) = (at(from), at(to)) else { return Vec::new() };
-    let differs = |axis: &Axis| axis.value(first) != axis.value(last);
-    let axes: Vec<Axis> = Axis::ALL.into_iter().filter(differs).collect();
+    let [first, last] = [first, last].map(Variant::values);
+    let ends = || first.iter().zip(&last).enumerate();
+    let axes: Vec<usize> = ends().filter(|(_, (a, b))| a != b).map(|(axis, _)| axis).collect();
     let whole = (1usize << axes.len()) - 1;
     // the row at each corner: a bit for each axis, set where it is changed already
     let corner = |corner: usize| {
-        let is_changed = |axis: Axis| {
+        let is_changed = |axis: usize| {
             axes.iter().position(|a| *a == axis).is_some_and(|bit| corner & (1 << bit) != 0)
         };
-        let of = |axis| if is_changed(axis) { last } else { first };
-        let wanted = Variant {
-            structure: of(Axis::Structure).structure.clone(),
-            craft: CodeDifferences {
-                adapter: of(Axis::Adapter).craft.adapter,
-                kernel: of(Axis::Kernel).craft.kernel,
-                query: of(Axis::Query).craft.query,
-            },
-        };
+        let wanted = ends().map(|(axis, (a, b))| *if is_changed(axis) { b } else { a });
+        let is_wanted = |of: &Variant| wanted.clone().eq(of.values());
         match corner {
             0 => Some(from),
             _ if corner == whole => Some(to),
-            _ => rows.iter().position(|row| row.as_ref() == Some(&wanted)),
+            _ => rows.iter().position(|row| row.as_ref().is_some_and(is_wanted)),
         }
     };
     let corners: Vec<Option<usize>> = (0..=whole).map(corner).collect();
@@ -152,7 +112,7 @@ mod tests {
             assert!(sums[2..].iter().all(|sum| sum.abs() < 1e-12), "{sums:?}");
         }
         let step = |step: &Step| {
-            let names: Vec<&str> = step.axes.iter().map(|axis| axis.name()).collect();
+            let names: Vec<&str> = step.axes.iter().map(|axis| AXES[*axis]).collect();
             format!("{} {:?}", names.join("+"), step.powers)
         };
         steps.iter().map(step).collect()

@@ -57,10 +57,6 @@ pub struct TimesToImage<'a> {
     scene: &'a SceneRecord,
     /// Times of all rows that have one, in the scene's order.
     times: Vec<TimeToImage>,
-    /// The first of each label.
-    places: BTreeMap<String, usize>,
-    /// The row of obvhs that is done first.
-    obvhs: Option<usize>,
 }
 
 impl<'a> TimesToImage<'a> {
@@ -68,13 +64,7 @@ impl<'a> TimesToImage<'a> {
     pub fn of(scene: &'a SceneRecord) -> Self {
         let reference = costs::reference(scene);
         let times = scene.rows.iter().filter_map(|row| TimeToImage::of(scene, row, reference));
-        let times: Vec<TimeToImage> = times.collect();
-        let mut places = BTreeMap::new();
-        for (i, time) in times.iter().enumerate() {
-            places.entry(time.timed.label.clone()).or_insert(i);
-        }
-        let obvhs = fastest(&times, |time| time.is_obvhs);
-        Self { scene, times, places, obvhs }
+        Self { scene, times: times.collect() }
     }
 
     /// Times of the rows that may lead.
@@ -84,23 +74,23 @@ impl<'a> TimesToImage<'a> {
 
     /// Time of the row with this label.
     pub fn of_row(&self, label: &str) -> Option<&TimeToImage> {
-        self.times.get(*self.places.get(label)?)
+        self.times.iter().find(|time| time.timed.label == label)
     }
 
     /// The row of obvhs that is done first.
     pub fn fastest_obvhs(&self) -> Option<&TimeToImage> {
-        self.times.get(self.obvhs?)
+        self.fastest(|time| time.is_obvhs)
     }
 
     /// Fastest of all others with this query mode.
     pub fn fastest_other(&self, query: Query) -> Option<&TimeToImage> {
-        self.times.get(fastest(&self.times, |time| !time.is_obvhs && time.timed.query == query)?)
+        self.fastest(|time| !time.is_obvhs && time.timed.query == query)
     }
-}
 
-fn fastest(times: &[TimeToImage], is_meant: impl Fn(&TimeToImage) -> bool) -> Option<usize> {
-    let meant = times.iter().enumerate().filter(|(_, time)| is_meant(time));
-    meant.min_by(|a, b| a.1.timed.middle.total_cmp(&b.1.timed.middle)).map(|(i, _)| i)
+    fn fastest(&self, is_meant: impl Fn(&TimeToImage) -> bool) -> Option<&TimeToImage> {
+        let meant = self.times.iter().filter(|time| is_meant(time));
+        meant.min_by(|a, b| a.timed.middle.total_cmp(&b.timed.middle))
+    }
 }
 
 /// The row's time over that of the fastest row of obvhs, by scene: medians over the rounds by the

@@ -5,7 +5,7 @@ use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style};
 
 use super::equal_error::AtError;
-use super::{ImageMeasurement, TracerRow};
+use super::record::{ImageMeasurement, ImageRecord, Outcome};
 use crate::accuracy::record::VariantStanding;
 use statistics::estimate::estimate;
 
@@ -15,18 +15,18 @@ pub struct ImageRow<'a> {
     pub seed: u64,
     /// The reference's own error.
     pub reference_error: f64,
-    pub row: &'a TracerRow,
+    pub image: &'a ImageRecord,
 }
 
 impl ImageRow<'_> {
     /// Value of an image that was measured.
     fn value(&self, of: impl FnOnce(&ImageMeasurement) -> Value) -> Value {
-        self.row.outcome.as_ref().map_or(Value::None, of)
+        self.image.made().map_or(Value::None, of)
     }
 
     /// The same in words.
     fn text_cell(&self, of: impl FnOnce(&ImageMeasurement) -> String) -> Option<Cell> {
-        self.row.outcome.as_ref().ok().map(|measured| of(measured).into())
+        self.image.made().map(|measured| of(measured).into())
     }
 }
 
@@ -38,9 +38,10 @@ pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
     let c = Column::new;
     [
         c(&["scene"], "", None, |of: &ImageRow<'a>| Text(of.scene.to_owned())),
-        c(&["tracer"], "tracer", None, |of| Text(of.row.tracer.to_owned())).or(|of| Some(of.row.label().into())),
-        c(&["settings"], "", None, |of| Text(of.row.settings.clone())),
-        c(&["samples"], "", None, |of| Value::of(of.row.samples.map(u64::from), Count)),
+        c(&["tracer"], "tracer", None, |of| Text(of.image.row.tracer.clone()))
+            .or(|of| Some(of.image.row.short_label().into())),
+        c(&["settings"], "", None, |of| Text(of.image.row.settings.clone())),
+        c(&["samples"], "", None, |of| Value::of(of.image.row.samples.map(u64::from), Count)),
         c(&["image_s", "image_s_low", "image_s_high"], "image ms", Seconds, |of| {
             of.value(|m| Value::of(estimate(&m.seconds, of.seed), Value::Measured))
         }).or(|of| of.text_cell(|m| milliseconds(m.median()))),
@@ -60,8 +61,9 @@ pub fn columns<'a>() -> [Column<ImageRow<'a>>; 14] {
             })
         }).or(|of| of.text_cell(|m| m.by_samples.map_or(String::new(), |at| against(m.median(), at)))),
         c(&[], "counted", None, |of| of.value(|m| Text(counted(m)))).or(refused),
-        c(&["refused"], "", None, |of| {
-            of.row.outcome.as_ref().err().map_or(Value::None, |refusal| Text(refusal.to_string()))
+        c(&["refused"], "", None, |of| match &of.image.outcome {
+            Outcome::Refused { refused, .. } => Text(refused.clone()),
+            Outcome::Made(_) => Value::None,
         }),
     ]
 }
@@ -106,6 +108,6 @@ fn counted(measured: &ImageMeasurement) -> String {
 
 /// Refusal of a tracer, shown instead of its counters.
 fn refused(of: &ImageRow<'_>) -> Option<Cell> {
-    let refusal = of.row.outcome.as_ref().err()?;
-    Some(Cell { text: format!("refused: it has {}", refusal.what), style: Style::Dim })
+    let Outcome::Refused { what, .. } = &of.image.outcome else { return None };
+    Some(Cell { text: format!("refused: it has {what}"), style: Style::Dim })
 }

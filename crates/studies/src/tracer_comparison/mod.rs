@@ -12,18 +12,17 @@ use crate::accuracy::record::VariantStanding;
 use crate::image_error::{ConvergedImage, edge_rmse, edges, rmse};
 use accel_core::query::region::FrustumWork;
 use accel_core::query::tracer::Tracer;
-use equal_error::{AtError, SampledImage, at_error};
+use equal_error::{SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
+use record::{ImageMeasurement, ImageRecord, Outcome, RowName};
 use renderer::tracers::{DrawnImage, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene, Shape};
-use statistics::estimate::Estimate;
 use statistics::series::Series;
 
 mod columns;
 pub mod equal_error;
-pub mod plot;
 pub mod queries;
 pub mod record;
 pub mod report;
@@ -88,61 +87,13 @@ pub struct ComparisonInput<'a> {
     pub rounds: u32,
 }
 
-/// A row: an image by one way.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TracerRow {
-    pub tracer: &'static str,
-    /// Its settings where they are not the default ones.
-    pub settings: String,
-    /// Samples per pixel, for the tracer by samples.
-    pub samples: Option<u32>,
-    /// The measurements, or the reason why the tracer does not support the scene.
-    pub outcome: Result<ImageMeasurement, Refusal>,
-}
-
-impl TracerRow {
-    /// `whitted 16`, `cone subdivisions=0`.
-    pub fn label(&self) -> String {
-        match self.samples {
-            Some(n) => format!("{} {n}", self.tracer),
-            None => format!("{} {}", self.tracer, self.settings).trim_end().to_owned(),
-        }
-    }
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct ImageMeasurement {
-    /// Seconds of each round.
-    pub seconds: Vec<f64>,
-    /// Root mean square error.
-    pub error: f64,
-    /// The same over the pixels of edges, if there are any.
-    pub edge_error: Option<f64>,
-    /// The error is not ten times that of the reference.
-    pub is_below_reference: bool,
-    /// Time over that of the cheapest row, round by round.
-    pub ratio: Option<Estimate>,
-    /// True if another row is faster and has a smaller error.
-    pub standing: VariantStanding,
-    pub counts: BTreeMap<&'static str, u64>,
-    pub image: Image,
-    /// Time of sampling at the same error; `None` for sampling itself.
-    pub by_samples: Option<AtError>,
-}
-
-impl ImageMeasurement {
-    pub fn median(&self) -> f64 {
-        statistics::estimate::median(&self.seconds).unwrap_or(f64::NAN)
-    }
-}
-
 /// Draws with every tracer that is asked for, `rounds` times in seeded random order, in the
 /// current rayon pool. Times are those of the image alone: structures are built before.
 pub fn compare(
     question: &ComparisonInput<'_>,
     reference: &ConvergedImage,
     clock: &dyn Clock,
-) -> Vec<TracerRow> {
+) -> Vec<ImageRecord> {
     let mut rows = Vec::new();
     let mut makers: Vec<Box<dyn Fn() -> Result<ImageWithCounts, Refusal> + '_>> = Vec::new();
     let is_asked = |info: &TracerInfo| question.tracers.contains(&info.name);
@@ -165,7 +116,7 @@ pub fn compare(
         rows.iter().map(|_| None).collect();
     let mut seconds = vec![Vec::new(); rows.len()];
     let is_left = |round| round < question.rounds as usize;
-    interleaved(rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
+    interleaved(0, rows.len(), frame.seed, &scene.name, is_left, |Visit { row, .. }| {
         if matches!(made[row], Some(Err(_))) {
             return;
         }
@@ -176,23 +127,27 @@ pub fn compare(
     let edges = edges(&reference.image);
     let finished = rows.into_iter().zip(made).zip(seconds).filter_map(|((row, made), seconds)| {
         let (tracer, settings, samples) = row;
-        let outcome = made?.map(|made| {
-            let error = rmse(&made.image, &reference.image);
-            ImageMeasurement {
-                seconds,
-                error,
-                edge_error: edge_rmse(&made.image, &reference.image, &edges),
-                is_below_reference: reference.hides(error),
-                ratio: None,
-                standing: VariantStanding::Dominated,
-                counts: made.counts,
-                image: made.image,
-                by_samples: None,
+        let outcome = match made? {
+            Err(refusal) => Outcome::Refused { refused: refusal.to_string(), what: refusal.what },
+            Ok(ImageWithCounts { image, counts }) => {
+                let error = rmse(&image, &reference.image);
+                Outcome::Made(ImageMeasurement {
+                    seconds,
+                    error,
+                    edge_error: edge_rmse(&image, &reference.image, &edges),
+                    is_below_reference: reference.hides(error),
+                    standing: VariantStanding::Dominated,
+                    counts: counts.into_iter().map(|(kind, n)| (kind.to_owned(), n)).collect(),
+                    ratio: None,
+                    image: Some(image),
+                    by_samples: None,
+                })
             }
-        });
-        Some(TracerRow { tracer, settings: settings.to_owned(), samples, outcome })
+        };
+        let row = RowName { tracer: tracer.into(), settings: settings.into(), samples };
+        Some(ImageRecord { row, outcome })
     });
-    let mut rows: Vec<TracerRow> = finished.collect();
+    let mut rows: Vec<ImageRecord> = finished.collect();
     judge(&mut rows, reference, frame.seed);
     rows
 }
@@ -222,40 +177,32 @@ impl From<DrawnImage> for ImageWithCounts {
 }
 
 /// Finds the Pareto front, and what samples take for the errors of the others.
-fn judge(rows: &mut [TracerRow], reference: &ConvergedImage, seed: u64) {
-    let measured = |row: &TracerRow| row.outcome.as_ref().ok().cloned();
-    let cheapest = rows
+fn judge(rows: &mut [ImageRecord], reference: &ConvergedImage, seed: u64) {
+    let cheapest = rows.iter().filter_map(ImageRecord::made);
+    let cheapest = cheapest.min_by(|a, b| a.median().total_cmp(&b.median()));
+    let cheapest = cheapest.map(|m| m.seconds.clone()).unwrap_or_default();
+    let series: Vec<SampledImage> = rows
         .iter()
-        .filter_map(measured)
-        .min_by(|a, b| a.median().total_cmp(&b.median()))
-        .map(|m| m.seconds)
-        .unwrap_or_default();
+        .filter_map(|image| {
+            let (samples, m) = (f64::from(image.row.samples?), image.made()?);
+            Some(SampledImage { samples, error: m.error, seconds: m.median() })
+        })
+        .collect();
     let (mut places, mut placed) = (Vec::new(), Vec::new());
-    for (i, row) in rows.iter_mut().enumerate() {
-        let Ok(m) = &mut row.outcome else { continue };
+    for image in rows {
+        let Outcome::Made(m) = &mut image.outcome else { continue };
+        if image.row.samples.is_none() {
+            m.by_samples = at_error(&series, m.error);
+        }
         m.ratio = Series::of_pairs(&m.seconds, &cheapest, 1, |s, least| s / least).estimate(seed);
         let Some(time) = m.ratio else { continue };
         // errors below the reference's are indistinguishable from it
         let error = if m.is_below_reference { reference.own_error } else { m.error };
         places.push(FrontPoint { time, error });
-        placed.push(i);
+        placed.push(m);
     }
-    for (standing, i) in standings(&places).into_iter().zip(placed) {
-        if let Ok(m) = &mut rows[i].outcome {
-            m.standing = standing;
-        }
-    }
-    let series: Vec<SampledImage> = rows
-        .iter()
-        .filter_map(|row| {
-            let (samples, m) = (f64::from(row.samples?), row.outcome.as_ref().ok()?);
-            Some(SampledImage { samples, error: m.error, seconds: m.median() })
-        })
-        .collect();
-    for row in rows.iter_mut().filter(|row| row.samples.is_none()) {
-        if let Ok(m) = &mut row.outcome {
-            m.by_samples = at_error(&series, m.error);
-        }
+    for (m, standing) in placed.into_iter().zip(standings(&places)) {
+        m.standing = standing;
     }
 }
 
@@ -327,21 +274,23 @@ impl SampledReference {
 
 #[cfg(test)]
 mod tests {
+    use super::equal_error::AtError;
     use super::*;
 
-    fn row(samples: Option<u32>, seconds: f64, error: f64) -> TracerRow {
+    fn row(samples: Option<u32>, seconds: f64, error: f64) -> ImageRecord {
         let measured = ImageMeasurement {
             seconds: vec![seconds; 3],
             error,
             edge_error: None,
             is_below_reference: false,
-            ratio: None,
             standing: VariantStanding::Dominated,
             counts: BTreeMap::new(),
-            image: Image { width: 0, height: 0, pixels: Vec::new() },
+            ratio: None,
+            image: None,
             by_samples: None,
         };
-        TracerRow { tracer: "whitted", settings: String::new(), samples, outcome: Ok(measured) }
+        let row = RowName { tracer: "whitted".into(), settings: String::new(), samples };
+        ImageRecord { row, outcome: Outcome::Made(measured) }
     }
 
     #[test]
@@ -357,12 +306,10 @@ mod tests {
         ];
         let blank = Image { width: 0, height: 0, pixels: Vec::new() };
         judge(&mut rows, &ConvergedImage::of(&blank, &blank), 1);
-        let front: Vec<bool> = rows
-            .iter()
-            .map(|r| r.outcome.as_ref().unwrap().standing == VariantStanding::OnFront)
-            .collect();
+        let made = |i: usize| rows[i].made().unwrap();
+        let front = [0, 1, 2, 3, 4].map(|i| made(i).standing == VariantStanding::OnFront);
         assert_eq!(front, [true, true, false, false, true]);
-        let by_samples = |i: usize| rows[i].outcome.as_ref().unwrap().by_samples;
+        let by_samples = |i: usize| made(i).by_samples;
         assert!(matches!(by_samples(3), Some(AtError::Reached { seconds, .. }) if seconds < 4.0));
         assert_eq!(by_samples(4), Some(AtError::Never { samples: 16.0, seconds: 16.0 }));
         assert_eq!(by_samples(0), None);

@@ -83,7 +83,7 @@ pub fn measure(
     }
     let seed = rounds.seed;
     let is_left = |round| round < rounds.rounds as usize;
-    interleaved(asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
+    interleaved(0, asked.len(), seed, "queries", is_left, |Visit { row, .. }| {
         let QuerySubject { queries, seconds, work, .. } = &mut asked[row];
         let mut candidates = Candidates::default();
         let ((), own) = timed(clock, || {

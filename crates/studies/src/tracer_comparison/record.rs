@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 
 use measurement::record::Machine;
+use renderer::Image;
 use serde::{Deserialize, Serialize};
-use statistics::estimate::{Estimate, estimate};
+use statistics::estimate::{Estimate, estimate, median};
 
+use super::equal_error::AtError;
 use crate::accuracy::record::VariantStanding;
 
-/// A comparison, without its images.
+/// A comparison; its images are not written.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct TracersRecord {
     /// The command line, program first.
@@ -50,15 +52,24 @@ pub struct ReferenceRecord {
 }
 
 /// An image by one way.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImageRecord {
     pub row: RowName,
-    /// Outcome of the comparison.
     pub outcome: Outcome,
 }
 
+impl ImageRecord {
+    /// The measurements, unless the tracer refuses the scene.
+    pub fn made(&self) -> Option<&ImageMeasurement> {
+        match &self.outcome {
+            Outcome::Made(measured) => Some(measured),
+            Outcome::Refused { .. } => None,
+        }
+    }
+}
+
 /// A way to make an image.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RowName {
     pub tracer: String,
     /// Its settings where they are not the default ones.
@@ -68,36 +79,71 @@ pub struct RowName {
 }
 
 impl RowName {
+    /// `whitted 16`, `cone subdivisions=0`.
+    pub fn short_label(&self) -> String {
+        match self.samples {
+            Some(n) => format!("{} {n}", self.tracer),
+            None => format!("{} {}", self.tracer, self.settings).trim_end().to_owned(),
+        }
+    }
+
+    /// `whitted 16 samples`
     pub fn label(&self) -> String {
-        let samples = self
-            .samples
-            .map(|n| format!(" {n} sample{}", if n == 1 { "" } else { "s" }))
-            .unwrap_or_default();
-        format!("{} {}", self.tracer, self.settings).trim_end().to_owned() + &samples
+        let unit = match self.samples {
+            None => "",
+            Some(1) => " sample",
+            Some(_) => " samples",
+        };
+        self.short_label() + unit
     }
 }
 
 /// Outcome of an image.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Outcome {
     /// The tracer refuses the scene.
-    Refused { refused: String },
-    Made {
-        /// Seconds of each round.
-        seconds: Vec<f64>,
-        /// Root mean square error.
-        rmse: f64,
-        /// The same over the pixels of edges, if there are any.
-        #[serde(default)]
-        edge_rmse: Option<f64>,
-        /// The error is not ten times that of the reference.
-        below_reference: bool,
-        /// True if another row is faster and has a smaller error.
-        standing: VariantStanding,
-        #[serde(default)]
-        counts: BTreeMap<String, u64>,
+    Refused {
+        refused: String,
+        /// The unsupported part.
+        #[serde(skip)]
+        what: String,
     },
+    Made(ImageMeasurement),
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ImageMeasurement {
+    /// Seconds of each round.
+    pub seconds: Vec<f64>,
+    /// Root mean square error.
+    #[serde(rename = "rmse")]
+    pub error: f64,
+    /// The same over the pixels of edges, if there are any.
+    #[serde(rename = "edge_rmse", default)]
+    pub edge_error: Option<f64>,
+    /// The error is not ten times that of the reference.
+    #[serde(rename = "below_reference")]
+    pub is_below_reference: bool,
+    /// True if another row is faster and has a smaller error.
+    pub standing: VariantStanding,
+    #[serde(default)]
+    pub counts: BTreeMap<String, u64>,
+    /// Time over that of the cheapest row, round by round.
+    #[serde(skip)]
+    pub ratio: Option<Estimate>,
+    /// None of a record that was read.
+    #[serde(skip)]
+    pub image: Option<Image>,
+    /// Time of sampling at the same error; `None` for sampling itself.
+    #[serde(skip)]
+    pub by_samples: Option<AtError>,
+}
+
+impl ImageMeasurement {
+    pub fn median(&self) -> f64 {
+        median(&self.seconds).unwrap_or(f64::NAN)
+    }
 }
 
 /// Cost of the queries of a structure, and their work in one round.

@@ -6,14 +6,13 @@ use renderer::Image;
 
 use super::columns::{ImageRow, columns, is_on_front};
 use super::equal_error::AtError;
-use super::plot::error_over_time;
-use super::record::{ImageRecord, Outcome, RowName, TracersRecord};
-use super::{ImageMeasurement, TracerRow};
+use super::record::{ImageMeasurement, ImageRecord, TracersRecord};
+use crate::accuracy::record::VariantStanding;
 use presentation::column;
 use presentation::json::FormatError;
 use presentation::markdown::{code, push_table};
 use presentation::numbers::{ratio, short};
-use presentation::svg_plot::figure;
+use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 use presentation::table::{Cell, Style, Table};
 
 /// A comparison with its images.
@@ -21,23 +20,12 @@ pub struct Report {
     pub record: TracersRecord,
     /// The image that all others are compared with.
     pub reference: Image,
-    pub rows: Vec<TracerRow>,
 }
 
 impl Report {
-    /// `record` has all but the images of `rows`.
-    pub fn new(record: TracersRecord, reference: Image, rows: Vec<TracerRow>) -> Self {
-        let images = rows.iter().map(image_record).collect();
-        Self { record: TracersRecord { images, ..record }, reference, rows }
-    }
-
     /// A structure did not find what it must.
     pub fn is_failure(&self) -> bool {
         self.record.queries.iter().any(|q| q.missed > 0)
-    }
-
-    fn measured(&self) -> impl Iterator<Item = (&TracerRow, &ImageMeasurement)> {
-        self.rows.iter().filter_map(|row| Some((row, row.outcome.as_ref().ok()?)))
     }
 
     /// Images down; time, error and what they mean across.
@@ -51,8 +39,8 @@ impl Report {
             ),
             ..column::table(&columns, &column::heads(&columns), self.image_rows())
         };
-        for (cells, row) in table.rows.iter_mut().zip(&self.rows) {
-            if row.outcome.as_ref().is_ok_and(is_on_front) {
+        for (cells, image) in table.rows.iter_mut().zip(&self.record.images) {
+            if image.made().is_some_and(is_on_front) {
                 cells.iter_mut().for_each(|cell| cell.style = Style::Best);
             }
         }
@@ -74,13 +62,14 @@ impl Report {
     fn image_rows(&self) -> impl Iterator<Item = ImageRow<'_>> {
         let (scene, seed, reference_error) =
             (&*self.record.scene, self.record.seed, self.record.reference.own_error);
-        self.rows.iter().map(move |row| ImageRow { scene, seed, reference_error, row })
+        let images = self.record.images.iter();
+        images.map(move |image| ImageRow { scene, seed, reference_error, image })
     }
 
     /// Conclusions of the table on cones and beams.
     fn verdicts(&self) -> Vec<String> {
-        let say = |(row, m): (&TracerRow, &ImageMeasurement)| {
-            let label = row.label();
+        let say = |image: &ImageRecord| {
+            let (label, m) = (image.row.short_label(), image.made()?);
             Some(match m.by_samples? {
                 AtError::Reached { samples, seconds } => {
                     let ratio = m.median() / seconds;
@@ -104,7 +93,7 @@ impl Report {
                 ),
             })
         };
-        self.measured().filter_map(say).collect()
+        self.record.images.iter().filter_map(say).collect()
     }
 
     /// Structures down; what a candidate query of a pixel costs across.
@@ -170,20 +159,44 @@ impl Report {
     }
 }
 
-fn image_record(row: &TracerRow) -> ImageRecord {
-    let tracer = row.tracer.to_owned();
-    ImageRecord {
-        row: RowName { tracer, settings: row.settings.clone(), samples: row.samples },
-        outcome: match &row.outcome {
-            Ok(m) => Outcome::Made {
-                seconds: m.seconds.clone(),
-                rmse: m.error,
-                edge_rmse: m.edge_error,
-                below_reference: m.is_below_reference,
-                standing: m.standing,
-                counts: m.counts.iter().map(|(kind, n)| ((*kind).to_owned(), *n)).collect(),
+/// Error over time of the images of a scene, both logarithmic, those by samples joined.
+pub fn error_over_time(record: &TracersRecord) -> Plot {
+    let mark = |image: &ImageRecord| {
+        let ImageMeasurement { seconds, error: y, standing, .. } = image.made()?;
+        Some(Mark {
+            // error bars are those of the vertical axis, and errors have none
+            point: Point { x: record.time(seconds)?.median, y: *y, low: *y, high: *y },
+            label: image.row.samples.map_or_else(|| image.row.label(), |n| n.to_string()),
+            hover: String::new(),
+            ring: match standing {
+                VariantStanding::OnFront => Ring::Best,
+                VariantStanding::NotToldApart => Ring::AsGood,
+                VariantStanding::Dominated => Ring::None,
             },
-            Err(refusal) => Outcome::Refused { refused: refusal.to_string() },
-        },
+            is_in_series: image.row.samples.is_some(),
+        })
+    };
+    let marks: Vec<Mark> = record.images.iter().filter_map(mark).collect();
+    let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
+    let [width, height] = record.resolution;
+    Plot {
+        title: format!("{}: samples, cones and beams", record.scene),
+        subtitle: format!(
+            "{width} x {height} pixels, {} thread(s); ringed: nothing is faster and more accurate",
+            record.threads
+        ),
+        x: axis("time of the image (seconds)"),
+        y: axis("root mean square error"),
+        series: vec![Series {
+            name: "whitted, by samples per pixel".to_owned(),
+            points: marks.iter().filter(|m| m.is_in_series).map(|m| m.point).collect(),
+            is_joined: true,
+        }],
+        marks,
+        marks_name: "cones and beams".to_owned(),
+        levels: vec![Level {
+            y: record.reference.own_error,
+            label: "the reference's own error".to_owned(),
+        }],
     }
 }

@@ -12,55 +12,47 @@ use super::model::Model;
 use super::round::NearbyPrimitives;
 use statistics::random::Random;
 
-/// One ray in so many is asked by the counting queries as well: they traverse as the others do, and
-/// are there to be counted.
-pub(super) const COUNTED: usize = 8;
+/// One ray in so many is asked in the other ways as well.
+const REPEATED: usize = 8;
 
 /// The answers to all rays, asked in all ways.
 #[derive(Debug, Clone)]
 pub(super) struct Answers<S: Scalar> {
     pub(super) closest: Vec<Hit<S>>,
-    /// Hits of every [`COUNTED`]th ray.
-    pub(super) counted: Vec<Hit<S>>,
     pub(super) blocked: Vec<bool>,
-    pub(super) counted_blocked: Vec<bool>,
-    /// The closest hits of the same rays, each asked alone; nothing where batches are asked so
-    /// anyway.
-    pub(super) alone: Vec<Hit<S>>,
-    /// The same rays, each among others that run nearly as it does: next to it, then far from it in
-    /// the batch.
-    pub(super) in_batch: [Vec<(Hit<S>, bool)>; 2],
+    again: Vec<Repeated<S>>,
+}
+
+/// The answers to every [`REPEATED`]th ray, asked once more in another way.
+#[derive(Debug, Clone)]
+pub(super) struct Repeated<S: Scalar> {
+    pub(super) how: &'static str,
+    pub(super) closest: Vec<Hit<S>>,
+    /// Empty where occlusions are not asked so.
+    pub(super) blocked: Vec<bool>,
 }
 
 impl<S: Scalar> Answers<S> {
-    /// Buffers are preset to wrong answers (blocked where nothing is hit, and vice versa), so that
-    /// unwritten answers are wrong.
     pub(super) fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
-        let closest = closest(tracer, rays);
-        let mut blocked: Vec<bool> = closest.iter().map(|hit| !hit.is_hit()).collect();
-        let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
-        let mut shadows: Vec<_> = blocked.iter().step_by(COUNTED).map(preset).collect();
-        tracer.occlusions(rays, &mut blocked);
-        let some: Vec<Ray<S>> = rays.iter().copied().step_by(COUNTED).collect();
+        let (closest, blocked) = together(tracer, rays);
+        let some: Vec<Ray<S>> = rays.iter().copied().step_by(REPEATED).collect();
         let mut counted = vec![unwritten(); some.len()];
+        let preset = |hit: &Hit<S>| ShadowCount { blocked: !hit.is_hit(), glass: 0 };
+        let mut shadows: Vec<_> = closest.iter().step_by(REPEATED).map(preset).collect();
         tracer.count_closest_hits(&some, &mut counted);
         tracer.count_occlusions(&some, ShadowRule::OpaqueBlocks, &mut shadows);
         let counted_blocked = shadows.iter().map(|s| s.blocked).collect();
-        let (mut alone, mut in_batch) = (Vec::new(), [Vec::new(), Vec::new()]);
+        let mut again =
+            vec![Repeated { how: "when counting", closest: counted, blocked: counted_blocked }];
+        // where batches are asked ray by ray, these ways are the same
         if tracer.batches().are_together() {
-            alone = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
+            let closest = some.chunks(1).flat_map(|one| self::closest(tracer, one)).collect();
+            again.push(Repeated { how: "when asked alone", closest, blocked: Vec::new() });
             let batch = CoherentBatch::of(&some);
-            in_batch = [&batch, &batch.mixed()].map(|batch| Self::in_batch(tracer, batch));
+            again.push(batch.asked(tracer, "in a coherent batch"));
+            again.push(batch.mixed().asked(tracer, "in the same batch, mixed"));
         }
-        Self { closest, counted, blocked, counted_blocked, alone, in_batch }
-    }
-
-    /// Answers to the rays within the coherent batch.
-    fn in_batch(tracer: &dyn Tracer<S>, batch: &CoherentBatch<S>) -> Vec<(Hit<S>, bool)> {
-        let hits = closest(tracer, &batch.rays);
-        let mut blocked: Vec<bool> = hits.iter().map(|hit| !hit.is_hit()).collect();
-        tracer.occlusions(&batch.rays, &mut blocked);
-        batch.places.iter().filter_map(|&i| Some((*hits.get(i)?, *blocked.get(i)?))).collect()
+        Self { closest, blocked, again }
     }
 
     /// By brute force over the primitives near each ray alone.
@@ -73,41 +65,25 @@ impl<S: Scalar> Answers<S> {
         let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
         // all primitives of such rounds are opaque
         let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
-        Self {
-            counted: closest.iter().copied().step_by(COUNTED).collect(),
-            counted_blocked: blocked.iter().copied().step_by(COUNTED).collect(),
-            alone: Vec::new(),
-            in_batch: [Vec::new(), Vec::new()],
-            closest,
-            blocked,
-        }
+        Self { closest, blocked, again: Vec::new() }
+    }
+
+    /// The answers to a ray that is asked again.
+    pub(super) fn again(&self, ray: usize) -> impl Iterator<Item = (&Repeated<S>, usize)> {
+        let is_repeated = ray.is_multiple_of(REPEATED);
+        self.again.iter().filter(move |_| is_repeated).map(move |again| (again, ray / REPEATED))
     }
 
     /// The closest hits of a ray, however it was asked.
     pub(super) fn hits_of(&self, ray: usize) -> impl Iterator<Item = Hit<S>> {
-        let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
-        let of = |hits: &[Hit<S>], i: usize| hits.get(i).copied();
-        let batched = |place: usize| some.and_then(|i| Some(self.in_batch[place].get(i)?.0));
-        let asked = [
-            of(&self.closest, ray),
-            some.and_then(|i| of(&self.counted, i)),
-            some.and_then(|i| of(&self.alone, i)),
-            batched(0),
-            batched(1),
-        ];
-        asked.into_iter().flatten()
+        let again = self.again(ray).filter_map(|(again, i)| again.closest.get(i));
+        self.closest.get(ray).into_iter().chain(again).copied()
     }
 
     /// Occlusion answers for it, likewise.
     pub(super) fn occlusions_of(&self, ray: usize) -> impl Iterator<Item = bool> {
-        let some = ray.is_multiple_of(COUNTED).then_some(ray / COUNTED);
-        let asked = [
-            self.blocked.get(ray).copied(),
-            some.and_then(|i| self.counted_blocked.get(i).copied()),
-            some.and_then(|i| Some(self.in_batch[0].get(i)?.1)),
-            some.and_then(|i| Some(self.in_batch[1].get(i)?.1)),
-        ];
-        asked.into_iter().flatten()
+        let again = self.again(ray).filter_map(|(again, i)| again.blocked.get(i));
+        self.blocked.get(ray).into_iter().chain(again).copied()
     }
 
     pub(super) fn digest(&self) -> Digest {
@@ -130,6 +106,15 @@ fn nearest<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>, ids: &[u32]) -> Hit
         }
     }
     best
+}
+
+/// Closest hits and occlusions. Buffers are preset to wrong answers (blocked where nothing is hit,
+/// and vice versa), so that unwritten answers are wrong.
+fn together<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> (Vec<Hit<S>>, Vec<bool>) {
+    let hits = closest(tracer, rays);
+    let mut blocked: Vec<bool> = hits.iter().map(|hit| !hit.is_hit()).collect();
+    tracer.occlusions(rays, &mut blocked);
+    (hits, blocked)
 }
 
 /// The closest hits alone.
@@ -171,6 +156,16 @@ impl<S: Scalar> CoherentBatch<S> {
             );
         }
         batch
+    }
+
+    /// Answers to the judged rays, asked within the batch.
+    fn asked(&self, tracer: &dyn Tracer<S>, how: &'static str) -> Repeated<S> {
+        let (hits, blocked) = together(tracer, &self.rays);
+        Repeated {
+            how,
+            closest: self.places.iter().map(|&place| hits[place]).collect(),
+            blocked: self.places.iter().map(|&place| blocked[place]).collect(),
+        }
     }
 
     /// The same rays, those of a group as far apart as can be: where there are many, a structure

@@ -62,7 +62,7 @@ impl CheckPlan<'_> {
         let subjects = Subject::select_for_case(case.rows, &self.subjects, self.registry)?;
         let sizes = self.rounds(case);
         if subjects.is_empty() {
-            sizes.iter().for_each(|_| watch.round());
+            sizes.iter().for_each(|_| watch.progress.step(Duration::ZERO));
             return Ok((Vec::new(), sizes.len() as u64));
         }
         let tallies = (0_u64..)
@@ -78,7 +78,7 @@ impl CheckPlan<'_> {
                     Precision::F32 => drawn.ask(case.single, &subjects, watch),
                     Precision::F64 => drawn.ask(case.double, &subjects, watch),
                 };
-                watch.round();
+                watch.progress.step(Duration::ZERO);
                 of_round
             })
             .reduce(|| vec![SubjectCounts::default(); subjects.len()], added);
@@ -108,7 +108,8 @@ pub struct CheckWatch<'a> {
     deadline: Option<Duration>,
     /// The number of the signal that came; 0: none did.
     signal: Arc<AtomicUsize>,
-    progress: Progress,
+    /// A step for each round.
+    pub progress: Progress,
 }
 
 impl<'a> CheckWatch<'a> {
@@ -131,18 +132,6 @@ impl<'a> CheckWatch<'a> {
         }
         let is_late = self.deadline.is_some_and(|deadline| self.clock.now() >= deadline);
         is_late.then_some(StopReason::OutOfTime)
-    }
-
-    pub fn begin(&self, what: &str) {
-        self.progress.message(what);
-    }
-
-    pub fn round(&self) {
-        self.progress.step(Duration::ZERO);
-    }
-
-    pub fn finish(&self) {
-        self.progress.finish();
     }
 }
 

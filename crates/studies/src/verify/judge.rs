@@ -9,7 +9,7 @@ use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
 
-use super::answers::{Answers, COUNTED, closest};
+use super::answers::{Answers, Repeated, closest};
 use super::digest::Digest;
 use super::metamorphic::{Invariant, MetamorphicPair};
 use super::mismatch::OwnTestJudge;
@@ -250,32 +250,16 @@ impl<'a, S: Buildable> Judge<'a, S> {
         {
             return Some(format!("blocked: said {said}, the oracle {right}"));
         }
-        if !ray.is_multiple_of(COUNTED) {
-            return None;
-        }
-        let batches = ["in a coherent batch", "in the same batch, mixed"];
-        let of_batches = answers.in_batch.each_ref().map(|all| all.get(ray / COUNTED));
-        let [near, far] = of_batches.map(|answer| answer.map(|(hit, _)| hit));
-        let ways = [
-            ("when counting", answers.counted.get(ray / COUNTED)),
-            ("when asked alone", answers.alone.get(ray / COUNTED)),
-            (batches[0], near),
-            (batches[1], far),
-        ];
-        let other = |(how, other): (&str, Option<&Hit<S>>)| {
-            let other = other.filter(|other| !is_same(hit, other))?;
-            Some(format!("said {}, {how} {}", told(hit), told(other)))
+        let other_hit = |(again, i): (&Repeated<S>, usize)| {
+            let other = again.closest.get(i).filter(|other| !is_same(hit, other))?;
+            Some(format!("said {}, {} {}", told(hit), again.how, told(other)))
         };
-        if let Some(what) = ways.into_iter().find_map(other) {
-            return Some(what);
-        }
-        for (how, answer) in batches.into_iter().zip(of_batches) {
-            if let Some((_, said)) = answer.filter(|(_, said)| *said != blocked) {
-                return Some(format!("any-hit differs {how}: blocked {said}, expected {blocked}"));
-            }
-        }
-        let said = *answers.counted_blocked.get(ray / COUNTED)?;
-        (said != blocked).then(|| format!("blocked: said {said} when counting, not {blocked}"))
+        let other_occlusion = |(again, i): (&Repeated<S>, usize)| {
+            let (how, said) = (again.how, again.blocked.get(i).filter(|said| **said != blocked)?);
+            Some(format!("any-hit differs {how}: blocked {said}, expected {blocked}"))
+        };
+        let other_hit = answers.again(ray).find_map(other_hit);
+        other_hit.or_else(|| answers.again(ray).find_map(other_occlusion))
     }
 
     /// Fault of the pairs' answers to one ray, if any.

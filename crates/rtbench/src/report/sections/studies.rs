@@ -12,8 +12,8 @@ use presentation::page::tables;
 use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
 use studies::accuracy::{plot, summary, tables as axis_tables};
-use studies::tracer_comparison::plot::error_over_time;
 use studies::tracer_comparison::record::{Outcome, TracersRecord};
+use studies::tracer_comparison::report::error_over_time;
 
 pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
     if material.sweeps.is_empty() {
@@ -142,19 +142,19 @@ fn tracer_table(record: &TracersRecord) -> Table {
     let rows = record.images.iter().map(|image| {
         let mut cells = vec![image.row.label()];
         match &image.outcome {
-            Outcome::Refused { refused } => {
+            Outcome::Refused { refused, .. } => {
                 cells.extend(["-", "-", "-"].map(str::to_owned));
                 cells.push(format!("refused: {refused}"));
             }
-            Outcome::Made { seconds, rmse, below_reference, standing, .. } => {
-                let below = if *below_reference { "< " } else { "" };
-                let time = record.time(seconds);
+            Outcome::Made(measured) => {
+                let below = if measured.is_below_reference { "< " } else { "" };
+                let time = record.time(&measured.seconds);
                 cells.push(time.map_or("-".to_owned(), |t| milliseconds(t.median)));
                 cells.push(time.map_or("-".to_owned(), |t| {
                     format!("[{}, {}]", milliseconds(t.low), milliseconds(t.high))
                 }));
-                cells.push(format!("{below}{}", short(*rmse)));
-                cells.push(standing.name().to_owned());
+                cells.push(format!("{below}{}", short(measured.error)));
+                cells.push(measured.standing.name().to_owned());
             }
         }
         cells

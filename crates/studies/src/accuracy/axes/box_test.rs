@@ -43,8 +43,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         PrimsRef::Mixed(set) => aims(stage, set),
     };
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
-        let replay = Replay::new(&*built.tracer, &batches).by_kind();
-        let steps = replay.counted().elementary_steps;
+        let replay = Replay::by_kind(&*built.tracer, &batches);
+        let steps = counted(&*built.tracer, &batches).elementary_steps;
         let (mut lost, mut found) = (TrialCounts::default(), 0_u64);
         for SurfaceRay { bounds, ray, is_met } in &aims {
             let says = test.entry(bounds, ray, 0.0, f32::INFINITY).is_some();

@@ -1,6 +1,6 @@
 //! The light buffer's resolution: its answers must be those of the structure, whatever it is.
 
-use accel_core::occluders::{BoxedOccluder, NearestLight};
+use accel_core::occluders::NearestLight;
 use measurement::plan::rows::Row;
 use measurement::rays::batches::Answers;
 use measurement::rounds::scene_run::light_positions;
@@ -30,6 +30,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let structure = stage.built(TRACER)?;
     let reference = Replay::new(&*structure.tracer, &batches);
     let error = |wrong| ErrorOf::Counted { wrong, trials: rays as u64 };
+    let nearest = NearestLight::new(&positions);
+    let lights: Vec<_> = batches.iter().map(|(_, rays)| nearest.of_each(rays)).collect();
+    let (batches, lights) = (&batches, &lights);
     let mut variants = Vec::new();
     for resolution in RESOLUTIONS {
         let row = Row::parse(stage.occluders, &format!("light-buffer:resolution={resolution}"))?;
@@ -38,11 +41,13 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let occluder = build(prims, &positions).map_err(|e| stage.refused(e))?;
         let build_s = stage.clock.seconds_since(start);
         let bytes = occluder.stats().bytes;
-        let mut work = OccluderQuery::new(occluder, &batches, &positions);
-        work.prepare();
-        work.run();
-        let pairs = work.answers.iter().zip(&reference.answers);
-        let wrong = pairs.map(|(a, b)| a.differing(b).count() as u64).sum();
+        let answers = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
+        let work = Replay::answered_by(answers, move |batch, answers| {
+            if let Answers::Blocked(blocked) = answers {
+                occluder.occlusions(&batches[batch].1, &lights[batch], blocked);
+            }
+        });
+        let wrong = work.differing(&reference);
         let setting = format!("run -s {}", row.label().replace(' ', ":"));
         variants.push(Variant {
             known_defect: row.known_defect(),
@@ -57,44 +62,4 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     });
     let work = format!("{rays} shadow rays of the scene to {} lights", positions.len());
     Ok(timed(stage, SceneOutcome::new(work, "the same rays"), variants))
-}
-
-struct OccluderQuery<'a> {
-    occluder: BoxedOccluder<'a, f32>,
-    batches: &'a Batches<f32>,
-    lights: Vec<Vec<u32>>,
-    answers: Vec<Answers<f32>>,
-}
-
-impl<'a> OccluderQuery<'a> {
-    fn new(
-        occluder: BoxedOccluder<'a, f32>,
-        batches: &'a Batches<f32>,
-        positions: &[glam::DVec3],
-    ) -> Self {
-        let nearest = NearestLight::new(positions);
-        let lights = batches.iter().map(|(_, rays)| nearest.of_each(rays)).collect();
-        let answers = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len())).collect();
-        Self { occluder, batches, lights, answers }
-    }
-}
-
-impl Work for OccluderQuery<'_> {
-    fn prepare(&mut self) {
-        self.answers.iter_mut().for_each(Answers::clear);
-    }
-
-    fn run(&mut self) {
-        for (((_, rays), lights), answers) in
-            self.batches.iter().zip(&self.lights).zip(&mut self.answers)
-        {
-            if let Answers::Blocked(blocked) = answers {
-                self.occluder.occlusions(rays, lights, blocked);
-            }
-        }
-    }
-
-    fn fingerprint(&self) -> u64 {
-        crate::accuracy::stage::fingerprint(&self.answers)
-    }
 }

@@ -34,7 +34,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let errors: Vec<ErrorOf> = replays.iter().map(error).collect();
     let variants = built.iter().zip(replays).zip(errors).zip(VARIANTS);
     let variants = variants.map(|(((built, replay), error), (name, _))| {
-        let work = replay.counted();
+        let work = counted(&*built.tracer, &batches);
         let per_ray = |n: u64| n as f64 / rays.max(1) as f64;
         Variant {
             is_reference: name == "none",

@@ -29,10 +29,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let wide_batches = widened(&batches);
     let geometry = Geometry::<f64>::of(stage.scene())?;
     let double = stage.over(TRACER, &geometry)?;
-    let reference = Replay::new(&*double, &wide_batches).by_kind();
+    let reference = Replay::by_kind(&*double, &wide_batches);
     let mut variants = Vec::new();
     for (name, built) in [("f32", &single), ("f32, tests in f64", &mixed)] {
-        let replay = Replay::new(&*built.tracer, &batches).by_kind();
+        let replay = Replay::by_kind(&*built.tracer, &batches);
         let error = compared(&replay.answers, &reference.answers).error();
         variants.push(Variant {
             also: vec![("MiB of primitives", mebibytes(stage.prepared.geometry.bytes() as u64))],

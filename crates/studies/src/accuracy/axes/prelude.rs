@@ -3,8 +3,8 @@
 pub(super) use crate::accuracy::axis::{Axis, Measure};
 pub(super) use crate::accuracy::record::{ErrorOf, SceneOutcome, TrialCounts, in_a_million};
 pub(super) use crate::accuracy::stage::{
-    Batches, Replay, Stage, TRACER, Work, build_columns, count, diagonal, mebibytes, replays,
-    widened,
+    Batches, Replay, Stage, TRACER, Work, build_columns, count, counted, diagonal, mebibytes,
+    replays, widened,
 };
 pub(super) use crate::accuracy::timing::{Variant, timed};
 pub(super) use crate::error::StudyError;

@@ -227,6 +227,6 @@ fn variant<'a>(
     Variant {
         is_reference: name == REFERENCE,
         also: vec![("t off by ulps, median", median(&ulps).unwrap_or(0.0))],
-        ..Variant::built(name, built, tally.error(), Replay::new(&*built.tracer, batches).by_kind())
+        ..Variant::built(name, built, tally.error(), Replay::by_kind(&*built.tracer, batches))
     }
 }

@@ -18,7 +18,6 @@ use super::prelude::*;
 use super::secondary_rays::{GAP, SecondaryRays, height};
 use super::triangle_aims::{KnownHit, judged, known_hits};
 use crate::accuracy::parts::OFFSET_RAYS;
-use crate::accuracy::stage::fingerprint;
 
 pub static AXIS: Axis = Axis {
     name: "right-answers",
@@ -173,7 +172,7 @@ impl<'a> Judge<'_, 'a> {
         let off = judged_departures(&*tracer, offset, self.secondary, self.most);
         let found = [of_aims(edges), of_aims(middles), off];
         let most = self.stage.limits.timed_rays / KINDS;
-        let work = StepWork::new(tracer, batches, offset, self.secondary, most);
+        let work = step_work(tracer, batches, offset, self.secondary, most);
         (found, Box::new(work))
     }
 }
@@ -190,36 +189,33 @@ fn exactly<S: Scalar>(ray: &Ray<f32>) -> Ray<S> {
     }
 }
 
-/// A tracer, its rays and its answers.
-struct StepWork<'a, S: Buildable> {
+/// Traces `batches`, and the first `most` of the rays that leave surfaces.
+fn step_work<'a, S: Buildable>(
     tracer: Box<dyn Tracer<S> + 'a>,
     batches: Batches<S>,
     offset: RayOffset,
-    secondary_rays: Vec<(SurfacePoint<'a>, glam::DVec3)>,
-    made: Vec<Ray<S>>,
-    /// One for each batch, then those of the rays that are made.
-    answers: Vec<Answers<S>>,
-}
-
-impl<'a, S: Buildable> StepWork<'a, S> {
-    /// Traces `batches`, and the first `most` of the rays that leave surfaces.
-    fn new(
-        tracer: Box<dyn Tracer<S> + 'a>,
-        batches: Batches<S>,
-        offset: RayOffset,
-        secondary: &SecondaryRays<'a>,
-        most: usize,
-    ) -> Self {
-        let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
-        let first = secondary.departures.iter().take(most);
-        let secondary_rays: Vec<_> = first.map(|d| (secondary.point(d), d.out)).collect();
-        let made = Answers::new(RayKind::Diffuse, secondary_rays.len());
-        let answers = of_batches.chain([made]).collect();
-        let mut work = Self { tracer, batches, offset, secondary_rays, made: Vec::new(), answers };
-        work.prepare();
-        work.run();
-        work
-    }
+    secondary: &SecondaryRays<'a>,
+    most: usize,
+) -> Replay<'a, S> {
+    let first = secondary.departures.iter().take(most);
+    let leaving: Vec<_> = first.map(|d| (secondary.point(d), d.out)).collect();
+    let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
+    let answers = of_batches.chain([Answers::new(RayKind::Diffuse, leaving.len())]).collect();
+    let parts = batches.iter().map(|(kind, _)| kind.name()).chain([OFFSET_RAYS]).collect();
+    let mut made: Vec<Ray<S>> = Vec::new();
+    let mut replay = Replay::answered_by(answers, move |part, answers| {
+        let rays = match batches.get(part) {
+            Some((_, rays)) => rays,
+            None => {
+                made.clear();
+                made.extend(leaving.iter().map(|(point, out)| offset.along(point, *out)));
+                &made
+            }
+        };
+        trace(&*tracer, rays, answers);
+    });
+    replay.parts = parts;
+    replay
 }
 
 /// Counts the rays that hit the surface they leave, or begin beyond a sheet close above it.
@@ -241,38 +237,4 @@ fn judged_departures<S: Buildable>(
     let mut counts = TrialCounts::default();
     all.for_each(|(((d, point), ray), hit)| counts.add(hit.id == d.id || is_wrong(point, ray)));
     counts
-}
-
-impl<S: Buildable> Work for StepWork<'_, S> {
-    fn prepare(&mut self) {
-        self.answers.iter_mut().for_each(Answers::clear);
-    }
-
-    fn run(&mut self) {
-        (0..self.answers.len()).for_each(|part| self.run_part(part));
-    }
-
-    fn fingerprint(&self) -> u64 {
-        fingerprint(&self.answers)
-    }
-
-    fn parts(&self) -> Vec<String> {
-        let kinds = self.batches.iter().map(|(kind, _)| kind.name().to_owned());
-        kinds.chain([OFFSET_RAYS.to_owned()]).collect()
-    }
-
-    fn run_part(&mut self, part: usize) {
-        let Some(answers) = self.answers.get_mut(part) else { return };
-        let rays = match self.batches.get(part) {
-            Some((_, rays)) => rays,
-            None => {
-                self.made.clear();
-                let offset = self.offset;
-                let made = self.secondary_rays.iter().map(|(point, out)| offset.along(point, *out));
-                self.made.extend(made);
-                &self.made
-            }
-        };
-        trace(&*self.tracer, rays, answers);
-    }
 }

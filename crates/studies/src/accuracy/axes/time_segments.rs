@@ -9,8 +9,6 @@
 //! every ray has a random time. Held still, it sees the middle of the part that its time is in, and
 //! the rays of a part are traced together, as by one who draws an image a moment.
 
-use std::hash::{DefaultHasher, Hash, Hasher};
-
 use accel_core::Ray;
 use accel_core::query::tracer::Tracer;
 use glam::DVec3;
@@ -76,21 +74,18 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     };
     let mut variants = Vec::new();
     for (i, (name, setting, row)) in rows.iter().enumerate() {
-        let pairs = row.tracers.iter().zip(&row.batches);
-        let replays: Vec<_> =
-            pairs.map(|(tracer, batches)| Replay::new(&**tracer, batches)).collect();
-        let mut tally = TrialCounts::default();
-        for (replay, batches) in replays.iter().zip(&row.batches) {
-            let exact = Replay::new(&**reference, batches).answers;
-            tally.add_counts(compare(&replay.answers, &exact, |hit, exact| hit.id != exact.id));
-        }
+        let own = row.tracers.iter().map(|tracer| &**tracer).zip(&row.batches);
+        let replay = Replay::of_several(own);
+        let exact = Replay::of_several(row.batches.iter().map(|batches| (&**reference, batches)));
+        let error =
+            compare(&replay.answers, &exact.answers, |hit, exact| hit.id != exact.id).error();
         let bytes: u64 = row.tracers.iter().map(|tracer| tracer.stats().bytes).sum();
         variants.push(Variant {
             known_defect: (i >= PARTS.len())
                 .then_some("moving primitives are static within each part"),
             is_reference: i == 0,
             also: build_columns(bytes, row.build_s).into(),
-            ..Variant::new(name.clone(), setting.clone(), tally.error(), Moments(replays))
+            ..Variant::new(name.clone(), setting.clone(), error, replay)
         });
     }
     let rays = count(&batches);
@@ -112,25 +107,6 @@ fn built<'a>(
     let tracers: Result<Vec<_>, _> = geometries.iter().map(build).collect();
     let build_s = stage.clock.seconds_since(start);
     Ok(Rows { tracers: tracers.map_err(|e| stage.refused(e))?, batches, build_s })
-}
-
-/// The answers of several structures, each to rays of its own.
-struct Moments<'a>(Vec<Replay<'a, f32>>);
-
-impl Work for Moments<'_> {
-    fn prepare(&mut self) {
-        self.0.iter_mut().for_each(Replay::prepare);
-    }
-
-    fn run(&mut self) {
-        self.0.iter_mut().for_each(Replay::run);
-    }
-
-    fn fingerprint(&self) -> u64 {
-        let mut hasher = DefaultHasher::new();
-        self.0.iter().for_each(|replay| replay.fingerprint().hash(&mut hasher));
-        hasher.finish()
-    }
 }
 
 fn named(n: usize, what: &str) -> String {

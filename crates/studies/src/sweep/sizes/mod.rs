@@ -7,7 +7,6 @@
 //! memory limits.
 
 pub mod admission;
-pub mod plot;
 pub mod quantities;
 pub mod table;
 pub mod targets;
