@@ -99,7 +99,7 @@ pub enum Command {
     )]
     Animate(AnimateArgs),
     /// Explain why two rows differ in time: structure, kernel, query
-    #[command(after_help = "Examples:\n  rtbench explain teapot-tess -s kd-tree")]
+    #[command(after_help = "Examples:\n  rtbench explain gears-tess -s kd-tree")]
     Explain(ExplainArgs),
     /// Compare the results of two or more runs
     #[command(

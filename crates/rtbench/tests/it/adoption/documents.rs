@@ -142,6 +142,24 @@ fn every_command_can_be_typed() {
     }
 }
 
+/// The examples in the help of a command and of those below it.
+fn examples(command: &Command) -> Vec<Vec<String>> {
+    let help = command.get_after_help().map(ToString::to_string).unwrap_or_default();
+    // what they do follows behind a gap
+    let own = help.lines().filter_map(|line| arguments(line.trim().split("   ").next()?));
+    own.chain(command.get_subcommands().flat_map(examples)).collect()
+}
+
+#[test]
+fn examples_of_help_can_be_typed() {
+    let all = examples(&Cli::command());
+    assert!(all.len() > 20, "{all:?}");
+    for arguments in all {
+        let parsed = parse(&arguments);
+        assert!(parsed.is_ok(), "{}: {parsed:?}", arguments.join(" "));
+    }
+}
+
 #[test]
 fn a_documented_command_that_does_not_exist_is_caught() {
     for bad in [
