@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
+use crate::occluders::light_buffer::Margins;
 use crate::occluders::light_buffer::footprint::ProjectedBody;
-use crate::occluders::light_buffer::margins::Margins;
 
 /// Planes that the light sees under an angle whose sine is less than this cover nothing: the
 /// exact test may then go either way.
