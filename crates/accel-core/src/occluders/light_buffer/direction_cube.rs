@@ -10,8 +10,8 @@ use glam::DVec3;
 use crate::geometry::far_ray;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::occluders::light_buffer::Margins;
 use crate::occluders::light_buffer::face_tree::Face;
+use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::PrimSet;
 
 /// Faces of a cube.

@@ -10,8 +10,8 @@ use glam::{DVec2, dvec2};
 use crate::geometry::ray::MISS;
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
-use crate::occluders::light_buffer::Margins;
 use crate::occluders::light_buffer::cell_part::{CellPoint, CellRegion, SPOT_BITS};
+use crate::occluders::light_buffer::margins::Margins;
 use crate::query::counters::add_fields;
 
 /// An entry of a list.

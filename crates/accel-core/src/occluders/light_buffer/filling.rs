@@ -10,11 +10,11 @@ use rayon::prelude::*;
 use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
-use crate::occluders::light_buffer::Margins;
 use crate::occluders::light_buffer::cell_part::{OutlineClipper, SPOT_BITS};
 use crate::occluders::light_buffer::face_tree::{
     COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record,
 };
+use crate::occluders::light_buffer::margins::Margins;
 use crate::occluders::light_buffer::projected::FaceCells;
 use crate::params::ParamSpec;
 

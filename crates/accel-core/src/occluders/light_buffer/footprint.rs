@@ -10,8 +10,8 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, dvec2};
 
-use crate::occluders::light_buffer::Margins;
 use crate::occluders::light_buffer::facing::FacingPlane;
+use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::Ball;
 
 /// Outlines with more vertices than this get bounds on the diagonals instead of their edges.

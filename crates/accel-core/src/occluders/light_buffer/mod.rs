@@ -8,8 +8,8 @@
 //! 4 x 4 where lists are long, down to the resolution asked for (a flat cube fails on scenes whose
 //! detail is clustered); lists that remain long are left to a structure; records say in which part
 //! of a cell a primitive is seen (`cell_part.rs`), so that few are tested; depths are lengths along
-//! the axis of the face, which order as distances do. Everything is conservative (see [`Margins`]),
-//! so that answers are those of every structure.
+//! the axis of the face, which order as distances do. Everything is conservative (see
+//! `margins.rs`), so that answers are those of every structure.
 //!
 //! To be read in this order: `direction_cube.rs`; `projected.rs`, with `footprint.rs` and
 //! `facing.rs`; `filling.rs`, whose result is in `face_tree.rs`; `answer.rs`.
@@ -21,6 +21,7 @@ mod face_tree;
 mod facing;
 mod filling;
 mod footprint;
+mod margins;
 mod on_demand;
 mod projected;
 mod remainder;
@@ -32,6 +33,7 @@ use glam::DVec3;
 use self::direction_cube::{Cube, Cubes, FACES};
 use self::face_tree::{Cells, ID_LIMIT, INDEX_LIMIT};
 use self::filling::{BufferConfig, fill_face};
+use self::margins::Margins;
 use self::on_demand::LazyBuffer;
 use self::projected::{Bodies, FaceCells};
 use self::remainder::Remainder;
@@ -100,7 +102,7 @@ fn over<'a, S: Buildable, P: PrimSet<S>>(
     if !settings.is_on_demand {
         return Ok(Box::new(LightBuffer::new(prims, any, lights, settings)?));
     }
-    let margins = Margins::of(prims, lights, settings.structure())?;
+    let margins = checked(prims, lights, settings.structure())?;
     let bits = settings.bits();
     let faces = lights.len() as u128 * FACES as u128;
     is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, settings.structure())?;
@@ -122,68 +124,19 @@ fn is_below(
     }
 }
 
-/// Margins of a build, in f64: how far rounding can carry a hit, a direction or a depth from where
-/// it should be.
-///
-/// Let a shadow ray start at P and end, in its own arithmetic, within `end` of the light L. Each
-/// of its hits is within `hit` of a point of the primitive, and so within `hit + end` of the exact
-/// segment from P to L. Cells are looked up by the direction from L to P, which subtraction and
-/// division round once each. So a cell that lists every primitive of which a point within
-/// `position` is seen from L in the cell grown by `direction` misses none.
-#[derive(Debug, Clone, Copy)]
-struct Margins {
-    /// World units by which primitives grow.
-    position: f64,
-    /// By how much the place of a direction on its face may be off.
-    direction: f64,
-    /// Largest distance on an axis from a ray's end to its light, world units.
-    end: f64,
-    /// A part of a depth that no rounding of it exceeds.
-    depth: f64,
-    /// Products of coordinates and of their last places are numbers: neither too large nor nothing.
-    /// Where they are not, the exact test may miss what is there.
-    can_multiply: bool,
-}
-
-/// Ulps (of the largest coordinate of scene and lights) from a hit to its primitive, as for the
-/// padded boxes of structures.
-const HIT_ULPS: f64 = 64.0;
-/// The same from the end of a ray to its light.
-const END_ULPS: f64 = 32.0;
-/// The same for whatever the build itself rounds, in f64.
-const BUILD_ULPS: f64 = 32.0;
-
-impl Margins {
-    /// Margins for a scene and lights.
-    ///
-    /// # Errors
-    /// [`BuildError`] when the set cannot be served.
-    fn of<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
-        lights: &[DVec3],
-        structure: &'static str,
-    ) -> Result<Self, BuildError> {
-        if prims.is_empty() {
-            return Err(BuildError::NoPrimitives { structure });
-        }
-        is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
-        bounds_of(prims, BoundsRule::Padded, structure)?;
-        let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
-        let magnitude = prims.magnitude().to_f64().max(of_lights);
-        let epsilon = S::EPSILON.to_f64();
-        // a scene at the very origin still needs a margin
-        let ulp = (epsilon * magnitude).max(1e-30);
-        let (large, last) = (S::from_f64(magnitude * 16.0), S::from_f64(ulp));
-        let can_multiply =
-            (large * large * large).is_finite() && last * last * S::EPSILON > S::ZERO;
-        Ok(Self {
-            position: ulp * (HIT_ULPS + END_ULPS * 2.0 + BUILD_ULPS),
-            direction: epsilon * 16.0,
-            end: ulp * END_ULPS,
-            depth: epsilon * 8.0,
-            can_multiply,
-        })
+/// The margins for a set that can be served.
+fn checked<S: Scalar, P: PrimSet<S>>(
+    prims: &P,
+    lights: &[DVec3],
+    structure: &'static str,
+) -> Result<Margins, BuildError> {
+    if prims.is_empty() {
+        return Err(BuildError::NoPrimitives { structure });
     }
+    is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
+    bounds_of(prims, BoundsRule::Padded, structure)?;
+    let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
+    Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
 }
 
 impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
@@ -193,7 +146,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         lights: &[DVec3],
         settings: &Settings<BufferConfig>,
     ) -> Result<Self, BuildError> {
-        let margins = Margins::of(prims, lights, settings.structure())?;
+        let margins = checked(prims, lights, settings.structure())?;
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Cubes::new(prims, &margins);

@@ -8,10 +8,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
-use crate::occluders::light_buffer::Margins;
 use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedBody, box_around};
+use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
 /// An opaque primitive.
@@ -132,7 +132,9 @@ fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [B
             seen.balls.extend(own.iter().map(local));
             seen.is_outline = body.is_outline;
             if let Some(mut footprint) = seen.footprint(body.id, margins, &mut batch.sides) {
-                footprint.plane = FacingPlane::of(&seen, margins, &mut batch.edges);
+                if seen.is_outline {
+                    footprint.plane = FacingPlane::of(&seen.balls, margins, &mut batch.edges);
+                }
                 batch.footprints.push(footprint);
             }
         }
