@@ -118,7 +118,7 @@ pub fn moved<S: Scalar, P: PrimSet<S>>(before: &P, after: &P) -> Option<Vec<u32>
         b.clear();
         before.hull(id, &mut a);
         after.hull(id, &mut b);
-        before.kind(id) != after.kind(id) || before.is_opaque(id) != after.is_opaque(id) || a != b
+        before.kind(id) != after.kind(id) || a != b
     };
     Some((0..before.len() as u32).filter(|&id| has_moved(id)).collect())
 }

@@ -4,7 +4,7 @@
 //! Paper: I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray
 //! Traversal using Multi-branching BVHs", RT 2008. Deviation: where any hit ends the query, the
 //! children are not sorted. The test of the boxes is in `node.rs`, where a ray's interval ends in
-//! `box_ray.rs`; eight rays at once are in `eight_rays.rs` and `packet.rs`.
+//! `box_ray.rs`; eight rays at once are in `node_ray_lanes.rs` and `packet.rs`.
 
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;

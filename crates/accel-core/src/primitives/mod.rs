@@ -2,7 +2,6 @@
 //!
 //! * [`TriangleSet`]: triangles alone, fast and fair against a BVH library.
 //! * [`MixedSet`]: triangles, polygons, spheres and cones under one id space, moving or at rest.
-//! * [`RetestedSet`]: a mixed set under other tests.
 
 use crate::geometry::scalar::Scalar;
 
@@ -18,8 +17,7 @@ pub(crate) mod motion;
 mod moving;
 mod polygon;
 mod precise;
-mod prim_set;
-mod retested;
+pub(crate) mod prim_set;
 mod shear;
 mod shear_lanes;
 mod sphere;
@@ -35,7 +33,6 @@ pub use moving::MovingSet;
 pub use polygon::{Polygon, newell_normal};
 pub(crate) use prim_set::TransmissiveSet;
 pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind};
-pub use retested::RetestedSet;
 pub use shear::Shear;
 pub use sphere::{RearrangedSphere, Sphere, SphereTest};
 pub use support::Ball;

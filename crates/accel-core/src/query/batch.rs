@@ -1,4 +1,5 @@
-//! Batches of rays: closest hits, or whether rays are blocked. How the rays go through a structure
+//! Batches of rays: closest hits, or whether rays are blocked. Rays that begin far away are brought
+//! near before a structure sees them. How the rays go through a structure
 //! is the business of `prepared.rs` and `side_by_side.rs`.
 //!
 //! The loop over rays in f32 is compiled twice on x86-64: for the target, and for AVX-512, whose 32
@@ -8,7 +9,7 @@
 
 use std::ops::Range;
 
-use crate::geometry::far_ray::Parameters;
+use crate::geometry::far_ray::{self, Parameters, PlacedRay};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
@@ -16,8 +17,39 @@ use crate::query::counters::Counters;
 use crate::query::mailbox::NoMailbox;
 use crate::query::ray_order;
 use crate::query::sink::{Answer, BatchAnswers, Query, RayBatch, Sink};
-use crate::query::tracer::nearby::rebase_origin;
 use crate::structure::Structure;
+
+/// The ray, or the one that it was brought near as, kept in `moved`, and what its parameters
+/// became; none where it cannot hit anything.
+#[inline(always)]
+pub(crate) fn rebase_origin<'r, S: Scalar>(
+    ray: &'r Ray<S>,
+    reach: S,
+    moved: &'r mut Option<Ray<S>>,
+) -> Option<(&'r Ray<S>, Parameters<S>)> {
+    match far_ray::place(ray, reach) {
+        PlacedRay::Near => Some((ray, Parameters::SAME)),
+        PlacedRay::Moved(near, parameters) => Some((moved.insert(near), parameters)),
+        PlacedRay::Nowhere => None,
+    }
+}
+
+/// Answers each ray by what `one` says of the ray, brought near.
+#[inline(always)]
+pub(crate) fn each_near<S: Scalar, A: Answer<S>>(
+    reach: S,
+    rays: &[Ray<S>],
+    answers: &mut [A],
+    mut one: impl FnMut(&Ray<S>) -> A,
+) {
+    for (ray, answer) in rays.iter().zip(answers) {
+        let found = match rebase_origin(ray, reach, &mut None) {
+            Some((near, parameters)) => one(near).restored(parameters),
+            None => None,
+        };
+        *answer = found.unwrap_or_else(|| A::miss(ray));
+    }
+}
 
 /// The traversal of single rays.
 pub(crate) trait Traverse<S: Scalar> {

@@ -8,7 +8,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::structure::StructureInfo;
 use crate::structures::instanced::{InstancedStructure, Levels};
-use crate::structures::obvhs::adapter::PRESET;
+use crate::structures::obvhs::PRESET;
 use crate::update::INSTANCES;
 
 pub static INFO: StructureInfo = StructureInfo {

@@ -13,9 +13,10 @@
 //! a few cuts that do not pay; intervals on the ray are rounded outwards, so that a ray within a
 //! plane, or one that only grazes a cell, visits both sides.
 
-mod frustum_traversal;
 mod subdivide;
 mod surface_area;
+
+use std::ops::ControlFlow;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
@@ -24,6 +25,7 @@ use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
+use crate::query::region::{Frustum, FrustumTraversal};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::ray_planes::RayPlanes;
@@ -143,5 +145,49 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
             waiting.extend([(link + 1, upper, depth + 1), (link, lower, depth + 1)]);
         }
         Ok(())
+    }
+}
+
+/// From the root, the near child first.
+impl FrustumTraversal for KdTree<f64> {
+    fn traverse_frustum(
+        &self,
+        frustum: &Frustum,
+        cell: &mut dyn FnMut(&[u32], f64) -> ControlFlow<()>,
+    ) {
+        let root = self.bounds.expanded(frustum.tolerance());
+        if !frustum.meets_box(&root) {
+            return;
+        }
+        let direction = frustum.direction();
+        // cells that wait, each with the least depth of itself and of those below it
+        let mut stack = vec![(0u32, root, frustum.least_depth(&root))];
+        while let Some((index, bounds, depth)) = stack.pop() {
+            let node = self.cells.nodes[index as usize];
+            let axis = (node.link & 3) as usize;
+            if node.link & 3 == Node::<f64>::LEAF {
+                let ids = self.cells.lists.at((node.link >> 2) as usize);
+                if !ids.is_empty() && cell(ids, depth).is_break() {
+                    return;
+                }
+                continue;
+            }
+            let (mut lower, mut upper) = (bounds, bounds);
+            lower.max[axis] = node.plane + frustum.tolerance();
+            upper.min[axis] = node.plane - frustum.tolerance();
+            let child = node.link >> 2;
+            let mut children = [(child + 1, upper), (child, lower)];
+            if direction[axis] < 0.0 {
+                children.reverse();
+            }
+            // the far child waits below the near one
+            let mut below = stack.last().map_or(f64::INFINITY, |s| s.2);
+            for (index, bounds) in children {
+                if frustum.meets_box(&bounds) {
+                    below = below.min(frustum.least_depth(&bounds));
+                    stack.push((index, bounds, below));
+                }
+            }
+        }
     }
 }

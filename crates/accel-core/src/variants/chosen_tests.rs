@@ -2,14 +2,24 @@
 //! lose, and what they cost.
 //!
 //! A traversal is compiled once more for each test, over a set of that test's type ([`TriangleSet`]
-//! of another test, [`RetestedSet`](crate::primitives::RetestedSet)), as it is for the default
-//! tests; a default that is chosen by name is the default. A test that were called would cost its
+//! of another test, [`RetestedSet`]), as it is for the default tests; a default that is chosen by name is the default. A test that were called would cost its
 //! call, which hides what tests differ by. The settings ([`TRIANGLE_TEST`], [`SPHERE_TEST`]) are
 //! those of the structures on which `accuracy` compares tests: `uniform-grid`, primitives one by
 //! one or in blocks, and `wide-bvh`, triangles in blocks. They serve f32 and primitives at rest.
 
+use std::marker::PhantomData;
+
+use glam::DVec3;
+
+use crate::geometry::aabb::Aabb;
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vec3};
 use crate::params::{ParamError, ParamSpec, Params};
-use crate::primitives::{MoellerTrumbore, PrimSet, PrimsRef, RearrangedSphere, Watertight};
+use crate::primitives::prim_set::as_its_set;
+use crate::primitives::{
+    Ball, MixedSet, MoellerTrumbore, PrimSet, PrimitiveKind, PrimsRef, RearrangedSphere, Shear,
+    SphereTest, TriangleTest, Watertight,
+};
 use crate::variants::sphere_tests::{NaiveSphere, SphereInDouble};
 use crate::variants::triangle_tests::{
     MoellerTrumboreTolerant, Pluecker, WatertightFallback, WatertightInDouble,
@@ -60,6 +70,27 @@ pub enum SphereChoice {
     Double,
 }
 
+/// Values of [`TRIANGLE_TEST`] but its default, and the test each is.
+pub const TRIANGLE_TESTS: [(&str, TriangleChoice); 6] = [
+    ("moeller-trumbore", TriangleChoice::MoellerTrumbore),
+    ("moeller-trumbore-epsilon", TriangleChoice::Tolerant),
+    ("pluecker", TriangleChoice::Pluecker),
+    ("watertight", TriangleChoice::Watertight),
+    ("watertight-fallback", TriangleChoice::Fallback),
+    ("f64", TriangleChoice::Double),
+];
+
+/// The same of [`SPHERE_TEST`].
+pub const SPHERE_TESTS: [(&str, SphereChoice); 3] = [
+    ("naive", SphereChoice::Naive),
+    ("rearranged", SphereChoice::Rearranged),
+    ("f64", SphereChoice::Double),
+];
+
+fn named<T: Copy>(tests: &[(&str, T)], name: &str) -> Option<T> {
+    tests.iter().find(|test| test.0 == name).map(|test| test.1)
+}
+
 /// The tests of a set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Choice {
@@ -75,20 +106,10 @@ impl Choice {
         if [triangle, sphere] == [DEFAULT; 2] {
             return None;
         }
-        let triangle = match triangle {
-            "moeller-trumbore" => TriangleChoice::MoellerTrumbore,
-            "moeller-trumbore-epsilon" => TriangleChoice::Tolerant,
-            "pluecker" => TriangleChoice::Pluecker,
-            "watertight-fallback" => TriangleChoice::Fallback,
-            "f64" => TriangleChoice::Double,
-            _ => TriangleChoice::Watertight,
-        };
-        let sphere = match sphere {
-            "naive" => SphereChoice::Naive,
-            "f64" => SphereChoice::Double,
-            _ => SphereChoice::Rearranged,
-        };
-        Some(Self { triangle, sphere })
+        Some(Self {
+            triangle: named(&TRIANGLE_TESTS, triangle).unwrap_or(TriangleChoice::Watertight),
+            sphere: named(&SPHERE_TESTS, sphere).unwrap_or(SphereChoice::Rearranged),
+        })
     }
 
     /// The refusal of these settings where they are not compiled: for `expected`, all others.
@@ -125,6 +146,49 @@ pub fn known_defect(params: &Params) -> Option<&'static str> {
 pub trait TestedSetVisitor<'a> {
     type Output;
     fn visit<P: PrimSet<f32>>(self, set: &'a P) -> Self::Output;
+}
+
+/// A mixed set, its triangles tested by `T`, its spheres by `Q`.
+///
+/// It is a view without a cost of its own: with the default tests it computes what a [`MixedSet`]
+/// does. Polygons and cones keep their tests, so that the shear of a ray is computed for the
+/// polygons whatever the test of triangles is. Primitives that move are seen where they are at time
+/// 0.
+#[derive(Debug)]
+#[repr(transparent)]
+pub struct RetestedSet<S: Scalar, T, Q> {
+    set: MixedSet<S>,
+    tests: PhantomData<(T, Q)>,
+}
+
+impl<S: Scalar> MixedSet<S> {
+    /// The same set under other tests; nothing is copied.
+    pub fn retested<T: TriangleTest<S>, Q: SphereTest<S>>(&self) -> &RetestedSet<S, T, Q> {
+        // SAFETY: `RetestedSet` is a transparent wrapper of `MixedSet`.
+        unsafe { &*std::ptr::from_ref(self).cast::<RetestedSet<S, T, Q>>() }
+    }
+}
+
+impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for RetestedSet<S, T, Q> {
+    type RaySetup = (Shear<S>, T::Setup);
+    const HAS_OTHER_TESTS: bool = true;
+
+    as_its_set!(S);
+
+    fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
+        self.set.corners(id)
+    }
+
+    #[inline(always)]
+    fn setup(&self, ray: &Ray<S>) -> Self::RaySetup {
+        let shear = self.set.setup(ray);
+        (shear, T::setup_beside(ray, self.set.magnitude(), &shear))
+    }
+
+    #[inline(always)]
+    fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S> {
+        self.set.tested::<T, Q>(id, ray, &setup.0, &setup.1, t_max)
+    }
 }
 
 /// Hands the set under the chosen tests to `visitor`; `None` where a test of triangles and one of

@@ -6,7 +6,7 @@ use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;
-use accel_core::{Ray, Vec3, Vector};
+use accel_core::{Ray, Scalar, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 
 /// A small seeded generator (an LCG with the multiplier of D. Knuth, TAOCP 2, 3.3.4).
@@ -58,10 +58,17 @@ impl<S: Buildable> Set<S> {
 
 pub type Named<S> = (&'static str, Set<S>, (DVec3, DVec3));
 
+/// The set of these triangles, rounded.
+pub fn triangle_set<S: Scalar>(
+    triangles: impl IntoIterator<Item = [DVec3; 3]>,
+    transmissive: impl Fn(u32) -> bool,
+) -> TriangleSet<S, Watertight> {
+    let rounded = |t: [DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
+    TriangleSet::new(triangles.into_iter().map(rounded).collect(), transmissive).unwrap()
+}
+
 fn triangles<S: Buildable>(list: &[[DVec3; 3]], transmissive: impl Fn(u32) -> bool) -> Set<S> {
-    let list =
-        list.iter().map(|t| t.map(|p| Vec3::<S>::from_dvec3(p).to_array())).collect::<Vec<_>>();
-    Set::Triangles(TriangleSet::new(list, transmissive).unwrap())
+    Set::Triangles(triangle_set(list.iter().copied(), transmissive))
 }
 
 /// A name, the set and its bounds.

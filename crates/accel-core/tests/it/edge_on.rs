@@ -7,14 +7,13 @@ use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};
 use accel_core::variants::triangle_tests::WatertightFallback;
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::{DVec3, dvec3};
 
-use crate::common::Random;
+use crate::common::{Random, triangle_set};
 
 fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
-    let narrow = |t: &[DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
-    TriangleSet::new(triangles.iter().map(narrow).collect(), |_| false).unwrap()
+    triangle_set(triangles.iter().copied(), |_| false)
 }
 
 /// A lattice of 2 n n triangles over the square from 0 to n in x and z, at y = 0.

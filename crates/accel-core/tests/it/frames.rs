@@ -15,11 +15,11 @@ use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::update::{Change, moved};
-use accel_core::{Ray, Scalar, Vec3, Vector};
+use accel_core::{Ray, Scalar};
 use glam::{DAffine3, DQuat, DVec3, dvec3};
 
 use crate::agreement::Answers;
-use crate::common::{Random, Set, rays_for};
+use crate::common::{Random, Set, rays_for, triangle_set};
 
 const FRAMES: Range<u32> = 0..8;
 /// Objects of the rigid parts; some stand several times.
@@ -77,10 +77,9 @@ fn triangles(frame: u32, free: Free) -> (Vec<[DVec3; 3]>, Vec<Instance>) {
     (all, claims)
 }
 
-fn triangle_set<S: Buildable>(frame: u32, free: Free) -> TriangleSet<S, Watertight> {
+fn triangles_of<S: Buildable>(frame: u32, free: Free) -> TriangleSet<S, Watertight> {
     let (all, claims) = triangles(frame, free);
-    let narrow = |t: [DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
-    let set = TriangleSet::new(all.into_iter().map(narrow).collect(), |id| id % 9 == 0).unwrap();
+    let set = triangle_set(all, |id| id % 9 == 0);
     set.with_instances(&claims)
 }
 
@@ -105,7 +104,7 @@ fn frames<S: Buildable>(is_mixed: bool, free: Free) -> Vec<(Set<S>, Vec<u32>)> {
         let (mut set, first) = if is_mixed {
             (Set::Mixed(mixed_set(frame, free)), sets.first())
         } else {
-            (Set::Triangles(triangle_set(frame, free)), sets.first())
+            (Set::Triangles(triangles_of(frame, free)), sets.first())
         };
         match (&mut set, first) {
             (Set::Triangles(now), Some(Set::Triangles(first))) => now.keep_rigid(first),
@@ -295,6 +294,6 @@ fn moved_primitives_are_found() {
     let params = grid.defaults().set("update", "incremental").unwrap();
     let tracer = grid.build(PrimsRef::Mixed(&sets[0]), &params).unwrap();
     let before = PreviousFrame { kept: tracer.released().unwrap(), moved: &[] };
-    let other = triangle_set::<f64>(0, Free::Rests);
+    let other = triangles_of::<f64>(0, Free::Rests);
     assert!(grid.update(PrimsRef::Watertight(&other), &params, before).is_ok());
 }

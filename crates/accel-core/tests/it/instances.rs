@@ -1,15 +1,15 @@
 //! Scenes of copies, and structures that divide each object once.
 
+use accel_core::Ray;
 use accel_core::primitives::{
     Instance, Instances, MixedSetBuilder, PrimSet, TriangleSet, Watertight,
 };
 use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};
-use accel_core::{Ray, Vec3, Vector};
 use glam::{DAffine3, DVec3, dvec3};
 
 use crate::agreement::mismatches;
-use crate::common::{Named, Random, Set, rays_for};
+use crate::common::{Named, Random, Set, rays_for, triangle_set};
 
 /// Places of all kinds: turned, mirrored, stretched, small and large, one in the place of another.
 fn places(r: &mut Random, count: usize, room: f64, is_similar: bool) -> Vec<DAffine3> {
@@ -51,8 +51,7 @@ fn bushes<S: Buildable>(
         let p = offset + r.point() * room;
         all.push([p, p + r.signed(), p + r.signed()]);
     }
-    let narrow = |t: [DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
-    let set = TriangleSet::new(all.into_iter().map(narrow).collect(), |id| id % 9 == 0).unwrap();
+    let set = triangle_set(all, |id| id % 9 == 0);
     (set.with_instances(&claims), claims)
 }
 

@@ -2,13 +2,13 @@
 //! a ray's origin, and does not pad them for what rounding may do to a hit elsewhere. Its answers
 //! must be those of brute force all the same.
 
-use accel_core::primitives::{PrimsRef, TriangleSet, Watertight};
+use accel_core::primitives::PrimsRef;
 use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::DVec3;
 
-use crate::common::Random;
+use crate::common::{Random, triangle_set};
 
 /// One of these powers of ten, evenly by logarithm.
 fn power(random: &mut Random, low: f64, high: f64) -> f64 {
@@ -129,9 +129,7 @@ fn agrees<S: Buildable>(rounds: u64) -> [usize; 2] {
     for round in 0..rounds {
         let mut random = Random::new(round + 1);
         let faces = faces(&mut random, 200);
-        let narrow = |t: &[DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
-        let set = TriangleSet::<S, Watertight>::new(faces.iter().map(narrow).collect(), |_| false);
-        let set = set.unwrap();
+        let set = triangle_set::<S>(faces.iter().copied(), |_| false);
         let rays = rays::<S>(&mut random, &faces, 5_000);
         let rays = in_batch(&mut random, rays);
         let answers = |name: &str, settings: &str| {

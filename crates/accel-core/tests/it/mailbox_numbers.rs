@@ -10,9 +10,9 @@ use accel_core::query::tracer::Bound;
 use accel_core::registry::Buildable;
 use accel_core::structure::Structure;
 use accel_core::structures::uniform_grid::{INFO, UniformGrid};
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Hit, Ray};
 
-use crate::common::{Random, build};
+use crate::common::{Random, build, triangle_set};
 
 /// Triangles; most stand in several cells. Most are met by one ray in some hundreds: a stamp left
 /// from before is not renewed in time.
@@ -23,10 +23,9 @@ const LARGE: usize = 10;
 fn scene<S: Buildable>(random: &mut Random) -> TriangleSet<S, Watertight> {
     let triangles = (0..TRIANGLES).map(|i| {
         let (at, size) = (random.point(), if i < LARGE { 0.6 } else { 0.05 });
-        let corners = [at, at + random.signed() * size, at + random.signed() * size];
-        corners.map(|p| Vec3::<S>::from_dvec3(p).to_array())
+        [at, at + random.signed() * size, at + random.signed() * size]
     });
-    TriangleSet::new(triangles.collect(), |_| false).unwrap()
+    triangle_set(triangles, |_| false)
 }
 
 /// Rays through the scene; every other is an earlier one when its number comes again: what that

@@ -27,7 +27,6 @@ mod nested_grids;
 mod obvhs;
 mod obvhs_direct;
 mod octree_and_kd_tree;
-mod out_of_scale;
 mod packets;
 mod planes_of_cells;
 mod polygons;

@@ -1,12 +1,13 @@
 //! HUG and the adaptive grid give the oracle's answers, bit for bit, and survive hard scenes.
 
 use crate::agreement::Answers;
+use crate::common::triangle_set;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;
-use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
+use accel_core::{Hit, Ray, Scalar};
 use glam::{DVec3, dvec3};
 
 /// Every structure and setting under test.
@@ -129,8 +130,7 @@ fn mixed_scenes_agree_with_brute_force() {
 }
 
 fn triangles<S: Scalar>(all: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
-    let narrow = |p: DVec3| Vec3::<S>::from_dvec3(p).to_array();
-    TriangleSet::new(all.iter().map(|v| v.map(narrow)).collect(), |_| false).unwrap()
+    triangle_set(all.iter().copied(), |_| false)
 }
 
 /// A heightfield of 2 n n triangles over the unit square times `size`.

@@ -3,12 +3,12 @@
 //! answers are those of brute force.
 
 use crate::agreement::Answers;
-use crate::common::Random;
+use crate::common::{Random, triangle_set};
+use accel_core::Ray;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::structures::find;
-use accel_core::{Ray, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 
 /// Rows over such trees.
@@ -19,8 +19,7 @@ const PRESETS: [&str; 6] = ["fastest", "very-fast", "fast", "medium", "slow", "v
 type Corners = [DVec3; 3];
 
 fn set<S: Buildable>(triangles: &[Corners]) -> TriangleSet<S, Watertight> {
-    let corners = triangles.iter().map(|t| t.map(|p| Vec3::<S>::from_dvec3(p).to_array()));
-    TriangleSet::new(corners.collect(), |id| id % 5 == 0).unwrap()
+    triangle_set(triangles.iter().copied(), |id| id % 5 == 0)
 }
 
 /// Rays to which a row gives another answer than brute force.

@@ -8,7 +8,7 @@ use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::{Batches, BuildError};
 use accel_core::structures::find;
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Hit, Ray};
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams as Preset;
 use obvhs::bvh2::builder::build_bvh2_from_tris;
@@ -16,7 +16,7 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::triangle::Triangle;
 
-use crate::common::Random;
+use crate::common::{Random, triangle_set};
 
 const ROWS: [&str; 2] = ["obvhs-bvh2", "obvhs-cwbvh"];
 
@@ -29,9 +29,8 @@ fn soup<S: Buildable>(n: usize) -> TriangleSet<S, Watertight> {
     let triangle = |i: usize| {
         let (at, size) = (random.signed() * 3.0, if i.is_multiple_of(10) { 1.5 } else { 0.2 });
         [at, at + random.signed() * size, at + random.signed() * size]
-            .map(|p| Vec3::<S>::from_dvec3(p).to_array())
     };
-    TriangleSet::new((0..n).map(triangle).collect(), |id| id.is_multiple_of(3)).unwrap()
+    triangle_set((0..n).map(triangle), |id| id.is_multiple_of(3))
 }
 
 /// Rays through it, some along axes (with components of -0.0), some with intervals of their own.

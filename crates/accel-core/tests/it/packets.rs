@@ -8,16 +8,15 @@ use accel_core::structures::find;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::{DVec3, dvec3};
 
-use crate::common::Random;
+use crate::common::{Random, triangle_set};
 
 /// Small triangles in the unit cube.
 fn triangles(random: &mut Random) -> TriangleSet<f32, Watertight> {
     let mut triangle = || {
         let at = random.point();
         [at, at + random.signed() * 0.05, at + random.signed() * 0.05]
-            .map(|p| Vec3::<f32>::from_dvec3(p).to_array())
     };
-    TriangleSet::new((0..3000).map(|_| triangle()).collect(), |_| false).unwrap()
+    triangle_set((0..3000).map(|_| triangle()), |_| false)
 }
 
 /// From in front of the cube: to points in a row, or to eight in turn that lie far from each other.

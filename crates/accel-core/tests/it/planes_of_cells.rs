@@ -3,6 +3,7 @@
 //! roundings of one plane lie on either side of the whole scene.
 
 use crate::agreement::Answers as Written;
+use crate::common::triangle_set;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::registry::Buildable;
@@ -44,8 +45,7 @@ fn block<S: Buildable>(n: [u32; 3], whole: bool) -> TriangleSet<S, Watertight> {
             }
         }
     }
-    let narrow = |t: [DVec3; 3]| t.map(|p| Vec3::<S>::from_dvec3(p).to_array());
-    TriangleSet::new(triangles.into_iter().map(narrow).collect(), |_| false).unwrap()
+    triangle_set(triangles, |_| false)
 }
 
 /// Along one axis, the other two components of sizes from `smallest` to 1e-3, drawn evenly by

@@ -11,14 +11,6 @@ use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::registry::Buildable;
 use crate::structure::{Batches, StructureStats};
 
-/// Answer of the buffer for a ray.
-pub(super) enum Answer {
-    Free,
-    Blocked,
-    /// The remainder has to be asked.
-    Unknown,
-}
-
 /// Rays that take turns.
 const TURNS: usize = 16;
 
@@ -34,20 +26,18 @@ enum Stage<'f, S> {
 }
 
 impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
-    /// Origin of a ray relative to its light; `None` if the buffer has no answer.
+    /// Whether a ray is blocked; `None` where the remainder has to be asked.
     #[inline(always)]
-    fn place(&self, ray: &Ray<S>, light: u32) -> Option<(CubePoint<S>, &Face<S>)> {
-        let cube = self.cubes.get(light as usize)?;
-        let place = self.aim.place(ray, cube.position)?;
-        Some((place, cube.faces.get(place.face)?))
-    }
-
-    #[inline(always)]
-    pub(super) fn answer<C: Counters>(&self, ray: &Ray<S>, light: u32, counters: &mut C) -> Answer {
-        let Some((place, face)) = self.place(ray, light) else { return Answer::Unknown };
+    pub(super) fn answer<C: Counters>(
+        &self,
+        ray: &Ray<S>,
+        light: u32,
+        counters: &mut C,
+    ) -> Option<bool> {
+        let (place, face) = self.cubes.place(ray, light)?;
         let Some(found) = face.find(&self.cells.cells, place.at) else {
             counters.elementary_step(true);
-            return Answer::Free;
+            return Some(false);
         };
         if C::ENABLED {
             (1..found.levels).for_each(|_| counters.inner_step());
@@ -56,16 +46,16 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
         self.in_list(ray, &place, &found, counters)
     }
 
-    /// Candidates of the list that was found, nearest first; or the answer, if an occluder covers
-    /// the cell.
+    /// Candidates of the list that was found, nearest first; or the answer, as of
+    /// [`LightBuffer::answer`], if an occluder covers the cell.
     #[inline(always)]
     fn candidates(
         &self,
         ray: &Ray<S>,
         place: &CubePoint<S>,
         found: &FaceLookup,
-    ) -> Result<impl Iterator<Item = &Record<S>>, Answer> {
-        let mut list = self.cells.records.get(found.first as usize..).ok_or(Answer::Unknown)?;
+    ) -> Result<impl Iterator<Item = &Record<S>>, Option<bool>> {
+        let mut list = self.cells.records.get(found.first as usize..).ok_or(None)?;
         if let [head, rest @ ..] = list
             && head.id == COVERED
         {
@@ -73,7 +63,7 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
                 // what covers the cell is hit at a parameter of at least t_min
                 let room = (place.depth - head.near) * ray.t_max;
                 let certain = room > ray.t_min * place.depth * S::from_f64(1.001);
-                return Err(if certain { Answer::Blocked } else { Answer::Unknown });
+                return Err(certain.then_some(true));
             }
             list = rest;
         }
@@ -90,7 +80,7 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
         place: &CubePoint<S>,
         found: &FaceLookup,
         counters: &mut C,
-    ) -> Answer {
+    ) -> Option<bool> {
         let candidates = match self.candidates(ray, place, found) {
             Ok(candidates) => candidates,
             Err(answer) => return answer,
@@ -98,15 +88,15 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
         let mut setup = None;
         for record in candidates {
             if record.id >= LONG {
-                return Answer::Unknown;
+                return None;
             }
             counters.intersection_tests(1);
             let setup = setup.get_or_insert_with(|| self.prims.setup(ray));
             if self.prims.intersect(record.id, ray, setup, ray.t_max).is_some() {
-                return Answer::Blocked;
+                return Some(true);
             }
         }
-        Answer::Free
+        Some(false)
     }
 
     /// Answers the rays of a batch in turns: all that wait are asked for the memory of the next
@@ -123,7 +113,7 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
             let mut stages = [Stage::Over; TURNS];
             let mut leave = |i: usize| unknown.push((number * TURNS + i) as u32);
             for (i, (ray, &light)) in rays.iter().zip(lights).enumerate() {
-                match self.place(ray, light) {
+                match self.cubes.place(ray, light) {
                     Some((place, face)) => {
                         face.prefetch(&self.cells.cells, place.at);
                         stages[i] = Stage::Placed(place, face);
@@ -158,9 +148,8 @@ impl<S: Buildable, P: PrimSet<S>> LightBuffer<'_, S, P> {
             for (i, ((stage, ray), blocked)) in stages.iter().zip(rays).zip(blocked).enumerate() {
                 let Stage::Found(place, found) = stage else { continue };
                 match self.in_list(ray, place, found, &mut NoCounters) {
-                    Answer::Free => *blocked = false,
-                    Answer::Blocked => *blocked = true,
-                    Answer::Unknown => leave(i),
+                    Some(answer) => *blocked = answer,
+                    None => leave(i),
                 }
             }
         }
@@ -174,11 +163,8 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
             return self.occlusions_in_stages(rays, lights, blocked);
         }
         for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
-            *blocked = match self.answer(ray, light, &mut NoCounters) {
-                Answer::Free => false,
-                Answer::Blocked => true,
-                Answer::Unknown => self.remainder.is_blocked(ray),
-            };
+            let answer = self.answer(ray, light, &mut NoCounters);
+            *blocked = answer.unwrap_or_else(|| self.remainder.is_blocked(ray));
         }
     }
 
@@ -190,18 +176,15 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LightBuffer<'_, S, P> {
     ) -> WorkCounters {
         let mut work = WorkCounters::default();
         for ((ray, &light), blocked) in rays.iter().zip(lights).zip(blocked) {
-            *blocked = match self.answer(ray, light, &mut work) {
-                Answer::Free => false,
-                Answer::Blocked => true,
-                Answer::Unknown => self.remainder.count_blocked(ray, &mut work),
-            };
+            let answer = self.answer(ray, light, &mut work);
+            *blocked = answer.unwrap_or_else(|| self.remainder.count_blocked(ray, &mut work));
         }
         work
     }
 
     fn stats(&self) -> StructureStats {
         let (cells, tally) = (&self.cells, &self.cells.tally);
-        let bytes = cells.bytes() + size_of_val(self.cubes.as_slice());
+        let bytes = cells.bytes() + size_of_val(self.cubes.all.as_slice());
         StructureStats {
             inner_cells: tally.inner,
             cells: tally.leaves,

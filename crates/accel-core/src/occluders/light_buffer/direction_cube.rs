@@ -7,7 +7,12 @@
 
 use glam::DVec3;
 
+use crate::geometry::far_ray;
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::occluders::light_buffer::face_tree::Face;
+use crate::occluders::light_buffer::margins::Margins;
+use crate::primitives::PrimSet;
 
 /// Faces of a cube.
 pub(super) const FACES: usize = 6;
@@ -19,6 +24,49 @@ pub(super) struct CubePoint<S> {
     pub(super) at: [S; 2],
     /// Length along the axis of the face.
     pub(super) depth: S,
+}
+
+/// A light and what it sees.
+pub(super) struct Cube<S: Scalar> {
+    pub(super) position: Vec3<S>,
+    pub(super) faces: [Face<S>; FACES],
+}
+
+/// The cubes of all lights, for rays that run from the scene to one of them.
+pub(super) struct Cubes<S: Scalar> {
+    pub(super) all: Vec<Cube<S>>,
+    /// Largest distance on an axis from the end of a ray to its light.
+    end: S,
+    reach: S,
+}
+
+impl<S: Scalar> Cubes<S> {
+    pub(super) fn new<P: PrimSet<S>>(prims: &P, margins: &Margins) -> Self {
+        let reach = far_ray::reach(prims.magnitude());
+        Self { all: Vec::new(), end: S::from_f64(margins.end), reach }
+    }
+
+    /// Point at which a ray, seen from its light, meets a face; `None` if the buffer has no answer
+    /// for it: where it does not run to the light.
+    #[inline(always)]
+    pub(super) fn place(&self, ray: &Ray<S>, light: u32) -> Option<(CubePoint<S>, &Face<S>)> {
+        let cube = self.all.get(light as usize)?;
+        let from_light = ray.origin - cube.position;
+        let place = place(from_light);
+        // NaN fails every one of these
+        let is_aimed = is_within::<S>(from_light + ray.direction * ray.t_max, self.end)
+            & is_within::<S>(ray.origin, self.reach)
+            & (place.depth > self.end * S::from_f64(4.0))
+            & (ray.t_min >= S::ZERO);
+        if is_aimed { Some((place, cube.faces.get(place.face)?)) } else { None }
+    }
+}
+
+/// Returns whether no component is larger than `limit`; false for NaN.
+#[inline(always)]
+fn is_within<S: Scalar>(v: Vec3<S>, limit: S) -> bool {
+    let [x, y, z] = v.to_array();
+    (x.abs() <= limit) & (y.abs() <= limit) & (z.abs() <= limit)
 }
 
 /// Point at which `v` meets the cube; u and v are NaN for a zero vector.

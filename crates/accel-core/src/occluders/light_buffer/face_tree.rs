@@ -8,10 +8,9 @@
 use glam::{DVec2, dvec2};
 
 use crate::geometry::ray::MISS;
-use crate::geometry::scalar::{Scalar, Vec3};
+use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
 use crate::occluders::light_buffer::cell_part::{CellPoint, CellRegion, SPOT_BITS};
-use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::margins::Margins;
 use crate::query::counters::add_fields;
 
@@ -61,12 +60,6 @@ pub(super) struct Face<S> {
     shift: u32,
     /// Bits of the coarse grid.
     pub(super) bits: u32,
-}
-
-/// A light and what it sees.
-pub(super) struct Cube<S: Scalar> {
-    pub(super) position: Vec3<S>,
-    pub(super) faces: [Face<S>; FACES],
 }
 
 /// Result of looking up a direction on a face.
@@ -184,11 +177,6 @@ impl<S: Scalar> Cells<S> {
         Self { cells: Vec::new(), records: vec![Record::end()], tally: BuildCounts::default() }
     }
 
-    /// Largest index that must fit into a cell's word.
-    pub(super) fn largest_index(&self) -> u128 {
-        self.cells.len().max(self.records.len()) as u128
-    }
-
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.cells.as_slice()) + size_of_val(self.records.as_slice())
     }
@@ -206,31 +194,18 @@ impl<S: Scalar> Cells<S> {
     }
 
     /// Takes over the cells and lists of another, whose first record is moved to here as well;
-    /// says by how much its words for divided cells and for lists are to grow.
-    pub(super) fn append(&mut self, mut other: Self) -> Relocations {
-        let moved =
-            Relocations { cells: self.cells.len() as u32, records: self.records.len() as u32 };
-        self.cells.extend(other.cells.iter().map(|&word| moved.word(word)));
+    /// returns what its words for cells become at their new places.
+    pub(super) fn append(&mut self, mut other: Self) -> impl Fn(u32) -> u32 + use<S> {
+        let (cells, records) = (self.cells.len() as u32, self.records.len() as u32);
+        let moved = move |word: u32| match word {
+            // the empty list stays where it is
+            0 => 0,
+            _ if word & DIVIDED != 0 => word.wrapping_add(cells) | DIVIDED,
+            _ => word.wrapping_add(records),
+        };
+        self.cells.extend(other.cells.iter().map(|&word| moved(word)));
         self.records.append(&mut other.records);
         self.tally += other.tally;
         moved
-    }
-}
-
-/// New places of cells and lists.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Relocations {
-    cells: u32,
-    records: u32,
-}
-
-impl Relocations {
-    /// The word of a cell at its new place; the empty list stays where it is.
-    pub(super) fn word(self, word: u32) -> u32 {
-        match word {
-            0 => 0,
-            _ if word & DIVIDED != 0 => word.wrapping_add(self.cells) | DIVIDED,
-            _ => word.wrapping_add(self.records),
-        }
     }
 }

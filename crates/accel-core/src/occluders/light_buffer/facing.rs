@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::occluders::light_buffer::footprint::ProjectedBody;
 use crate::occluders::light_buffer::margins::Margins;
+use crate::primitives::Ball;
 
 /// Planes that the light sees under an angle whose sine is less than this cover nothing: the
 /// exact test may then go either way.
@@ -41,15 +41,10 @@ fn range(n: DVec3, center: DVec2, half: DVec2) -> (f64, f64) {
 }
 
 impl FacingPlane {
-    /// The plane of an outline; `None` when it is seen too obliquely, or is no plane.
-    pub(super) fn of(
-        seen: &ProjectedBody,
-        margins: &Margins,
-        store: &mut Vec<DVec3>,
-    ) -> Option<Self> {
-        let balls = seen.balls.as_slice();
+    /// The plane of an outline of balls; `None` when it is seen too obliquely, or is no plane.
+    pub(super) fn of(balls: &[Ball], margins: &Margins, store: &mut Vec<DVec3>) -> Option<Self> {
         let [first, rest @ ..] = balls else { return None };
-        if !seen.is_outline || balls.len() < 3 {
+        if balls.len() < 3 {
             return None;
         }
         let (mut area, mut longest, mut farthest) = (DVec3::ZERO, 0.0_f64, 0.0_f64);
@@ -74,7 +69,7 @@ impl FacingPlane {
         }
         let is_flat = first.radius <= margins.position * 2.0;
         let start = store.len();
-        if !(is_flat && push_convex_edges(seen, area.dot(normal) < 0.0, store)) {
+        if !(is_flat && push_convex_edges(balls, area.dot(normal) < 0.0, store)) {
             store.truncate(start);
         }
         let edges = start as u32..store.len() as u32;
@@ -110,8 +105,7 @@ impl FacingPlane {
 
 /// Stores the planes through the light and the edges of a convex outline; false for any other
 /// outline.
-fn push_convex_edges(seen: &ProjectedBody, is_turned: bool, store: &mut Vec<DVec3>) -> bool {
-    let balls = seen.balls.as_slice();
+fn push_convex_edges(balls: &[Ball], is_turned: bool, store: &mut Vec<DVec3>) -> bool {
     let sign = if is_turned { -1.0 } else { 1.0 };
     balls.iter().zip(balls.iter().cycle().skip(1)).all(|(a, b)| {
         // the product of two long corners would cancel where they are near to each other

@@ -4,19 +4,18 @@
 //! What lies behind a primitive that hides the whole cell is left out first; a division is judged
 //! by what then remains.
 
-use glam::{DVec2, DVec3, dvec2};
+use glam::{DVec2, dvec2};
 use rayon::prelude::*;
 
 use crate::config;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
 use crate::occluders::light_buffer::cell_part::{OutlineClipper, SPOT_BITS};
-use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::occluders::light_buffer::face_tree::{
     COVERED, Cells, DIVIDED, Face, LEVEL_BITS, LONG, Record,
 };
 use crate::occluders::light_buffer::margins::Margins;
-use crate::occluders::light_buffer::projected::{Bodies, FaceCells};
+use crate::occluders::light_buffer::projected::FaceCells;
 use crate::params::ParamSpec;
 
 /// Subcells of a cell.
@@ -71,19 +70,8 @@ impl BufferConfig {
     }
 }
 
-/// The six faces around a light.
-pub(super) fn faces<S: Scalar>(
-    bodies: &Bodies,
-    light: DVec3,
-    config: &BufferConfig,
-    margins: &Margins,
-    out: &mut Cells<S>,
-) -> [Face<S>; FACES] {
-    FaceCells::around(bodies, light, margins).map(|shown| fill_face(&shown, config, margins, out))
-}
-
 /// Makes the cells of a face.
-fn fill_face<S: Scalar>(
+pub(super) fn fill_face<S: Scalar>(
     shown: &FaceCells,
     config: &BufferConfig,
     margins: &Margins,
@@ -125,7 +113,12 @@ impl FillPlan<'_> {
         let side = 1u32 << self.bits;
         let lists = self.coarse_lists();
         let row = |y: u32| {
-            let mut filling = CellFiller::new(self);
+            let mut filling = CellFiller {
+                plan: self,
+                out: Cells::new(),
+                clip: OutlineClipper::default(),
+                entries: Vec::new(),
+            };
             let words: Vec<u32> = (0..side)
                 .map(|x| {
                     let c = ((y << self.bits) + x) as usize;
@@ -145,7 +138,7 @@ impl FillPlan<'_> {
                 let moved = out.append(cells);
                 let to = (first + (y << self.bits)) as usize;
                 for (cell, word) in out.cells[to..].iter_mut().zip(words) {
-                    *cell = moved.word(word);
+                    *cell = moved(word);
                 }
             }
         }
@@ -154,7 +147,7 @@ impl FillPlan<'_> {
     /// The numbers of the footprints in each cell of the coarse grid.
     fn coarse_lists(&self) -> CellLists {
         let cells = 1usize << (2 * self.bits);
-        let batches = 0..self.shown.batches().len();
+        let batches = 0..self.shown.batches.len();
         let pairs: Vec<Vec<(u32, u32)>> =
             batches.into_par_iter().map(|batch| self.coarse_pairs(batch)).collect();
         CellLists::of_pairs(cells, pairs.iter().flatten())
@@ -163,7 +156,7 @@ impl FillPlan<'_> {
     /// The cells of the coarse grid that show a batch's footprints, with the numbers of these.
     fn coarse_pairs(&self, batch: usize) -> Vec<(u32, u32)> {
         let mut pairs = Vec::new();
-        for i in 0..self.shown.batches()[batch].footprints.len() {
+        for i in 0..self.shown.batches[batch].footprints.len() {
             let number = FaceCells::number(batch, i);
             self.cells_of(number, [0, 0], self.shift, self.bits, |c| pairs.push((c, number)));
         }
@@ -180,8 +173,7 @@ impl FillPlan<'_> {
         bits: u32,
         mut emit: impl FnMut(u32),
     ) {
-        let print = self.shown.print(number);
-        let f = print.footprint;
+        let (f, batch) = self.shown.footprint(number);
         let (first, half) = self.rectangle(at, shift);
         let (cell, low) = (half * 2.0, first - half);
         // half a cell more on every side: the test below decides
@@ -191,7 +183,7 @@ impl FillPlan<'_> {
         for y in from.y as u32..=to.y as u32 {
             for x in from.x as u32..=to.x as u32 {
                 let center = first + dvec2(f64::from(x), f64::from(y)) * cell;
-                if f.overlaps(print.sides(), center, half) {
+                if f.overlaps(batch.sides_of(f), center, half) {
                     emit((y << bits) + x);
                 }
             }
@@ -206,8 +198,8 @@ impl FillPlan<'_> {
 
     /// A lower bound on the depth of a footprint within a cell.
     fn near(&self, number: u32, center: DVec2, half: DVec2) -> f64 {
-        let print = self.shown.print(number);
-        print.plane().map_or(0.0, |p| p.near(center, half)).max(print.footprint.near)
+        let (f, _) = self.shown.footprint(number);
+        f.plane.as_ref().map_or(0.0, |plane| plane.near(center, half)).max(f.near)
     }
 }
 
@@ -219,11 +211,7 @@ struct CellFiller<'a, S> {
     entries: Vec<(f64, u32)>,
 }
 
-impl<'a, S: Scalar> CellFiller<'a, S> {
-    fn new(plan: &'a FillPlan<'a>) -> Self {
-        Self { plan, out: Cells::new(), clip: OutlineClipper::default(), entries: Vec::new() }
-    }
-
+impl<S: Scalar> CellFiller<'_, S> {
     /// Leaves out of a cell's list what is hidden everywhere in it; says from which depth on
     /// everything is.
     fn prune(&self, list: &mut Vec<u32>, center: DVec2, half: DVec2) -> Option<f64> {
@@ -234,10 +222,10 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
         // directions that rounding brings into the cell are covered too
         let grown = half + margins.direction * 2.0;
         let far = |&i: &u32| {
-            let print = self.plan.shown.print(i);
+            let (f, batch) = self.plan.shown.footprint(i);
             // a little less: footprints end where the face does, cells may not
-            let plane = print.footprint.spans(center, half * 0.99).then(|| print.plane())??;
-            plane.covers(print.edges(plane), center, grown)
+            let plane = f.plane.as_ref().filter(|_| f.spans(center, half * 0.99))?;
+            plane.covers(batch.edges_of(plane), center, grown)
         };
         let far = list.iter().filter_map(far).min_by(f64::total_cmp)? * (1.0 + margins.depth);
         list.retain(|&i| self.plan.near(i, center, half) <= far);
@@ -322,9 +310,9 @@ impl<'a, S: Scalar> CellFiller<'a, S> {
             tally.references += self.entries.len() as u64;
             let spot = half * (2.0 / f64::from(1u32 << SPOT_BITS));
             for &(near, i) in &self.entries {
-                let print = plan.shown.print(i);
-                let f = print.footprint;
-                let part = self.clip.part([f.low, f.high], print.sides(), center - half, spot);
+                let (f, batch) = plan.shown.footprint(i);
+                let sides = batch.sides_of(f);
+                let part = self.clip.part([f.low, f.high], sides, center - half, spot);
                 records.push(Record { near: below(near), id: f.id, part });
             }
         }

@@ -10,6 +10,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3, dvec2};
 
+use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::Ball;
 
@@ -34,8 +35,8 @@ pub(super) struct Footprint {
     pub(super) sides: Range<u32>,
     /// A lower bound on the depth at which it is met.
     pub(super) near: f64,
-    /// Index of its plane in a store, for triangles and polygons seen well from the light.
-    pub(super) plane: Option<u32>,
+    /// The plane of a triangle or polygon that the light sees well.
+    pub(super) plane: Option<FacingPlane>,
 }
 
 /// A body as the light sees it: balls in the frame of a face, the light at the origin.
@@ -110,77 +111,68 @@ impl ProjectedBody {
         Some((tangent(lo, f64::NEG_INFINITY), tangent(hi, f64::INFINITY)))
     }
 
-    /// A lower bound on the depth of the body on any face: its distance on the axis where that is
-    /// largest.
-    fn least_depth(&self) -> f64 {
-        let (mut lo, mut hi) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for b in &self.balls {
-            lo = lo.min(b.center - b.radius);
-            hi = hi.max(b.center + b.radius);
-        }
-        lo.max(-hi).max_element().max(0.0)
-    }
-
-    /// Normals of the half-planes that are worth having, and which side of each is.
-    fn normals(&self, out: &mut Vec<DVec2>) {
-        out.clear();
+    /// Calls `each` with the normals of the half-planes that are worth having, and which side of
+    /// each is.
+    fn each_normal(&self, each: &mut dyn FnMut(DVec2)) {
         let edge = |a: &Ball, b: &Ball| a.center.cross(b.center).truncate().try_normalize();
         let n = self.balls.len();
         if self.is_outline && n <= MOST_EDGES {
             let next = |i: usize| &self.balls[(i + 1) % n];
             let edges = self.balls.iter().enumerate().filter_map(|(i, b)| edge(b, next(i)));
-            out.extend(edges);
+            edges.for_each(each);
         } else if let [a, b] = self.balls.as_slice()
             && let Some(across) = edge(a, b)
         {
-            out.extend([across, across.perp()]);
+            [across, across.perp()].into_iter().for_each(each);
         } else {
             let half = std::f64::consts::FRAC_1_SQRT_2;
-            out.extend([dvec2(half, half), dvec2(half, -half)]);
+            [dvec2(half, half), dvec2(half, -half)].into_iter().for_each(each);
         }
     }
-}
 
-/// Makes footprints on one face.
-pub(super) struct Projection<'a> {
-    /// Margins for rounding; those of positions are in the balls already.
-    pub(super) margins: &'a Margins,
-    pub(super) sides: &'a mut Vec<HalfPlane>,
-    pub(super) normals: &'a mut Vec<DVec2>,
-}
-
-impl Projection<'_> {
-    /// The footprint of a body, or `None` when the face does not show it.
-    pub(super) fn of(&mut self, id: u32, seen: &ProjectedBody) -> Option<Footprint> {
-        if seen.is_out_of_pyramid() {
+    /// Its footprint, which adds half-planes to `sides`, or `None` when the face does not show it.
+    /// `margins` are those for rounding; those of positions are in the balls already.
+    pub(super) fn footprint(
+        &self,
+        id: u32,
+        margins: &Margins,
+        sides: &mut Vec<HalfPlane>,
+    ) -> Option<Footprint> {
+        if self.is_out_of_pyramid() {
             return None;
         }
-        let pad = self.margins.direction;
+        let pad = margins.direction;
         let border = 1.0 + pad;
-        let (u, v) = (seen.bounds(DVec2::X)?, seen.bounds(DVec2::Y)?);
+        let (u, v) = (self.bounds(DVec2::X)?, self.bounds(DVec2::Y)?);
         let low = dvec2(u.0 - pad, v.0 - pad).max(DVec2::splat(-border));
         let high = dvec2(u.1 + pad, v.1 + pad).min(DVec2::splat(border));
         if low.x > high.x || low.y > high.y {
             return None;
         }
-        let first = self.sides.len() as u32;
-        let mut normals = std::mem::take(self.normals);
-        seen.normals(&mut normals);
-        for &normal in &normals {
-            let Some((lo, hi)) = seen.bounds(normal) else { continue };
+        let first = sides.len() as u32;
+        let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        self.each_normal(&mut |normal| {
+            let Some((lo, hi)) = self.bounds(normal) else { return };
             for (normal, limit) in [(normal, hi), (-normal, -lo)] {
                 let limit = limit + 2.0 * pad;
-                let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
                 // only what cuts something off the rectangle
                 if limit < normal.dot(center) + normal.abs().dot(half) {
-                    self.sides.push(HalfPlane { normal, limit });
+                    sides.push(HalfPlane { normal, limit });
                 }
             }
-        }
-        *self.normals = normals;
-        let sides = first..self.sides.len() as u32;
-        Some(Footprint { id, low, high, sides, near: seen.least_depth(), plane: None })
+        });
+        // on any face its depth is at least its distance on the axis where that is largest
+        let (lo, hi) = box_around(self.balls.iter().copied());
+        let near = lo.max(-hi).max_element().max(0.0);
+        Some(Footprint { id, low, high, sides: first..sides.len() as u32, near, plane: None })
     }
+}
+
+/// Lower and upper corner of a box around balls.
+pub(super) fn box_around(balls: impl Iterator<Item = Ball>) -> (DVec3, DVec3) {
+    balls.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), ball| {
+        (lo.min(ball.center - ball.radius), hi.max(ball.center + ball.radius))
+    })
 }
 
 impl Footprint {

@@ -30,16 +30,16 @@ mod tests;
 
 use glam::DVec3;
 
-use self::face_tree::{Cells, Cube, ID_LIMIT, INDEX_LIMIT};
-use self::filling::BufferConfig;
-use self::margins::{LightRays, Margins};
+use self::direction_cube::{Cube, Cubes, FACES};
+use self::face_tree::{Cells, ID_LIMIT, INDEX_LIMIT};
+use self::filling::{BufferConfig, fill_face};
+use self::margins::Margins;
 use self::on_demand::LazyBuffer;
-use self::projected::Bodies;
+use self::projected::{Bodies, FaceCells};
 use self::remainder::Remainder;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsRule;
 use crate::occluders::BoxedOccluder;
-use crate::occluders::light_buffer::direction_cube::FACES;
 use crate::params::config::Settings;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::registry::Buildable;
@@ -70,9 +70,8 @@ pub static INFO: StructureInfo = StructureInfo {
 /// A built light buffer with its primitives.
 struct LightBuffer<'a, S: Scalar, P> {
     prims: &'a P,
-    cubes: Vec<Cube<S>>,
+    cubes: Cubes<S>,
     cells: Cells<S>,
-    aim: LightRays<S>,
     /// Answers what the buffer does not.
     remainder: Remainder<'a, S, P>,
     is_batch: bool,
@@ -148,29 +147,28 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         settings: &Settings<BufferConfig>,
     ) -> Result<Self, BuildError> {
         let margins = checked(prims, lights, settings.structure())?;
-        let is_batch = settings.is_batch;
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
-        let mut cubes = Vec::with_capacity(lights.len());
+        let mut cubes = Cubes::new(prims, &margins);
         for &light in lights {
             let position = Vec3::<S>::from_dvec3(light);
             let before = cells.extent();
-            let faces =
-                filling::faces(&bodies, position.to_dvec3(), settings, &margins, &mut cells);
-            let needed = cells.largest_index();
+            let faces = FaceCells::around(&bodies, position.to_dvec3(), &margins)
+                .map(|shown| fill_face(&shown, settings, &margins, &mut cells));
+            let needed = cells.cells.len().max(cells.records.len()) as u128;
             is_below("number of cells or references", needed, INDEX_LIMIT, settings.structure())?;
             if cells.bytes() > settings.memory << 20 {
                 cells.cut(before);
                 break;
             }
-            cubes.push(Cube { position, faces });
+            cubes.all.push(Cube { position, faces });
         }
         cells.cells.shrink_to_fit();
         cells.records.shrink_to_fit();
         let remainder = Remainder::new(prims, any);
-        if cells.tally.long > 0 || cubes.len() < lights.len() {
+        if cells.tally.long > 0 || cubes.all.len() < lights.len() {
             remainder.make()?;
         }
-        Ok(Self { prims, cubes, cells, aim: LightRays::new(prims, &margins), remainder, is_batch })
+        Ok(Self { prims, cubes, cells, remainder, is_batch: settings.is_batch })
     }
 }

@@ -15,10 +15,10 @@ use glam::DVec3;
 use crate::geometry::ray::{MISS, Ray};
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::occluders::Occluder;
-use crate::occluders::light_buffer::direction_cube::in_frame;
-use crate::occluders::light_buffer::face_tree::{Cube, Face};
-use crate::occluders::light_buffer::footprint::{ProjectedBody, Projection};
-use crate::occluders::light_buffer::margins::{LightRays, Margins};
+use crate::occluders::light_buffer::direction_cube::{Cube, Cubes, in_frame};
+use crate::occluders::light_buffer::face_tree::Face;
+use crate::occluders::light_buffer::footprint::ProjectedBody;
+use crate::occluders::light_buffer::margins::Margins;
 use crate::occluders::light_buffer::remainder::Remainder;
 use crate::primitives::{Ball, PrimSet, PrimsRef};
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
@@ -29,10 +29,9 @@ use crate::structure::{BuildError, StructureStats};
 pub(super) struct LazyBuffer<'a, S: Scalar, P> {
     prims: &'a P,
     /// The faces of each are flat grids over what shows the scene.
-    cubes: Vec<Cube<S>>,
+    cubes: Cubes<S>,
     /// The last occluder found in each cell, or [`MISS`].
     cells: Vec<AtomicU32>,
-    aim: LightRays<S>,
     remainder: Remainder<'a, S, P>,
 }
 
@@ -66,17 +65,17 @@ impl<'a, S: Buildable, P: PrimSet<S>> LazyBuffer<'a, S, P> {
             });
             Cube { position, faces }
         };
-        let cubes: Vec<Cube<S>> = lights.iter().map(cube).collect();
+        let mut cubes = Cubes::new(prims, margins);
+        cubes.all.extend(lights.iter().map(cube));
         let cells = (0..count).map(|_| AtomicU32::new(MISS)).collect();
-        Ok(Self { prims, cubes, cells, aim: LightRays::new(prims, margins), remainder })
+        Ok(Self { prims, cubes, cells, remainder })
     }
 
     /// The cell of a ray: `Err` for one that the buffer does not speak for, `None` where no
     /// primitive is seen.
     fn cell(&self, ray: &Ray<S>, light: u32) -> Result<Option<usize>, ()> {
-        let cube = self.cubes.get(light as usize).ok_or(())?;
-        let place = self.aim.place(ray, cube.position).ok_or(())?;
-        Ok(cube.faces.get(place.face).ok_or(())?.index(place.at))
+        let (place, face) = self.cubes.place(ray, light).ok_or(())?;
+        Ok(face.index(place.at))
     }
 
     fn is_blocked_by<C: Counters>(&self, ray: &Ray<S>, id: u32, counters: &mut C) -> bool {
@@ -102,9 +101,7 @@ fn scene_on_face(
         Ball { center, radius: margins.position }
     };
     let seen = ProjectedBody { balls: (0..8).map(corner).collect(), is_outline: false };
-    let (mut sides, mut normals) = (Vec::new(), Vec::new());
-    let mut projection = Projection { margins, sides: &mut sides, normals: &mut normals };
-    projection.of(0, &seen).map(|f| (f.low, f.high))
+    seen.footprint(0, margins, &mut Vec::new()).map(|f| (f.low, f.high))
 }
 
 impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LazyBuffer<'_, S, P> {
@@ -162,7 +159,7 @@ impl<S: Buildable, P: PrimSet<S>> Occluder<S> for LazyBuffer<'_, S, P> {
 
     fn stats(&self) -> StructureStats {
         let filled = self.cells.iter().filter(|c| c.load(Ordering::Relaxed) != MISS).count();
-        let bytes = size_of_val(self.cells.as_slice()) + size_of_val(self.cubes.as_slice());
+        let bytes = size_of_val(self.cells.as_slice()) + size_of_val(self.cubes.all.as_slice());
         StructureStats {
             cells: self.cells.len() as u64,
             empty_cells: (self.cells.len() - filled) as u64,

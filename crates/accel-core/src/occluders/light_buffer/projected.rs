@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::geometry::scalar::Scalar;
 use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::facing::FacingPlane;
-use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedBody, Projection};
+use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedBody, box_around};
 use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
@@ -61,39 +61,27 @@ const BATCH_BITS: u32 = 12;
 pub(super) struct Batch {
     /// One for each primitive that is seen.
     pub(super) footprints: Vec<Footprint>,
-    pub(super) sides: Vec<HalfPlane>,
-    pub(super) planes: Vec<FacingPlane>,
-    /// The planes through the light and the edges of those.
-    pub(super) edges: Vec<DVec3>,
+    sides: Vec<HalfPlane>,
+    /// The planes through the light and the edges of outlines.
+    edges: Vec<DVec3>,
 }
 
-/// A footprint with what it refers to.
-#[derive(Clone, Copy)]
-pub(super) struct Print<'a> {
-    pub(super) footprint: &'a Footprint,
-    batch: &'a Batch,
-}
-
-impl<'a> Print<'a> {
-    pub(super) fn sides(self) -> &'a [HalfPlane] {
-        let own = &self.footprint.sides;
-        &self.batch.sides[own.start as usize..own.end as usize]
+impl Batch {
+    /// The half-planes of a footprint.
+    pub(super) fn sides_of(&self, own: &Footprint) -> &[HalfPlane] {
+        &self.sides[own.sides.start as usize..own.sides.end as usize]
     }
 
-    pub(super) fn plane(self) -> Option<&'a FacingPlane> {
-        self.batch.planes.get(self.footprint.plane? as usize)
-    }
-
-    /// The planes of its edges.
-    pub(super) fn edges(self, plane: &FacingPlane) -> &'a [DVec3] {
-        &self.batch.edges[plane.edges.start as usize..plane.edges.end as usize]
+    /// The planes of the edges of a footprint's plane.
+    pub(super) fn edges_of(&self, own: &FacingPlane) -> &[DVec3] {
+        &self.edges[own.edges.start as usize..own.edges.end as usize]
     }
 }
 
 /// All that a face shows.
 #[derive(Debug, Default)]
 pub(super) struct FaceCells {
-    batches: Vec<Batch>,
+    pub(super) batches: Vec<Batch>,
 }
 
 impl FaceCells {
@@ -110,10 +98,6 @@ impl FaceCells {
         shown
     }
 
-    pub(super) fn batches(&self) -> &[Batch] {
-        &self.batches
-    }
-
     pub(super) fn footprints(&self) -> impl Iterator<Item = &Footprint> {
         self.batches.iter().flat_map(|s| &s.footprints)
     }
@@ -123,69 +107,45 @@ impl FaceCells {
         (batch as u32) << BATCH_BITS | footprint as u32
     }
 
-    /// The footprint of that number.
+    /// The footprint of that number, and its batch.
     #[inline(always)]
-    pub(super) fn print(&self, number: u32) -> Print<'_> {
+    pub(super) fn footprint(&self, number: u32) -> (&Footprint, &Batch) {
         let batch = &self.batches[(number >> BATCH_BITS) as usize];
-        Print { footprint: &batch.footprints[number as usize & (BATCH - 1)], batch }
+        (&batch.footprints[number as usize & (BATCH - 1)], batch)
     }
 }
 
 /// Footprints of [`BATCH`] bodies on all faces.
 fn batches(bodies: &Bodies, light: DVec3, first: usize, margins: &Margins) -> [Batch; FACES] {
     let mut out: [Batch; FACES] = std::array::from_fn(|_| Batch::default());
-    let (mut seen, mut normals) = (ProjectedBody::default(), Vec::new());
+    let mut seen = ProjectedBody::default();
     let run = bodies.bodies.iter().enumerate().skip(first).take(BATCH);
     for (i, body) in run {
         let own = bodies.own(i);
-        let extent = Extent::of(own, light);
+        let (low, high) = box_around(own.iter().map(|b| Ball { center: b.center - light, ..*b }));
         for (face, batch) in out.iter_mut().enumerate() {
-            if !extent.may_show(face) {
+            if !may_show(face, low, high) {
                 continue;
             }
             seen.balls.clear();
             let local = |b: &Ball| Ball { center: in_frame(face, b.center - light), ..*b };
             seen.balls.extend(own.iter().map(local));
             seen.is_outline = body.is_outline;
-            let mut projection =
-                Projection { margins, sides: &mut batch.sides, normals: &mut normals };
-            let Some(mut footprint) = projection.of(body.id, &seen) else { continue };
-            if let Some(plane) = FacingPlane::of(&seen, margins, &mut batch.edges) {
-                footprint.plane = Some(batch.planes.len() as u32);
-                batch.planes.push(plane);
+            if let Some(mut footprint) = seen.footprint(body.id, margins, &mut batch.sides) {
+                if seen.is_outline {
+                    footprint.plane = FacingPlane::of(&seen.balls, margins, &mut batch.edges);
+                }
+                batch.footprints.push(footprint);
             }
-            batch.footprints.push(footprint);
         }
     }
     out
 }
 
-/// Bounds of a body around the light: most faces are told from these not to show it.
-struct Extent {
-    low: DVec3,
-    high: DVec3,
-}
-
-impl Extent {
-    fn of(balls: &[Ball], light: DVec3) -> Self {
-        let mut this = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
-        for ball in balls {
-            let center = ball.center - light;
-            // what is beyond a side of the pyramid is so by a radius times the root of 2
-            this.low = this.low.min(center - ball.radius);
-            this.high = this.high.max(center + ball.radius);
-        }
-        this
-    }
-
-    /// False only for a face that shows nothing of it.
-    fn may_show(&self, face: usize) -> bool {
-        let (a, b) = (in_frame(face, self.low), in_frame(face, self.high));
-        let (low, high) = (a.min(b), a.max(b));
-        high.z >= 0.0
-            && low.x <= high.z
-            && low.y <= high.z
-            && -high.x <= high.z
-            && -high.y <= high.z
-    }
+/// False only for a face that shows nothing of what lies in this box around the light. What is
+/// beyond a side of the face's pyramid is so by a radius times the root of 2.
+fn may_show(face: usize, low: DVec3, high: DVec3) -> bool {
+    let (a, b) = (in_frame(face, low), in_frame(face, high));
+    let (low, high) = (a.min(b), a.max(b));
+    high.z >= 0.0 && low.x <= high.z && low.y <= high.z && -high.x <= high.z && -high.y <= high.z
 }

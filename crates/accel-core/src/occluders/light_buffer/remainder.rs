@@ -6,10 +6,9 @@ use std::sync::OnceLock;
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
-use crate::primitives::PrimSet;
-use crate::primitives::PrimsRef;
+use crate::primitives::{PrimSet, PrimsRef};
+use crate::query::batch::each_near;
 use crate::query::counters::WorkCounters;
-use crate::query::tracer::nearby::each_near;
 use crate::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use crate::registry::Buildable;
 use crate::structure::BuildError;
@@ -51,10 +50,9 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
     #[cold]
     #[inline(never)]
     pub(super) fn is_blocked(&self, ray: &Ray<S>) -> bool {
-        let Some(tracer) = self.tracer() else { return self.tested_all(ray) };
         let mut blocked = [false];
-        tracer.occlusions(std::slice::from_ref(ray), &mut blocked);
-        blocked == [true]
+        self.occlusions(std::slice::from_ref(ray), &mut blocked);
+        blocked[0]
     }
 
     /// Writes whether the rays at these places are blocked.
@@ -64,29 +62,35 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
         }
         let some: Vec<Ray<S>> = places.iter().map(|&i| rays[i as usize]).collect();
         let mut answers = vec![false; some.len()];
-        match self.tracer() {
-            Some(tracer) => tracer.occlusions(&some, &mut answers),
-            None => {
-                for (answer, ray) in answers.iter_mut().zip(&some) {
-                    *answer = self.tested_all(ray);
-                }
-            }
-        }
+        self.occlusions(&some, &mut answers);
         for (&i, answer) in places.iter().zip(answers) {
             blocked[i as usize] = answer;
         }
     }
 
-    /// The same, counting the work.
+    /// Returns whether the ray is blocked, counting the work.
     pub(super) fn count_blocked(&self, ray: &Ray<S>, work: &mut WorkCounters) -> bool {
         let Some(tracer) = self.tracer() else {
             work.intersection_tests += self.prims.len() as u64;
-            return self.tested_all(ray);
+            return self.is_blocked(ray);
         };
         let mut answers = [ShadowCount::default()];
         let rays = std::slice::from_ref(ray);
         *work += tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-        answers.iter().all(|a| a.blocked)
+        answers[0].blocked
+    }
+
+    fn occlusions(&self, rays: &[Ray<S>], blocked: &mut [bool]) {
+        if let Some(tracer) = self.tracer() {
+            return tracer.occlusions(rays, blocked);
+        }
+        each_near(self.reach, rays, blocked, |ray| {
+            let setup = self.prims.setup(ray);
+            (0..self.prims.len() as u32).any(|id| {
+                self.prims.is_opaque(id)
+                    && self.prims.intersect(id, ray, &setup, ray.t_max).is_some()
+            })
+        });
     }
 
     /// A primitive that blocks the ray: the closest hit, if that is opaque.
@@ -98,19 +102,6 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
 
     fn tracer(&self) -> Option<&(dyn Tracer<S> + 'a)> {
         self.made.get_or_init(|| structure(self.any).unwrap_or(None)).as_deref()
-    }
-
-    /// As a structure would answer, from all primitives.
-    fn tested_all(&self, ray: &Ray<S>) -> bool {
-        let mut blocked = [false];
-        each_near(self.reach, std::slice::from_ref(ray), &mut blocked, |ray| {
-            let setup = self.prims.setup(ray);
-            (0..self.prims.len() as u32).any(|id| {
-                self.prims.is_opaque(id)
-                    && self.prims.intersect(id, ray, &setup, ray.t_max).is_some()
-            })
-        });
-        blocked[0]
     }
 }
 

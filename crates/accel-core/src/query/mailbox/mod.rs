@@ -25,11 +25,9 @@
 //!
 //! The historical shadow ray of 1999 has no mailbox but its own memory for glass.
 
-mod slots;
 mod stamps;
 
-pub use slots::Slots;
-pub use stamps::{Mailbox, MailboxSource, NoMailbox, Stamp, Stamps};
+pub use stamps::{Mailbox, MailboxSource, NoMailbox, Slots, Stamp, Stamps};
 
 use std::cell::RefCell;
 use std::sync::{Mutex, PoisonError};

@@ -1,7 +1,9 @@
-//! The mailbox interface, the mailbox that remembers nothing, and a stamp for every primitive: the
-//! number of the ray that tested it last.
+//! The mailbox interface; the mailbox that remembers nothing; a stamp for every primitive, the number
+//! of the ray that tested it last; and a small table for each ray.
 //!
-//! Paper: B. Arnaldi, T. Priol, K. Bouatouch 1987 (see `mod.rs`).
+//! Papers: B. Arnaldi, T. Priol, K. Bouatouch 1987 (stamps), C. Benthin 2006 (slots; see `mod.rs`).
+//! Deviations: slots are chosen by a multiplicative hash; they are not cleared for a ray but carry
+//! its number.
 
 /// Remembers what one ray has been tested against.
 pub trait Mailbox {
@@ -136,7 +138,7 @@ impl<I: Stamp> Mailbox for &mut Stamps<I> {
 
 /// Puts a letter into a slot, if there is one; false where it is there already.
 #[inline(always)]
-pub(super) fn is_changed<T: PartialEq>(slot: Option<&mut T>, letter: T) -> bool {
+fn is_changed<T: PartialEq>(slot: Option<&mut T>, letter: T) -> bool {
     match slot {
         Some(slot) if *slot == letter => false,
         Some(slot) => {
@@ -153,6 +155,45 @@ impl<I: Stamp> MailboxSource for Stamps<I> {
     #[inline(always)]
     fn next_ray(&mut self) -> &mut Self {
         self.ray = self.ray.of_next_ray(|| self.stamps.fill(I::default()));
+        self
+    }
+}
+
+/// A table whose slots hold the last primitive of those that fall into each.
+#[derive(Debug, Clone)]
+pub struct Slots<I> {
+    slots: Vec<(I, u32)>,
+    /// 32 minus the logarithm of their number.
+    shift: u32,
+    ray: I,
+}
+
+impl<I: Stamp> Slots<I> {
+    /// At least that many slots, a power of two.
+    pub fn new(slots: usize) -> Self {
+        let slots = slots.clamp(1, 1 << 20).next_power_of_two();
+        let shift = 32 - slots.trailing_zeros();
+        Self { slots: vec![(I::default(), 0); slots], shift, ray: I::default() }
+    }
+}
+
+impl<I: Stamp> Mailbox for &mut Slots<I> {
+    const ENABLED: bool = true;
+
+    #[inline(always)]
+    fn is_new(&mut self, id: u32) -> bool {
+        let hash = u64::from(id.wrapping_mul(0x9E37_79B9));
+        let letter = (self.ray, id);
+        is_changed(self.slots.get_mut((hash >> self.shift) as usize), letter)
+    }
+}
+
+impl<I: Stamp> MailboxSource for Slots<I> {
+    type Mailbox<'r> = &'r mut Self;
+
+    #[inline(always)]
+    fn next_ray(&mut self) -> &mut Self {
+        self.ray = self.ray.of_next_ray(|| self.slots.fill((I::default(), 0)));
         self
     }
 }

@@ -2,13 +2,12 @@
 //! and query, but for tests that are called anyway; what counts traverses with one [`ErasedSink`].
 
 use super::erased::ErasedTracer;
-use super::nearby::each_near;
 use super::{KeptStructure, Parts, ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
-use crate::query::batch::{self, PlainStructure, RayByRay};
+use crate::query::batch::{self, PlainStructure, RayByRay, each_near};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{Counters, NoCounters, WorkCounters};
 use crate::query::kernel::ListBlocks;
@@ -170,7 +169,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     ) -> WorkCounters {
         let batches = self.parts.structure.batches(self.prims, None);
         if !COMPILED || batches != Batches::Packets || rule != ShadowRule::OpaqueBlocks {
-            return self.erased().all_occlusions(rays, rule, answers, &self.mailbox);
+            return self.erased().occlusions(rays, rule, answers, &self.mailbox);
         }
         let n = rays.len().min(answers.len());
         let mut blocked: Vec<bool> = answers[..n].iter().map(|answer| answer.blocked).collect();
@@ -191,7 +190,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.erased().trace_of(ray, &self.mailbox))
+        Ok(self.erased().trace(ray, &self.mailbox))
     }
 
     fn released(self: Box<Self>) -> Option<KeptStructure> {

@@ -2,12 +2,12 @@
 //! timed ones of queries that are not compiled into the traversal, as in most sets that move, and in
 //! f64 of most structures.
 
-use super::nearby::{each_near, rebase_origin};
 use super::{ShadowCount, ShadowRule, Traversals};
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::historical::shadow_sink::{HistoricalCellShadow, HistoricalShadow};
 use crate::primitives::PrimSet;
+use crate::query::batch::{each_near, rebase_origin};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::kernel::BlockSink;
 use crate::query::mailbox::{AnyMailbox, Mailbox, MailboxSource, NoMailbox, Setting};
@@ -34,22 +34,6 @@ impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
         mailbox.with(|mailbox| self.closest_hits(rays, hits, mailbox))
     }
 
-    /// [`ErasedTracer::occlusions`] with the mailbox of the settings.
-    pub fn all_occlusions(
-        &self,
-        rays: &[Ray<S>],
-        rule: ShadowRule,
-        answers: &mut [ShadowCount],
-        mailbox: &Setting,
-    ) -> WorkCounters {
-        mailbox.with(|mailbox| self.occlusions(rays, rule, answers, mailbox))
-    }
-
-    /// [`ErasedTracer::trace`] with the mailbox of the settings.
-    pub fn trace_of(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
-        mailbox.with(|mailbox| self.trace(ray, mailbox))
-    }
-
     /// The closest hit of every ray.
     pub fn closest_hits<B: MailboxSource>(
         &self,
@@ -74,36 +58,39 @@ impl<S: Scalar, P: PrimSet<S>> ErasedTracer<'_, S, P> {
     }
 
     /// The closest hit of a ray, and the trace to it.
-    fn trace<B: MailboxSource>(&self, ray: &Ray<S>, mut mailboxes: B) -> TraversalTrace<S> {
+    pub fn trace(&self, ray: &Ray<S>, mailbox: &Setting) -> TraversalTrace<S> {
         let (mut hits, mut steps, mut total) = ([Hit::NONE], Vec::new(), WorkCounters::default());
-        each_near(self.reach, std::slice::from_ref(ray), &mut hits, |ray| {
-            let mailbox = mailboxes.next_ray();
-            let query = ClosestHit::with_mailbox(self.prims, ray, mailbox);
-            let mut recorder = Recorder { query, steps: Vec::new() };
-            self.structure.counted(ray, ErasedSink::new(&mut recorder));
-            (steps, total) = (recorder.steps, recorder.query.counters);
-            recorder.query.answer
+        mailbox.with(|mut mailboxes| {
+            each_near(self.reach, std::slice::from_ref(ray), &mut hits, |ray| {
+                let query = ClosestHit::with_mailbox(self.prims, ray, mailboxes.next_ray());
+                let mut recorder = Recorder { query, steps: Vec::new() };
+                self.structure.counted(ray, ErasedSink::new(&mut recorder));
+                (steps, total) = (recorder.steps, recorder.query.counters);
+                recorder.query.answer
+            });
         });
         TraversalTrace { steps, hit: hits[0], counters: total }
     }
 
     /// Finds the occlusions of each shadow ray.
-    fn occlusions(
+    pub fn occlusions(
         &self,
         rays: &[Ray<S>],
         rule: ShadowRule,
         answers: &mut [ShadowCount],
-        mut mailbox: AnyMailbox,
+        mailbox: &Setting,
     ) -> WorkCounters {
         let mut total = WorkCounters::default();
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = ShadowCount::default();
-            if let Some((near, _)) = rebase_origin(ray, self.reach, &mut None) {
-                let counters;
-                (*answer, counters) = self.shadow(near, rule, &mut mailbox);
-                total += counters;
+        mailbox.with(|mut mailbox| {
+            for (ray, answer) in rays.iter().zip(answers) {
+                *answer = ShadowCount::default();
+                if let Some((near, _)) = rebase_origin(ray, self.reach, &mut None) {
+                    let counters;
+                    (*answer, counters) = self.shadow(near, rule, &mut mailbox);
+                    total += counters;
+                }
             }
-        }
+        });
         total
     }
 

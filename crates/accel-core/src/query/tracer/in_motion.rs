@@ -7,12 +7,12 @@
 //! rest are traced by [`Bound`](super::Bound) as ever.
 
 use super::erased::ErasedTracer;
-use super::nearby::each_near;
 use super::{ShadowCount, ShadowRule, Tracer};
 use crate::geometry::far_ray;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::primitives::PrimSet;
+use crate::query::batch::each_near;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{NoCounters, WorkCounters};
 use crate::query::mailbox::Setting;
@@ -82,7 +82,7 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
         rule: ShadowRule,
         answers: &mut [ShadowCount],
     ) -> WorkCounters {
-        self.erased().all_occlusions(rays, rule, answers, &self.mailbox)
+        self.erased().occlusions(rays, rule, answers, &self.mailbox)
     }
 
     fn stats(&self) -> StructureStats {
@@ -96,6 +96,6 @@ impl<S: Scalar, P: PrimSet<S>, T: Structure<S>, const COMPILED: bool> Tracer<S>
     }
 
     fn trace(&self, ray: &Ray<S>) -> Result<TraversalTrace<S>, NoCells> {
-        Ok(self.erased().trace_of(ray, &self.mailbox))
+        Ok(self.erased().trace(ray, &self.mailbox))
     }
 }

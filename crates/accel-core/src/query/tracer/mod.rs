@@ -18,7 +18,6 @@ use crate::update::{Change, ChangedLists};
 mod bound;
 mod erased;
 mod in_motion;
-pub(crate) mod nearby;
 pub(crate) mod tested;
 
 pub use bound::Bound;

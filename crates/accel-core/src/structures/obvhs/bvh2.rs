@@ -2,7 +2,7 @@
 //!
 //! Papers: D. Meister, J. Bittner, "Parallel Locally-Ordered Clustering for Bounding Volume
 //! Hierarchy Construction", TVCG 2018, and "Parallel Reinsertion for Bounding Volume Hierarchy
-//! Optimization", 2018, as implemented by obvhs 0.4. See `direct.rs`, and `adapter.rs` for its
+//! Optimization", 2018, as implemented by obvhs 0.4. See `direct.rs`, and `mod.rs` for its
 //! defects.
 
 use std::marker::PhantomData;
@@ -17,9 +17,9 @@ use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
-use crate::structures::obvhs::adapter::{DEVIATIONS, DIRECT_DEFECT, PRESET};
 use crate::structures::obvhs::builder;
 use crate::structures::obvhs::direct::{self, DirectQueries, direct_batches};
+use crate::structures::obvhs::{DEVIATIONS, DIRECT_DEFECT, PRESET};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
 use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::bvh2::Bvh2;

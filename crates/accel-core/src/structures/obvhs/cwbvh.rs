@@ -3,7 +3,7 @@
 //! Paper: H. Ylitie, T. Karras, S. Laine, "Efficient Incoherent Ray Traversal on GPUs Through
 //! Compressed Wide BVHs", HPG 2017, as implemented by obvhs 0.4. By its plain name it is the
 //! library as its authors use it (`direct.rs`); with `adapter=robust` its answers are right: see
-//! `adapter.rs`, and `builder.rs` for scenes that its builder does not serve.
+//! `mod.rs`, and `builder.rs` for scenes that its builder does not serve.
 
 use std::ops::ControlFlow;
 
@@ -25,10 +25,10 @@ use crate::primitives::{PrimSet, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
-use crate::structures::obvhs::adapter::{ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET};
 use crate::structures::obvhs::builder::{self, DepthError};
 use crate::structures::obvhs::direct::{self, DirectQueries, direct_batches};
 use crate::structures::obvhs::leaf_blocks;
+use crate::structures::obvhs::{ADAPTER, DEVIATIONS, DIRECT_DEFECT, KERNEL, PRESET};
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Ylitie, Karras, Laine 2017; obvhs 0.4",

@@ -6,7 +6,8 @@
 
 use accel_core::primitives::{PrimSet, PrimitiveKind, PrimsRef};
 use accel_core::variants::chosen_tests::{
-    Choice, SphereChoice, TestedSetVisitor, TriangleChoice, visit_tested,
+    Choice, SPHERE_TESTS, SphereChoice, TRIANGLE_TESTS, TestedSetVisitor, TriangleChoice,
+    visit_tested,
 };
 use accel_core::{Ray, Vector};
 use glam::DVec3;
@@ -38,16 +39,6 @@ fn serves(prepared: &PreparedScene, subject: &str) -> bool {
     let is_one_by_one = subject.ends_with("kernel=scalar");
     is_one_by_one || matches!(prepared.geometry.prims(), PrimsRef::Watertight(_))
 }
-
-/// Values of the setting, and the test each is.
-const TRIANGLE_TESTS: [(&str, TriangleChoice); 6] = [
-    ("moeller-trumbore", TriangleChoice::MoellerTrumbore),
-    ("moeller-trumbore-epsilon", TriangleChoice::Tolerant),
-    ("pluecker", TriangleChoice::Pluecker),
-    ("watertight", TriangleChoice::Watertight),
-    ("watertight-fallback", TriangleChoice::Fallback),
-    ("f64", TriangleChoice::Double),
-];
 
 fn test_triangles(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError> {
     let prims = stage.prepared.geometry.prims();
@@ -97,12 +88,6 @@ pub static SPHERES: Axis = Axis {
     setting: "STRUCTURE.sphere-test",
     measure: Measure::Whole(test_spheres),
 };
-
-const SPHERE_TESTS: [(&str, SphereChoice); 3] = [
-    ("naive", SphereChoice::Naive),
-    ("rearranged", SphereChoice::Rearranged),
-    ("f64", SphereChoice::Double),
-];
 
 fn test_spheres(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     if !stage.scene().spheres.is_empty() {
