@@ -15,7 +15,6 @@
 
 pub mod abi;
 pub mod description;
-pub mod error;
 pub mod files;
 pub mod instance;
 pub mod library;
@@ -23,8 +22,6 @@ pub mod library;
 mod memory_watch;
 mod near_rays;
 mod plugin;
-#[cfg_attr(not(unix), allow(dead_code))]
-mod process;
 mod registry;
 #[cfg_attr(not(unix), path = "no_remote.rs")]
 mod remote;
@@ -37,6 +34,6 @@ mod tracer;
 #[cfg_attr(not(unix), allow(dead_code))]
 mod wire;
 
-pub use error::PluginError;
+pub use library::PluginError;
 pub use registry::{Options, entry};
 pub use serve::serve;

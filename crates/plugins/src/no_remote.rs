@@ -5,8 +5,8 @@ use accel_core::{Hit, Ray};
 
 use crate::description::Description;
 use crate::instance::{PluginScalar, Stats};
-use crate::process::{BuildReply, Launch, Order};
 use crate::stopwatch::CallTime;
+use crate::wire::{BuildReply, Launch, Order};
 
 pub(crate) enum Remote {}
 

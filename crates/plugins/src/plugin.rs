@@ -8,8 +8,8 @@ use accel_core::structure::StructureInfo;
 
 use crate::description::Description;
 use crate::library::Library;
-use crate::process::Launch;
 use crate::remote::Remote;
+use crate::wire::Launch;
 
 /// A plugin of this process.
 pub(crate) struct Plugin {

@@ -15,13 +15,12 @@ use accel_core::structure::{BuildError, StructureInfo, no_defect};
 use accel_core::structures::{COMMON, Entry, PreparedStructure};
 
 use crate::description::{Description, leak};
-use crate::error::PluginError;
 use crate::instance::PluginScalar;
-use crate::library::Library;
+use crate::library::{Library, PluginError};
 use crate::plugin::Plugin;
-use crate::process::Launch;
 use crate::remote::Remote;
 use crate::tracer::PluginTracer;
+use crate::wire::Launch;
 
 /// Settings for running plugins.
 #[derive(Debug, Clone)]

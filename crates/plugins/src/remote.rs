@@ -18,10 +18,9 @@ use crate::abi;
 use crate::description::Description;
 use crate::instance::{PluginScalar, Query, Stats};
 use crate::memory_watch::MemoryWatch;
-use crate::process::{BuildReply, Launch, Order};
 use crate::shared::{SharedSegment, folder};
 use crate::stopwatch::CallTime;
-use crate::wire::{Reply, Request, SegmentContent, receive, send};
+use crate::wire::{BuildReply, Launch, Order, Reply, Request, SegmentContent, receive, send};
 
 /// Time limit for the start of a process.
 const START: Duration = Duration::from_secs(20);

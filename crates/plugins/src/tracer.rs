@@ -14,9 +14,9 @@ use crate::abi;
 use crate::instance::{Instance, PluginScalar, Stats};
 use crate::near_rays::NearRays;
 use crate::plugin::Plugin;
-use crate::process::{BuildReply, Order};
 use crate::remote::Remote;
 use crate::stopwatch::CallTime;
+use crate::wire::{BuildReply, Order};
 
 /// Where a structure is.
 enum Host<'a, S: PluginScalar> {

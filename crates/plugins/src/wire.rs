@@ -1,8 +1,10 @@
-//! Protocol between parent and child: requests and replies alternate, one line of JSON each.
-//! Triangles, rays and answers are in shared memory.
+//! What a process of a plugin is started with and asked for, and the protocol between parent and
+//! child: requests and replies alternate, one line of JSON each. Triangles, rays and answers are in
+//! shared memory.
 
 use std::io::{self, BufRead, Write};
 use std::path::PathBuf;
+use std::time::Duration;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -10,6 +12,35 @@ use serde::{Deserialize, Serialize};
 use crate::description::Description;
 use crate::instance::{Query, Stats};
 use crate::stopwatch::CallTime;
+
+/// Settings for starting processes.
+#[derive(Debug, Clone)]
+pub struct Launch {
+    pub program: PathBuf,
+    pub file: PathBuf,
+    /// Longest time of a build, and of a call that answers rays.
+    pub limit: Duration,
+    /// A row whose process ended gets a new one.
+    pub restarts: bool,
+}
+
+pub(crate) struct Order<'a> {
+    /// A value for each setting, in their order.
+    pub(crate) values: &'a [String],
+    /// Threads that build and trace.
+    pub(crate) threads: usize,
+    /// Most bytes of the structure.
+    pub(crate) most_bytes: Option<u64>,
+}
+
+/// Result of a build.
+pub(crate) enum BuildReply {
+    /// It took so many seconds.
+    Built(f64),
+    Refused(String),
+    /// It took so many bytes at least, more than it may; its process was ended.
+    TooLarge(u64),
+}
 
 /// Content of a segment of shared memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,7 +1,7 @@
 //! Markup that is always well-formed: elements close in the order in which they were opened, and
 //! all text is escaped. What comes out is HTML that an XML parser reads, too.
 
-use crate::svg_plot::xml::escaped;
+use crate::outside::is_hidden;
 
 pub type Attribute<'a> = (&'a str, &'a str);
 
@@ -119,6 +119,25 @@ impl Html {
     }
 }
 
+/// Text that may stand in an element or an attribute; what XML 1.0 cannot hold is replaced.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\'' => out.push_str("&apos;"),
+            '\t' | '\n' | '\r' => out.push(' '),
+            '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
+            c if is_hidden(c) => out.push(char::REPLACEMENT_CHARACTER),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,5 +164,11 @@ mod tests {
         let mut html = Html::default();
         html.list(Vec::new());
         assert_eq!(html.finish(), "");
+    }
+
+    #[test]
+    fn markup_and_control_characters() {
+        assert_eq!(escaped("a<b>&\"'"), "a&lt;b&gt;&amp;&quot;&apos;");
+        assert_eq!(escaped("é\n\u{7}"), "é \u{fffd}");
     }
 }

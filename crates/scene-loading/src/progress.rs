@@ -25,6 +25,13 @@ pub(crate) fn at(done: usize) {
     DONE.store(done as u64, Relaxed);
 }
 
+/// One more of many is done, the `i`-th; told once for 65,536 of them.
+pub(crate) fn step(i: usize) {
+    if i.is_multiple_of(1 << 16) {
+        at(i);
+    }
+}
+
 /// The stage is over.
 pub(crate) fn end() {
     begin(0);

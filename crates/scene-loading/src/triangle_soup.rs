@@ -20,9 +20,6 @@ const CORNER: usize = 16;
 /// Bytes of a triangle.
 const TRIANGLE: usize = 3 * CORNER;
 
-/// Progress is told once for so many triangles.
-const TOLD_EVERY: usize = 1 << 16;
-
 /// Parses such a file. `path` gives the scene its name and appears in errors, with the byte. Scenes
 /// have no lights, one material, and a camera that frames them.
 ///
@@ -47,9 +44,7 @@ pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError
     let (mut welder, mut counts) = (Welder::default(), FaceCounts::default());
     progress::begin(count);
     for (i, record) in data.chunks_exact(TRIANGLE).enumerate() {
-        if i % TOLD_EVERY == 0 {
-            progress::at(i);
-        }
+        progress::step(i);
         let at = 4 + i * TRIANGLE;
         let place = || FilePlace::byte(path, at);
         let size = scene.vertices.len().max(scene.primitives.len()) + 3;

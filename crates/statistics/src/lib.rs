@@ -16,7 +16,6 @@
 
 pub mod change_points;
 pub mod estimate;
-pub mod holm;
 pub mod mann_whitney;
 pub mod normal;
 pub mod outliers;
@@ -25,5 +24,4 @@ pub mod product_of_medians;
 pub mod random;
 pub mod ratio_of_medians;
 pub mod series;
-pub mod sign_test;
 pub mod verdict;

@@ -7,7 +7,6 @@
 
 mod heat_maps;
 mod item;
-mod raster;
 mod svg;
 
 pub use image::ImageError;
@@ -17,25 +16,6 @@ pub use heat_maps::{HeatMap, Panel, heat_maps};
 pub use item::{Color, Drawing, Item, Paint, color, wrapped};
 
 pub use crate::svg_plot::pen::{Font, PLAIN};
-
-impl Drawing {
-    /// As SVG.
-    ///
-    /// # Errors
-    /// [`image::ImageError`] for an image that cannot be encoded.
-    pub fn svg(&self) -> Result<String, image::ImageError> {
-        svg::written(self)
-    }
-
-    /// As PNG, two pixels for one.
-    ///
-    /// # Errors
-    /// [`image::ImageError`] for a drawing that is too large.
-    pub fn png(&self) -> Result<Vec<u8>, image::ImageError> {
-        let (width, pixels) = raster::drawn(&self.svg()?, 2.0)?;
-        raster::encoded(width, &pixels)
-    }
-}
 
 #[cfg(test)]
 mod tests;

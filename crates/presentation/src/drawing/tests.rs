@@ -62,7 +62,7 @@ fn svg_is_well_formed_and_says_all() {
 #[test]
 fn png_has_what_svg_has_at_the_same_places() {
     let drawing = all_kinds();
-    let (width, pixels) = raster::drawn(&drawing.svg().unwrap(), 2.0).unwrap();
+    let (width, pixels) = svg::drawn(&drawing.svg().unwrap(), 2.0).unwrap();
     assert_eq!((width, pixels.len()), (160, 160 * 80));
     let at = |x: f64, y: f64| pixels[(2.0 * y) as usize * 160 + (2.0 * x) as usize];
     let red = [200, 0, 0];
@@ -80,7 +80,7 @@ fn png_has_what_svg_has_at_the_same_places() {
     // planted fault: without its text
     let mut silent = drawing.clone();
     silent.items.pop();
-    assert_eq!(dark(&raster::drawn(&silent.svg().unwrap(), 2.0).unwrap().1), 0);
+    assert_eq!(dark(&svg::drawn(&silent.svg().unwrap(), 2.0).unwrap().1), 0);
     let png = drawing.png().unwrap();
     assert_eq!(&png[1..4], b"PNG");
 }
@@ -89,7 +89,7 @@ fn png_has_what_svg_has_at_the_same_places() {
 fn drawings_are_moved_as_a_whole() {
     let mut page = Drawing { size: [200.0, 100.0], ..Drawing::default() };
     page.add(all_kinds(), [100.0, 50.0]);
-    let (width, pixels) = raster::drawn(&page.svg().unwrap(), 1.0).unwrap();
+    let (width, pixels) = svg::drawn(&page.svg().unwrap(), 1.0).unwrap();
     let at = |x: usize, y: usize| pixels[y * width as usize + x];
     assert_eq!((at(105, 55), at(125, 75), at(5, 5)), ([200, 0, 0], [200, 0, 0], [255; 3]));
 }

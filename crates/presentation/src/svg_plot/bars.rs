@@ -3,11 +3,9 @@
 use std::fmt::Write;
 
 use crate::svg_plot::axis::FittedAxis;
-use crate::svg_plot::format::Format;
 use crate::svg_plot::palette::{GREY, GRID, INK, MARK, PAPER, style_of};
-use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen};
+use crate::svg_plot::pen::{Font, Format, LETTER, PLAIN, Pen, document_of};
 use crate::svg_plot::plot::{Axis, Ring, Scale};
-use crate::svg_plot::xml::document_of;
 use statistics::estimate::Estimate;
 
 /// Room below the bars: ticks and labels of the axes.

@@ -6,20 +6,18 @@
 
 mod axis;
 pub mod bars;
-mod format;
 pub mod palette;
 mod panel;
 pub(crate) mod pen;
 mod plot;
-pub mod xml;
 
 use std::fmt::Write;
 
-pub use format::Format;
+pub use pen::Format;
 pub use plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series};
 
 use bars::BarChart;
-use xml::document_of;
+use pen::document_of;
 
 /// Figures that can be drawn in every format.
 #[derive(Debug, Clone, PartialEq)]

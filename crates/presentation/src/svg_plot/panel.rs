@@ -2,9 +2,8 @@
 
 use crate::fitted::wrapped;
 use crate::svg_plot::axis::FittedAxis;
-use crate::svg_plot::format::Format;
 use crate::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
-use crate::svg_plot::pen::{BOLD_LETTER, Font, LETTER, PLAIN, Pen};
+use crate::svg_plot::pen::{BOLD_LETTER, Font, Format, LETTER, PLAIN, Pen};
 use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale};
 
 /// Room below the frame.

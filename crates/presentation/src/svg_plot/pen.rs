@@ -1,10 +1,12 @@
-//! Drawing primitives of panels and charts: text, lines, points.
+//! Drawing primitives of panels and charts: text, lines, points; and how wide a drawing is: for a
+//! desk, or for a phone, where names stand above what they name and long labels below the frame.
 
 use std::fmt::Write;
 
-use crate::svg_plot::palette::{BEST, INK};
-use crate::svg_plot::plot::Ring;
-use crate::svg_plot::xml::escaped;
+use crate::fitted::wrapped;
+use crate::html::escaped;
+use crate::svg_plot::palette::{BEST, GREY, INK, PAPER};
+use crate::svg_plot::plot::{Ring, WIDTH};
 
 /// Width of a letter of a label, about; in the widest of usual fonts (DejaVu Sans), so that no text
 /// is cut off where others are missing.
@@ -99,4 +101,59 @@ impl Pen {
              stroke=\"{BEST}\" {style}/>"
         );
     }
+}
+
+/// Width of a drawing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// For windows of 900 pixels and more, and for files.
+    Wide,
+    Narrow,
+}
+
+impl Format {
+    pub fn width(self) -> f64 {
+        match self {
+            Self::Wide => WIDTH,
+            Self::Narrow => 340.0,
+        }
+    }
+
+    /// Characters of the usual size in a line that begins at a place.
+    pub(crate) fn letters(self, from: f64) -> usize {
+        ((self.width() - from) / LETTER) as usize
+    }
+
+    /// Title and subtitle; returns the height of what is below them.
+    pub(crate) fn head(self, pen: &mut Pen, left: f64, title: &str, subtitle: &str) -> f64 {
+        let bold = Font { is_bold: true, ..PLAIN };
+        let grey = Font { color: GREY, ..PLAIN };
+        // letters of the title are larger than usual ones
+        let (size, step, mut y, share) = match self {
+            Self::Wide => (17.0, 21.0, 7.0, 0.65),
+            Self::Narrow => (14.0, 18.0, 4.0, 0.75),
+        };
+        for line in wrapped(title, (self.letters(left) as f64 * share) as usize, 0) {
+            y += step;
+            pen.text(left, y, Font { size, ..bold }, &line);
+        }
+        y += if self == Self::Wide { 4.0 } else { 0.0 };
+        for line in wrapped(subtitle, self.letters(left), 0) {
+            y += 15.0;
+            pen.text(left, y, grey, &line);
+        }
+        y + 15.0
+    }
+}
+
+/// A picture of that size, and what it is for those who cannot see it.
+pub fn document_of(body: &str, [width, height]: [f64; 2], alternative: &str) -> String {
+    let height = f64::max(height, 1.0);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width:.0}\" height=\"{height:.0}\" \
+         viewBox=\"0 0 {width:.0} {height:.0}\" font-family=\"Helvetica, Arial, sans-serif\" \
+         role=\"img\" aria-label=\"{}\">\n<rect width=\"100%\" height=\"100%\" \
+         fill=\"{PAPER}\"/>\n{body}</svg>\n",
+        escaped(alternative)
+    )
 }

@@ -49,7 +49,7 @@ impl Motion {
 
     /// Reads what stands behind the name, from the brace on; counts keys that go back in time.
     pub fn read(words: &mut Words<'_>, back: &mut FirstAndCount) -> Result<Self, LoadError> {
-        brace(words)?;
+        words.keyword("{")?;
         let mut motion = Self::default();
         loop {
             let word = words.any("a kind of keys or }")?;
@@ -89,15 +89,6 @@ impl Motion {
                 }
             }
         }
-    }
-}
-
-/// A brace that opens.
-pub(super) fn brace(words: &mut Words<'_>) -> Result<(), LoadError> {
-    let word = words.any("{")?;
-    match word.text {
-        "{" => Ok(()),
-        other => Err(LoadError::syntax(words.place(word.line), other, "{")),
     }
 }
 

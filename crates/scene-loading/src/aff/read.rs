@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::aff::motion::{Motion, Motions, brace, rotation};
+use crate::aff::motion::{Motion, Motions, rotation};
 use crate::aff::world::{Branch, PrimitiveRange, Step, World};
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::read::{confined, read_at_most};
@@ -197,7 +197,7 @@ impl Reader<'_> {
         words: &mut Words<'_>,
         place: FilePlace,
     ) -> Result<(), LoadError> {
-        brace(words)?;
+        words.keyword("{")?;
         self.world.branches.push(Branch { parent: self.branch, step });
         self.branch = self.world.branches.len() - 1;
         limits::check(self.branch, MAX_BRANCHES, "the number of transforms", || place)

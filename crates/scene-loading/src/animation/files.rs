@@ -9,9 +9,9 @@ use std::path::{Path, PathBuf};
 
 use crate::animation::frames::Animation;
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::{read_file, scene_name, unpacked_extension};
+use crate::input::read::{scene_name, unpacked_extension};
 use crate::limits;
-use crate::source::formats::{ENDINGS, ReadOptions, is_scene_path, parse_scene};
+use crate::source::formats::{ENDINGS, ReadOptions, is_scene_path, load_scene};
 
 /// The most frames of a sequence.
 const MAX_FRAMES: usize = 1 << 20;
@@ -87,7 +87,7 @@ pub(super) fn open(path: &Path) -> Result<Animation, LoadError> {
     let paths: Vec<PathBuf> = numbers.into_iter().map(file).collect();
     let load = move |index: u32| {
         let path = paths.get(index as usize).map(PathBuf::as_path).unwrap_or(Path::new(""));
-        parse_scene(path, read_file(path)?, ReadOptions::default())
+        load_scene(path, ReadOptions::default())
     };
     // loaders of formats without a camera frame the scene: each frame would be framed anew
     let is_framed = ["obj", "ply", "stl", "bin"].contains(&unpacked_extension(path).as_str());

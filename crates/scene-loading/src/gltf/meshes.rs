@@ -14,9 +14,6 @@ use crate::polygon::area_vector;
 use crate::progress;
 use crate::scene::{Material, Primitive, Shape, Texcoords};
 
-/// Triangles between two reports of progress.
-const PROGRESS_INTERVAL: usize = 1 << 16;
-
 /// The most instances of `EXT_mesh_gpu_instancing` of a scene.
 const MAX_INSTANCES: usize = 16 << 20;
 
@@ -299,9 +296,7 @@ impl NodeWalker<'_> {
         let all = read.triangles();
         progress::begin(all.len());
         for (i, [a, b, c]) in all.enumerate() {
-            if i % PROGRESS_INTERVAL == 0 {
-                progress::at(i);
-            }
+            progress::step(i);
             let corners = if is_mirrored { [a, c, b] } else { [a, b, c] };
             let v = corners.map(|i| first + i);
             let n = (!normals.is_empty()).then(|| corners.map(|i| first_normal + i));

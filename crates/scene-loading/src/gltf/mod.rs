@@ -26,7 +26,7 @@ use crate::error::LoadError;
 use crate::gltf::clip::Clip;
 use crate::gltf::nodes::NodeWalker;
 use crate::gltf::rules::parser_error;
-use crate::input::read::{read_file, scene_name};
+use crate::input::read::scene_name;
 use crate::scene::{Camera, Scene};
 
 pub(crate) use container::OpenedFile;
@@ -48,14 +48,6 @@ const RATE: f64 = 25.0;
 /// The fewest and the most frames.
 const LEAST: f64 = 2.0;
 const MOST: f64 = 1500.0;
-
-/// Loads a `.gltf` or `.glb` file, and the buffer files below its folder.
-///
-/// # Errors
-/// Any [`LoadError`] of reading files, and of [`parse_gltf`].
-pub fn load_gltf(path: &Path) -> Result<Scene, LoadError> {
-    parse_gltf(path, &read_file(path)?)
-}
 
 /// Parses glTF bytes, binary or JSON. `path` gives the scene its name and the folder of its
 /// buffers, and appears in errors. A scene without a camera is framed.

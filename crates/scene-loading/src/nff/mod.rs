@@ -18,9 +18,8 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::decompress::decompress;
-use crate::input::read::{read_file, scene_name};
-use crate::input::text::{parse_number, text_of, unified};
+use crate::input::read::scene_name;
+use crate::input::text::{parse_number, unified};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
 use crate::mesh::{FaceCounts, push_outline, usable};
 use crate::nff::tokens::{Word, Words};
@@ -28,15 +27,6 @@ use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::scene::{Camera, Cone, Light, Material, Scene, Warning};
 
 const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
-
-/// Loads an `.nff` or `.nff.gz` file.
-///
-/// # Errors
-/// Any [`LoadError`] of reading and unpacking the file, and of [`parse_nff`].
-pub fn load_nff(path: &Path) -> Result<Scene, LoadError> {
-    let bytes = decompress(path, read_file(path)?)?;
-    parse_nff(path, &text_of(path, bytes)?)
-}
 
 /// Parses NFF text. `path` gives the scene its name and appears in errors.
 ///

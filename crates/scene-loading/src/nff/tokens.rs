@@ -87,6 +87,15 @@ impl<'a> Words<'a> {
         self.next().ok_or_else(|| LoadError::unexpected_end(self.place(self.line), what))
     }
 
+    /// Takes a word that must be this one, in any case.
+    pub fn keyword(&mut self, expected: &str) -> Result<(), LoadError> {
+        let word = self.any(expected)?;
+        if word.text.eq_ignore_ascii_case(expected) {
+            return Ok(());
+        }
+        Err(LoadError::syntax(self.place(word.line), word.text, expected))
+    }
+
     pub fn number(&mut self, what: impl Display + Copy) -> Result<f64, LoadError> {
         let word = self.any(what)?;
         let value: f64 = word.text.parse().map_err(|_| {

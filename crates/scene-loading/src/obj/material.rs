@@ -20,17 +20,13 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::text::text_of;
 use crate::limits::{self, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::FirstAndCount;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, NO_HIGHLIGHT, Scene};
 
 /// The most bytes of the material files of one OBJ file, together.
 pub(crate) const MAX_LIBRARY_BYTES: u64 = 256 << 20;
 
 /// The most bytes of a line.
 const MAX_LINE: usize = 1 << 16;
-
-/// Phong exponent of a highlight too small to be seen. With 0 a mirror's would be everywhere: a
-/// white disc instead of what it reflects.
-const NO_HIGHLIGHT: f64 = 100_000.0;
 
 /// A material of an MTL file, and its last `map_Kd` line.
 pub(crate) type MtlEntry = (Material, Option<ColorMap>);

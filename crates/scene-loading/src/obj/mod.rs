@@ -29,8 +29,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::decompress::decompress;
-use crate::input::read::{read_file, scene_name};
+use crate::input::read::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, FirstAndCount, add_face};
 use crate::obj::contents::{FaceLine, ObjScan};
@@ -45,15 +44,6 @@ use crate::scene::{Material, Primitive, Scene, Shape, Warning};
 pub struct ObjOptions {
     /// Split every face with more than three corners, so that the scene is triangles only.
     pub triangulate: bool,
-}
-
-/// Loads an `.obj` or `.obj.zst` file and the `.mtl` files next to it.
-///
-/// # Errors
-/// Any [`LoadError`] of reading and unpacking, and of [`parse_obj`].
-pub fn load_obj(path: &Path, options: ObjOptions) -> Result<Scene, LoadError> {
-    let bytes = decompress(path, read_file(path)?)?;
-    parse_obj(path, bytes, options)
 }
 
 /// Parses OBJ text. `path` gives the scene its name and the folder of its `.mtl` files, and

@@ -4,11 +4,8 @@ use glam::{DMat4, DVec3};
 
 use crate::error::LoadError;
 use crate::pbrt::params::Params;
-use crate::scene::{Camera, Light, Material, Rgb, Scene};
+use crate::scene::{Camera, Light, Material, NO_HIGHLIGHT, Rgb, Scene};
 use crate::tray_racing::SUN_DISTANCE;
-
-/// Phong exponent of a highlight too small to be seen.
-const NO_HIGHLIGHT: f64 = 100_000.0;
 
 /// A light before its colour is scaled.
 #[derive(Debug, Clone, Copy)]

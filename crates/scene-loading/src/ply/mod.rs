@@ -27,9 +27,6 @@ use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::progress;
 use crate::scene::{Material, Scene};
 
-/// Progress is told once for so many elements.
-const TOLD_EVERY: u64 = 1 << 16;
-
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
@@ -149,9 +146,7 @@ impl<'a, V: Values> Reader<'a, V> {
         }
         progress::begin(usize::try_from(element.count).unwrap_or(usize::MAX));
         for i in 0..element.count {
-            if i % TOLD_EVERY == 0 {
-                progress::at(usize::try_from(i).unwrap_or(usize::MAX));
-            }
+            progress::step(usize::try_from(i).unwrap_or(usize::MAX));
             for (position, property) in element.properties.iter().enumerate() {
                 read(self, property, position).map_err(|error| numbered(error, element, i))?;
             }

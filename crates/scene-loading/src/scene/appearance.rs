@@ -11,6 +11,10 @@ use glam::DVec3;
 /// Linear RGB, nominally in [0, 1].
 pub type Rgb = [f64; 3];
 
+/// Phong exponent of a highlight too small to be seen. With 0 a mirror's would be everywhere: a
+/// white disc instead of what it reflects.
+pub(crate) const NO_HIGHLIGHT: f64 = 100_000.0;
+
 /// Surface properties in the terms of NFF's `f` line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {

@@ -9,6 +9,7 @@ mod view;
 
 use glam::{DAffine3, DMat4, DVec3};
 
+pub(crate) use crate::scene::appearance::NO_HIGHLIGHT;
 pub use crate::scene::appearance::{Light, Material, Rgb, Texture, Wrap};
 pub use crate::scene::view::{Camera, SampleWishes};
 

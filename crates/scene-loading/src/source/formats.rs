@@ -32,6 +32,14 @@ pub struct ReadOptions {
     pub outside: bool,
 }
 
+/// Reads a scene file as its ending says.
+///
+/// # Errors
+/// [`LoadError::Io`], [`LoadError::TooLarge`], and those of [`parse_scene`].
+pub fn load_scene(path: &Path, options: ReadOptions) -> Result<Scene, LoadError> {
+    parse_scene(path, read_file(path)?, options)
+}
+
 /// Parses the bytes of a scene file as its ending says.
 ///
 /// # Errors
@@ -48,7 +56,7 @@ pub fn parse_scene(path: &Path, bytes: Vec<u8>, options: ReadOptions) -> Result<
         "obj" => obj::parse_obj(path, bytes, ObjOptions { triangulate }),
         "pbrt" => pbrt::parse_pbrt(path, bytes, triangulate),
         "ron" => {
-            let read = |model: &Path| parse_scene(model, read_file(model)?, options);
+            let read = |model: &Path| load_scene(model, options);
             tray_racing::parse_tray_racing(path, bytes, options.outside, read)
         }
         "ply" => ply::parse_ply(path, &bytes, triangulate),

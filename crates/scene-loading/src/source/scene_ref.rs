@@ -10,7 +10,7 @@ use crate::scene_file::{SceneFile, Source};
 use crate::second_opinion::{SecondOpinion, second_opinion};
 use crate::source::described::DescribedScene;
 use crate::source::embedded::generate;
-use crate::source::formats::{ReadOptions, parse_scene};
+use crate::source::formats::{ReadOptions, load_scene};
 use crate::source::hash::sha256_of_scene;
 use crate::view_options::{ViewOptions, light_if_dark};
 
@@ -89,7 +89,7 @@ impl SceneRef {
             }
             SceneOrigin::File(path) => {
                 let options = ReadOptions { outside: self.outside, ..ReadOptions::default() };
-                let scene = parse_scene(path, read_file(path)?, options)?;
+                let scene = load_scene(path, options)?;
                 (scene, path.display().to_string(), None)
             }
             SceneOrigin::Described(described) => {

@@ -102,16 +102,16 @@ impl Reader<'_> {
     }
 
     fn facet(&mut self, words: &mut Words<'_>, line: usize) -> Result<(), LoadError> {
-        keyword(words, "normal")?;
+        words.keyword("normal")?;
         // some writers have nan here; it is not used
         for _ in 0..3 {
             words.any("a component of the normal")?;
         }
-        keyword(words, "outer")?;
-        keyword(words, "loop")?;
+        words.keyword("outer")?;
+        words.keyword("loop")?;
         let mut corners = [[0.0; 3]; 3];
         for corner in &mut corners {
-            keyword(words, "vertex")?;
+            words.keyword("vertex")?;
             for value in corner {
                 let word = words.any("vertex position")?;
                 *value = parse_number(word.text).ok_or_else(|| {
@@ -163,9 +163,7 @@ impl Reader<'_> {
         progress::begin(count);
         let mut at = 0;
         for i in 0..count {
-            if i % TOLD_EVERY == 0 {
-                progress::at(i);
-            }
+            progress::step(i);
             let record = data.get(at..).and_then(|rest| rest.first_chunk::<TRIANGLE>());
             let Some(record) = record else { break };
             let (numbers, attributes) = record.as_chunks::<4>();
@@ -194,22 +192,13 @@ fn skip_name(words: &mut Words<'_>, line: usize) {
     }
 }
 
-/// Takes a word that must be this one, in any case.
-fn keyword(words: &mut Words<'_>, expected: &str) -> Result<(), LoadError> {
-    let word = words.any(expected)?;
-    if is(word.text, expected) {
-        return Ok(());
-    }
-    Err(LoadError::syntax(words.place(word.line), word.text, expected))
-}
-
-/// As [`keyword`]; some writers have two words, `end loop`.
+/// As [`Words::keyword`]; some writers have two words, `end loop`.
 fn end(words: &mut Words<'_>, expected: &str) -> Result<(), LoadError> {
     if words.peek().is_some_and(|word| is(word.text, "end")) {
         words.next();
-        return keyword(words, expected.strip_prefix("end").unwrap_or(expected));
+        return words.keyword(expected.strip_prefix("end").unwrap_or(expected));
     }
-    keyword(words, expected)
+    words.keyword(expected)
 }
 
 /// Bytes before the first triangle: a free text, then the number of triangles.
@@ -220,9 +209,6 @@ const TRIANGLE: usize = 50;
 
 /// Zero bytes before this place make a file binary.
 const NEAR_START: usize = 512;
-
-/// Progress is told once for so many triangles.
-const TOLD_EVERY: usize = 1 << 16;
 
 /// Numbers of triangles that a writer which cannot go back in its file leaves where it does not
 /// know them yet.

@@ -3,9 +3,9 @@
 
 use std::path::{Path, PathBuf};
 
-use scene_loading::gltf::{load_gltf, parse_gltf};
+use scene_loading::gltf::parse_gltf;
 use scene_loading::nff::parse_nff;
-use scene_loading::obj::{ObjOptions, load_obj, parse_materials, parse_obj};
+use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::{LoadError, Material, Scene};
 use serde_json::{Value, json};
 
@@ -28,7 +28,7 @@ fn obj_error(text: &str, line: usize) -> LoadError {
 /// The scene of an OBJ file beside other files.
 fn beside(obj: &str, files: &[(&str, &[u8])]) -> Scene {
     let (_folder, path) = folder(obj, files);
-    load_obj(&path, ObjOptions::default()).unwrap()
+    crate::load(&path).unwrap()
 }
 
 /// A folder with an OBJ file `a.obj` and other files.
@@ -285,11 +285,11 @@ fn l8_links_and_devices() {
     std::fs::create_dir(folder.path().join("folder.bin")).unwrap();
     for (uri, is_outside) in [("out.bin", true), ("zero.bin", true), ("folder.bin", false)] {
         std::fs::write(&path, with("/buffers/0/uri", json!(uri)).to_string()).unwrap();
-        let error = load_gltf(&path).unwrap_err();
+        let error = crate::load(&path).unwrap_err();
         assert_eq!(matches!(error, LoadError::OutsideFolder { .. }), is_outside, "{uri}: {error}");
         assert_eq!(matches!(error, LoadError::Io { .. }), !is_outside, "{uri}: {error}");
     }
-    assert!(matches!(load_gltf(Path::new("/dev/zero")), Err(LoadError::Io { .. })));
+    assert!(matches!(crate::load(Path::new("/dev/zero")), Err(LoadError::Io { .. })));
 }
 
 #[test]
@@ -372,7 +372,7 @@ fn the_parser_agrees_with_tobj() {
         }
         let names = ["a", "b"].map(|n| format!("newmtl {n}\n")).concat();
         let (_folder, path) = folder(&text, &[("a.mtl", names.as_bytes())]);
-        let Ok(scene) = load_obj(&path, ObjOptions::default()) else { continue };
+        let Ok(scene) = crate::load(&path) else { continue };
         let (models, _) = tobj::load_obj(&path, &tobj::LoadOptions::default()).unwrap();
         // tobj keeps faces without area, we leave them out
         let mut theirs = Vec::new();

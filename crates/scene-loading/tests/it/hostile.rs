@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use glam::DVec3;
 use scene_loading::limits::{MAX_MATERIALS, MAX_NAME};
 use scene_loading::nff::parse_nff;
-use scene_loading::obj::{ObjOptions, load_obj, parse_materials, parse_obj};
+use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::scene_file::SceneFile;
 use scene_loading::second_opinion::{SecondOpinion, second_opinion};
 use scene_loading::tessellate::{TessellationOptions, tessellate, triangulate};
@@ -62,7 +62,7 @@ fn h1_a_library_is_read_once_and_a_material_once() {
         ("a.mtl", mtl.as_bytes()),
         ("b.mtl", later.as_bytes()),
     ]);
-    let scene = load_obj(&path.join("a.obj"), ObjOptions::default()).unwrap();
+    let scene = crate::load(&path.join("a.obj")).unwrap();
     // of several the last counts, its missing map too
     assert_eq!((scene.materials.len(), scene.materials[7].color[0]), (100, 0.5));
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
@@ -72,7 +72,7 @@ fn h1_a_library_is_read_once_and_a_material_once() {
     std::fs::write(path.join("a.obj"), turned.replace("mtllib ./a.mtl\n", "mtllib d.mtl\n"))
         .unwrap();
     std::fs::write(path.join("d.mtl"), mtl).unwrap();
-    let scene = load_obj(&path.join("a.obj"), ObjOptions::default()).unwrap();
+    let scene = crate::load(&path.join("a.obj")).unwrap();
     assert_eq!((scene.materials.len(), scene.materials[7].color[0]), (101, 0.0));
 }
 
@@ -161,7 +161,7 @@ fn h6_an_image_that_fails_is_read_once_a_file() {
     let files =
         [("a.obj", text.as_bytes()), ("a.mtl", mtl.as_bytes()), ("big.png", big.as_slice())];
     let (_folder, path) = folder(&files);
-    let scene = load_obj(&path.join("a.obj"), ObjOptions::default()).unwrap();
+    let scene = crate::load(&path.join("a.obj")).unwrap();
     let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
     assert_eq!(warnings.len(), 101, "the others are counted");
     assert!(warnings[..100].iter().all(|w| w.ends_with("is not a PNG image")), "{}", warnings[99]);
@@ -173,7 +173,7 @@ fn h6_an_image_that_fails_is_read_once_a_file() {
         writeln!(mtl, "newmtl m{i}\nmap_Kd {i}.png").unwrap();
     }
     std::fs::write(path.join("a.mtl"), mtl).unwrap();
-    let scene = load_obj(&path.join("a.obj"), ObjOptions::default()).unwrap();
+    let scene = crate::load(&path.join("a.obj")).unwrap();
     let said = |i: usize| scene.warnings[i].0.as_str();
     assert!(said(15).ends_with("is not a PNG image"), "{}", said(15));
     assert!(said(16).contains("larger than the limit of 0 bytes"), "{}", said(16));

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use glam::DVec3;
-use scene_loading::gltf::{load_gltf, parse_gltf};
+use scene_loading::gltf::parse_gltf;
 use scene_loading::{Light, LoadError, Scene, Shape};
 use serde_json::{Value, json};
 
@@ -351,12 +351,12 @@ fn buffers_from_files() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.gltf");
     std::fs::write(&path, with("/buffers/0/uri", json!("b%20c.bin")).to_string()).unwrap();
-    let error = load_gltf(&path).unwrap_err();
+    let error = crate::load(&path).unwrap_err();
     assert!(matches!(error, LoadError::Io { .. }) && error.to_string().contains("b c.bin"));
     std::fs::write(folder.path().join("b c.bin"), buffer()).unwrap();
-    assert_eq!(load_gltf(&path).unwrap().primitives.len(), 2);
+    assert_eq!(crate::load(&path).unwrap().primitives.len(), 2);
     std::fs::write(folder.path().join("b c.bin"), &buffer()[..50]).unwrap();
-    assert!(matches!(load_gltf(&path), Err(LoadError::PastBuffer { .. })));
+    assert!(matches!(crate::load(&path), Err(LoadError::PastBuffer { .. })));
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use scene_loading::nff::{load_nff, parse_nff};
+use scene_loading::nff::parse_nff;
 use scene_loading::{Light, LoadError, Scene, Shape};
 
 const VIEW: &str = "v\nfrom 1 2 3\nat 0 0 0\nup 0 0 1\nangle 45\nhither 0.5\nresolution 320 200\n";
@@ -202,11 +202,11 @@ fn files_plain_and_gzipped_and_in_latin_1() {
     let stream = encoder.finish().unwrap();
     std::fs::write(&packed, &stream).unwrap();
 
-    assert_eq!(load_nff(&plain).unwrap().name, "a");
-    assert_eq!(load_nff(&packed).unwrap().name, "b");
+    assert_eq!(crate::load(&plain).unwrap().name, "a");
+    assert_eq!(crate::load(&packed).unwrap().name, "b");
     std::fs::write(&packed, &stream[..stream.len() - 9]).unwrap();
-    assert!(matches!(load_nff(&packed), Err(LoadError::Decompress { .. })));
-    let error = load_nff(&folder.path().join("absent.nff")).unwrap_err();
+    assert!(matches!(crate::load(&packed), Err(LoadError::Decompress { .. })));
+    let error = crate::load(&folder.path().join("absent.nff")).unwrap_err();
     assert!(matches!(error, LoadError::Io { .. }) && error.to_string().contains("absent.nff"));
-    assert!(matches!(load_nff(folder.path()), Err(LoadError::Io { .. })));
+    assert!(matches!(crate::load(folder.path()), Err(LoadError::Io { .. })));
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use scene_loading::obj::{ObjOptions, load_obj, parse_obj};
+use scene_loading::obj::{ObjOptions, parse_obj};
 use scene_loading::{LoadError, Scene, Shape};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
@@ -182,7 +182,7 @@ fn materials_are_read_and_mapped() {
         b"# caf\xe9\nnewmtl grey\nKd 0.5\nKs 0.5\nNs 10\nillum 2\nmap_Kd x.png\nKe 1\n\
           newmtl glass\nKd 0.1 0.2 0.3\nKs .3 .6 .9\nNi 1.5\nd 0.25\nillum 4\n",
     );
-    let scene = load_obj(&path, ObjOptions::default()).unwrap();
+    let scene = crate::load(&path).unwrap();
     let [grey, glass] = &scene.materials[..] else { panic!("{:?}", scene.materials) };
     assert_eq!((grey.name.as_str(), grey.color, grey.specular), ("grey", [0.5; 3], 0.0));
     assert_eq!((glass.color, glass.transmittance), ([0.1, 0.2, 0.3], 0.75));
@@ -264,7 +264,7 @@ fn damaged_materials_are_warnings_with_their_first_line() {
     ] {
         let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl a\nf 1 2 3");
         let (folder, path) = with_mtl(&obj, mtl.as_bytes());
-        let scene = load_obj(&path, ObjOptions::default()).unwrap();
+        let scene = crate::load(&path).unwrap();
         let file = folder.path().join("a.mtl");
         let expected: Vec<String> =
             (!said.is_empty()).then(|| format!("{}: {said}", file.display())).into_iter().collect();
@@ -301,7 +301,7 @@ fn material_files_are_found_as_they_are_named() {
         let text =
             format!("mtllib {line}\n{TRIANGLE}usemtl red # one\nf 1 2 3\nusemtl blue\nf 1 2 3\n");
         write("a.obj", &text);
-        let scene = load_obj(&folder.path().join("a.obj"), ObjOptions::default()).unwrap();
+        let scene = crate::load(&folder.path().join("a.obj")).unwrap();
         let undefined = scene.warnings.iter().filter(|w| w.0.contains("undefined materials"));
         let undefined: usize = undefined.map(|w| w.0.matches("(line").count()).sum();
         let files = scene.warnings.iter().filter(|w| w.0.contains("a.obj:1: ")).count();
@@ -331,6 +331,6 @@ fn zstd_files_load() {
     let path = folder.path().join("b.obj.zst");
     let text = format!("{TRIANGLE}f 1 2 3");
     std::fs::write(&path, compress_to_vec(text.as_bytes(), CompressionLevel::Fastest)).unwrap();
-    let scene = load_obj(&path, ObjOptions::default()).unwrap();
+    let scene = crate::load(&path).unwrap();
     assert_eq!((scene.name.as_str(), scene.primitives.len()), ("b", 1));
 }

@@ -4,7 +4,6 @@ use std::path::Path;
 
 use base64::Engine;
 use scene_loading::gltf::parse_gltf;
-use scene_loading::obj::{ObjOptions, load_obj};
 use scene_loading::{LoadError, Scene, Wrap};
 use serde_json::{Value, json};
 
@@ -39,7 +38,7 @@ fn load(obj: &str, mtl: &str, images: &[(&str, Vec<u8>)]) -> Scene {
     for (name, bytes) in images {
         std::fs::write(folder.path().join(name), bytes).unwrap();
     }
-    load_obj(&folder.path().join("a.obj"), ObjOptions::default()).unwrap()
+    crate::load(&folder.path().join("a.obj")).unwrap()
 }
 
 #[test]

@@ -21,3 +21,13 @@ mod load_textures;
 mod own_scenes;
 mod spd;
 mod view;
+
+use std::path::Path;
+
+use scene_loading::source::formats::{ReadOptions, load_scene};
+use scene_loading::{LoadError, Scene};
+
+/// The scene of a file.
+fn load(path: &Path) -> Result<Scene, LoadError> {
+    load_scene(path, ReadOptions::default())
+}
