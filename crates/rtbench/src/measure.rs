@@ -30,7 +30,8 @@ use crate::program;
 /// use rtbench::measurement::settings::RunSettings;
 ///
 /// let grid = find("uniform-grid").ok_or("there is none")?.defaults();
-/// let mut settings = RunSettings { scenes: vec!["teapot".into()], ..RunSettings::default() };
+/// let mut settings = RunSettings::default();
+/// settings.scenes.push("teapot".into());
 /// settings.measuring.rounds = Some(3);
 /// for density in [1, 4, 16] {
 ///     settings.structures.push(grid.clone().set("density", density)?.label());

@@ -204,14 +204,16 @@ pub fn build_columns(bytes: u64, build_s: f64) -> [(&'static str, f64); 2] {
     [("MiB", mebibytes(bytes)), ("build ms", build_s * 1e3)]
 }
 
+/// Answers a batch, by its number.
+type Ask<'a, S> = Box<dyn FnMut(usize, &mut Answers<S>) + 'a>;
+
 /// Batches of rays that are asked again and again.
 pub struct Replay<'a, S: Scalar> {
     /// One per batch.
     pub answers: Vec<Answers<S>>,
     /// Names of the batches, where each is timed by itself.
     pub parts: Vec<&'static str>,
-    /// Answers a batch, by its number.
-    ask: Box<dyn FnMut(usize, &mut Answers<S>) + 'a>,
+    ask: Ask<'a, S>,
 }
 
 impl<'a, S: Buildable> Replay<'a, S> {
