@@ -171,7 +171,6 @@ pub(super) struct Boxes<S: Scalar> {
     pub padding: S,
 }
 
-/// All boxes.
 pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
     prims: &P,
     historical: bool,

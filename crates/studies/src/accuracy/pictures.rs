@@ -59,7 +59,6 @@ pub fn captions() -> String {
     text
 }
 
-/// Makes all pictures.
 pub fn write_all(folder: &Path, registry: &[Entry]) -> Result<(), StudyError> {
     for Picture { file, make, .. } in PICTURES {
         let path = folder.join(file);

@@ -14,7 +14,6 @@ use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedB
 use crate::occluders::light_buffer::margins::Margins;
 use crate::primitives::{Ball, PrimSet, PrimitiveKind};
 
-/// An opaque primitive.
 #[derive(Debug, Clone, Copy)]
 struct Body {
     id: u32,

@@ -23,7 +23,6 @@ mod leaf_blocks;
 use crate::bvh::build::PRESETS;
 use crate::params::ParamSpec;
 
-/// The build preset.
 pub(crate) const PRESET: ParamSpec =
     ParamSpec::choice("preset", "medium", PRESETS).about("obvhs's build preset");
 
