@@ -6,16 +6,16 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use measurement::record::merge::{Part, merge};
+use measurement::record::merge::{PartialRun, merge};
 use measurement::record::metrics::METRICS;
 use measurement::record::{RunRecord, file};
 use measurement::settings::shard::ShardRecord;
 use measurement::system::progress::Progress;
-use rtbench::comparison::{Choice, Named, compare, csv, tables};
-use rtbench::exports::{bencher, github_action_benchmark};
+use rtbench::comparison::{ComparisonSettings, NamedRun, compare, csv, tables};
+use rtbench::exports::measures;
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{Evidence, Instructions, Times, judge};
-use rtbench::like::{Narrowed, narrowed};
+use rtbench::replan::{Restriction, restrict};
 use rtbench::report::material::{DataFile, Material};
 use rtbench::report::page;
 use studies::run::costs::profiles;
@@ -34,7 +34,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
 
 /// With itself, whatever it takes.
 fn compared(record: &RunRecord) {
-    let choice = Choice {
+    let choice = ComparisonSettings {
         metrics: METRICS.iter().collect(),
         shows_equal: true,
         filter: None,
@@ -42,7 +42,7 @@ fn compared(record: &RunRecord) {
         threshold: None,
         is_forced: true,
     };
-    let named = |letter| Named { letter, path: "results.json", run: record };
+    let named = |letter| NamedRun { letter, path: "results.json", run: record };
     if let Ok(comparison) = compare(named("A"), named("B"), &choice) {
         let all = [comparison];
         let _ = csv::to_string(&all);
@@ -51,11 +51,11 @@ fn compared(record: &RunRecord) {
 }
 
 fn exported(record: &RunRecord) {
-    let _ = studies::run::columns::to_string(record);
-    let _ = studies::run::markdown::exported(record);
-    let _ = github_action_benchmark::smaller(record, None);
-    let _ = github_action_benchmark::bigger(record, None);
-    let _ = bencher::to_string(record, None);
+    let _ = studies::run::markdown::to_csv(record);
+    let _ = studies::run::markdown::to_string(record);
+    let _ = measures::smaller(record, None);
+    let _ = measures::bigger(record, None);
+    let _ = measures::bencher(record, None);
     let view = View::fastest_first();
     for scene in &record.scenes {
         let _ = studies::run::text::write_scene(&mut std::io::sink(), record, scene, &view);
@@ -64,13 +64,13 @@ fn exported(record: &RunRecord) {
 }
 
 fn checked(record: &RunRecord) {
-    let Ok(base) = narrowed(record, &Narrowed::default()) else { return };
+    let Ok(base) = restrict(record, &Restriction::default()) else { return };
     let _ = judge(&Evidence {
         thresholds: &Thresholds::default(),
         base: &base,
         now: record,
         instructions: Instructions::Missing("fuzzed"),
-        times: Times::InRun { cpu_pressure: None },
+        times: Times::InRun { cpu_pressure: None, across_processors: false },
     });
 }
 
@@ -81,10 +81,10 @@ fn merged(record: &RunRecord) {
         if let Some(ShardRecord { index: own, .. }) = &mut record.shard {
             *own = own.wrapping_add(index);
         }
-        Part { record, path: PathBuf::from(format!("{index}.json")) }
+        PartialRun { record, path: PathBuf::from(format!("{index}.json")) }
     };
-    let _ = merge(vec![part(0)], true);
-    let _ = merge(vec![part(0), part(1)], false);
+    let _ = merge(vec![Ok(part(0))], true);
+    let _ = merge(vec![Ok(part(0)), Ok(part(1))], false);
 }
 
 fn reported(run: RunRecord) {
@@ -94,7 +94,6 @@ fn reported(run: RunRecord) {
         profiles: run.scenes.iter().map(profiles).collect(),
         pictures: BTreeMap::new(),
         accuracy: None,
-        machines: None,
         tracers: Vec::new(),
         heat_maps: Vec::new(),
         sweeps: Vec::new(),

@@ -9,7 +9,7 @@ use accel_core::memory::MemoryLimit;
 use accel_core::occluders;
 use accel_core::structures::REGISTRY;
 use glam::DVec3;
-use measurement::plan::measured_row::{Built, MeasuredRow, select};
+use measurement::plan::measured_row::{BuiltRow, MeasuredRow, select};
 use renderer::Geometry;
 use scene_loading::nff::parse_nff;
 
@@ -46,7 +46,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
 fn asked(row: &MeasuredRow<'_>) {
     let geometry = geometry();
     let Ok(built) = row.build(geometry.prims(), &[DVec3::new(0.0, 3.0, 5.0)]) else { return };
-    if let Built::Structure(tracer) = &built {
+    if let BuiltRow::Structure(tracer) = &built {
         let rays = [Ray::new([0.3, 0.2, 9.0].into(), [0.0, 0.0, -1.0].into())];
         let mut hits = [accel_core::Hit::NONE];
         tracer.closest_hits(&rays, &mut hits);
