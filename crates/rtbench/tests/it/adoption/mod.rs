@@ -3,6 +3,7 @@
 
 pub mod documents;
 mod exports;
+mod parsed;
 mod printed;
 mod recorded;
 mod set_files;

@@ -6,7 +6,8 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-use super::documents::{arguments, chapters, joined, parse, root, text_of};
+use super::documents::{chapters, joined, root, text_of};
+use super::parsed::{arguments, parse};
 use crate::common::Folder;
 
 /// Commands that are parsed only: a part of the line, and why.
