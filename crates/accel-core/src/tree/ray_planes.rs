@@ -76,17 +76,18 @@ impl<S: Scalar> RayPlanes<S> {
         first_child: u32,
         t: S,
     ) -> RayCell<S> {
-        let mut behind = 0;
-        let mut exit = parent.exit;
-        for k in 0..3 {
+        // without a loop, which the compiler takes apart too late to keep its arrays in registers
+        let side = |k: usize| {
             let crossing = self.crossing(k, planes[k]);
-            if crossing <= t {
-                behind |= 1 << k;
-            } else {
-                exit[k] = crossing.lesser(exit[k]);
-            }
+            let is_behind = crossing <= t;
+            let exit = parent.exit[k];
+            (u32::from(is_behind) << k, if is_behind { exit } else { crossing.lesser(exit) })
+        };
+        let ((x, exit_x), (y, exit_y), (z, exit_z)) = (side(0), side(1), side(2));
+        RayCell {
+            cell: first_child + ((x | y | z) ^ self.downwards),
+            exit: [exit_x, exit_y, exit_z],
         }
-        RayCell { cell: first_child + (behind ^ self.downwards), exit }
     }
 }
 

@@ -12,11 +12,12 @@
 //! **Top-down** (Gargantini, Atkinson 1993): the ray's interval is handed down the tree, near
 //! children first. N_TS counts the cells entered, the root included. Deviation: intervals are
 //! rounded outwards and compared closed, so that a child the ray only grazes is entered as well; of
-//! a cell's children all eight are looked at, in an order that is front to back for every ray: a
-//! child that is behind on more planes comes later.
+//! a cell's children those are looked at that lie on a side of each plane where the ray goes, in an
+//! order that is front to back for every ray: a child that is behind on more planes comes later.
 
 use std::ops::ControlFlow;
 
+use crate::geometry::lanes::take_lowest;
 use crate::geometry::scalar::Scalar;
 use crate::query::sink::Sink;
 use crate::structures::octree::Octree;
@@ -120,13 +121,23 @@ impl<S: Scalar> Octree<S> {
         sink.inner_step();
         let mut early = [t_in; 3];
         let mut late = [t_out; 3];
+        // a bit for each child, by the planes that it is behind
+        let mut children: u32 = 0xFF;
         for k in 0..3 {
             let (a, b) = ray.crossing_interval(k, planes[k]);
             // NaN, a ray within the plane, leaves both sides to be visited
             early[k] = a.greater(t_in);
             late[k] = b.lesser(t_out);
+            let before = [0x55, 0x33, 0x0F][k];
+            if late[k] < t_in {
+                children &= !before;
+            }
+            if early[k] > t_out {
+                children &= before;
+            }
         }
-        for behind in 0..8 {
+        while children != 0 {
+            let behind = take_lowest(&mut children);
             let mut from = t_in;
             let mut to = t_out;
             for k in 0..3 {
@@ -137,7 +148,7 @@ impl<S: Scalar> Octree<S> {
                 }
             }
             if from <= to && from <= sink.t_max() {
-                self.descend(first + (behind ^ ray.downwards()), ray, from, to, sink)?;
+                self.descend(first + (behind as u32 ^ ray.downwards()), ray, from, to, sink)?;
             }
         }
         ControlFlow::Continue(())
