@@ -34,8 +34,9 @@
 //!
 //! How the parts meet:
 //! * [`primitives::PrimSet`] owns geometry and answers "where does this ray hit primitive `id`?".
-//! * [`structure::Structure`] owns ids only. It is built from bounds and *traversed* by a ray,
-//!   pushing candidate ids into a [`query::sink::Sink`].
+//! * [`structure::Structure`] owns ids only. It is built over [`primitives::Primitives`], what a
+//!   set says of where primitives are, and *traversed* by a ray, pushing candidate ids into a
+//!   [`query::sink::Sink`].
 //! * A [`query::sink::Sink`] is the query: closest hit or occlusion, with or without
 //!   [`query::counters::Counters`]. A traversal is therefore written once for all queries. Lists of
 //!   triangles may be kept as [`primitives::TriangleBlock`]s, which a sink tests at once and counts

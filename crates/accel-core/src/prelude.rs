@@ -13,7 +13,7 @@ pub use crate::geometry::scalar::{Scalar, Vec3, Vector};
 pub use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 pub use crate::params::config::{Config, Settings};
 pub use crate::params::{ParamError, ParamKind, ParamSpec, Params};
-pub use crate::primitives::{PrimSet, PrimsRef, TriangleSet};
+pub use crate::primitives::{PrimSet, Primitives, PrimsRef, TriangleSet};
 pub use crate::query::sink::Sink;
 pub use crate::query::tracer::Tracer;
 pub use crate::structure::{

@@ -8,7 +8,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::{CountedItem, Limits, OutOfMemory};
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, Primitives};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::Counters;
 use crate::query::kernel::{BlockSink, ListBlocks};
@@ -40,8 +40,8 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     ///
     /// # Errors
     /// [`BuildError`] when the set or the settings cannot be served; never a panic.
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError>;
 
@@ -52,9 +52,9 @@ pub trait Structure<S: Scalar>: Sized + Send + Sync + 'static {
     ///
     /// # Errors
     /// As [`Structure::build`]; the structure is of no use then.
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
         _moved: &[u32],
     ) -> Result<Change, BuildError> {
@@ -264,8 +264,8 @@ impl StructureInfo {
 }
 
 /// Refuses a set that no structure serves: without primitives, or out of scale.
-pub(crate) fn refuse_unusable<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn refuse_unusable<S: Scalar>(
+    prims: &dyn Primitives<S>,
     limits: Limits,
 ) -> Result<(), BuildError> {
     if prims.is_empty() {
@@ -293,11 +293,11 @@ pub(crate) fn refuse_out_of_scale<S: Scalar, C: Scalar>(
 }
 
 /// The boxes of a set under a rule, where the scalar has room for the scene's.
-pub(crate) fn bounds_of<'a, S: Scalar, P: PrimSet<S>>(
-    prims: &'a P,
+pub(crate) fn bounds_of<'a, S: Scalar>(
+    prims: &'a dyn Primitives<S>,
     rule: BoundsRule,
     structure: &'static str,
-) -> Result<BoundsOf<'a, S, P>, BuildError> {
+) -> Result<BoundsOf<'a, S>, BuildError> {
     BoundsOf::new(prims, rule).map_err(|id| BuildError::NonFiniteBounds { structure, id })
 }
 

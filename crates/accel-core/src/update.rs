@@ -10,7 +10,7 @@
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 
 /// The setting of a structure that can be refitted; of no effect on a scene at rest.
 pub const REFIT: ParamSpec = ParamSpec::choice("update", REBUILD, &[REBUILD, "refit"])
@@ -102,7 +102,7 @@ impl MovedIds {
 
 /// The primitives of `after` that are not those of `before` under the same ids: others by kind, by
 /// a vertex or by a radius. None where the sets are of different lengths.
-pub fn moved<S: Scalar, P: PrimSet<S>>(before: &P, after: &P) -> Option<Vec<u32>> {
+pub fn moved<S: Scalar>(before: &dyn Primitives<S>, after: &dyn Primitives<S>) -> Option<Vec<u32>> {
     if before.len() != after.len() {
         return None;
     }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::abi;
 use crate::library::Library;
 use crate::stopwatch::{CallTime, Stopwatch};
-use accel_core::primitives::{PrimSet, Shear, TriangleSet};
+use accel_core::primitives::{PrimSet, Primitives, Shear, TriangleSet};
 use accel_core::{Hit, Ray, Scalar, Vec3, Vector};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

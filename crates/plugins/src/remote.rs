@@ -10,7 +10,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::primitives::{Primitives, TriangleSet};
 use accel_core::{Hit, Ray};
 use bytemuck::Pod;
 

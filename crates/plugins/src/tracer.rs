@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use accel_core::geometry::far_ray;
 use accel_core::memory::{MemoryLimit, OutOfMemory};
-use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::primitives::{Primitives, TriangleSet};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
 use accel_core::structure::{BuildError, StructureStats};

@@ -11,7 +11,7 @@
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::tracer::Tracer;
 use accel_core::structures::find;
 use accel_core::{Hit, Ray};

@@ -1,7 +1,7 @@
 //! From the f64 scene to the primitive sets that structures are built over, converted once.
 
 use accel_core::primitives::{
-    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, PrimsRef,
+    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimitiveError, Primitives, PrimsRef,
     TriangleSet,
 };
 use accel_core::registry::{Buildable, PerScalar, ScalarPair};

@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::process::ExitCode;
 
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::{PrimSet, Primitives};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::Entry;
@@ -36,8 +36,8 @@ struct Slowed<S: Scalar> {
 impl<S: Scalar> Structure<S> for Slowed<S> {
     type Config = <UniformGrid<S> as Structure<S>>::Config;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
         let loops = std::env::var("PLANTED_LOOPS").ok().and_then(|n| n.parse().ok()).unwrap_or(0);

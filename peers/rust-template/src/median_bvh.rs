@@ -41,8 +41,8 @@ impl<S: Scalar> Structure<S> for MedianBvh<S> {
 
     type Config = MedianBvhConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<MedianBvhConfig>,
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
@@ -101,8 +101,8 @@ impl<S: Scalar> Structure<S> for MedianBvh<S> {
 }
 
 /// Adds the node over these ids, which are those from `first` on, and all nodes below it.
-fn divide<S: Scalar, P: PrimSet<S>>(
-    boxes: &BoundsOf<'_, S, P>,
+fn divide<S: Scalar>(
+    boxes: &BoundsOf<'_, S>,
     leaf: usize,
     nodes: &mut Vec<Node<S>>,
     ids: &mut [u32],

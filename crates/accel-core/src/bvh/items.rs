@@ -9,7 +9,7 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
 use crate::memory::Limits;
 use crate::parallel;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::structure::BuildError;
 
 /// The boxes a BVH is built over, and which primitives each stands for.
@@ -78,8 +78,8 @@ impl Padding {
 ///
 /// # Errors
 /// [`BuildError`] for boxes that are not finite or do not fit in memory.
-pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn items_of<S: Scalar>(
+    prims: &dyn Primitives<S>,
     limits: Limits,
     padding: Padding,
 ) -> Result<Items<S>, BuildError> {
@@ -92,15 +92,15 @@ pub(crate) fn items_of<S: Scalar, P: PrimSet<S>>(
 }
 
 /// The boxes of all primitives in f32, by id, checked, in units of the scene's size.
-pub(crate) fn boxes<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn boxes<S: Scalar>(
+    prims: &dyn Primitives<S>,
     structure: &'static str,
     padding: Padding,
 ) -> Result<(Vec<ObvhsAabb>, RaySetup<S>), BuildError> {
     let boxes = BoundsOf::new(prims, BoundsRule::Padded)
         .map_err(|id| BuildError::NonFiniteBounds { structure, id })?;
     let scale = BoxScale::new(boxes.scene().magnitude(), padding);
-    let single = parallel::collect(prims.len(), |id| scale.padded(prims.bounds(id as u32)));
+    let single = parallel::collect(prims.len(), |id| scale.padded(boxes.tight(id as u32)));
     Ok((single, scale.setup))
 }
 
@@ -119,7 +119,7 @@ impl<S: Scalar> BoxScale<S> {
     }
 
     /// That of [`boxes`], without a look at all primitives.
-    pub(super) fn of_set<P: PrimSet<S>>(prims: &P, padding: Padding) -> Self {
+    pub(super) fn of_set(prims: &dyn Primitives<S>, padding: Padding) -> Self {
         // the scene's box is padded twice
         let padded = S::ONE + S::EPSILON * S::from_f64(2.0 * PADDING_ULPS + 1.0);
         Self::new((prims.magnitude() * padded).greater(S::from_f64(1e-30)), padding)
@@ -149,7 +149,7 @@ impl<S: Scalar> BoxScale<S> {
 
     /// The box around some primitives.
     #[inline(always)]
-    pub(crate) fn around<P: PrimSet<S>>(&self, prims: &P, ids: &[u32]) -> ObvhsAabb {
+    pub(crate) fn around(&self, prims: &dyn Primitives<S>, ids: &[u32]) -> ObvhsAabb {
         let of = |id: &u32| self.padded(prims.bounds(*id));
         ids.iter().fold(ObvhsAabb::empty(), |all, id| all.union(&of(id)))
     }

@@ -28,7 +28,7 @@ use crate::geometry::scalar::Scalar;
 use crate::parallel;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, Primitives};
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::counters::Counters;
@@ -97,7 +97,7 @@ const PACKETS: &str = "packets";
 const OTHER_PADDING: Padding = Padding::OfExtent { along: 0.0, largest: 5.0 };
 
 /// Returns whether a primitive that ends behind a ray's origin is not hit (`node.rs`).
-fn is_exact<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+fn is_exact<S: Scalar>(prims: &dyn Primitives<S>) -> bool {
     size_of::<S>() == size_of::<f32>() && prims.is_watertight()
 }
 
@@ -159,7 +159,7 @@ impl Config for WideBvhConfig {
 
 impl WideBvhConfig {
     /// By how much boxes are padded.
-    fn padding<S: Scalar, P: PrimSet<S>>(&self, prims: &P) -> Padding {
+    fn padding<S: Scalar>(&self, prims: &dyn Primitives<S>) -> Padding {
         if self.is_unpadded {
             Padding::Rounding
         } else if is_exact(prims) {
@@ -177,8 +177,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
 
     type Config = WideBvhConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<WideBvhConfig>,
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
@@ -246,9 +246,9 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         Ok(built)
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<WideBvhConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {

@@ -15,15 +15,15 @@ use super::{WideBvh, WideBvhConfig};
 use crate::bvh::items::BoxScale;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
-use crate::primitives::{PrimSet, TriangleBlock};
+use crate::primitives::{Primitives, TriangleBlock};
 use crate::update::MovedIds;
 
 impl<S: Scalar> WideBvh<S> {
     /// Fits the boxes and blocks to primitives of which some stand elsewhere now; the tree stays.
     /// Then its expected cost; none where the lists would be of another kind, and nothing was done.
-    pub(super) fn refit<P: PrimSet<S>>(
+    pub(super) fn refit(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<WideBvhConfig>,
         moved: &[u32],
     ) -> Option<f64> {

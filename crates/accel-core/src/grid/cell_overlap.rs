@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use crate::geometry::scalar::Scalar;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::{Ball, PrimSet, PrimitiveKind};
+use crate::primitives::{Ball, PrimitiveKind, Primitives};
 
 /// Rule for the cells that list a primitive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,8 +46,8 @@ impl Insertion {
 
 /// Returns whether primitive `id` may overlap the box from `low` to `high`; `balls` is room to work
 /// in.
-pub fn overlaps<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub fn overlaps<S: Scalar>(
+    prims: &dyn Primitives<S>,
     id: u32,
     (low, high): (DVec3, DVec3),
     balls: &mut Vec<Ball>,

@@ -7,7 +7,6 @@
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder};
 use crate::grid::regular_grid::Contents;
-use crate::primitives::PrimSet;
 use crate::update::{ChangedLists, MovedIds};
 
 /// The cells that moved primitives are in now.
@@ -21,8 +20,8 @@ pub(crate) struct NewCells {
 impl NewCells {
     /// Cells of the `moved` primitives; `cell` maps a cell to its list. `None` if there are too
     /// many.
-    pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
+    pub(crate) fn of<S: Scalar>(
+        contents: &Contents<S>,
         moved: &[u32],
         mut cell: impl FnMut([i32; 3]) -> usize,
     ) -> Option<Self> {

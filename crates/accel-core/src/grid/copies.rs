@@ -1,7 +1,7 @@
 //! Scenes of which nearly all primitives lie where others do: cells do not separate those.
 
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 
 /// References a primitive in a grid over copies, on average at most: a tree has each once.
 pub(crate) const MOST_REFERENCES_A_COPY: u64 = 3;
@@ -11,7 +11,7 @@ const SAMPLE: usize = 1024;
 const FIRST: usize = 64;
 
 /// Whether a sample of many primitives has few boxes; false of few primitives.
-pub(crate) fn are_copies<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+pub(crate) fn are_copies<S: Scalar>(prims: &dyn Primitives<S>) -> bool {
     if prims.len() < 4 * SAMPLE {
         return false;
     }

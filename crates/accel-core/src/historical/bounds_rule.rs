@@ -5,7 +5,7 @@
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::parallel::collect;
-use crate::primitives::{PrimSet, PrimitiveKind};
+use crate::primitives::{PrimitiveKind, Primitives};
 
 /// How the box of a primitive is made from its tight bounds.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,19 +43,26 @@ pub(crate) fn smallest_cell<S: Scalar>(padding: S) -> f64 {
 }
 
 /// The boxes of a set of primitives under one rule.
-#[derive(Debug, Clone, Copy)]
-pub struct BoundsOf<'a, S: Scalar, P: PrimSet<S>> {
-    prims: &'a P,
+#[derive(Clone, Copy)]
+pub struct BoundsOf<'a, S: Scalar> {
+    prims: &'a dyn Primitives<S>,
+    triangles: Option<&'a [[[S; 3]; 3]]>,
     rule: BoundsRule,
     scene: Aabb<S>,
     padding: S,
 }
 
-impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
+impl<'a, S: Scalar> BoundsOf<'a, S> {
     /// Looks at all primitives once. `Err(id)` names the farthest one when
     /// the scene's box is too large for the scalar.
-    pub fn new(prims: &'a P, rule: BoundsRule) -> Result<Self, u32> {
-        let mut this = Self { prims, rule, scene: Aabb::empty(), padding: S::ZERO };
+    pub fn new(prims: &'a dyn Primitives<S>, rule: BoundsRule) -> Result<Self, u32> {
+        let mut this = Self {
+            prims,
+            triangles: prims.triangles(),
+            rule,
+            scene: Aabb::empty(),
+            padding: S::ZERO,
+        };
         let scene = match rule {
             BoundsRule::Padded => prims.scene_bounds(),
             BoundsRule::Historical { .. } => {
@@ -82,7 +89,7 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
     }
 
     /// Primitives that the structure was built over.
-    pub fn prims(&self) -> &'a P {
+    pub fn prims(&self) -> &'a dyn Primitives<S> {
         self.prims
     }
 
@@ -107,10 +114,21 @@ impl<'a, S: Scalar, P: PrimSet<S>> BoundsOf<'a, S, P> {
         collect(self.prims.len(), |id| self.of(id as u32))
     }
 
-    /// The box of primitive `id`.
+    /// [`Primitives::bounds`].
+    #[inline(always)]
+    pub(crate) fn tight(&self, id: u32) -> Aabb<S> {
+        match self.triangles {
+            Some(triangles) => {
+                Aabb::of_triangle(&triangles[id as usize].map(Vec3::<S>::from_array))
+            }
+            None => self.prims.bounds(id),
+        }
+    }
+
+    /// The box of primitive `id`, as the rule has it.
     #[inline(always)]
     pub fn of(&self, id: u32) -> Aabb<S> {
-        let tight = self.prims.bounds(id);
+        let tight = self.tight(id);
         match self.rule {
             BoundsRule::Padded => tight.expanded(self.padding),
             BoundsRule::Historical { cone_margin } => match self.prims.kind(id) {

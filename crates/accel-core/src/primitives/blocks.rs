@@ -3,15 +3,17 @@
 use std::mem::MaybeUninit;
 
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::primitives::prim_set::PrimSet;
+use crate::primitives::prim_set::Primitives;
+use crate::primitives::triangle::prefetch_triangle;
 use crate::primitives::triangle_block::TriangleBlock;
 use crate::update::MovedIds;
 
 /// Returns whether blocks can stand for lists of this set: all its primitives are triangles under
 /// the watertight test, and not too many.
-pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+pub(crate) fn serve<S: Scalar>(prims: &dyn Primitives<S>) -> bool {
     prims.len() <= TriangleBlock::<S>::MOST_IDS
-        && (0..prims.len() as u32).all(|id| prims.corners_in_block(id).is_some())
+        && (prims.is_watertight()
+            || (0..prims.len() as u32).all(|id| prims.corners_in_block(id).is_some()))
 }
 
 /// Blocks that a list of so many primitives takes.
@@ -24,9 +26,37 @@ pub(crate) fn length<S: Scalar>(blocks: &[TriangleBlock<S>]) -> usize {
     (blocks.iter().take_while(|block| block.has_next()).count() + 1).min(blocks.len())
 }
 
+/// The corners of the triangles of a set.
+#[derive(Clone, Copy)]
+struct Corners<'a, S: Scalar> {
+    prims: &'a dyn Primitives<S>,
+    triangles: Option<&'a [[[S; 3]; 3]]>,
+}
+
+impl<'a, S: Scalar> Corners<'a, S> {
+    fn new(prims: &'a dyn Primitives<S>) -> Self {
+        Self { prims, triangles: prims.triangles() }
+    }
+
+    #[inline(always)]
+    fn of(&self, id: u32) -> Option<[[S; 3]; 3]> {
+        match self.triangles {
+            Some(triangles) => Some(triangles[id as usize]),
+            None => Some(self.prims.corners_in_block(id)?.map(|p| p.to_array())),
+        }
+    }
+
+    /// Makes an empty block that of these primitives.
+    #[inline(always)]
+    fn fill(&self, ids: &[u32], more: bool, into: &mut TriangleBlock<S>) {
+        let moves_as_one = self.triangles.is_some() || self.prims.move_as_one(ids);
+        into.fill(ids.iter().filter_map(|&id| Some((id, self.of(id)?))), more, moves_as_one);
+    }
+}
+
 /// Adds the blocks of a list, in its order.
-pub(crate) fn push_list<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn push_list<S: Scalar>(
+    prims: &dyn Primitives<S>,
     ids: &[u32],
     into: &mut Vec<TriangleBlock<S>>,
 ) {
@@ -36,14 +66,15 @@ pub(crate) fn push_list<S: Scalar, P: PrimSet<S>>(
 }
 
 /// Makes the first of these the blocks of a list, in its order.
-pub(crate) fn set_list<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn set_list<S: Scalar>(
+    prims: &dyn Primitives<S>,
     ids: &[u32],
     into: &mut [TriangleBlock<S>],
 ) {
+    let corners = Corners::new(prims);
     for (block, (part, more)) in into.iter_mut().zip(parts::<S>(ids)) {
         *block = TriangleBlock::empty();
-        fill(prims, part, more, block);
+        corners.fill(part, more, block);
     }
 }
 
@@ -53,19 +84,13 @@ fn parts<S: Scalar>(ids: &[u32]) -> impl Iterator<Item = (&[u32], bool)> {
     ids.chunks(TriangleBlock::<S>::LANES).enumerate().map(move |(i, part)| (part, i < last))
 }
 
-/// Makes an empty block that of these primitives.
-#[inline(always)]
-fn fill<S: Scalar, P: PrimSet<S>>(prims: &P, ids: &[u32], more: bool, into: &mut TriangleBlock<S>) {
-    let corners = |&id| Some((id, prims.corners_in_block(id)?.map(|p| p.to_array())));
-    into.fill(ids.iter().filter_map(corners), more, prims.move_as_one(ids));
-}
-
 /// Makes blocks anew of the same primitives, of which some have moved.
-pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn refresh<S: Scalar>(
+    prims: &dyn Primitives<S>,
     blocks: &mut [TriangleBlock<S>],
     moved: &MovedIds,
 ) {
+    let corners = Corners::new(prims);
     for block in blocks {
         let (ids, n) = block.ids();
         if !ids[..n].iter().any(|&id| moved.has(id)) {
@@ -73,21 +98,21 @@ pub(crate) fn refresh<S: Scalar, P: PrimSet<S>>(
         }
         let more = block.has_next();
         *block = TriangleBlock::empty();
-        fill(prims, &ids[..n], more, block);
+        corners.fill(&ids[..n], more, block);
     }
 }
 
 /// So many empty blocks, then those of lists, one list after the other; made by the threads of the
 /// current rayon pool.
-pub(crate) fn of_lists<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn of_lists<S: Scalar>(
+    prims: &dyn Primitives<S>,
     empty: usize,
     lists: &[&[u32]],
 ) -> Vec<TriangleBlock<S>> {
     let number: usize = lists.iter().map(|list| number_of::<S>(list.len())).sum();
     let mut all = Vec::with_capacity(empty + number);
     all.resize(empty, TriangleBlock::empty());
-    write(prims, lists, &mut all.spare_capacity_mut()[..number]);
+    write(&Corners::new(prims), lists, &mut all.spare_capacity_mut()[..number]);
     // SAFETY: `write` has written each of them
     unsafe { all.set_len(empty + number) };
     all
@@ -108,8 +133,8 @@ pub(crate) fn ids_of_list<S: Scalar>(blocks: &[TriangleBlock<S>], into: &mut Vec
 const AHEAD: usize = 4;
 
 /// Writes the blocks of the lists, of which there are as many.
-fn write<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+fn write<S: Scalar>(
+    corners: &Corners<S>,
     lists: &[&[u32]],
     into: &mut [MaybeUninit<TriangleBlock<S>>],
 ) {
@@ -117,9 +142,11 @@ fn write<S: Scalar, P: PrimSet<S>>(
         let (blocks, mut written) = (into.len(), 0);
         let (mut slots, mut soon) = (into.iter_mut(), lists.iter().skip(AHEAD));
         for list in lists {
-            soon.next().into_iter().copied().flatten().for_each(|&id| prims.prefetch(id));
+            if let (Some(ids), Some(triangles)) = (soon.next(), corners.triangles) {
+                ids.iter().for_each(|&id| prefetch_triangle(&triangles[id as usize]));
+            }
             for ((part, more), slot) in parts::<S>(list).zip(&mut slots) {
-                fill(prims, part, more, slot.write(TriangleBlock::empty()));
+                corners.fill(part, more, slot.write(TriangleBlock::empty()));
                 written += 1;
             }
         }
@@ -129,5 +156,5 @@ fn write<S: Scalar, P: PrimSet<S>>(
     let (before, after) = lists.split_at(lists.len() / 2);
     let middle = before.iter().map(|list| number_of::<S>(list.len())).sum();
     let (low, high) = into.split_at_mut(middle);
-    rayon::join(|| write(prims, before, low), || write(prims, after, high));
+    rayon::join(|| write(corners, before, low), || write(corners, after, high));
 }

@@ -195,7 +195,7 @@ impl<S: Scalar> Cone<S> {
         (base.0.min(apex.0), base.1.max(apex.1))
     }
 
-    /// See [`crate::primitives::PrimSet::hull`]. The square of a hit's distance from the axis is
+    /// See [`crate::primitives::Primitives::hull`]. The square of a hit's distance from the axis is
     /// off by a few ulps of the square of the cone's size, which the balls make up for.
     pub(super) fn hull(&self, balls: &mut Vec<Ball>) {
         let [base, apex] = self.discs();

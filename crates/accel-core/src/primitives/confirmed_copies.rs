@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::geometry::scalar::Scalar;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::primitives::instances::{ConfirmedCopy, Instance, Instances, Object, stretch};
 use crate::primitives::support::Ball;
 
@@ -18,7 +18,7 @@ impl Instances {
     /// copy where the transform between placements takes that of the first copy, up to the rounding
     /// of coordinates. What does not hold is an instance of nothing, and left out; so is what is
     /// alone then.
-    pub fn confirmed<S: Scalar, P: PrimSet<S>>(prims: &P, claims: &[Instance]) -> Self {
+    pub fn confirmed<S: Scalar>(prims: &dyn Primitives<S>, claims: &[Instance]) -> Self {
         let mut claims: Vec<&Instance> = claims.iter().filter(|claim| claim.count > 0).collect();
         claims.sort_by_key(|claim| claim.first);
         let mut end = 0;
@@ -43,7 +43,7 @@ impl Instances {
             };
             let from_first = claim.placement * first.placement.inverse();
             let to_first = inverse(from_first);
-            if to_first.is_some() && hulls.agree::<S, P>([prims; 2], first, claim, from_first) {
+            if to_first.is_some() && hulls.agree::<S>([prims; 2], first, claim, from_first) {
                 object.copies.push(ConfirmedCopy { first: claim.first, to_first });
             }
         }
@@ -53,10 +53,10 @@ impl Instances {
 
     /// The parts of `now`, which these are of, that are where the transform between their
     /// placements takes those of `before`, up to the rounding of coordinates.
-    pub(super) fn rigid_parts<S: Scalar, P: PrimSet<S>>(
+    pub(super) fn rigid_parts<S: Scalar>(
         &self,
-        now: &P,
-        before: &P,
+        now: &dyn Primitives<S>,
+        before: &dyn Primitives<S>,
     ) -> Vec<Instance> {
         let Some(then) = before.instances() else { return Vec::new() };
         let mut hulls = Hulls::default();
@@ -65,7 +65,7 @@ impl Instances {
             let from_old = part.placement * old.placement.inverse();
             (old.first, old.count, old.object) == (part.first, part.count, part.object)
                 && inverse(from_old).is_some()
-                && hulls.agree::<S, P>([before, now], old, part, from_old)
+                && hulls.agree::<S>([before, now], old, part, from_old)
         };
         self.parts.iter().filter(|part| is_rigid(part)).copied().collect()
     }
@@ -90,9 +90,9 @@ fn uniform_scale(matrix: &DMat3) -> Option<f64> {
 struct Hulls([Vec<Ball>; 2]);
 
 impl Hulls {
-    fn agree<S: Scalar, P: PrimSet<S>>(
+    fn agree<S: Scalar>(
         &mut self,
-        [of_first, of_copy]: [&P; 2],
+        [of_first, of_copy]: [&dyn Primitives<S>; 2],
         first: &Instance,
         copy: &Instance,
         from_first: DAffine3,

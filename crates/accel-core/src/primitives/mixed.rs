@@ -14,8 +14,8 @@ use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::{
-    Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Sphere, TransmissiveSet,
-    precise, watertight,
+    Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Primitives, Sphere,
+    TransmissiveSet, precise, watertight,
 };
 use glam::DVec3;
 
@@ -279,9 +279,7 @@ impl<S: Scalar> MixedSet<S> {
 }
 
 /// Tests find primitives where they are at time 0; bounds hold their whole way.
-impl<S: Scalar> PrimSet<S> for MixedSet<S> {
-    type RaySetup = Shear<S>;
-
+impl<S: Scalar> Primitives<S> for MixedSet<S> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.order.len()
@@ -378,16 +376,6 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
     }
 
     #[inline(always)]
-    fn setup(&self, ray: &Ray<S>) -> Shear<S> {
-        Shear::of(ray, self.magnitude)
-    }
-
-    #[inline(always)]
-    fn intersect(&self, id: u32, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
-        self.tested::<Watertight, RearrangedSphere>(id, ray, shear, shear, t_max)
-    }
-
-    #[inline(always)]
     fn is_opaque(&self, id: u32) -> bool {
         !self.transmissive.contains(id)
     }
@@ -407,5 +395,19 @@ impl<S: Scalar> PrimSet<S> for MixedSet<S> {
             + self.transmissive.bytes()
             + self.motion.bytes()
             + self.instances.bytes()
+    }
+}
+
+impl<S: Scalar> PrimSet<S> for MixedSet<S> {
+    type RaySetup = Shear<S>;
+
+    #[inline(always)]
+    fn setup(&self, ray: &Ray<S>) -> Shear<S> {
+        Shear::of(ray, self.magnitude)
+    }
+
+    #[inline(always)]
+    fn intersect(&self, id: u32, ray: &Ray<S>, shear: &Shear<S>, t_max: S) -> Option<S> {
+        self.tested::<Watertight, RearrangedSphere>(id, ray, shear, shear, t_max)
     }
 }

@@ -32,7 +32,7 @@ pub use mixed::{MixedSet, MixedSetBuilder};
 pub use moving::MovingSet;
 pub use polygon::{Polygon, newell_normal};
 pub(crate) use prim_set::TransmissiveSet;
-pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind};
+pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind, Primitives};
 pub use shear::Shear;
 pub use sphere::{RearrangedSphere, Sphere, SphereTest};
 pub use support::Ball;
@@ -54,3 +54,13 @@ impl<S: Scalar> Clone for PrimsRef<'_, S> {
 }
 
 impl<S: Scalar> Copy for PrimsRef<'_, S> {}
+
+impl<'a, S: Scalar> PrimsRef<'a, S> {
+    /// The set as what is built over it sees it.
+    pub fn primitives(self) -> &'a dyn Primitives<S> {
+        match self {
+            Self::Watertight(set) => set,
+            Self::Mixed(set) => set,
+        }
+    }
+}

@@ -19,7 +19,7 @@ use crate::primitives::mixed::MovingSetup;
 use crate::primitives::prim_set::as_its_set;
 use crate::primitives::triangle_block::{StartLanes, TriangleBlock};
 use crate::primitives::watertight;
-use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind};
+use crate::primitives::{Ball, MixedSet, PrimSet, PrimitiveKind, Primitives};
 
 /// A mixed set as rays with a time see it.
 #[derive(Debug)]
@@ -66,10 +66,12 @@ impl<S: Scalar> MovingSet<S> {
     }
 }
 
+impl<S: Scalar> Primitives<S> for MovingSet<S> {
+    as_its_set!(S);
+}
+
 impl<S: Scalar> PrimSet<S> for MovingSet<S> {
     type RaySetup = MovingSetup<S>;
-
-    as_its_set!(S);
 
     const HAS_BLOCKS: bool = true;
 

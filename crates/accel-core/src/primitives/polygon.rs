@@ -183,7 +183,7 @@ impl<S: Scalar> Polygon<S> {
         distance_to_points(self.outline(store), from) + self.off_plane(store)
     }
 
-    /// See [`crate::primitives::PrimSet::hull`]: balls as large as the vertices are off the plane.
+    /// See [`crate::primitives::Primitives::hull`]: balls as large as the vertices are off the plane.
     pub(super) fn hull(&self, store: &[[S; 3]], balls: &mut Vec<Ball>) {
         balls_around(self.outline(store), self.off_plane(store).max(0.0), balls);
     }

@@ -1,4 +1,4 @@
-//! Queries on a set of primitives.
+//! Sets of primitives: what structures are built over, and what rays are tested against.
 
 #![warn(missing_docs)]
 
@@ -81,11 +81,9 @@ pub enum PrimitiveError {
     TooMany { limit: u32 },
 }
 
-/// A set of primitives with ids `0..len()`.
-pub trait PrimSet<S: Scalar>: Send + Sync {
-    /// Data that tests derive from a ray, computed once per ray.
-    type RaySetup: Copy;
-
+/// Primitives with ids `0..len()`, as what is built over them sees them: where they are, and not how
+/// rays meet them.
+pub trait Primitives<S: Scalar>: Send + Sync {
     /// Number of primitives.
     fn len(&self) -> usize;
     /// True when there are none.
@@ -105,6 +103,11 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     /// polygon in the order of its outline, the sphere itself, the two ends of a cone; and, for
     /// one that moves, the same where it ends.
     fn hull(&self, id: u32, balls: &mut Vec<Ball>);
+    /// The corners of all primitives, by id, where they are triangles at rest: what is asked of each
+    /// primitive many times is found there without a call.
+    fn triangles(&self) -> Option<&[[[S; 3]; 3]]> {
+        None
+    }
     /// The corners of a primitive that is a triangle at rest, for structures that cut it up.
     fn corners(&self, _id: u32) -> Option<[Vec3<S>; 3]> {
         None
@@ -114,15 +117,6 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn corners_in_block(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         if self.is_watertight() { self.corners(id) } else { None }
     }
-    /// Asks for the memory of a primitive that is looked at soon.
-    #[inline(always)]
-    fn prefetch(&self, _id: u32) {}
-    /// True if lists of its primitives may be kept as blocks of triangles; false where no test is
-    /// compiled for them.
-    const HAS_BLOCKS: bool = false;
-    /// True if it has tests that are compared with the default ones, for which neither mailboxes
-    /// nor batches are compiled.
-    const HAS_OTHER_TESTS: bool = false;
     /// Returns whether all are triangles that [`Watertight`](super::Watertight) tests: another way
     /// to compute that test gives the set's own answers.
     fn is_watertight(&self) -> bool {
@@ -142,6 +136,33 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     fn instances(&self) -> Option<&Instances> {
         None
     }
+    /// False for primitives that let shadow rays pass.
+    fn is_opaque(&self, id: u32) -> bool;
+    /// The largest absolute coordinate of any bounds; known without a pass over the set.
+    fn magnitude(&self) -> S;
+    /// Bytes the set occupies.
+    fn bytes(&self) -> usize;
+
+    /// Bounds of all primitives; found in the current rayon pool, the same for any number of
+    /// threads.
+    fn scene_bounds(&self) -> Aabb<S> {
+        let of_part =
+            |ids: Range<u32>| ids.fold(Aabb::empty(), |all, id| all.union(self.bounds(id)));
+        map_parts(self.len(), of_part).into_iter().fold(Aabb::empty(), Aabb::union)
+    }
+}
+
+/// A set of primitives that rays are tested against.
+pub trait PrimSet<S: Scalar>: Primitives<S> {
+    /// Data that tests derive from a ray, computed once per ray.
+    type RaySetup: Copy;
+
+    /// True if lists of its primitives may be kept as blocks of triangles; false where no test is
+    /// compiled for them.
+    const HAS_BLOCKS: bool = false;
+    /// True if it has tests that are compared with the default ones, for which neither mailboxes
+    /// nor batches are compiled.
+    const HAS_OTHER_TESTS: bool = false;
     /// Prepares a ray.
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup;
     /// Prepares eight rays, which `lanes` holds too: what [`PrimSet::setup`] says of each, by lane.
@@ -153,11 +174,14 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
     ) -> impl Fn(usize) -> Self::RaySetup {
         |lane| self.setup(&rays[lane])
     }
+    /// Asks for the memory of a primitive that is looked at soon.
+    #[inline(always)]
+    fn prefetch(&self, _id: u32) {}
     /// The smallest `t` in `[ray.t_min, t_max]` at which the ray hits primitive `id`.
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &Self::RaySetup, t_max: S) -> Option<S>;
     /// Replaces `best` by a closer hit of a primitive of the block within the ray's interval, or by
     /// an equal one of a lower id. The block is made of triangles of this set
-    /// ([`PrimSet::corners_in_block`]).
+    /// ([`Primitives::corners_in_block`]).
     #[inline(always)]
     fn closest_in_block(
         &self,
@@ -188,20 +212,6 @@ pub trait PrimSet<S: Scalar>: Send + Sync {
             |&id: &u32| self.intersect(id, ray, setup, ray.t_max).is_some() && self.is_opaque(id);
         ids[..n].iter().any(blocks)
     }
-    /// False for primitives that let shadow rays pass.
-    fn is_opaque(&self, id: u32) -> bool;
-    /// The largest absolute coordinate of any bounds; known without a pass over the set.
-    fn magnitude(&self) -> S;
-    /// Bytes the set occupies.
-    fn bytes(&self) -> usize;
-
-    /// Bounds of all primitives; found in the current rayon pool, the same for any number of
-    /// threads.
-    fn scene_bounds(&self) -> Aabb<S> {
-        let of_part =
-            |ids: Range<u32>| ids.fold(Aabb::empty(), |all, id| all.union(self.bounds(id)));
-        map_parts(self.len(), of_part).into_iter().fold(Aabb::empty(), Aabb::union)
-    }
 }
 
 /// Methods that a view forwards to its field `set`.
@@ -229,7 +239,7 @@ macro_rules! as_its_set {
         }
 
         fn moves(&self, id: u32) -> bool {
-            PrimSet::moves(&self.set, id)
+            Primitives::moves(&self.set, id)
         }
 
         fn kind(&self, id: u32) -> PrimitiveKind {

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 
-/// A ball, for the convex hulls of [`crate::primitives::PrimSet::hull`].
+/// A ball, for the convex hulls of [`crate::primitives::Primitives::hull`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ball {
     pub center: DVec3,
@@ -39,7 +39,9 @@ pub(super) fn distance_to_points<S: Scalar>(points: &[[S; 3]], from: DVec3) -> f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, TriangleSet, Watertight};
+    use crate::primitives::{
+        Cone, MixedSet, MixedSetBuilder, PrimSet, Primitives, TriangleSet, Watertight,
+    };
     use glam::dvec3;
 
     const BASE: DVec3 = dvec3(0.3, -0.2, 0.5);

@@ -25,7 +25,7 @@ use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_
 use crate::primitives::triangle_block::TriangleBlock;
 use crate::primitives::watertight;
 use crate::primitives::{
-    Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, TransmissiveSet,
+    Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Primitives, TransmissiveSet,
 };
 
 /// A way to intersect a ray with a triangle.
@@ -241,15 +241,19 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
     }
 }
 
-impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
-    type RaySetup = T::Setup;
-    const HAS_BLOCKS: bool = true;
-    const HAS_OTHER_TESTS: bool = !T::IS_DEFAULT;
+/// Asks for both ends of a triangle's memory, which may lie in two cache lines.
+#[inline(always)]
+pub(super) fn prefetch_triangle<S>([first, _, last]: &[[S; 3]; 3]) {
+    prefetch(first);
+    prefetch(last);
+}
 
+impl<S: Scalar, T: TriangleTest<S>> Primitives<S> for TriangleSet<S, T> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.triangles.len()
     }
+
     #[inline(always)]
     fn bounds(&self, id: u32) -> Aabb<S> {
         let [a, b, c] = self.triangles[id as usize];
@@ -259,45 +263,78 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
             Vec3::<S>::from_array(c),
         ])
     }
+
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {
         extent_of_points(&self.triangles[id as usize], direction)
     }
+
     fn farthest(&self, id: u32, from: DVec3) -> f64 {
         distance_to_points(&self.triangles[id as usize], from)
     }
+
     fn hull(&self, id: u32, balls: &mut Vec<Ball>) {
         balls_around(&self.triangles[id as usize], 0.0, balls);
     }
-    #[inline(always)]
-    fn prefetch(&self, id: u32) {
-        let [first, _, last] = &self.triangles[id as usize];
-        prefetch(first);
-        prefetch(last);
+
+    fn triangles(&self) -> Option<&[[[S; 3]; 3]]> {
+        Some(&self.triangles)
     }
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         Some(self.triangles[id as usize].map(Vec3::<S>::from_array))
     }
+
     fn is_watertight(&self) -> bool {
         T::IS_DEFAULT
     }
+
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Triangle
     }
+
     fn instances(&self) -> Option<&Instances> {
         Some(&self.instances)
     }
+
+    #[inline(always)]
+    fn is_opaque(&self, id: u32) -> bool {
+        !self.transmissive.contains(id)
+    }
+
+    fn magnitude(&self) -> S {
+        self.magnitude
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.triangles.as_slice()) + self.transmissive.bytes() + self.instances.bytes()
+    }
+}
+
+impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
+    type RaySetup = T::Setup;
+
+    const HAS_BLOCKS: bool = true;
+
+    const HAS_OTHER_TESTS: bool = !T::IS_DEFAULT;
+
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> T::Setup {
         T::setup(ray, self.magnitude)
     }
+
     #[inline(always)]
     fn setups(&self, rays: &[Ray<S>; LANES], lanes: &RayLanes<S>) -> impl Fn(usize) -> T::Setup {
         T::setups(rays, lanes, self.magnitude)
+    }
+
+    #[inline(always)]
+    fn prefetch(&self, id: u32) {
+        prefetch_triangle(&self.triangles[id as usize]);
     }
     #[inline(always)]
     fn intersect(&self, id: u32, ray: &Ray<S>, setup: &T::Setup, t_max: S) -> Option<S> {
         T::intersect(&self.triangles[id as usize], ray, setup, t_max)
     }
+
     #[inline(always)]
     fn closest_in_block(
         &self,
@@ -308,19 +345,10 @@ impl<S: Scalar, T: TriangleTest<S>> PrimSet<S> for TriangleSet<S, T> {
     ) {
         T::closest_in_block(block, ray, setup, best);
     }
+
     #[inline(always)]
     fn is_blocked_in(&self, block: &TriangleBlock<S>, ray: &Ray<S>, setup: &T::Setup) -> bool {
         T::any_in_block(block, ray, setup, |id| self.is_opaque(id))
-    }
-    #[inline(always)]
-    fn is_opaque(&self, id: u32) -> bool {
-        !self.transmissive.contains(id)
-    }
-    fn magnitude(&self) -> S {
-        self.magnitude
-    }
-    fn bytes(&self) -> usize {
-        size_of_val(self.triangles.as_slice()) + self.transmissive.bytes() + self.instances.bytes()
     }
 }
 

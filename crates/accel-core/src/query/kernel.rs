@@ -13,7 +13,7 @@ use std::ops::ControlFlow;
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
 use crate::params::ParamSpec;
-use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::primitives::{Primitives, TriangleBlock, blocks};
 use crate::query::sink::{Sink, end_of_query, steps_of_query};
 use crate::update::ChangedLists;
 
@@ -41,7 +41,7 @@ impl<S: Scalar> ListBlocks<S> {
     /// Blocks of these lists, which are parts of one array. `None` if the set has no blocks, there
     /// are too many, or lists lie too far apart.
     #[inline(never)]
-    pub(crate) fn of<P: PrimSet<S>>(prims: &P, lists: &[&[u32]]) -> Option<Self> {
+    pub(crate) fn of(prims: &dyn Primitives<S>, lists: &[&[u32]]) -> Option<Self> {
         let address = |list: &[u32]| list.as_ptr() as usize;
         let full = || lists.iter().filter(|list| !list.is_empty());
         let base = full().map(|list| address(list)).min()?;
@@ -64,9 +64,9 @@ impl<S: Scalar> ListBlocks<S> {
     /// of: those are made anew, where they were if they are no more than before, else behind all
     /// others. What is left over stays until it is a third of all; all are made anew then.
     #[inline(never)]
-    pub(crate) fn changed<P: PrimSet<S>>(
+    pub(crate) fn changed(
         mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         lists: &[&[u32]],
         changed: &ChangedLists,
     ) -> Option<Self> {
@@ -166,6 +166,7 @@ fn out_of_line<S: Scalar, K: Sink<S>>(
 
 impl<S: Scalar, K: Sink<S>> Sink<S> for BlockSink<'_, '_, S, K> {
     const COUNTING: bool = K::COUNTING;
+    const HAS_OTHER_TEST: bool = K::HAS_OTHER_TEST;
     steps_of_query!();
     end_of_query!();
 

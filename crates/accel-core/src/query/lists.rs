@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
-use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::primitives::{Primitives, TriangleBlock, blocks};
 use crate::query::sink::Sink;
 use crate::update::MovedIds;
 
@@ -27,8 +27,8 @@ pub(crate) struct Layout {
 
 impl Layout {
     /// Layout in blocks if the set has them; `None` if a number would reach `limit`.
-    pub(crate) fn of<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
+    pub(crate) fn of<S: Scalar>(
+        prims: &dyn Primitives<S>,
         lists: &[&[u32]],
         limit: u32,
     ) -> Option<Self> {
@@ -48,7 +48,11 @@ impl Layout {
     }
 
     /// The lists that this is the layout of; made by the threads of the current rayon pool.
-    pub(crate) fn filled<S: Scalar, P: PrimSet<S>>(&self, prims: &P, lists: &[&[u32]]) -> Lists<S> {
+    pub(crate) fn filled<S: Scalar>(
+        &self,
+        prims: &dyn Primitives<S>,
+        lists: &[&[u32]],
+    ) -> Lists<S> {
         if self.is_blocks {
             return Lists::Blocks(blocks::of_lists(prims, 0, lists));
         }
@@ -64,7 +68,7 @@ impl Layout {
 impl<S: Scalar> Lists<S> {
     /// Makes the blocks of the same lists over primitives of which some have moved; false where
     /// these would not be such lists.
-    pub(crate) fn refresh<P: PrimSet<S>>(&mut self, prims: &P, moved: &MovedIds) -> bool {
+    pub(crate) fn refresh(&mut self, prims: &dyn Primitives<S>, moved: &MovedIds) -> bool {
         let (serve, are_blocks) = (blocks::serve(prims), matches!(self, Self::Blocks(_)));
         if let (Self::Blocks(all), true) = (self, serve) {
             blocks::refresh(prims, all, moved);

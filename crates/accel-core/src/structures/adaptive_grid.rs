@@ -26,7 +26,7 @@ use crate::grid::voxel_traversal::GridFrame;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::params::specs;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -116,8 +116,8 @@ impl<S: Scalar> Structure<S> for AdaptiveGrid<S> {
 
     type Config = AdaptiveGridConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<AdaptiveGridConfig>,
     ) -> Result<Self, BuildError> {
         let historical = settings.historical;

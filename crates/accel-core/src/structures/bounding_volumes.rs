@@ -37,7 +37,7 @@ use crate::memory::Limits;
 use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
@@ -147,7 +147,7 @@ enum Volumes<S: Scalar> {
 }
 
 impl<S: Scalar> Volumes<S> {
-    fn new<P: PrimSet<S>>(groups: &Groups<S, P>, kind: Kind) -> Self {
+    fn new(groups: &Groups<S>, kind: Kind) -> Self {
         match kind {
             Kind::Box => Self::Boxes(groups.volumes()),
             Kind::Compared(test) => Self::Compared(test, groups.volumes()),
@@ -169,13 +169,13 @@ impl<S: Scalar> Volumes<S> {
 }
 
 /// Groups of ids, and where they lie.
-struct Groups<'a, S: Scalar, P: PrimSet<S>> {
+struct Groups<'a, S: Scalar> {
     ids: &'a [u32],
     size: usize,
-    boxes: BoundsOf<'a, S, P>,
+    boxes: BoundsOf<'a, S>,
 }
 
-impl<S: Scalar, P: PrimSet<S>> Groups<'_, S, P> {
+impl<S: Scalar> Groups<'_, S> {
     fn volumes<V: Volume<S>>(&self) -> Vec<V> {
         collect(self.ids.len().div_ceil(self.size), |group| {
             let end = self.ids.len().min((group + 1) * self.size);
@@ -190,8 +190,8 @@ impl<S: Scalar> Structure<S> for BoundingVolumes<S> {
 
     type Config = VolumesConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<VolumesConfig>,
     ) -> Result<Self, BuildError> {
         let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;

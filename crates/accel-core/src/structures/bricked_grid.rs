@@ -18,7 +18,6 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel;
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::primitives::PrimSet;
 use crate::structure::StructureInfo;
 
 config! {
@@ -145,8 +144,8 @@ impl CellStorage for BrickedCells {
         8 * cells
     }
 
-    fn build<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
+    fn build<S: Scalar>(
+        contents: &Contents<S>,
         config: &BricksConfig,
     ) -> Result<Self, TooManyReferences> {
         let block_cells = config.block_bytes / CELL_BYTES;

@@ -6,7 +6,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::region::{Frustum, FrustumTraversal};
 use crate::query::sink::Sink;
@@ -34,7 +34,7 @@ impl<S: Scalar> Structure<S> for BruteForce<S> {
 
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }
 

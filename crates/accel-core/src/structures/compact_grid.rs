@@ -27,7 +27,6 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel::map_parts;
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::primitives::PrimSet;
 use crate::structure::StructureInfo;
 
 config! {
@@ -242,8 +241,8 @@ impl CellStorage for CompactCells {
     /// An id, and the place of a cell.
     const REFERENCE_BYTES: u64 = 8;
 
-    fn build<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
+    fn build<S: Scalar>(
+        contents: &Contents<S>,
         config: &RowsConfig,
     ) -> Result<Self, TooManyReferences> {
         let occupied = occupied_cells(contents)?;
@@ -279,9 +278,7 @@ impl CellStorage for CompactCells {
 }
 
 /// Marks the cells that hold primitives.
-fn occupied_cells<S: Scalar, P: PrimSet<S>>(
-    contents: &Contents<S, P>,
-) -> Result<Bits, TooManyReferences> {
+fn occupied_cells<S: Scalar>(contents: &Contents<S>) -> Result<Bits, TooManyReferences> {
     let frame = contents.frame;
     let limit = contents.max_references.min(u64::from(u32::MAX));
     let of_part = |ids: Range<u32>| {

@@ -4,7 +4,7 @@ use super::{bricked_grid, brute_force, hashed_grid, kd_tree, uniform_grid};
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::params::config::Settings;
-use crate::primitives::{PrimSet, PrimsRef};
+use crate::primitives::PrimsRef;
 use crate::query::region::{BoundFrustumQueries, FrustumQueries, FrustumTraversal};
 use crate::registry::{self, RegistryItem};
 use crate::structure::{BuildError, StructureInfo, refuse_unusable};
@@ -63,18 +63,9 @@ pub fn build<T: FrustumTraversal + 'static>(
     prims: PrimsRef<'_, f64>,
     params: &Params,
 ) -> Result<Box<dyn FrustumQueries>, BuildError> {
-    fn over<T: FrustumTraversal + 'static, P: PrimSet<f64>>(
-        prims: &P,
-        settings: &Settings<T::Config>,
-    ) -> Result<Box<dyn FrustumQueries>, BuildError> {
-        refuse_unusable(prims, settings.limits())?;
-        Ok(Box::new(BoundFrustumQueries::new(prims, T::build(prims, settings)?)))
-    }
-    let settings = Settings::of(params);
-    match prims {
-        PrimsRef::Watertight(p) => over::<T, _>(p, &settings),
-        PrimsRef::Mixed(p) => over::<T, _>(p, &settings),
-    }
+    let (prims, settings) = (prims.primitives(), Settings::<T::Config>::of(params));
+    refuse_unusable(prims, settings.limits())?;
+    Ok(Box::new(BoundFrustumQueries::new(prims, T::build(prims, &settings)?)))
 }
 
 #[cfg(test)]
@@ -84,7 +75,7 @@ mod tests {
     use super::*;
     use crate::geometry::ray::Ray;
     use crate::geometry::scalar::Vector;
-    use crate::primitives::MixedSet;
+    use crate::primitives::{MixedSet, PrimSet, Primitives};
     use crate::query::region::{Candidates, Frustum};
     use crate::structure::Structure;
     use crate::structures::test_scenes::{Random, hard_scenes, mixed_scene};
@@ -171,8 +162,8 @@ mod tests {
         impl Structure<f64> for LossyGrid {
             type Config = <uniform_grid::UniformGrid<f64> as Structure<f64>>::Config;
 
-            fn build<P: PrimSet<f64>>(
-                prims: &P,
+            fn build(
+                prims: &dyn Primitives<f64>,
                 settings: &Settings<Self::Config>,
             ) -> Result<Self, BuildError> {
                 Structure::build(prims, settings).map(Self)

@@ -22,7 +22,6 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel::{map_mut, parts, ranges, sort, split_mut};
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::primitives::PrimSet;
 use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 
@@ -187,8 +186,8 @@ pub struct HashedCells {
 }
 
 impl HashedCells {
-    fn with_hash<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
+    fn with_hash<S: Scalar>(
+        contents: &Contents<S>,
         load_factor: f64,
         multiplier: u64,
     ) -> Result<Self, TooManyReferences> {
@@ -276,18 +275,14 @@ impl CellStorage for HashedCells {
     /// An id, and the slots of a table that is half full.
     const REFERENCE_BYTES: u64 = 4 + 2 * size_of::<Slot>() as u64;
 
-    fn build<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
+    fn build<S: Scalar>(
+        contents: &Contents<S>,
         config: &TableConfig,
     ) -> Result<Self, TooManyReferences> {
         Self::with_hash(contents, config.load_factor, config.multiplier)
     }
 
-    fn change<S: Scalar, P: PrimSet<S>>(
-        &mut self,
-        contents: &Contents<S, P>,
-        moved: &[u32],
-    ) -> Option<ChangedLists> {
+    fn change<S: Scalar>(&mut self, contents: &Contents<S>, moved: &[u32]) -> Option<ChangedLists> {
         let Self { table, ids, most_keys } = self;
         let (frame, mut has_room) = (contents.frame, true);
         let gained = NewCells::of(contents, moved, |coords| {

@@ -30,7 +30,7 @@ use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::params::specs;
-use crate::primitives::{PrimSet, PrimitiveKind};
+use crate::primitives::{PrimitiveKind, Primitives};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -112,7 +112,10 @@ impl<S: Scalar> Structure<S> for Hug<S> {
 
     type Config = HugConfig;
 
-    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<HugConfig>) -> Result<Self, BuildError> {
+    fn build(
+        prims: &dyn Primitives<S>,
+        settings: &Settings<HugConfig>,
+    ) -> Result<Self, BuildError> {
         let historical = settings.historical;
         let Boxes { of: boxes, scene, padding } =
             boxes_of(prims, historical, settings.structure())?;
@@ -171,8 +174,8 @@ pub(super) struct Boxes<S: Scalar> {
     pub padding: S,
 }
 
-pub(super) fn boxes_of<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(super) fn boxes_of<S: Scalar>(
+    prims: &dyn Primitives<S>,
     historical: bool,
     structure: &'static str,
 ) -> Result<Boxes<S>, BuildError> {
@@ -200,7 +203,7 @@ fn at_least<S: Scalar>(b: Aabb<S>) -> Aabb<S> {
 }
 
 /// The boxes as they were inserted in 1999: those of spheres exact, all others larger.
-fn inserted<S: Scalar, P: PrimSet<S>>(prims: &P) -> Vec<Aabb<S>> {
+fn inserted<S: Scalar>(prims: &dyn Primitives<S>) -> Vec<Aabb<S>> {
     let margin = S::from_f64(HISTORICAL_MARGIN);
     let of = |id| match prims.kind(id) {
         PrimitiveKind::Sphere => prims.bounds(id),

@@ -21,7 +21,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
@@ -72,8 +72,8 @@ impl<S: Scalar> Structure<S> for KayKajiya<S> {
 
     type Config = KayKajiyaConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<KayKajiyaConfig>,
     ) -> Result<Self, BuildError> {
         let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;

@@ -23,7 +23,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::region::{Frustum, FrustumTraversal};
 use crate::query::sink::Sink;
@@ -59,8 +59,8 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
 
     type Config = KdTreeConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<KdTreeConfig>,
     ) -> Result<Self, BuildError> {
         let boxes = bounds_of(prims, BoundsRule::Padded, settings.structure())?;

@@ -53,15 +53,15 @@ pub static REGISTRY: &[Entry] = &[
     entry!(hug::Hug, hug::INFO),
     entry!(two_level_grid::TwoLevelGrid, two_level_grid::INFO),
     entry!(adaptive_grid::AdaptiveGrid, adaptive_grid::INFO),
-    entry!(irregular_grid::IrregularGrid, irregular_grid::INFO, prepare_compiled, true),
+    entry!(irregular_grid::IrregularGrid, irregular_grid::INFO, prepare_compiled, false),
     entry!(octree::Octree, octree::INFO),
-    entry!(kd_tree::KdTree, kd_tree::INFO, prepare_compiled, true),
+    entry!(kd_tree::KdTree, kd_tree::INFO, prepare_compiled, false),
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
     entry!(WideBvh, bvh::INFO, prepare_tested, true),
     entry!(instanced_grid::InstancedGrid, instanced_grid::INFO),
     entry!(instanced_bvh::InstancedBvh, instanced_bvh::INFO),
-    entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO, prepare_compiled, true),
+    entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO, prepare_compiled, false),
     entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO, prepare_compiled, true),
 ];
 
@@ -165,11 +165,11 @@ fn prepare_for<S: Scalar, T: Structure<S>, const COMPILED: bool, const COMPILED_
         }
         let how = (&settings, &testing);
         match prims {
-            PrimsRef::Watertight(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
+            PrimsRef::Watertight(p) => tested_as::<S, _, T, COMPILED>(p, p, how, before),
             PrimsRef::Mixed(p) if p.has_motion() => {
                 in_motion::<S, T, COMPILED_IN_MOTION>(p, how, segments)
             }
-            PrimsRef::Mixed(p) => tested_as::<S, _, _, T, COMPILED>(p, p, how, before),
+            PrimsRef::Mixed(p) => tested_as::<S, _, T, COMPILED>(p, p, how, before),
         }
     })
 }
@@ -180,7 +180,7 @@ fn in_motion<'a, S: Scalar, T: Structure<S>, const COMPILED: bool>(
     (settings, testing): (&Settings<T::Config>, &TestChoice),
     segments: usize,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let mailbox = testing.mailbox::<S, _>(set, settings.limits())?;
+    let mailbox = testing.mailbox(set, settings.limits())?;
     let segments = TimeSegments::<S, T>::build(set, settings, testing, segments)?;
     Ok(Box::new(BoundInMotion::<S, _, T, COMPILED>::new(set.in_motion(), segments, mailbox)))
 }
@@ -198,6 +198,9 @@ pub fn prepare_tested<T: Structure<f32>>(params: &Params) -> PreparedStructure<f
         }
         if params.get("query").is_some_and(|query| query != "one") {
             return Err(Choice::refused(&params, "default for batches").into());
+        }
+        if matches!(params.get("traversal"), Some("driving-axis" | "f64")) {
+            return Err(Choice::refused(&params, "default with this traversal").into());
         }
         if matches!(prims, PrimsRef::Mixed(set) if set.has_motion()) {
             return Err(Choice::refused(&params, "default where primitives move").into());
@@ -220,14 +223,7 @@ impl<'a, T: Structure<f32>> TestedSetVisitor<'a> for Tested<'a, '_, '_, T> {
     type Output = Result<Box<dyn Tracer<f32> + 'a>, BuildError>;
 
     fn visit<P: PrimSet<f32>>(self, set: &'a P) -> Self::Output {
-        match self.prims {
-            PrimsRef::Watertight(over) => {
-                tested_as::<f32, _, _, T, true>(over, set, self.how, self.before)
-            }
-            PrimsRef::Mixed(over) => {
-                tested_as::<f32, _, _, T, true>(over, set, self.how, self.before)
-            }
-        }
+        tested_as::<f32, _, T, true>(self.prims.primitives(), set, self.how, self.before)
     }
 }
 

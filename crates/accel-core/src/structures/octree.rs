@@ -30,7 +30,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
@@ -97,8 +97,8 @@ impl<S: Scalar> Structure<S> for Octree<S> {
 
     type Config = OctreeConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<OctreeConfig>,
     ) -> Result<Self, BuildError> {
         let historical = settings.historical;

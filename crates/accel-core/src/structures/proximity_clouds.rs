@@ -22,7 +22,7 @@ use crate::parallel::collect;
 use crate::params::config::{Config, Settings};
 use crate::params::specs;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -93,13 +93,13 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
 
     type Config = CloudsConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<CloudsConfig>,
     ) -> Result<Self, BuildError> {
         let CloudsConfig { grid, metric, clouds } = &**settings;
         let (metric, clouds) = (*metric, *clouds);
-        let (contents, lists) = stored::<S, P, CellLists>(prims, settings.limits(), grid)?;
+        let (contents, lists) = stored::<S, CellLists>(prims, settings.limits(), grid)?;
         let frame = contents.frame;
         let cells = frame.cells() as u128;
         // a start, the distances, and while they are found: whether it is occupied, a measure

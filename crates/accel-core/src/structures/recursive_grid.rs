@@ -29,7 +29,7 @@ use crate::parallel::collect;
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
 use crate::params::specs;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -117,8 +117,8 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
 
     type Config = RecursiveGridConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<RecursiveGridConfig>,
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();

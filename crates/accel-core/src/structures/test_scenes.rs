@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::primitives::PrimsRef;
-use crate::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
+use crate::primitives::{Cone, MixedSet, MixedSetBuilder, Primitives};
 use crate::query::tracer::Tracer;
 use crate::registry::Buildable;
 use crate::structures::Entry;

@@ -8,7 +8,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::{MixedSet, PrimSet};
+use crate::primitives::{MixedSet, Primitives};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::kernel::ListBlocks;
 use crate::query::sink::{ErasedSink, RelayedSink, Sink};

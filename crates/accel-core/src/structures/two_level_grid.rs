@@ -27,7 +27,7 @@ use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inve
 use crate::params::config::{Config, Settings};
 use crate::params::specs;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::mailbox;
@@ -101,9 +101,9 @@ fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
 impl<S: Scalar> TwoLevelGrid<S> {
     /// Changes the cells that something moved in; false where the upper grid is another one, and
     /// nothing was done.
-    fn change<P: PrimSet<S>>(
+    fn change(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<TwoLevelConfig>,
         moved: &[u32],
     ) -> Result<bool, BuildError> {
@@ -127,21 +127,20 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
 
     type Config = TwoLevelConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<TwoLevelConfig>,
     ) -> Result<Self, BuildError> {
-        let (contents, lists) =
-            stored::<S, P, CellLists>(prims, settings.limits(), &settings.upper)?;
+        let (contents, lists) = stored::<S, CellLists>(prims, settings.limits(), &settings.upper)?;
         let division = CellDivision::new(&contents.frame, contents.padding());
         let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(settings))?;
         let lists = settings.upper.is_incremental.then_some(lists);
         Ok(Self { upper: contents.frame, division, cells, leaves, lists })
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<TwoLevelConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {

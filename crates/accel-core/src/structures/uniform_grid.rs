@@ -19,7 +19,6 @@ use crate::grid::changed_cells::NewCells;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::params::Params;
 use crate::params::specs;
-use crate::primitives::PrimSet;
 use crate::structure::StructureInfo;
 use crate::update::{ChangedLists, INCREMENTAL};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
@@ -79,18 +78,11 @@ impl CellStorage for CellLists {
 
     const COMPARES_TRAVERSALS: bool = true;
 
-    fn build<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
-        (): &(),
-    ) -> Result<Self, TooManyReferences> {
+    fn build<S: Scalar>(contents: &Contents<S>, (): &()) -> Result<Self, TooManyReferences> {
         contents.dense_lists()
     }
 
-    fn change<S: Scalar, P: PrimSet<S>>(
-        &mut self,
-        contents: &Contents<S, P>,
-        moved: &[u32],
-    ) -> Option<ChangedLists> {
+    fn change<S: Scalar>(&mut self, contents: &Contents<S>, moved: &[u32]) -> Option<ChangedLists> {
         let frame = contents.frame;
         let gained = NewCells::of(contents, moved, |cell| frame.index(cell))?;
         self.change(moved, &gained)

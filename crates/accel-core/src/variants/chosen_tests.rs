@@ -17,8 +17,8 @@ use crate::geometry::scalar::{Scalar, Vec3};
 use crate::params::{ParamError, ParamSpec, Params};
 use crate::primitives::prim_set::as_its_set;
 use crate::primitives::{
-    Ball, MixedSet, MoellerTrumbore, PrimSet, PrimitiveKind, PrimsRef, RearrangedSphere, Shear,
-    SphereTest, TriangleTest, Watertight,
+    Ball, MixedSet, MoellerTrumbore, PrimSet, PrimitiveKind, Primitives, PrimsRef,
+    RearrangedSphere, Shear, SphereTest, TriangleTest, Watertight,
 };
 use crate::variants::sphere_tests::{NaiveSphere, SphereInDouble};
 use crate::variants::triangle_tests::{
@@ -169,15 +169,18 @@ impl<S: Scalar> MixedSet<S> {
     }
 }
 
-impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for RetestedSet<S, T, Q> {
-    type RaySetup = (Shear<S>, T::Setup);
-    const HAS_OTHER_TESTS: bool = true;
-
+impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> Primitives<S> for RetestedSet<S, T, Q> {
     as_its_set!(S);
 
     fn corners(&self, id: u32) -> Option<[Vec3<S>; 3]> {
         self.set.corners(id)
     }
+}
+
+impl<S: Scalar, T: TriangleTest<S>, Q: SphereTest<S>> PrimSet<S> for RetestedSet<S, T, Q> {
+    type RaySetup = (Shear<S>, T::Setup);
+
+    const HAS_OTHER_TESTS: bool = true;
 
     #[inline(always)]
     fn setup(&self, ray: &Ray<S>) -> Self::RaySetup {

@@ -4,7 +4,7 @@
 //! whose products are not, are refused.
 
 use accel_core::params::config::Settings;
-use accel_core::primitives::{PrimSet, PrimitiveError, PrimsRef, TriangleSet, Watertight};
+use accel_core::primitives::{PrimitiveError, Primitives, PrimsRef, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find};
@@ -216,7 +216,7 @@ struct Fat<S>(Vec<u32>, std::marker::PhantomData<S>);
 impl<S: Scalar> Structure<S> for Refuses<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(_: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(_: &dyn Primitives<S>, settings: &Settings<()>) -> Result<Self, BuildError> {
         let structure = settings.structure();
         Err(BuildError::TooLarge { structure, what: "number of cells", needed: 2, limit: 1 })
     }
@@ -231,7 +231,7 @@ impl<S: Scalar> Structure<S> for Refuses<S> {
 impl<S: Scalar> Structure<S> for Fat<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self((0..prims.len() as u32).collect(), std::marker::PhantomData))
     }
 

@@ -3,7 +3,7 @@
 //! it to the last bit.
 
 use accel_core::primitives::PrimsRef;
-use accel_core::primitives::{PrimSet, TriangleSet, Watertight};
+use accel_core::primitives::{PrimSet, Primitives, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};
 use accel_core::variants::triangle_tests::WatertightFallback;

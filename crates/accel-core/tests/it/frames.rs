@@ -7,7 +7,7 @@ use accel_core::entry;
 use accel_core::params::Params;
 use accel_core::params::config::Settings;
 use accel_core::primitives::{
-    Instance, MixedSet, MixedSetBuilder, PrimSet, PrimsRef, TriangleSet, Watertight,
+    Instance, MixedSet, MixedSetBuilder, Primitives, PrimsRef, TriangleSet, Watertight,
 };
 use accel_core::query::sink::Sink;
 use accel_core::query::tracer::PreviousFrame;
@@ -216,16 +216,16 @@ struct Stale<S: Scalar>(bvh::WideBvh<S>);
 impl<S: Scalar> Structure<S> for Stale<S> {
     type Config = <bvh::WideBvh<S> as Structure<S>>::Config;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
         Structure::build(prims, settings).map(Self)
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        _: &P,
+        _: &dyn Primitives<S>,
         _: &Settings<Self::Config>,
         _: &[u32],
     ) -> Result<Change, BuildError> {

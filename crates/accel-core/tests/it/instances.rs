@@ -2,7 +2,7 @@
 
 use accel_core::Ray;
 use accel_core::primitives::{
-    Instance, Instances, MixedSetBuilder, PrimSet, TriangleSet, Watertight,
+    Instance, Instances, MixedSetBuilder, Primitives, TriangleSet, Watertight,
 };
 use accel_core::registry::Buildable;
 use accel_core::structures::{REGISTRY, find};

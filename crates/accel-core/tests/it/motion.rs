@@ -1,6 +1,6 @@
 //! Primitives that move: a moment of a motion is the set at rest there.
 
-use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet};
+use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, Primitives};
 use accel_core::{Ray, Scalar};
 use glam::{DVec3, dvec3};
 

@@ -3,7 +3,9 @@
 use crate::agreement::Answers;
 use crate::common::triangle_set;
 use accel_core::primitives::PrimsRef;
-use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, TriangleSet, Watertight};
+use accel_core::primitives::{
+    Cone, MixedSet, MixedSetBuilder, Primitives, TriangleSet, Watertight,
+};
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;

@@ -4,7 +4,7 @@
 //! a point, and a closed body is crossed an even number of times.
 
 use accel_core::primitives::PrimsRef;
-use accel_core::primitives::{MixedSet, MixedSetBuilder, PrimSet};
+use accel_core::primitives::{MixedSet, MixedSetBuilder, PrimSet, Primitives};
 use accel_core::registry::Buildable;
 use accel_core::structures::REGISTRY;
 use accel_core::{Ray, Scalar, Vec3, Vector};

@@ -10,7 +10,7 @@ use accel_core::geometry::scalar::Vec3;
 use accel_core::memory::MemoryLimit;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
-    Cone, MixedSet, MixedSetBuilder, PrimSet as _, TriangleSet, Watertight,
+    Cone, MixedSet, MixedSetBuilder, Primitives as _, TriangleSet, Watertight,
 };
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;

@@ -2,7 +2,7 @@
 //! what moves stands still.
 
 use accel_core::params::config::Settings;
-use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, PrimSet, PrimsRef};
+use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, Primitives, PrimsRef};
 use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -103,7 +103,7 @@ static CUT_SHORT: StructureInfo = StructureInfo::new("cut-short", "misses the en
 impl<S: Scalar> Structure<S> for CutShort<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         let cut = |id| {
             let Aabb { min, max } = prims.bounds(id);
             Aabb { min, max: max - (max - min) * S::from_f64(0.2) }

@@ -8,7 +8,7 @@ use super::float::Toy;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::params::config::Settings;
-use crate::primitives::{PrimSet, TriangleSet, Watertight};
+use crate::primitives::{PrimSet, Primitives, TriangleSet, Watertight};
 use crate::query::sink::Sink;
 use crate::structure::{Structure, StructureInfo};
 use crate::structures::{kd_tree, octree, recursive_grid, uniform_grid};

@@ -14,8 +14,8 @@
 use std::sync::Arc;
 
 use accel_core::params::Params;
-use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{PrimSet, Primitives};
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;

@@ -1,7 +1,7 @@
 //! `rtbench rays export` and `rtbench rays check`: the rays of a scene for any program, and its
 //! answers.
 
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::{Hit, MISS};
 use measurement::answers::by_files::{check, foreign_row, rays};
 use measurement::plan::Plan;

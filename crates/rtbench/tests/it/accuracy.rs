@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use crate::common::{Ended, planted, run_with};
 use accel_core::bvh;
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY};
@@ -208,7 +208,7 @@ static TRAVERSALS: AtomicU32 = AtomicU32::new(0);
 impl<S: Scalar> Structure<S> for Fickle<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         let ids = (0..prims.len() as u32).collect();
         Ok(Self { ids, scalar: std::marker::PhantomData })
     }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use accel_core::geometry::far_ray::{Parameters, PlacedRay, place};
 use accel_core::occluders;
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::{PrimSet, Primitives};
 use accel_core::query::counters::Counters;
 use accel_core::query::kernel::ListBlocks;
 use accel_core::query::sink::Sink;
@@ -32,7 +32,7 @@ pub struct Dropper<S> {
 
 impl<S: Scalar> Dropper<S> {
     /// One that forgets it, or nothing.
-    pub fn of<P: PrimSet<S>>(prims: &P, is_right: bool) -> Self {
+    pub fn of(prims: &dyn Primitives<S>, is_right: bool) -> Self {
         let first = u32::from(!is_right);
         Self { ids: (first..prims.len() as u32).collect(), scalar: std::marker::PhantomData }
     }
@@ -41,7 +41,7 @@ impl<S: Scalar> Dropper<S> {
 impl<S: Scalar> Structure<S> for Dropper<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self::of(prims, false))
     }
 
@@ -122,7 +122,7 @@ pub struct Batched<S, F> {
 impl<S: Scalar, F: BatchFault> Structure<S> for Batched<S, F> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), of: std::marker::PhantomData })
     }
 

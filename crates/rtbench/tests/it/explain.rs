@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::kernel;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -173,8 +173,8 @@ static WRONG_BLOCKS: StructureInfo = StructureInfo {
 impl<S: Scalar> Structure<S> for WrongBlocks<S> {
     type Config = KernelConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<KernelConfig>,
     ) -> Result<Self, BuildError> {
         Ok(Self(Dropper::of(prims, !settings.is_block)))

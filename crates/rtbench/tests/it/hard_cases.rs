@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::resuming::{begun, csv, journal, outputs, record, run, run_in, show};
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, brute_force};
@@ -238,7 +238,7 @@ static BUILDS: AtomicUsize = AtomicUsize::new(0);
 impl<S: Scalar, const LATER: bool> Structure<S> for Panicking<S, LATER> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         if LATER && BUILDS.fetch_add(1, Ordering::SeqCst) >= 2 {
             panic!("planted in a build");
         }

@@ -4,7 +4,7 @@
 use std::time::Duration;
 
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, obvhs, uniform_grid};
@@ -22,7 +22,7 @@ struct Small<S>(Vec<u32>, std::marker::PhantomData<S>);
 impl<S: Scalar> Structure<S> for Small<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, settings: &Settings<()>) -> Result<Self, BuildError> {
         let (structure, needed) = (settings.structure(), prims.len() as u128);
         let refused = BuildError::TooLarge { structure, what: "primitives", needed, limit: 8 };
         let ids = (0..prims.len() as u32).collect();

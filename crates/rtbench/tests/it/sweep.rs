@@ -165,8 +165,8 @@ accel_core::config! {
 impl<S: accel_core::Scalar> accel_core::structure::Structure<S> for Planted<S> {
     type Config = PlantedConfig;
 
-    fn build<P: accel_core::primitives::PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn accel_core::primitives::Primitives<S>,
         settings: &accel_core::params::config::Settings<PlantedConfig>,
     ) -> Result<Self, accel_core::structure::BuildError> {
         Ok(Self(crate::common::Dropper::of(prims, settings.depth == 1)))

@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use crate::common::{Ended, Folder, PLANTED, planted, run, run_in_world, run_stepping, run_with};
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::brute_force::BruteForce;
@@ -95,7 +95,7 @@ struct Quadratic<S>(BruteForce<S>);
 impl<S: Scalar> Structure<S> for Quadratic<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, settings: &Settings<()>) -> Result<Self, BuildError> {
         WORK.fetch_add(1000 * (prims.len() * prims.len()) as u64, SeqCst);
         <BruteForce<S> as Structure<S>>::build(prims, settings).map(Self)
     }

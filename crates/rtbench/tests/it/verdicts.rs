@@ -1,7 +1,7 @@
 //! A wrong structure must be found out, must not show a time, and must end the run with 4.
 
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{Entry, brute_force, find, uniform_grid};
@@ -123,7 +123,7 @@ static ALIKE: StructureInfo = planted("alike", "loses the same hits");
 impl<S: Scalar> Structure<S> for SeldomWrong<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), scalar: std::marker::PhantomData })
     }
 
@@ -182,7 +182,7 @@ static REFUSES: StructureInfo = planted("refuses", "cannot be built");
 impl<S: Scalar> Structure<S> for Refuses<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(_: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(_: &dyn Primitives<S>, settings: &Settings<()>) -> Result<Self, BuildError> {
         let structure = settings.structure();
         Err(BuildError::TooLarge { structure, what: "anything", needed: 1, limit: 0 })
     }

@@ -2,7 +2,7 @@
 
 use crate::common::{Ended, Folder, PLANTED, planted_entry, run_with};
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureStats};
 use accel_core::structures::{Entry, REGISTRY};
@@ -58,7 +58,7 @@ impl Fault for Panics {
 impl<S: Scalar, F: Fault> Structure<S> for Faulty<S, F> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         Ok(Self { ids: (0..prims.len() as u32).collect(), kind: std::marker::PhantomData })
     }
 

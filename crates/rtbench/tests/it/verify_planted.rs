@@ -8,7 +8,7 @@ use crate::common::{
     answered_by_brute_force, planted_entry, run_with,
 };
 use accel_core::params::config::Settings;
-use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::primitives::{PrimSet, Primitives, TriangleSet};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BatchAnswers, BuildError, RayBatch, Structure, StructureStats};
 use accel_core::structures::{Entry, brute_force, uniform_grid};
@@ -31,7 +31,7 @@ pub trait Lapse: Send + Sync + 'static {
 impl<S: Scalar, F: Lapse> Structure<S> for Boxes<S, F> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         let boxes = (0..prims.len() as u32).map(|id| prims.bounds(id)).collect();
         Ok(Self { boxes, kind: std::marker::PhantomData })
     }
@@ -116,7 +116,7 @@ pub trait Choice: Send + Sync + 'static {
 impl<S: Scalar, F: Choice> Structure<S> for Own<S, F> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, settings: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, settings: &Settings<()>) -> Result<Self, BuildError> {
         let corners = (0..prims.len() as u32).filter_map(|id| prims.corners(id));
         let triangles = corners.map(|t| t.map(|p| p.to_array())).collect();
         let none = BuildError::NoPrimitives { structure: settings.structure() };

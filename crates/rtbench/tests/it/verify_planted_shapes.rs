@@ -3,7 +3,7 @@
 
 use accel_core::occluders;
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::{PrimSet, Primitives};
 use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
 use accel_core::structure::{
@@ -70,7 +70,7 @@ struct Ids<S: Scalar> {
 impl<S: Scalar> Structure<S> for Ids<S> {
     type Config = ();
 
-    fn build<P: PrimSet<S>>(prims: &P, _: &Settings<()>) -> Result<Self, BuildError> {
+    fn build(prims: &dyn Primitives<S>, _: &Settings<()>) -> Result<Self, BuildError> {
         let is_lost = |id: u32| rayon::current_num_threads() == 3 && !id.is_multiple_of(2);
         let padded = |id| {
             let bounds = prims.bounds(id);
@@ -82,9 +82,9 @@ impl<S: Scalar> Structure<S> for Ids<S> {
         Ok(Self { boxes: boxes.collect() })
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        _: &P,
+        _: &dyn Primitives<S>,
         _: &Settings<()>,
         _: &[u32],
     ) -> Result<Change, BuildError> {

@@ -4,7 +4,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::accuracy::record::TrialCounts;
 use crate::error::StudyError;
-use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::primitives::{Primitives, PrimsRef};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;

@@ -124,7 +124,7 @@ mod tests {
     use std::time::Duration;
 
     use accel_core::params::config::Settings;
-    use accel_core::primitives::PrimSet;
+    use accel_core::primitives::Primitives;
     use accel_core::query::region::FrustumTraversal;
     use accel_core::query::sink::Sink;
     use accel_core::structure::{Structure, StructureStats};
@@ -142,8 +142,8 @@ mod tests {
     impl Structure<f64> for LossyGrid {
         type Config = <UniformGrid<f64> as Structure<f64>>::Config;
 
-        fn build<P: PrimSet<f64>>(
-            prims: &P,
+        fn build(
+            prims: &dyn Primitives<f64>,
             settings: &Settings<Self::Config>,
         ) -> Result<Self, BuildError> {
             Structure::build(prims, settings).map(Self)

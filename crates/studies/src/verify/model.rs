@@ -1,7 +1,7 @@
 //! The scene of a round, triangles alone or primitives of any kind, and its rays.
 
 use accel_core::primitives::{
-    MixedSet, MixedSetBuilder, PrimSet, PrimitiveError, PrimsRef, TriangleSet,
+    MixedSet, MixedSetBuilder, PrimitiveError, Primitives, PrimsRef, TriangleSet,
 };
 use accel_core::{Aabb, Ray, Scalar, Vector};
 use glam::DVec3;

@@ -17,23 +17,23 @@ use crate::memory::Limits;
 use crate::parallel::map_parts;
 use crate::params::config::Config;
 use crate::params::{Params, specs};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::structure::{BuildError, bounds_of};
 use crate::update::is_incremental;
 
 /// Input of a cell storage: the primitives of each cell.
-pub struct Contents<'a, S: Scalar, P: PrimSet<S>> {
+pub struct Contents<'a, S: Scalar> {
     pub frame: GridFrame<S>,
     pub primitives: usize,
     /// Order of ids in a cell.
     pub order: ListOrder,
     pub max_references: u64,
-    boxes: BoundsOf<'a, S, P>,
+    boxes: BoundsOf<'a, S>,
     historical: bool,
     insertion: Insertion,
 }
 
-impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
+impl<S: Scalar> Contents<'_, S> {
     /// First and last cell of primitive `id` on each axis.
     #[inline(always)]
     pub fn range(&self, id: u32) -> ([i32; 3], [i32; 3]) {
@@ -125,10 +125,8 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
         cells: usize,
         index: impl Fn([i32; 3]) -> usize + Sync,
     ) -> Result<CellLists, TooManyReferences> {
-        struct IndexedContents<'c, 'a, S: Scalar, P: PrimSet<S>, F>(&'c Contents<'a, S, P>, F);
-        impl<S: Scalar, P: PrimSet<S>, F: Fn([i32; 3]) -> usize + Sync> Placement
-            for IndexedContents<'_, '_, S, P, F>
-        {
+        struct IndexedContents<'c, 'a, S: Scalar, F>(&'c Contents<'a, S>, F);
+        impl<S: Scalar, F: Fn([i32; 3]) -> usize + Sync> Placement for IndexedContents<'_, '_, S, F> {
             #[inline(always)]
             fn cells_of(&self, id: u32, mut emit: impl FnMut(usize)) {
                 self.0.cells_of(id, |c| emit((self.1)(c)));
@@ -146,7 +144,7 @@ impl<S: Scalar, P: PrimSet<S>> Contents<'_, S, P> {
     }
 }
 
-impl<S: Scalar, P: PrimSet<S>> BlockPlacement for Contents<'_, S, P> {
+impl<S: Scalar> BlockPlacement for Contents<'_, S> {
     #[inline(always)]
     fn block(&self, id: u32) -> ([i32; 3], [i32; 3]) {
         self.range(id)
@@ -193,11 +191,11 @@ impl<C: Config> Config for GridConfig<C> {
 }
 
 /// Frame and placement under the settings.
-pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>, C>(
-    prims: &'a P,
+pub(crate) fn contents_of<'a, S: Scalar, C>(
+    prims: &'a dyn Primitives<S>,
     limits: Limits,
     config: &GridConfig<C>,
-) -> Result<Contents<'a, S, P>, BuildError> {
+) -> Result<Contents<'a, S>, BuildError> {
     let &GridConfig { order, max_references, historical, insertion, .. } = config;
     let rule = if historical {
         BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
@@ -211,9 +209,9 @@ pub(crate) fn contents_of<'a, S: Scalar, P: PrimSet<S>, C>(
 }
 
 /// The grid that the settings `resolution`, `density` and `max-cells` ask for.
-fn frame_of<S: Scalar, P: PrimSet<S>, C>(
-    prims: &P,
-    boxes: &BoundsOf<S, P>,
+fn frame_of<S: Scalar, C>(
+    prims: &dyn Primitives<S>,
+    boxes: &BoundsOf<S>,
     structure: &'static str,
     config: &GridConfig<C>,
 ) -> Result<GridFrame<S>, BuildError> {
@@ -235,7 +233,7 @@ fn frame_of<S: Scalar, P: PrimSet<S>, C>(
     Ok(GridFrame::new(divided_bounds(rule, boxes.scene(), n), n))
 }
 
-fn mean_longest_side<S: Scalar, P: PrimSet<S>>(prims: &P) -> f64 {
+fn mean_longest_side<S: Scalar>(prims: &dyn Primitives<S>) -> f64 {
     let longest =
         |b: Aabb<S>| b.size().to_array().into_iter().fold(0.0f64, |m, s| m.max(s.to_f64()));
     let sum: f64 = (0..prims.len() as u32).map(|id| longest(prims.bounds(id))).sum();

@@ -13,12 +13,12 @@ use crate::grid::cell_lists::TooManyReferences;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::ResolutionRule;
-use crate::grid::voxel_traversal::{GridFrame, IndexedCell};
+use crate::grid::voxel_traversal::GridFrame;
 use crate::grid::voxel_traversal_lanes::MOST_CELLS;
 use crate::memory::{CountedItem, Limits};
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamSpec, specs};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, Primitives};
 use crate::query::batch;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::counters::{Counters, NoCounters};
@@ -50,17 +50,17 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     ///
     /// # Errors
     /// [`TooManyReferences`] when they exceed `contents.max_references`.
-    fn build<S: Scalar, P: PrimSet<S>>(
-        contents: &Contents<S, P>,
+    fn build<S: Scalar>(
+        contents: &Contents<S>,
         config: &Self::Config,
     ) -> Result<Self, TooManyReferences>;
 
     /// Changes the lists of cells that `moved` primitives were in, or are in now: those of
     /// `contents`, of the same grid. `None` where it stores lists in a way that has no room for
     /// that: they are to be built anew.
-    fn change<S: Scalar, P: PrimSet<S>>(
+    fn change<S: Scalar>(
         &mut self,
-        _contents: &Contents<S, P>,
+        _contents: &Contents<S>,
         _moved: &[u32],
     ) -> Option<ChangedLists> {
         None
@@ -125,6 +125,12 @@ impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
         &self.frame
     }
 
+    /// The parameter at which the traversal of a ray starts.
+    #[inline(always)]
+    fn start(&self, ray: &Ray<S>) -> S {
+        if self.from_origin { S::ZERO } else { ray.t_min }
+    }
+
     /// The ids in the cell of those coordinates.
     pub fn list(&self, coords: [i32; 3]) -> &[u32] {
         self.storage.list(&self.frame.cell(coords))
@@ -136,11 +142,11 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     type Config = GridConfig<G::Config>;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
-        let (contents, storage) = stored::<S, P, G>(prims, settings.limits(), settings)?;
+        let (contents, storage) = stored::<S, G>(prims, settings.limits(), settings)?;
         let (frame, from_origin) = (contents.frame, settings.historical);
         let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
         let is_batch =
@@ -148,9 +154,9 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         Ok(Self { frame, storage, from_origin, traversal, is_batch, wide_frame })
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
@@ -170,13 +176,15 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
+        let t_start = self.start(ray);
         match self.traversal {
             Traversal::TNext => {
                 if let Some(traversal) = self.frame.traversal_from(ray, t_start) {
                     visit(traversal, &self.storage, sink);
                 }
             }
+            // refused: see `chosen_tests`
+            Traversal::DrivingAxis | Traversal::Double if K::HAS_OTHER_TEST => {}
             Traversal::DrivingAxis => {
                 if let Some(traversal) = self.frame.driving_traversal_from(ray, t_start) {
                     visit(traversal, &self.storage, sink);
@@ -215,14 +223,8 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         batch: RayBatch<'_, S>,
     ) -> C {
         if let Some(blocks) = blocks {
-            let grid = &BlockGrid {
-                grid: self,
-                frame: &self.frame,
-                from_origin: self.from_origin,
-                list: |index| self.storage.list(&IndexedCell { frame: &self.frame, index }),
-                blocks,
-            };
-            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, batch);
+            let grid = BlockGrid { grid: self, blocks };
+            batch::answer::<LaneDriver, NoCounters, _, _, _>(&grid, prims, batch);
         }
         C::default()
     }
@@ -275,7 +277,7 @@ const REFERENCES: CountedItem = CountedItem::references("references in voxels");
 const MAX_REFS_PER_PRIM: u64 = 64;
 
 /// How many references a computed resolution may have.
-fn soft_limit<S: Scalar, P: PrimSet<S>>(prims: &P) -> u64 {
+fn soft_limit<S: Scalar>(prims: &dyn Primitives<S>) -> u64 {
     let number = prims.len() as u64;
     if are_copies(prims) {
         return MOST_REFERENCES_A_COPY * number;
@@ -289,11 +291,11 @@ fn soft_limit<S: Scalar, P: PrimSet<S>>(prims: &P) -> u64 {
 ///
 /// # Errors
 /// [`BuildError`] when the scene is too large for the scalar or the grid for its limits.
-pub fn stored<'a, S: Scalar, P: PrimSet<S>, G: CellStorage>(
-    prims: &'a P,
+pub fn stored<'a, S: Scalar, G: CellStorage>(
+    prims: &'a dyn Primitives<S>,
     limits: Limits,
     config: &GridConfig<G::Config>,
-) -> Result<(Contents<'a, S, P>, G), BuildError> {
+) -> Result<(Contents<'a, S>, G), BuildError> {
     let mut contents = contents_of(prims, limits, config)?;
     let hard_limit = contents.max_references;
     let references = CountedItem { bytes: G::REFERENCE_BYTES, ..REFERENCES };

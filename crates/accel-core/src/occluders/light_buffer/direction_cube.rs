@@ -12,7 +12,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::occluders::light_buffer::face_tree::Face;
 use crate::occluders::light_buffer::margins::Margins;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 
 /// Faces of a cube.
 pub(super) const FACES: usize = 6;
@@ -41,7 +41,7 @@ pub(super) struct Cubes<S: Scalar> {
 }
 
 impl<S: Scalar> Cubes<S> {
-    pub(super) fn new<P: PrimSet<S>>(prims: &P, margins: &Margins) -> Self {
+    pub(super) fn new(prims: &dyn Primitives<S>, margins: &Margins) -> Self {
         let reach = far_ray::reach(prims.magnitude());
         Self { all: Vec::new(), end: S::from_f64(margins.end), reach }
     }

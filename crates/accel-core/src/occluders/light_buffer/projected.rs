@@ -12,7 +12,7 @@ use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedBody, box_around};
 use crate::occluders::light_buffer::margins::Margins;
-use crate::primitives::{Ball, PrimSet, PrimitiveKind};
+use crate::primitives::{Ball, PrimitiveKind, Primitives};
 
 #[derive(Debug, Clone, Copy)]
 struct Body {
@@ -30,7 +30,7 @@ pub(super) struct Bodies {
 
 impl Bodies {
     /// Balls around all opaque primitives, grown by `margin`.
-    pub(super) fn of<S: Scalar, P: PrimSet<S>>(prims: &P, margin: f64) -> Self {
+    pub(super) fn of<S: Scalar>(prims: &dyn Primitives<S>, margin: f64) -> Self {
         let mut this = Self { bodies: Vec::with_capacity(prims.len()), balls: Vec::new() };
         for id in (0..prims.len() as u32).filter(|&id| prims.is_opaque(id)) {
             prims.hull(id, &mut this.balls);

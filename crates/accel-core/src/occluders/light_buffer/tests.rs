@@ -7,7 +7,7 @@ use crate::occluders::light_buffer::face_tree::{COVERED, END, LONG, Record};
 use crate::occluders::light_buffer::*;
 use crate::occluders::{Occluder, find};
 use crate::params::config::Settings;
-use crate::primitives::{MixedSet, MixedSetBuilder};
+use crate::primitives::{MixedSet, MixedSetBuilder, Primitives};
 use crate::query::counters::NoCounters;
 use crate::structures::test_scenes::{
     Random, built, hard_scenes, mixed_scene, occlusions, on_threads, rays,

@@ -13,7 +13,7 @@ pub use frustum::{AxisFrustum, Frustum};
 
 use std::ops::ControlFlow;
 
-use crate::primitives::{Ball, PrimSet};
+use crate::primitives::{Ball, Primitives};
 use crate::query::counters::add_fields;
 use crate::structure::{Structure, StructureStats};
 
@@ -86,7 +86,7 @@ pub(crate) struct BoundFrustumQueries<T> {
 }
 
 impl<T: FrustumTraversal> BoundFrustumQueries<T> {
-    pub(crate) fn new<P: PrimSet<f64>>(prims: &P, structure: T) -> Self {
+    pub(crate) fn new(prims: &dyn Primitives<f64>, structure: T) -> Self {
         let mut balls = Vec::with_capacity(3 * prims.len());
         let mut first = Vec::with_capacity(prims.len() + 1);
         first.push(0);

@@ -17,6 +17,9 @@ use crate::query::mailbox::{Mailbox, NoMailbox};
 pub trait Sink<S: Scalar> {
     /// True when the sink counts: lets an adapter skip work that is only done for counting.
     const COUNTING: bool;
+    /// True where primitives are tested by another test than the default, to be compared with it:
+    /// what a structure has for other comparisons is not compiled for it.
+    const HAS_OTHER_TEST: bool = false;
     /// No hit beyond this parameter matters any more. A traversal stops once everything it has
     /// not visited lies strictly beyond it.
     fn t_max(&self) -> S;
@@ -169,6 +172,7 @@ impl<S: Scalar, P: PrimSet<S>, C: Counters, A: Answer<S>, M: Mailbox> Sink<S>
     for Query<'_, S, P, C, A, M>
 {
     const COUNTING: bool = C::ENABLED;
+    const HAS_OTHER_TEST: bool = P::HAS_OTHER_TESTS;
 
     #[inline(always)]
     fn elementary_step(&mut self, _empty: bool) {

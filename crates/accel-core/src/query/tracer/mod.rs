@@ -6,7 +6,7 @@ use crate::geometry::ray::{Hit, Ray};
 use crate::geometry::scalar::Scalar;
 use crate::memory::{Limits, OutOfMemory};
 use crate::params::config::Settings;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::WorkCounters;
 use crate::query::kernel::ListBlocks;
@@ -122,8 +122,8 @@ pub(crate) struct Parts<S, T> {
 }
 
 impl<S: Scalar, T: Structure<S>> Parts<S, T> {
-    pub(crate) fn build<P: PrimSet<S>>(
-        over: &P,
+    pub(crate) fn build(
+        over: &dyn Primitives<S>,
         settings: &Settings<T::Config>,
         has_blocks: bool,
     ) -> Result<Self, BuildError> {
@@ -132,9 +132,9 @@ impl<S: Scalar, T: Structure<S>> Parts<S, T> {
     }
 
     /// The same brought to the next frame, and whether it is not built anew.
-    pub(crate) fn updated<P: PrimSet<S>>(
+    pub(crate) fn updated(
         mut self,
-        over: &P,
+        over: &dyn Primitives<S>,
         settings: &Settings<T::Config>,
         has_blocks: bool,
         moved: &[u32],
@@ -152,9 +152,9 @@ impl<S: Scalar, T: Structure<S>> Parts<S, T> {
 
     /// The same with the lists as [blocks](crate::query::kernel). Where there were blocks before,
     /// those of the lists that have `changed` alone are made anew.
-    fn with_blocks<P: PrimSet<S>>(
+    fn with_blocks(
         mut self,
-        over: &P,
+        over: &dyn Primitives<S>,
         limits: Limits,
         changed: Option<&ChangedLists>,
     ) -> Result<Self, OutOfMemory> {

@@ -6,7 +6,7 @@ use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::params::config::{Config, Settings};
 use crate::params::{ParamError, Params};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, Primitives};
 use crate::query::kernel;
 use crate::query::mailbox::{self, Setting};
 use crate::query::tracer::{Parts, PreviousFrame};
@@ -41,9 +41,9 @@ impl Config for TestChoice {
 
 impl TestChoice {
     /// The mailbox that the settings ask for; refuses sets and settings that cannot be.
-    pub(crate) fn mailbox<S: Scalar, P: PrimSet<S>>(
+    pub(crate) fn mailbox<S: Scalar>(
         &self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         limits: Limits,
     ) -> Result<Setting, BuildError> {
         refuse_unusable(prims, limits)?;
@@ -61,19 +61,18 @@ impl TestChoice {
 
 /// Builds `T` over a set; its traversals test the primitives of `prims`, the same ones, perhaps
 /// under other tests. `COMPILED`: see [`Bound`].
-pub(crate) fn tested_as<'a, S, B, P, T, const COMPILED: bool>(
-    over: &B,
+pub(crate) fn tested_as<'a, S, P, T, const COMPILED: bool>(
+    over: &dyn Primitives<S>,
     prims: &'a P,
     (settings, testing): (&Settings<T::Config>, &TestChoice),
     before: Option<PreviousFrame<'_>>,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError>
 where
     S: Scalar,
-    B: PrimSet<S>,
     P: PrimSet<S>,
     T: Structure<S>,
 {
-    let mailbox = testing.mailbox::<S, B>(over, settings.limits())?;
+    let mailbox = testing.mailbox(over, settings.limits())?;
     let has_blocks = testing.has_blocks && P::HAS_BLOCKS;
     let (parts, is_updated) = match before.and_then(|before| before.parts(over.len())) {
         Some((parts, moved)) => Parts::updated(parts, over, settings, has_blocks, moved)?,

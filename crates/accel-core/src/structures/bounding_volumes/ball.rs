@@ -11,7 +11,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::BoundsOf;
-use crate::primitives::PrimSet;
 use crate::structures::bounding_volumes::volume::{Volume, box_around};
 
 /// A sphere with its inside, world units.
@@ -37,7 +36,7 @@ pub(super) struct UnitRay {
 impl<S: Scalar> Volume<S> for Ball {
     type RaySetup = UnitRay;
 
-    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
+    fn around(ids: &[u32], boxes: &BoundsOf<S>) -> Self {
         let b = box_around(ids, boxes);
         let centre = b.min.to_dvec3() * 0.5 + b.max.to_dvec3() * 0.5;
         let reach = ids.iter().map(|&id| boxes.prims().farthest(id, centre)).fold(0.0, f64::max);

@@ -2,14 +2,14 @@
 
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::parallel::{collect, should_parallelize};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 
 /// The centres of the boxes of all primitives.
 pub(crate) struct Centres<S>(Vec<[S; 3]>);
 
 impl<S: Scalar> Centres<S> {
     /// Looks at all primitives once.
-    pub(crate) fn of<P: PrimSet<S>>(prims: &P) -> Self {
+    pub(crate) fn of(prims: &dyn Primitives<S>) -> Self {
         let half = S::from_f64(0.5);
         let centre = |id| {
             let b = prims.bounds(id);

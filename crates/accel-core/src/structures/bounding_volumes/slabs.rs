@@ -11,7 +11,6 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsOf;
-use crate::primitives::PrimSet;
 use crate::structures::bounding_volumes::volume::Volume;
 
 /// The axes, then the diagonals of the cube.
@@ -100,7 +99,7 @@ impl<S: Scalar> ProjectedRay<S> {
 impl<S: Scalar, const K: usize> Volume<S> for Slabs<S, K> {
     type RaySetup = [ProjectedRay<S>; K];
 
-    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
+    fn around(ids: &[u32], boxes: &BoundsOf<S>) -> Self {
         let intervals = normals::<K>().map(|normal| {
             let extents = ids.iter().map(|&id| boxes.prims().extent(id, normal));
             let (lo, hi) = extents.fold((f64::INFINITY, f64::NEG_INFINITY), |all, new| {

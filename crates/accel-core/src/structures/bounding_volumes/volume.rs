@@ -6,7 +6,6 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3};
 use crate::historical::bounds_rule::BoundsOf;
 use crate::params::{ParamSpec, Params};
-use crate::primitives::PrimSet;
 
 /// A closed volume around primitives.
 pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
@@ -15,7 +14,7 @@ pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
 
     /// The volume around the primitives, padded so that no rounding, of the test or of a hit point,
     /// loses a hit. The boxes are [`crate::historical::bounds_rule::BoundsRule::Padded`] ones.
-    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self;
+    fn around(ids: &[u32], boxes: &BoundsOf<S>) -> Self;
 
     fn setup(ray: &Ray<S>) -> Self::RaySetup;
 
@@ -28,14 +27,14 @@ pub(crate) trait Volume<S: Scalar>: Copy + Send + Sync {
 }
 
 /// The smallest box around the padded boxes of the primitives.
-pub(super) fn box_around<S: Scalar, P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Aabb<S> {
+pub(super) fn box_around<S: Scalar>(ids: &[u32], boxes: &BoundsOf<S>) -> Aabb<S> {
     ids.iter().fold(Aabb::empty(), |all, &id| all.union(boxes.of(id)))
 }
 
 impl<S: Scalar> Volume<S> for Aabb<S> {
     type RaySetup = (Vec3<S>, Vec3<S>);
 
-    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
+    fn around(ids: &[u32], boxes: &BoundsOf<S>) -> Self {
         box_around(ids, boxes)
     }
 
@@ -78,7 +77,7 @@ pub(super) struct ComparedBox<S: Scalar>(Aabb<S>);
 impl<S: Scalar> Volume<S> for ComparedBox<S> {
     type RaySetup = (BoxTest, Ray<S>);
 
-    fn around<P: PrimSet<S>>(ids: &[u32], boxes: &BoundsOf<S, P>) -> Self {
+    fn around(ids: &[u32], boxes: &BoundsOf<S>) -> Self {
         let tight = ids.iter().map(|&id| boxes.prims().bounds(id));
         Self(tight.fold(Aabb::empty(), Aabb::union))
     }

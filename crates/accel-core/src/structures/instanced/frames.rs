@@ -8,7 +8,7 @@ use glam::DAffine3;
 use super::object::{Copy, Members, margin, padding_of};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 
 /// Factor by which margins are enlarged when objects are built, so that they suffice for later
 /// frames.
@@ -31,10 +31,10 @@ pub(super) struct FirstCopy {
 }
 
 impl FirstCopy {
-    pub fn of<S: Scalar, P: PrimSet<S>>(
+    pub fn of<S: Scalar>(
         members: &Members,
         first: u32,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         margin: f64,
     ) -> Self {
         let part = prims.instances().and_then(|instances| instances.part_of(first));
@@ -51,11 +51,11 @@ impl<S: Scalar> Frames<S> {
     /// Places all copies as the parts of these primitives are; `count` says how many primitives an
     /// object has. False where that cannot be: something moved that is part of nothing, a part is
     /// another one, or rounding there is more than margins are for. All is of no use then.
-    pub fn place<P: PrimSet<S>>(
+    pub fn place(
         &mut self,
         copies: &mut [Copy<S>],
         count: impl Fn(u32) -> u32,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         moved: &[u32],
     ) -> bool {
         let Some(parts) = prims.instances() else { return false };

@@ -24,7 +24,7 @@ use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::params::config::{Config, Settings};
 use crate::primitives::instances::{self, ConfirmedCopy};
-use crate::primitives::{Instance, PrimSet};
+use crate::primitives::{Instance, Primitives};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
 use crate::structure::{BuildError, Structure, StructureStats};
@@ -50,8 +50,8 @@ pub struct InstancedStructure<S: Scalar, T> {
 
 /// Objects that stand several times, of rigid `parts` each that stands alone, and whatever is left,
 /// before anything is built.
-fn plan<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+fn plan<S: Scalar>(
+    prims: &dyn Primitives<S>,
     parts: &[Instance],
 ) -> Vec<(Members, instances::Object)> {
     let mut known = prims.instances().map(|instances| instances.all().to_vec()).unwrap_or_default();
@@ -116,8 +116,8 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
 
     type Config = LevelsConfig<S, T>;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
@@ -173,9 +173,9 @@ impl<S: Scalar, T: Levels<S>> Structure<S> for InstancedStructure<S, T> {
         Ok(Self { upper, copies, objects, frames })
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {

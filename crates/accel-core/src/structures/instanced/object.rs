@@ -7,7 +7,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::PADDING_ULPS;
 use crate::primitives::instances::stretch;
-use crate::primitives::{Ball, PrimSet, PrimitiveKind};
+use crate::primitives::{Ball, PrimitiveKind, Primitives};
 
 /// Ids of the primitives of an object.
 #[derive(Debug, Clone, PartialEq)]
@@ -91,9 +91,7 @@ pub(super) fn padding_of<S: Scalar>(magnitude: S) -> S {
 /// tests.
 pub(super) struct Boxes<'a, S: Scalar>(pub &'a [Aabb<S>]);
 
-impl<S: Scalar> PrimSet<S> for Boxes<'_, S> {
-    type RaySetup = ();
-
+impl<S: Scalar> Primitives<S> for Boxes<'_, S> {
     fn len(&self) -> usize {
         self.0.len()
     }
@@ -124,12 +122,6 @@ impl<S: Scalar> PrimSet<S> for Boxes<'_, S> {
 
     fn kind(&self, _: u32) -> PrimitiveKind {
         PrimitiveKind::Polygon
-    }
-
-    fn setup(&self, _: &Ray<S>) {}
-
-    fn intersect(&self, _: u32, _: &Ray<S>, (): &(), _: S) -> Option<S> {
-        None
     }
 
     fn is_opaque(&self, _: u32) -> bool {

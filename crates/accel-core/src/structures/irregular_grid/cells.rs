@@ -2,7 +2,7 @@
 //! their parts: one is shared by the cells that have it.
 
 use crate::geometry::scalar::Scalar;
-use crate::primitives::{PrimSet, blocks};
+use crate::primitives::{Primitives, blocks};
 use crate::query::lists::Lists;
 
 /// An entry of the tree that is divided: this bit, three times two bits with the logarithms of the
@@ -94,7 +94,7 @@ pub(super) struct TooLarge {
 
 /// The lists of all cells, which get their numbers. Blocks where all primitives are triangles
 /// at rest, and not too many.
-pub(super) fn lists_of<S: Scalar, P: PrimSet<S>>(cells: &mut Cells, prims: &P) -> Lists<S> {
+pub(super) fn lists_of<S: Scalar>(cells: &mut Cells, prims: &dyn Primitives<S>) -> Lists<S> {
     if blocks::serve(prims)
         && let Some(lists) = number::<S>(cells)
     {

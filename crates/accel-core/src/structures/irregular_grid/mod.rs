@@ -42,7 +42,7 @@ use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
 use crate::memory::CountedItem;
 use crate::params::ParamSpec;
 use crate::params::{config, specs};
-use crate::primitives::PrimSet;
+use crate::primitives::{PrimSet, Primitives};
 use crate::query::batch::{self, PlainStructure, Traverse};
 use crate::query::cells::{CellVisitor, NoCells};
 use crate::query::counters::{Counters, NoCounters};
@@ -136,8 +136,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
 
     type Config = IrregularGridConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         config: &config::Settings<IrregularGridConfig>,
     ) -> Result<Self, BuildError> {
         let (structure, limits) = (config.structure(), config.limits());
@@ -293,9 +293,9 @@ impl<S: Scalar> LaneTraversal<S> for IrregularGrid<S> {
 }
 
 /// The primitives with padded boxes.
-struct PaddedBounds<'a, S: Scalar, P: PrimSet<S>>(&'a BoundsOf<'a, S, P>);
+struct PaddedBounds<'a, S: Scalar>(&'a BoundsOf<'a, S>);
 
-impl<S: Scalar, P: PrimSet<S>> Source for PaddedBounds<'_, S, P> {
+impl<S: Scalar> Source for PaddedBounds<'_, S> {
     fn len(&self) -> u32 {
         self.0.prims().len() as u32
     }

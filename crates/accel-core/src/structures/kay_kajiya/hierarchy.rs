@@ -9,7 +9,6 @@ use crate::historical::bounds_rule::BoundsOf;
 use crate::parallel::{collect, for_each};
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
-use crate::primitives::PrimSet;
 use crate::query::cells::{Cell, CellVisitor};
 use crate::query::kernel;
 use crate::query::sink::Sink;
@@ -62,8 +61,8 @@ pub(super) struct Hierarchy<S, const K: usize> {
 
 impl<S: Scalar, const K: usize> Hierarchy<S, K> {
     /// Builds it over all primitives.
-    pub(super) fn new<P: PrimSet<S>>(
-        boxes: &BoundsOf<S, P>,
+    pub(super) fn new(
+        boxes: &BoundsOf<S>,
         settings: &Settings<KayKajiyaConfig>,
     ) -> Result<Self, BuildError> {
         let mut ids: Vec<u32> = (0..boxes.prims().len() as u32).collect();
@@ -76,7 +75,7 @@ impl<S: Scalar, const K: usize> Hierarchy<S, K> {
     }
 
     /// Makes the volumes, children before parents, those of a level on all threads.
-    fn bound<P: PrimSet<S>>(&mut self, levels: &[Range<usize>], boxes: &BoundsOf<S, P>) {
+    fn bound(&mut self, levels: &[Range<usize>], boxes: &BoundsOf<S>) {
         for level in levels.iter().rev() {
             let (above, below) = self.nodes.split_at_mut(level.end);
             for_each(&mut above[level.start..], |node| {

@@ -13,7 +13,7 @@ use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::Params;
 use crate::params::config::{Config, Settings};
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -71,8 +71,8 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
 
     type Config = Bvh2Config;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<Bvh2Config>,
     ) -> Result<Self, BuildError> {
         let (tree, triangles) = direct::tree(prims, settings.limits(), &settings.preset)?;
@@ -82,9 +82,9 @@ impl<S: Scalar> Structure<S> for ObvhsBvh2<S> {
         Ok(Self { bvh, direct, built_cost, scalar: PhantomData })
     }
 
-    fn update<P: PrimSet<S>>(
+    fn update(
         &mut self,
-        prims: &P,
+        prims: &dyn Primitives<S>,
         settings: &Settings<Bvh2Config>,
         _moved: &[u32],
     ) -> Result<Change, BuildError> {
@@ -154,7 +154,7 @@ impl<S: Scalar> ObvhsBvh2<S> {
 
     /// Fits the boxes, and the library's copies of triangles, to primitives of which some stand
     /// elsewhere now. False where these would be kept in another way, and nothing was done.
-    fn refit_all<P: PrimSet<S>>(&mut self, prims: &P) -> bool {
+    fn refit_all(&mut self, prims: &dyn Primitives<S>) -> bool {
         let triangles = direct::triangles(prims);
         if triangles.is_some() != self.direct.is_some() {
             return false;

@@ -21,7 +21,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
-use crate::primitives::{PrimSet, TriangleBlock};
+use crate::primitives::{Primitives, TriangleBlock};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
@@ -88,8 +88,8 @@ impl<S: Scalar> Structure<S> for ObvhsCwBvh<S> {
 
     type Config = CwBvhConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<CwBvhConfig>,
     ) -> Result<Self, BuildError> {
         let too_deep = |DepthError { needed, limit }| BuildError::TooLarge {

@@ -23,7 +23,7 @@ use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::BoundsRule;
 use crate::memory::Limits;
 use crate::parallel;
-use crate::primitives::PrimSet;
+use crate::primitives::Primitives;
 use crate::structure::{BatchAnswers, BuildError, RayBatch, bounds_of, refuse_out_of_scale};
 use crate::structures::obvhs::builder::agglomerated_triangles;
 
@@ -31,13 +31,13 @@ use crate::structures::obvhs::builder::agglomerated_triangles;
 macro_rules! direct_batches {
     () => {
         #[inline(always)]
-        fn batches<P: PrimSet<S>>(
+        fn batches<P: $crate::primitives::PrimSet<S>>(
             &self,
             prims: &P,
             _: Option<&$crate::query::kernel::ListBlocks<S>>,
         ) -> $crate::structure::Batches {
             // a set under another test may be asked, too
-            if self.direct().is_some() && direct::is_served::<S, P>(prims) {
+            if self.direct().is_some() && direct::is_served(prims) {
                 $crate::structure::Batches::Library
             } else {
                 $crate::structure::Batches::RayByRay
@@ -45,7 +45,7 @@ macro_rules! direct_batches {
         }
 
         #[inline(always)]
-        fn answer_batch<P: PrimSet<S>, C: $crate::query::counters::Counters>(
+        fn answer_batch<P: $crate::primitives::PrimSet<S>, C: $crate::query::counters::Counters>(
             &self,
             _: &P,
             _: Option<&$crate::query::kernel::ListBlocks<S>>,
@@ -104,8 +104,8 @@ tree!(CwBvh);
 
 /// The set as obvhs's triangles; none unless all are triangles at rest in f32, under the test of
 /// triangles that is the default.
-pub(crate) fn triangles<S: Scalar, P: PrimSet<S>>(prims: &P) -> Option<Vec<Triangle>> {
-    if !is_served::<S, P>(prims) {
+pub(crate) fn triangles<S: Scalar>(prims: &dyn Primitives<S>) -> Option<Vec<Triangle>> {
+    if !is_served(prims) {
         return None;
     }
     let triangle = |id| {
@@ -117,7 +117,7 @@ pub(crate) fn triangles<S: Scalar, P: PrimSet<S>>(prims: &P) -> Option<Vec<Trian
 
 /// Returns whether triangles of the set are in f32, under the test of triangles that is the
 /// default.
-pub(crate) fn is_served<S: Scalar, P: PrimSet<S>>(prims: &P) -> bool {
+pub(crate) fn is_served<S: Scalar>(prims: &dyn Primitives<S>) -> bool {
     S::NAME == <f32 as Scalar>::NAME && prims.is_watertight()
 }
 
@@ -137,8 +137,8 @@ pub(crate) struct DirectQueries {
 
 impl DirectQueries {
     /// Lays out the triangles, which are all of the set.
-    pub(crate) fn new<S: Scalar, P: PrimSet<S>>(
-        prims: &P,
+    pub(crate) fn new<S: Scalar>(
+        prims: &dyn Primitives<S>,
         tree: &impl Tree,
         triangles: &[Triangle],
     ) -> Self {
@@ -205,8 +205,8 @@ impl DirectQueries {
 ///
 /// # Errors
 /// [`BuildError`] for a set without primitives that fit f32, which is all that obvhs knows.
-pub(crate) fn tree<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+pub(crate) fn tree<S: Scalar>(
+    prims: &dyn Primitives<S>,
     limits: Limits,
     preset: &BvhBuildParams,
 ) -> Result<(Bvh2, Option<Vec<Triangle>>), BuildError> {

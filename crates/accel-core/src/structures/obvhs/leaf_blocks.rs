@@ -10,13 +10,13 @@ use crate::bvh::items::Groups;
 use crate::geometry::scalar::Scalar;
 use crate::memory::Limits;
 use crate::memory::OutOfMemory;
-use crate::primitives::{PrimSet, TriangleBlock, blocks};
+use crate::primitives::{Primitives, TriangleBlock, blocks};
 
 /// Triangles in a block.
 const LANES: u32 = TriangleBlock::<f32>::LANES as u32;
 
 /// Returns whether leaves can become blocks: where each box is that of a triangle.
-pub(crate) fn serve<S: Scalar, P: PrimSet<S>>(prims: &P, groups: &Groups) -> bool {
+pub(crate) fn serve<S: Scalar>(prims: &dyn Primitives<S>, groups: &Groups) -> bool {
     // the places of all blocks have numbers, even were there one triangle in each
     let is_few = prims.len() <= (u32::MAX / LANES) as usize;
     is_few && matches!(groups, Groups::Single) && blocks::serve(prims)
@@ -30,9 +30,9 @@ pub(crate) fn fit<S: Scalar>(blocks: usize, limits: Limits) -> Result<(), OutOfM
 /// The blocks of an eight-wide tree. The triangles of a node's leaves, up to 24, share up to three:
 /// its first primitive is then eight times the number of its first block, and a primitive's place
 /// among them, as the traversal has it, tells its block ([`block_of`]).
-pub(crate) fn of_wide<S: Scalar, P: PrimSet<S>>(
+pub(crate) fn of_wide<S: Scalar>(
     bvh: &mut CwBvh,
-    prims: &P,
+    prims: &dyn Primitives<S>,
 ) -> Vec<TriangleBlock<S>> {
     let ids = std::mem::take(&mut bvh.primitive_indices);
     let mut all = Vec::with_capacity(bvh.nodes.len());

@@ -285,11 +285,10 @@ const TRAVERSAL_COST: f64 = 1.0;
 #[inline(always)]
 fn touches<S: Scalar>(b: &Aabb<S>, planes: &[S; 3], octant: usize) -> bool {
     let (lo, hi) = (b.min.to_array(), b.max.to_array());
-    let mut inside = true;
-    for k in 0..3 {
-        inside &= if octant >> k & 1 == 1 { hi[k] >= planes[k] } else { lo[k] <= planes[k] };
-    }
-    inside
+    let reaches = |k: usize| {
+        if octant >> k & 1 == 1 { hi[k] >= planes[k] } else { lo[k] <= planes[k] }
+    };
+    reaches(0) & reaches(1) & reaches(2)
 }
 
 fn octant_of<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aabb<S> {

@@ -15,7 +15,6 @@ use crate::grid::resolution::resolve_by_density;
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
 use crate::parallel::{map, map_mut, split_mut};
-use crate::primitives::PrimSet;
 use crate::structure::BuildError;
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
@@ -88,8 +87,8 @@ impl LeafCells {
 ///
 /// # Errors
 /// [`BuildError`] where the limits do not suffice.
-pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
-    contents: &Contents<S, P>,
+pub(super) fn divide<S: Scalar>(
+    contents: &Contents<S>,
     division: &CellDivision<S>,
     lists: &CellLists,
     rules: &LeafRules,
@@ -143,8 +142,8 @@ pub(super) fn divide<S: Scalar, P: PrimSet<S>>(
 ///
 /// # Errors
 /// As [`divide`].
-pub(super) fn redivide<S: Scalar, P: PrimSet<S>>(
-    contents: &Contents<S, P>,
+pub(super) fn redivide<S: Scalar>(
+    contents: &Contents<S>,
     division: &CellDivision<S>,
     lists: &CellLists,
     rules: &LeafRules,
@@ -198,14 +197,14 @@ struct CellRange<'a> {
 }
 
 /// Input of the division of an upper cell.
-struct UpperCellInput<'a, 'p, S: Scalar, P: PrimSet<S>> {
-    contents: &'a Contents<'p, S, P>,
+struct UpperCellInput<'a, 'p, S: Scalar> {
+    contents: &'a Contents<'p, S>,
     division: &'a CellDivision<S>,
     lists: &'a CellLists,
     rules: &'a LeafRules,
 }
 
-impl<S: Scalar, P: PrimSet<S>> UpperCellInput<'_, '_, S, P> {
+impl<S: Scalar> UpperCellInput<'_, '_, S> {
     /// The grid of an upper cell.
     fn leaf(&self, cell: usize, n: [u8; 3]) -> GridFrame<S> {
         self.division.grid(self.contents.frame.coords(cell), n)

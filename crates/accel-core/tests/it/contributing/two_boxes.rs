@@ -7,7 +7,7 @@ use accel_core::Aabb;
 use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
 use accel_core::params::ParamSpec;
 use accel_core::params::config::Settings;
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::query::cells::{Cell, CellVisitor, NoCells};
 use accel_core::query::sink::Sink;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats, no_defect};
@@ -45,8 +45,8 @@ impl<S: Scalar> Structure<S> for TwoBoxes<S> {
 
     type Config = TwoBoxesConfig;
 
-    fn build<P: PrimSet<S>>(
-        prims: &P,
+    fn build(
+        prims: &dyn Primitives<S>,
         settings: &Settings<TwoBoxesConfig>,
     ) -> Result<Self, BuildError> {
         // padded boxes: rounding must not lose a hit

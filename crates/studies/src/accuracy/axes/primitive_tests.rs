@@ -4,7 +4,7 @@
 //! spheres, rays that pass the centre at 0.95 or 1.05 of the radius, from 10 to 10^4 radii away: f64
 //! tells on which side, with room to spare.
 
-use accel_core::primitives::{PrimSet, PrimitiveKind, PrimsRef};
+use accel_core::primitives::{PrimSet, PrimitiveKind, Primitives, PrimsRef};
 use accel_core::variants::chosen_tests::{
     Choice, SPHERE_TESTS, SphereChoice, TRIANGLE_TESTS, TestedSetVisitor, TriangleChoice,
     visit_tested,

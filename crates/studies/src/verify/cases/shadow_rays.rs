@@ -1,6 +1,6 @@
 //! Shadow rays: through primitives that let them pass, and to lights in awkward places.
 
-use accel_core::primitives::{PrimSet, TriangleSet};
+use accel_core::primitives::{Primitives, TriangleSet};
 
 use super::prelude::*;
 
