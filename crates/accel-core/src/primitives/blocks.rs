@@ -42,8 +42,15 @@ impl<'a, S: Scalar> Corners<'a, S> {
     fn of(&self, id: u32) -> Option<[[S; 3]; 3]> {
         match self.triangles {
             Some(triangles) => Some(triangles[id as usize]),
-            None => Some(self.prims.corners_in_block(id)?.map(|p| p.to_array())),
+            None => self.asked(id),
         }
+    }
+
+    /// Those of a set that says them one by one: kept out of the loops, whose registers are few.
+    #[cold]
+    #[inline(never)]
+    fn asked(&self, id: u32) -> Option<[[S; 3]; 3]> {
+        Some(self.prims.corners_in_block(id)?.map(|p| p.to_array()))
     }
 
     /// Makes an empty block that of these primitives.

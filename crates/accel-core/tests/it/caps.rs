@@ -125,7 +125,8 @@ fn duplicates_need_the_memory_of_one_tree() {
     let set = set(vec![one; 100_000]);
     let bytes = |entry: &Entry| build(entry, &set).unwrap();
     let cap = 4 * bytes(find("wide-bvh").unwrap());
-    let entries = REGISTRY.iter().filter(|entry| entry.info.name != QUADRATIC);
+    // obvhs as its authors use it takes the square of their number in time
+    let entries = REGISTRY.iter().filter(|entry| !entry.info.name.starts_with("obvhs"));
     let over = entries.map(|entry| (entry.info.name, bytes(entry)));
     let over: Vec<_> = over.filter(|(_, bytes)| *bytes > cap).collect();
     assert!(over.is_empty(), "{cap}: {over:?}");
