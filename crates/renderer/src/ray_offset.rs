@@ -22,8 +22,7 @@ use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 use scene_loading::Scene;
 
-use super::refined_hit::RefinedHit;
-use super::surface::SurfacePoint;
+use super::surface::{RefinedHit, SurfacePoint};
 
 /// In ulps of the scene's largest coordinate, for [`OffsetRule::SceneRelative`].
 const SCENE_ULPS: f64 = 512.0;
