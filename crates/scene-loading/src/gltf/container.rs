@@ -1,22 +1,26 @@
 //! The container of a glTF file: JSON alone, or a GLB file of chunks (sections 4.4 and 4.1 of the
-//! glTF 2.0 specification), checked before the JSON is parsed; and the file that is read from it.
+//! glTF 2.0 specification), checked before the JSON is parsed; the rules of the format that its JSON
+//! must keep; and the file that is read from it.
 
 use std::path::{Path, PathBuf};
 
 use ::gltf::Document;
-use ::gltf::json::Root;
+use ::gltf::json::validation::{Checked, Error, Validate};
+use ::gltf::json::{Root, camera::Type};
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::extensions::{self, NodeExtensions};
-use crate::gltf::rules::{self, parser_error};
-use crate::input::text::without_mark;
+use crate::input::without_mark;
 use crate::limits;
 
 /// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
 /// few as three in the file.
 const MAX_OBJECTS: usize = 2 << 20;
+
+/// The most faults that an error names.
+const MAX_FAULTS: usize = 8;
 
 /// A file, its parts checked as far as the crate does not.
 pub(crate) struct OpenedFile {
@@ -31,7 +35,7 @@ impl OpenedFile {
         let container = Container::open(path, bytes)?;
         let json = container.parse(path)?;
         extensions::check(path, &json)?;
-        rules::check(path, &json)?;
+        check_rules(path, &json)?;
         let extensions = NodeExtensions::read(path, container.json, &json)?;
         let document = Document::from_json_without_validation(json);
         let buffers = Buffers::load(path, &document, container.binary)?;
@@ -111,7 +115,7 @@ impl<'a> Container<'a> {
         }
         // the crate wants a node in each channel, where an extension may name something else
         let kept = node_channels(self.json).and_then(|json| serde_json::from_slice(&json).ok());
-        kept.ok_or_else(|| parser_error(path, error.to_string()))
+        kept.ok_or_else(|| LoadError::parser(path, error))
     }
 }
 
@@ -215,4 +219,74 @@ fn node_channels(json: &[u8]) -> Option<Vec<u8>> {
     let animations = to_raw_value(&animations).ok()?;
     root.insert("animations", &animations);
     serde_json::to_vec(&root).ok()
+}
+
+/// Refuses what breaks a rule of the format that the crate `gltf` checks, but for those of its checks
+/// that do not count: where it is stricter than the specification, and where what is missing is not
+/// needed.
+fn check_rules(path: &Path, json: &Root) -> Result<(), LoadError> {
+    check_before_validation(path, json)?;
+    let mut faults = Vec::new();
+    json.validate(json, ::gltf::json::Path::new, &mut |place, error| {
+        let place = place();
+        if faults.len() < MAX_FAULTS && !is_allowed(place.as_str(), error) {
+            faults.push(format!("{place}: {error}"));
+        }
+    });
+    if faults.is_empty() {
+        return Ok(());
+    }
+    Err(LoadError::parser(path, format!("invalid glTF: {}", faults.join("; "))))
+}
+
+/// Returns whether the crate finds a fault where the file can be read all the same.
+fn is_allowed(place: &str, error: Error) -> bool {
+    let is_position = place.starts_with("meshes[") && place.contains("attributes[\"POSITION\"]");
+    match error {
+        // `extensions` decides about these
+        Error::Unsupported => true,
+        // an accessor without data is all zeros; a texture may have its image in an extension; a
+        // primitive without positions is to be skipped; bounds of positions are not used
+        Error::Missing => {
+            is_position
+                || place.starts_with("accessors[") && place.ends_with(".bufferView")
+                || place.starts_with("textures[") && place.ends_with(".source")
+        }
+        // attributes of one's own begin with an underscore; extensions have paths of their own
+        Error::Invalid => {
+            is_position
+                || place.ends_with("attributes[\"<invalid semantic name>\"]")
+                || place.starts_with("animations[") && place.ends_with(".target.path")
+        }
+        _ => false,
+    }
+}
+
+/// Checks that prevent panics in the crate's own validation (1.4.1) or later.
+fn check_before_validation(path: &Path, json: &Root) -> Result<(), LoadError> {
+    let accessors = json.accessors.len();
+    for (m, mesh) in json.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let accessor = primitive.attributes.values().find(|i| i.value() >= accessors);
+            if let Some(index) = accessor {
+                let what = format!("mesh {m} primitive {p}: accessor");
+                let valid = format!("there are {accessors}, counted from 0");
+                let place = FilePlace::file(path);
+                return Err(LoadError::bad_index(place, what, index.value(), valid));
+            }
+        }
+    }
+    for (c, camera) in json.cameras.iter().enumerate() {
+        let described = match camera.type_ {
+            Checked::Valid(Type::Perspective) => camera.perspective.is_some(),
+            Checked::Valid(Type::Orthographic) => camera.orthographic.is_some(),
+            Checked::Invalid => true,
+        };
+        if !described {
+            let (found, expected) =
+                ("a type without its properties", "an object named as its type");
+            return Err(LoadError::gltf(path, format!("camera {c}"), found, expected));
+        }
+    }
+    Ok(())
 }

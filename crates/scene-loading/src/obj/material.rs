@@ -17,7 +17,7 @@
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::text::text_of;
+use crate::input::text_of;
 use crate::limits::{self, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::FirstAndCount;
 use crate::scene::{Material, NO_HIGHLIGHT, Scene};

@@ -5,13 +5,11 @@
 
 mod appearance;
 pub(crate) mod origin;
-mod view;
 
 use glam::{DAffine3, DMat4, DVec3};
 
 pub(crate) use crate::scene::appearance::NO_HIGHLIGHT;
-pub use crate::scene::appearance::{Light, Material, Rgb, Texture, Wrap};
-pub use crate::scene::view::{Camera, SampleWishes};
+pub use crate::scene::appearance::{Camera, Light, Material, Rgb, SampleWishes, Texture, Wrap};
 
 /// Texture coordinates of the three corners of a triangle.
 pub type Texcoords = [[f32; 2]; 3];
@@ -359,7 +357,7 @@ impl Scene {
     }
 }
 
-fn index(i: usize) -> u32 {
-    // Loaders check sizes first; beyond, an index of nothing.
+/// The index of an element of a scene. Loaders check sizes first; beyond, it is that of nothing.
+pub(crate) fn index(i: usize) -> u32 {
     u32::try_from(i).unwrap_or(u32::MAX)
 }
