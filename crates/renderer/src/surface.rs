@@ -39,8 +39,7 @@ impl<'a> Surfaces<'a> {
         let any_polygon = scene.primitives.iter().any(|p| matches!(p.shape, Shape::Polygon { .. }));
         let normals = scene.primitives.iter().map(|p| newell(scene, p.shape));
         let polygon_normals = if any_polygon { normals.collect() } else { Vec::new() };
-        let bounds = scene.bounds();
-        let most = 2.0 * bounds.min.abs().max(bounds.max.abs()).max_element();
+        let most = 2.0 * scene.bounds().reach();
         Self { scene, polygon_normals, historical_cones, most }
     }
 
@@ -178,7 +177,7 @@ const SLIVER: f64 = 0.125;
 /// than the usual offset of 4.
 const CONE: f64 = 4.0;
 
-fn largest(p: DVec3) -> f64 {
+pub(crate) fn largest(p: DVec3) -> f64 {
     p.abs().max_element()
 }
 

@@ -17,18 +17,40 @@ use crate::scene::{Material, Primitive, Scene, Shape, Warning, index};
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
 pub(crate) const MAX_COORDINATE: f64 = 1e100;
 
-/// Faces that were not taken as they are.
-#[derive(Debug, Default)]
-pub(crate) struct FaceCounts {
-    pub without_area: FirstAndCount,
-    /// Faces with a corner that is NaN, infinite or too large.
-    pub unusable: FirstAndCount,
-    pub bent: FirstAndCount,
-    pub crossing: FirstAndCount,
-    /// Vertices that no face can have.
-    pub vertices: FirstAndCount,
-    /// Normals that are NaN, infinite or too large, and lists of them that do not fit.
-    pub normals: FirstAndCount,
+/// Declares kinds of things that are not as a file has them, each with the words of its warning.
+macro_rules! first_and_counts {
+    ($(#[$about:meta])* struct $name:ident {
+        $($(#[$kind:meta])* $field:ident: $what:literal,)*
+    }) => {
+        $(#[$about])*
+        #[derive(Debug, Default)]
+        pub(crate) struct $name {
+            $($(#[$kind])* pub $field: $crate::mesh::FirstAndCount,)*
+        }
+
+        impl $name {
+            /// One warning for each kind.
+            pub fn warn(&self, scene: &mut $crate::scene::Scene) {
+                $(self.$field.warn($what, scene);)*
+            }
+        }
+    };
+}
+pub(crate) use first_and_counts;
+
+first_and_counts! {
+    /// Faces that were not taken as they are.
+    struct FaceCounts {
+        without_area: "faces without area left out",
+        /// A corner is NaN, infinite or too large.
+        unusable: "faces with a corner that is not usable left out",
+        bent: "faces that are not flat split",
+        crossing: "faces that cross themselves split at the crossing",
+        /// No face can have them.
+        vertices: "vertices with a coordinate that is not usable",
+        /// They are NaN, infinite or too large, or as many as do not fit.
+        normals: "invalid normals: their faces are flat",
+    }
 }
 
 /// A count, and the place of the first item.
@@ -58,18 +80,6 @@ impl FirstAndCount {
         };
         let text = format!("{}: {} {what}{first}", file.display(), self.count);
         scene.warnings.push(Warning(text));
-    }
-}
-
-impl FaceCounts {
-    /// One warning for each kind.
-    pub fn warn(&self, scene: &mut Scene) {
-        self.without_area.warn("faces without area left out", scene);
-        self.unusable.warn("faces with a corner that is not usable left out", scene);
-        self.bent.warn("faces that are not flat split", scene);
-        self.crossing.warn("faces that cross themselves split at the crossing", scene);
-        self.vertices.warn("vertices with a coordinate that is not usable", scene);
-        self.normals.warn("invalid normals: their faces are flat", scene);
     }
 }
 

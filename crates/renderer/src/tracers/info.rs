@@ -91,9 +91,7 @@ macro_rules! counts {
         }
 
         impl Counts {
-            /// As in [`DrawnImage::counts`].
-            ///
-            /// [`DrawnImage::counts`]: crate::tracers::DrawnImage::counts
+            /// What the image that is drawn says of them.
             pub fn rows(self) -> Vec<(&'static str, u64)> {
                 vec![$(($name, self.$field),)*]
             }

@@ -32,13 +32,13 @@ pub(crate) struct OpenedFile {
 
 impl OpenedFile {
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
-        let container = Container::open(path, bytes)?;
-        let json = container.parse(path)?;
+        let (text, binary) = split(path, bytes)?;
+        let json = parse(path, text)?;
         extensions::check(path, &json)?;
         check_rules(path, &json)?;
-        let extensions = NodeExtensions::read(path, container.json, &json)?;
+        let extensions = NodeExtensions::read(path, text, &json)?;
         let document = Document::from_json_without_validation(json);
-        let buffers = Buffers::load(path, &document, container.binary)?;
+        let buffers = Buffers::load(path, &document, binary)?;
         Ok(Self { path: path.to_path_buf(), document, buffers, extensions })
     }
 
@@ -53,70 +53,47 @@ impl OpenedFile {
     }
 }
 
-/// The parts of a file.
-#[derive(Debug)]
-struct Container<'a> {
-    json: &'a [u8],
-    /// The binary chunk of a GLB file.
-    binary: Option<&'a [u8]>,
+/// The JSON of a file, and the binary chunk of a GLB file. Chunks of unknown types are skipped, as
+/// the format asks.
+fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), LoadError> {
+    let bytes = without_mark(path, bytes)?;
+    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
+    check_header(path, rest, bytes.len() as u64)?;
+    let chunks = rest.get(8..).unwrap_or_default();
+    let Chunk { kind, data: json, after: mut rest } = chunk(path, "the first GLB chunk", chunks)?;
+    if kind != b"JSON" {
+        let found = format!("type {}", quote(&String::from_utf8_lossy(kind)));
+        return Err(LoadError::gltf(path, "the first GLB chunk", found, "type `JSON`"));
+    }
+    // some writers pad with zeros in place of spaces
+    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let json = json.get(..end).unwrap_or_default();
+    // what is left behind the last chunk is padding
+    while rest.len() >= 8 {
+        let Chunk { kind, data, after } = chunk(path, "a GLB chunk", rest)?;
+        if kind == b"BIN\0" {
+            return Ok((json, Some(data)));
+        }
+        rest = after;
+    }
+    Ok((json, None))
 }
 
-impl<'a> Container<'a> {
-    /// Splits a file. Chunks of unknown types are skipped, as the format asks.
-    fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
-        let bytes = without_mark(path, bytes)?;
-        let container = match bytes.strip_prefix(b"glTF") {
-            None => Self { json: bytes, binary: None },
-            Some(rest) => {
-                check_header(path, rest, bytes.len() as u64)?;
-                Self::split(path, rest.get(8..).unwrap_or_default())?
-            }
-        };
-        container.check_objects(path)?;
-        Ok(container)
+/// Parses the JSON; the values are not checked yet.
+fn parse(path: &Path, json: &[u8]) -> Result<Root, LoadError> {
+    // bounds what it can grow to
+    let count = memchr::memchr_iter(b'{', json).count();
+    limits::check(count, MAX_OBJECTS, "the number of JSON objects", || FilePlace::file(path))?;
+    let error = match serde_json::from_slice(json) {
+        Ok(root) => return Ok(root),
+        Err(error) => error,
+    };
+    if let Some(error) = first_version(path, json) {
+        return Err(error);
     }
-
-    fn split(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
-        let Chunk { kind, data: json, after: mut rest } =
-            chunk(path, "the first GLB chunk", bytes)?;
-        if kind != b"JSON" {
-            let found = format!("type {}", quote(&String::from_utf8_lossy(kind)));
-            return Err(LoadError::gltf(path, "the first GLB chunk", found, "type `JSON`"));
-        }
-        // some writers pad with zeros in place of spaces
-        let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
-        let json = json.get(..end).unwrap_or_default();
-        // what is left behind the last chunk is padding
-        while rest.len() >= 8 {
-            let Chunk { kind, data, after } = chunk(path, "a GLB chunk", rest)?;
-            if kind == b"BIN\0" {
-                return Ok(Self { json, binary: Some(data) });
-            }
-            rest = after;
-        }
-        Ok(Self { json, binary: None })
-    }
-
-    /// Bounds what the JSON can grow to, before it is parsed.
-    fn check_objects(&self, path: &Path) -> Result<(), LoadError> {
-        let count = memchr::memchr_iter(b'{', self.json).count();
-        let place = || FilePlace::file(path);
-        limits::check(count, MAX_OBJECTS, "the number of JSON objects", place)
-    }
-
-    /// Parses the JSON; the values are not checked yet.
-    fn parse(&self, path: &Path) -> Result<Root, LoadError> {
-        let error = match serde_json::from_slice(self.json) {
-            Ok(root) => return Ok(root),
-            Err(error) => error,
-        };
-        if let Some(error) = first_version(path, self.json) {
-            return Err(error);
-        }
-        // the crate wants a node in each channel, where an extension may name something else
-        let kept = node_channels(self.json).and_then(|json| serde_json::from_slice(&json).ok());
-        kept.ok_or_else(|| LoadError::parser(path, error))
-    }
+    // the crate wants a node in each channel, where an extension may name something else
+    let kept = node_channels(json).and_then(|json| serde_json::from_slice(&json).ok());
+    kept.ok_or_else(|| LoadError::parser(path, error))
 }
 
 /// A chunk of a GLB file.

@@ -9,10 +9,9 @@ use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::FirstAndCount;
+use crate::mesh::first_and_counts;
 use crate::obj::rows::words;
 use crate::polygon::ear_clipping::MAX_CORNERS;
-use crate::scene::Scene;
 
 /// A corner without normal or texture coordinates.
 pub(crate) const NONE: u32 = u32::MAX;
@@ -56,37 +55,18 @@ pub(crate) struct ObjScan {
     needed: IndexCounts,
 }
 
-/// Lines that were left out, or read in another way than some readers do.
-#[derive(Debug, Default)]
-pub(crate) struct Oddities {
-    pub positions: FirstAndCount,
-    pub normals: FirstAndCount,
-    pub texcoords: FirstAndCount,
-    /// Indices of normals and texture coordinates that mean none.
-    pub lost_normals: FirstAndCount,
-    pub lost_texcoords: FirstAndCount,
-    pub early_faces: FirstAndCount,
-    pub thin_faces: FirstAndCount,
-    pub nameless: FirstAndCount,
-    pub kept_apart: FirstAndCount,
-}
-
-impl Oddities {
-    /// One warning for each kind.
-    pub fn warn(&self, scene: &mut Scene) {
-        for (tally, what) in [
-            (&self.positions, "vertices with a coordinate or weight that is not usable"),
-            (&self.normals, "invalid normals: their faces are flat"),
-            (&self.texcoords, "invalid texture coordinates: their faces have the plain colour"),
-            (&self.lost_normals, "invalid indices of normals: their faces are flat"),
-            (&self.lost_texcoords, "invalid indices of texture coordinates"),
-            (&self.early_faces, "faces before their vertices: indices count from the file's start"),
-            (&self.thin_faces, "faces with fewer than 3 corners left out"),
-            (&self.nameless, "usemtl or mtllib without a name"),
-            (&self.kept_apart, "comments or names that end in `\\`: they end with their line"),
-        ] {
-            tally.warn(what, scene);
-        }
+first_and_counts! {
+    /// Lines that were left out, or read in another way than some readers do.
+    struct Oddities {
+        positions: "vertices with a coordinate or weight that is not usable",
+        normals: "invalid normals: their faces are flat",
+        texcoords: "invalid texture coordinates: their faces have the plain colour",
+        lost_normals: "invalid indices of normals: their faces are flat",
+        lost_texcoords: "invalid indices of texture coordinates",
+        early_faces: "faces before their vertices: indices count from the file's start",
+        thin_faces: "faces with fewer than 3 corners left out",
+        nameless: "usemtl or mtllib without a name",
+        kept_apart: "comments or names that end in `\\`: they end with their line",
     }
 }
 

@@ -53,7 +53,7 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
             };
             left -= bytes.len() as u64;
             let library = parse_mtl(&file, bytes)?;
-            library.warn(scene);
+            library.odd.warn(scene);
             maps.begin(&file);
             for (material, map) in library.entries {
                 let id = match ids.get(&material.name) {

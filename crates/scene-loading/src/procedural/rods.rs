@@ -56,20 +56,17 @@ pub(super) fn lattice(size: u32) -> Scene {
                     let along = axes[axis];
                     let material =
                         scene.push_material(Material { diffuse: 0.99, ..matte(ROD_COLORS[axis]) });
-                    scene.push_cone(
-                        material,
-                        Cone {
-                            base: center + along * gap,
-                            base_radius: rod,
-                            apex: center + along * cell - along * gap,
-                            apex_radius: rod,
-                        },
-                    );
+                    let (base, apex) = (center + along * gap, center + along * cell - along * gap);
+                    push_rod(&mut scene, material, base, apex, rod);
                 }
             }
         }
     }
     scene
+}
+
+fn push_rod(scene: &mut Scene, material: u32, base: DVec3, apex: DVec3, radius: f64) {
+    scene.push_cone(material, Cone { base, base_radius: radius, apex, apex_radius: radius });
 }
 
 /// Radius of the rods and joints of rings.
@@ -118,8 +115,7 @@ fn push_ring(scene: &mut Scene, color: Rgb, corners: [DVec3; 5]) {
     let material = scene.push_material(glossy(color, 0.5, 0.2, 37.0));
     for (i, &base) in corners.iter().enumerate() {
         let apex = corners[(i + 4) % 5];
-        scene
-            .push_cone(material, Cone { base, base_radius: RING_ROD, apex, apex_radius: RING_ROD });
+        push_rod(scene, material, base, apex, RING_ROD);
         scene.push_sphere(material, base, RING_ROD);
     }
 }

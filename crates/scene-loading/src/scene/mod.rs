@@ -158,6 +158,11 @@ impl Bounds {
         self.max - self.min
     }
 
+    /// The largest coordinate in size; infinite when empty.
+    pub fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).max_element()
+    }
+
     /// True when nothing was included.
     pub fn is_empty(&self) -> bool {
         self.min.x > self.max.x
@@ -341,9 +346,9 @@ impl Scene {
             return;
         }
         let center = (bounds.min + bounds.max) * 0.5;
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
         // far from the origin the eye must still differ from the centre
-        let radius = (bounds.size().length() * 0.5).max(reach * 1e-9).max(f64::MIN_POSITIVE);
+        let radius =
+            (bounds.size().length() * 0.5).max(bounds.reach() * 1e-9).max(f64::MIN_POSITIVE);
         let angle: f64 = 45.0;
         let distance = radius / (angle.to_radians() * 0.5).sin();
         self.camera = Camera {

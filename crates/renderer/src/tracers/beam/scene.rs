@@ -143,7 +143,7 @@ counts! {
     cut: "pieces cut",
     /// Pieces that were decided by the face in front of their centre, as too many cuts were made.
     unresolved: "pieces decided at their centre",
-    /// Parts of beams are counted.
+    /// Parts of beams that are reflected totally.
     internal: "beams reflected totally",
     degenerate: "beams without a volume",
 }
