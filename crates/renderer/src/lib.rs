@@ -8,7 +8,7 @@
 //! | `camera` | rays from the eye |
 //! | `geometry` | the primitives of a scene, for structures |
 //! | `film` | images, their files, heat maps |
-//! | `refined_hit`, `surface`, `ray_offset` | surfaces where rays meet them; rays that leave them |
+//! | `surface`, `ray_offset` | surfaces where rays meet them; rays that leave them |
 //! | `rays` | kinds of rays, and the rays of a scene |
 //! | `effects` | what an image simulates |
 //! | `tracers` | Whitted's rays, cones, beams; recorded rays; the work of an image |
@@ -19,7 +19,6 @@ mod film;
 mod geometry;
 pub mod ray_offset;
 mod rays;
-pub mod refined_hit;
 pub mod surface;
 pub mod tracers;
 

@@ -22,8 +22,7 @@ use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 use scene_loading::Scene;
 
-use super::refined_hit::RefinedHit;
-use super::surface::SurfacePoint;
+use super::surface::{RefinedHit, SurfacePoint, largest};
 
 /// In ulps of the scene's largest coordinate, for [`OffsetRule::SceneRelative`].
 const SCENE_ULPS: f64 = 512.0;
@@ -153,16 +152,11 @@ fn bound<S: Buildable>(ulps: f64, magnitude: f64) -> f64 {
     magnitude * S::EPSILON.to_f64() * ulps
 }
 
-fn largest(p: DVec3) -> f64 {
-    p.abs().max_element()
-}
-
 /// The largest coordinate of a scene and its eye, world units.
 pub(crate) fn magnitude(scene: &Scene) -> f64 {
     let bounds = scene.bounds();
-    let scene_size =
-        if bounds.is_empty() { 1.0 } else { bounds.min.abs().max(bounds.max.abs()).max_element() };
-    scene_size.max(scene.camera.from.abs().max_element())
+    let scene_size = if bounds.is_empty() { 1.0 } else { bounds.reach() };
+    scene_size.max(largest(scene.camera.from))
 }
 
 #[cfg(test)]

@@ -216,6 +216,12 @@ impl LoadError {
         Self::Procedural { spec: spec.to_owned(), message: error.to_string() }
     }
 
+    /// An error of the crate `gltf`, in its words.
+    pub(crate) fn parser(file: &Path, message: impl ToString) -> Self {
+        let (place, message) = (FilePlace::file(file), message.to_string());
+        Self::Parser { place, parser: "gltf", message }
+    }
+
     pub(crate) fn gltf(
         file: &Path,
         object: impl ToString,

@@ -11,7 +11,7 @@ use std::process::Command;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::confined;
+use crate::input::confined;
 
 /// A file inside a package.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]

@@ -195,7 +195,7 @@ fn check_shape(scene: &Scene, shape: Shape, id: usize, faults: &mut Faults) {
     }
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Fault {
     Material,
     Index,
@@ -207,32 +207,25 @@ enum Fault {
 
 /// For each kind of fault: how many primitives have it, and the first.
 #[derive(Default)]
-struct Faults([(usize, usize); 6]);
+struct Faults(BTreeMap<Fault, (usize, usize)>);
 
 impl Faults {
     fn add(&mut self, fault: Fault, id: usize) {
-        if let Some((count, first)) = self.0.get_mut(fault as usize) {
-            if *count == 0 {
-                *first = id;
-            }
-            *count += 1;
-        }
+        self.0.entry(fault).or_insert((0, id)).0 += 1;
     }
 
     fn warnings(&self, name: &str) -> Vec<Warning> {
-        let texts = [
-            "with a material that does not exist",
-            "with vertices, normals or shapes that do not exist",
-            "with numbers that are not finite",
-            "without area or extent",
-            "that are polygons with corners off their plane",
-            "with normals of length 0",
-        ];
-        let found = self.0.iter().zip(texts).filter(|((count, _), _)| *count > 0);
-        found
-            .map(|((count, first), text)| {
-                Warning(format!("{name}: {count} primitives {text} (first: {first})"))
-            })
-            .collect()
+        let text = |fault| match fault {
+            Fault::Material => "with a material that does not exist",
+            Fault::Index => "with vertices, normals or shapes that do not exist",
+            Fault::NotFinite => "with numbers that are not finite",
+            Fault::NoExtent => "without area or extent",
+            Fault::Bent => "that are polygons with corners off their plane",
+            Fault::Normal => "with normals of length 0",
+        };
+        let found = self.0.iter().map(|(&fault, (count, first))| {
+            Warning(format!("{name}: {count} primitives {} (first: {first})", text(fault)))
+        });
+        found.collect()
     }
 }

@@ -19,6 +19,7 @@ pub mod animation;
 pub mod error;
 pub mod fetch;
 pub mod gltf;
+mod images;
 pub mod info;
 mod input;
 pub mod limits;
@@ -27,6 +28,7 @@ pub mod nff;
 pub mod obj;
 pub mod pbrt;
 pub mod ply;
+#[allow(clippy::indexing_slicing)]
 mod polygon;
 #[allow(clippy::indexing_slicing, clippy::expect_used)]
 pub mod procedural;

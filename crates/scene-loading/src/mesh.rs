@@ -1,6 +1,6 @@
-//! Faces over a list of vertices: what becomes of each, and what is counted. A triangle stays one; a larger flat face is a polygon
-//! unless it has normals or triangles are asked for; one that crosses itself is split; faces
-//! without area, or with a corner that is NaN, are left out.
+//! Faces over a list of vertices: what becomes of each, and what is counted. A triangle stays one;
+//! a larger flat face is a polygon unless it has normals or triangles are asked for; one that
+//! crosses itself is split; faces without area, or with a corner that is NaN, are left out.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -8,26 +8,49 @@ use std::path::Path;
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::error::{FileLocation, FilePlace, LoadError};
+use crate::input::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{Outline, area_vector};
-use crate::scene::{Primitive, Scene, Shape, Warning};
+use crate::scene::{Material, Primitive, Scene, Shape, Warning, index};
 
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
 pub(crate) const MAX_COORDINATE: f64 = 1e100;
 
-/// Faces that were not taken as they are.
-#[derive(Debug, Default)]
-pub(crate) struct FaceCounts {
-    pub without_area: FirstAndCount,
-    /// Faces with a corner that is NaN, infinite or too large.
-    pub unusable: FirstAndCount,
-    pub bent: FirstAndCount,
-    pub crossing: FirstAndCount,
-    /// Vertices that no face can have.
-    pub vertices: FirstAndCount,
-    /// Normals that are NaN, infinite or too large, and lists of them that do not fit.
-    pub normals: FirstAndCount,
+/// Declares kinds of things that are not as a file has them, each with the words of its warning.
+macro_rules! first_and_counts {
+    ($(#[$about:meta])* struct $name:ident {
+        $($(#[$kind:meta])* $field:ident: $what:literal,)*
+    }) => {
+        $(#[$about])*
+        #[derive(Debug, Default)]
+        pub(crate) struct $name {
+            $($(#[$kind])* pub $field: $crate::mesh::FirstAndCount,)*
+        }
+
+        impl $name {
+            /// One warning for each kind.
+            pub fn warn(&self, scene: &mut $crate::scene::Scene) {
+                $(self.$field.warn($what, scene);)*
+            }
+        }
+    };
+}
+pub(crate) use first_and_counts;
+
+first_and_counts! {
+    /// Faces that were not taken as they are.
+    struct FaceCounts {
+        without_area: "faces without area left out",
+        /// A corner is NaN, infinite or too large.
+        unusable: "faces with a corner that is not usable left out",
+        bent: "faces that are not flat split",
+        crossing: "faces that cross themselves split at the crossing",
+        /// No face can have them.
+        vertices: "vertices with a coordinate that is not usable",
+        /// They are NaN, infinite or too large, or as many as do not fit.
+        normals: "invalid normals: their faces are flat",
+    }
 }
 
 /// A count, and the place of the first item.
@@ -57,31 +80,6 @@ impl FirstAndCount {
         };
         let text = format!("{}: {} {what}{first}", file.display(), self.count);
         scene.warnings.push(Warning(text));
-    }
-}
-
-impl FaceCounts {
-    /// One warning for each kind.
-    pub fn warn(&self, scene: &mut Scene) {
-        self.without_area.warn("faces without area left out", scene);
-        self.unusable.warn("faces with a corner that is not usable left out", scene);
-        self.bent.warn("faces that are not flat split", scene);
-        self.crossing.warn("faces that cross themselves split at the crossing", scene);
-        self.vertices.warn("vertices with a coordinate that is not usable", scene);
-        self.normals.warn("invalid normals: their faces are flat", scene);
-    }
-
-    /// The scene of a file of triangles alone: warned of, seen by a camera that frames it.
-    ///
-    /// # Errors
-    /// [`LoadError::NoPrimitives`] where no triangle is left.
-    pub fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, LoadError> {
-        self.warn(&mut scene);
-        if scene.primitives.is_empty() {
-            return Err(LoadError::no_primitives(path, "triangle with an area"));
-        }
-        scene.frame_camera();
-        Ok(scene)
     }
 }
 
@@ -225,7 +223,7 @@ pub(crate) fn push_outline(
             push_all(material, triangles, scene);
         }
         Outline::Bent(_) => {
-            let first = u32::try_from(scene.vertices.len()).unwrap_or(u32::MAX);
+            let first = index(scene.vertices.len());
             scene.vertices.extend_from_slice(outline);
             let corners: Vec<u32> = (0..).take(outline.len()).collect();
             let mesh = Mesh { first, ..Mesh::of_triangles(material) };
@@ -241,19 +239,52 @@ pub(crate) fn push_all(material: u32, triangles: Vec<[DVec3; 3]>, scene: &mut Sc
     triangles.into_iter().for_each(|triangle| scene.push_triangle(material, triangle));
 }
 
-/// Vertices of formats that list triangles without indices: those in the same place become one.
-#[derive(Debug, Default)]
-pub(crate) struct Welder(HashMap<[u64; 3], u32>);
+/// The scene of a file that lists triangles without indices: corners in the same place become one
+/// vertex.
+pub(crate) struct TriangleList {
+    pub scene: Scene,
+    pub counts: FaceCounts,
+    mesh: Mesh,
+    /// By the bits of their coordinates.
+    vertices: HashMap<[u64; 3], u32>,
+}
 
-impl Welder {
-    /// The place of a vertex in the scene; it is added where it is new.
-    pub fn vertex(&mut self, position: DVec3, scene: &mut Scene) -> u32 {
-        // 0 and -0 are the same place
-        let key = position.to_array().map(|x| (x + 0.0).to_bits());
-        *self.0.entry(key).or_insert_with(|| {
-            scene.vertices.push(position);
-            u32::try_from(scene.vertices.len() - 1).unwrap_or(u32::MAX)
-        })
+impl TriangleList {
+    pub fn new(path: &Path) -> Self {
+        let mut scene = Scene::new(scene_name(path));
+        let mesh = Mesh::of_triangles(scene.push_material(Material::default()));
+        Self { scene, counts: FaceCounts::default(), mesh, vertices: HashMap::new() }
+    }
+
+    pub fn add(
+        &mut self,
+        corners: [[f64; 3]; 3],
+        place: impl Fn() -> FilePlace,
+    ) -> Result<(), LoadError> {
+        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3;
+        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
+        let corners = corners.map(|corner| {
+            // 0 and -0 are the same place
+            let key = corner.map(|x| (x + 0.0).to_bits());
+            *self.vertices.entry(key).or_insert_with(|| {
+                self.scene.vertices.push(DVec3::from_array(corner));
+                index(self.scene.vertices.len() - 1)
+            })
+        });
+        self.mesh.add(&corners, &mut self.scene, &mut self.counts, place)
+    }
+
+    /// The scene with its warnings, seen by a camera that frames it.
+    ///
+    /// # Errors
+    /// [`LoadError::NoPrimitives`] where no triangle is left.
+    pub fn finish(mut self, path: &Path) -> Result<Scene, LoadError> {
+        self.counts.warn(&mut self.scene);
+        if self.scene.primitives.is_empty() {
+            return Err(LoadError::no_primitives(path, "triangle with an area"));
+        }
+        self.scene.frame_camera();
+        Ok(self.scene)
     }
 }
 

@@ -1,21 +1,26 @@
 //! Turns every primitive of a scene into triangles, for structures that know nothing else.
 //!
-//! Counts at resolution `n`: a sphere gives `12 n^2` triangles, a cone or cylinder `8 n` (`4 n` if
-//! it has a tip), a polygon of `k` vertices `k - 2`, a triangle or patch itself.
+//! At resolution `n`, a sphere has `n^2` quadrilaterals on each of the six faces of the cube that is
+//! projected onto it, a cone has `4 n` segments around. A sphere gives `12 n^2` triangles, a cone or
+//! cylinder `8 n` (`4 n` if it has a tip), a polygon of `k` vertices `k - 2`, a triangle or patch
+//! itself.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use serde::Deserialize;
 
 pub use crate::polygon::ear_clipping::{SelfCrossing, triangulate};
 use crate::scene::{Cone, Primitive, Scene, Shape, Sphere, Warning};
 
-/// How finely curved primitives are tessellated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// How finely curved primitives become triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename = "Tessellate", deny_unknown_fields)]
 pub struct TessellationOptions {
-    /// A sphere has `resolution` squared quadrilaterals on each of the six faces of the cube that
-    /// is projected onto it; a cone has 4 times `resolution` segments around. At least 1.
+    /// The tessellator's resolution, at least 1.
+    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
     pub resolution: u32,
 }
 

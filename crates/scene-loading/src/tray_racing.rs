@@ -21,11 +21,10 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, shortened};
-use crate::input::read::{confined, extension};
-use crate::input::text::text_of;
+use crate::input::{confined, extension, text_of};
 use crate::limits::MAX_JSON;
 use crate::mesh::coordinate;
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::{Bounds, Camera, Light, Scene};
 
 /// How far away the sun is, in radii of the scene.
 pub const SUN_DISTANCE: f64 = 100.0;
@@ -93,11 +92,15 @@ pub fn parse_tray_racing(
     let sun = DVec3::from_array(entry.sun_direction).normalize_or_zero();
     let bounds = scene.bounds();
     if sun != DVec3::ZERO && !bounds.is_empty() {
-        let (center, radius) = ((bounds.min + bounds.max) * 0.5, bounds.size().length() * 0.5);
-        let position = center - sun * (radius * SUN_DISTANCE);
-        scene.lights = vec![Light::Point { position, color: None }];
+        scene.lights = vec![Light::Point { position: sun_position(&bounds, sun), color: None }];
     }
     Ok(scene)
+}
+
+/// Where a point light stands for the sun, whose light goes along a direction.
+pub(crate) fn sun_position(bounds: &Bounds, along: DVec3) -> DVec3 {
+    let (center, radius) = ((bounds.min + bounds.max) * 0.5, bounds.size().length() * 0.5);
+    center - along * (radius * SUN_DISTANCE)
 }
 
 /// The file that a scene file names as its model.

@@ -5,14 +5,10 @@
 
 use std::path::Path;
 
-use glam::DVec3;
-
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::scene_name;
-use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, Welder, coordinate};
+use crate::mesh::{TriangleList, coordinate};
 use crate::progress;
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
 
 /// Bytes of a corner.
 const CORNER: usize = 16;
@@ -38,27 +34,20 @@ pub fn parse_triangle_soup(path: &Path, bytes: &[u8]) -> Result<Scene, LoadError
     if count.checked_mul(TRIANGLE) != Some(data.len()) {
         return Err(fail());
     }
-    let mut scene = Scene::new(scene_name(path));
-    let material = scene.push_material(Material::default());
-    let mesh = Mesh::of_triangles(material);
-    let (mut welder, mut counts) = (Welder::default(), FaceCounts::default());
+    let mut triangles = TriangleList::new(path);
     progress::begin(count);
     for (i, record) in data.chunks_exact(TRIANGLE).enumerate() {
         progress::step(i);
         let at = 4 + i * TRIANGLE;
         let place = || FilePlace::byte(path, at);
-        let size = scene.vertices.len().max(scene.primitives.len()) + 3;
-        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
-        let mut corners = [0; 3];
-        for (slot, corner) in corners.iter_mut().zip(record.chunks_exact(CORNER)) {
-            let mut position = [0.0; 3];
+        let mut corners = [[0.0; 3]; 3];
+        for (position, corner) in corners.iter_mut().zip(record.chunks_exact(CORNER)) {
             for (value, &bytes) in position.iter_mut().zip(corner.as_chunks::<4>().0) {
                 *value = coordinate(f64::from(f32::from_le_bytes(bytes)), "a corner", place)?;
             }
-            *slot = welder.vertex(DVec3::from_array(position), &mut scene);
         }
-        mesh.add(&corners, &mut scene, &mut counts, place)?;
+        triangles.add(corners, place)?;
     }
     progress::end();
-    counts.finish(scene, path)
+    triangles.finish(path)
 }

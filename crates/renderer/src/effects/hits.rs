@@ -5,9 +5,10 @@
 //! every eye ray has a time within the exposure, and its path sees moving primitives where they are
 //! then); E. Catmull, "A Subdivision Algorithm for Computer Display of Curved Surfaces", thesis,
 //! University of Utah, 1974.
-//! Deviations: primitives move in a straight line at constant speed; eye and lights are at rest. Hits are points, so the image is interpolated between the four nearest texels
-//! (bilinear) and not averaged over the area that a pixel covers: no mip maps, far texels alias
-//! (supersampling helps). Texel centres are at (i + 1/2) / size.
+//! Deviations: primitives move in a straight line at constant speed; eye and lights are at rest.
+//! Hits are points, so the image is interpolated between the four nearest texels (bilinear) and not
+//! averaged over the area that a pixel covers: no mip maps, far texels alias (supersampling helps).
+//! Texel centres are at (i + 1/2) / size.
 
 use glam::{DVec2, DVec3};
 use scene_loading::{Rgb, Scene, Shape, Texture};

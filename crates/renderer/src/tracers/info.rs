@@ -80,3 +80,28 @@ pub struct DrawnImage {
     /// Further counters in the tracer's own words: `shadow beams`.
     pub counts: Vec<(&'static str, u64)>,
 }
+
+/// Declares what a tracer counts in an image, each with its name in reports.
+macro_rules! counts {
+    ($($(#[$about:meta])* $field:ident: $name:literal,)*) => {
+        /// Numbers of an image's bundles, and of what became of them.
+        #[derive(Debug, Clone, Copy, Default)]
+        pub struct Counts {
+            $($(#[$about])* pub $field: u64,)*
+        }
+
+        impl Counts {
+            /// What the image that is drawn says of them.
+            pub fn rows(self) -> Vec<(&'static str, u64)> {
+                vec![$(($name, self.$field),)*]
+            }
+        }
+
+        impl std::ops::AddAssign for Counts {
+            fn add_assign(&mut self, other: Self) {
+                $(self.$field += other.$field;)*
+            }
+        }
+    };
+}
+pub(super) use counts;

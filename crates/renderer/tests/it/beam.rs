@@ -5,16 +5,16 @@ use std::collections::BTreeMap;
 use accel_core::structures::frustum_queries;
 use accel_core::{Hit, Ray, Vector};
 use glam::{DVec2, DVec3, dvec3};
+use renderer::Image;
 use renderer::camera::{EyeRays, Sampling};
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{Surfaces, reflect};
 use renderer::tracers::beam::{CoveredArea, Settings, coverage, draw};
 use renderer::tracers::{DrawnImage, Frame, Structures};
-use renderer::{EffectPlan, Image, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
-use crate::common::{bits, over, rmse, settings};
 use crate::flat_scenes::*;
+use crate::{bits, by_rays, over, rmse, settings};
 
 type Coverage = Vec<Vec<CoveredArea>>;
 
@@ -255,8 +255,7 @@ fn the_shadow_of_a_square_has_exact_edges() {
 /// The image of single rays, with so many samples per pixel.
 fn supersampled(scene: &Scene, size: u32, samples: u32) -> Image {
     let wishes = SampleWishes { supersamples: Some(samples), ..SampleWishes::default() };
-    let plan = EffectPlan::of(scene, &settings([size; 2], wishes));
-    over(scene, "brute-force", |over| render_plan(scene, over.rays, &plan).image)
+    by_rays(scene, &settings([size; 2], wishes))
 }
 
 /// Root mean square and mean of the difference to the image of single rays.

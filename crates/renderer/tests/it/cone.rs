@@ -13,22 +13,16 @@ use renderer::tracers::cone::coverage::DepartedSurface;
 use renderer::tracers::cone::forms::Forms;
 use renderer::tracers::cone::{Settings, draw, refusal};
 use renderer::tracers::{DrawnImage, Frame, Structures};
-use renderer::{EffectPlan, Image, RenderSettings, render_plan};
+use renderer::{Image, RenderSettings};
 use scene_loading::procedural::generate;
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
 
-use crate::common::{bits, effect_scene, image, over, rmse, settings};
 use crate::convergence::penumbra_errors;
+use crate::{bits, by_rays, effect_scene, image, over, rmse, settings};
 
 /// The image by cones, the candidates from the structure of that name.
 fn cones(scene: &Scene, frame: Frame, settings: &Settings, structure: &str) -> DrawnImage {
     over(scene, structure, |over| draw(scene, frame, settings, over).unwrap())
-}
-
-/// The image by single rays.
-fn by_rays(scene: &Scene, settings: &RenderSettings) -> Image {
-    let plan = EffectPlan::of(scene, settings);
-    over(scene, "brute-force", |over| render_plan(scene, over.rays, &plan).image)
 }
 
 fn frame(resolution: [u32; 2]) -> Frame {

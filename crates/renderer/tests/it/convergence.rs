@@ -5,7 +5,7 @@ use renderer::camera::{EyeRays, Sampling};
 use renderer::{EffectPlan, Image, RenderSettings};
 use scene_loading::{Camera, Light, Material, SampleWishes, Scene};
 
-use crate::common::{effect_scene, image, image_of, rmse, settings};
+use crate::{effect_scene, image, image_of, rmse, settings};
 
 /// The part of a disc that lies on one side of a line at the signed distance `d`, in radii, from
 /// its centre: all of it from d = 1 on, none of it up to d = -1.

@@ -1,15 +1,16 @@
 //! What a scene does not call for is not there: no rays, and not one other bit in the image
-//! (HARD_CASES S5).
+//! (HARD_CASES S5). What is there is the same by any structure and number of threads.
 
-use accel_core::structures::find;
+use accel_core::structures::{Entry, REGISTRY};
 use glam::DVec3;
 use renderer::effects::EFFECTS;
 use renderer::tracers::whitted::Whitted;
-use renderer::{Effect, EffectPlan, Geometry, RaySettings, RenderSettings, render};
+use renderer::{Effect, EffectPlan, RaySettings, RenderSettings, render};
 use scene_loading::{Light, SampleWishes, Scene};
 
-use crate::common::{
+use crate::{
     bits, effect_scene, effect_scenes, image, image_of, samples, samples_without_area, settings,
+    through,
 };
 
 const SIZE: [u32; 2] = [40, 30];
@@ -86,12 +87,9 @@ fn the_image_is_that_of_a_renderer_without_the_effects() {
         ];
         let plan = sampled.into_iter().fold(plan, EffectPlan::without);
         let rendered = image_of(&scene, &plan, "obvhs-bvh2");
-        let geometry = Geometry::<f32>::of(&scene).unwrap();
-        let entry = find("obvhs-bvh2").unwrap();
-        let tracer = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
         let ray_settings =
             RaySettings { resolution: SIZE, diffuse: false, ..RaySettings::default() };
-        let plain = render(&scene, tracer.as_ref(), &ray_settings);
+        let plain = through(&scene, "obvhs-bvh2", |tracer| render(&scene, tracer, &ray_settings));
         assert_eq!(rendered.image, plain, "{}", scene.name);
         compared += 1;
     }
@@ -145,17 +143,17 @@ fn pixels_that_see_no_gloss_are_those_of_a_scene_without() {
     }
     let settings = settings(SIZE, samples(1));
     let without = image(&matte, &settings).image.pixels;
-    let geometry = Geometry::<f32>::of(&scene).unwrap();
-    let entry = find("obvhs-bvh2").unwrap();
-    let tracer = entry.build(geometry.prims(), &entry.params([]).unwrap()).unwrap();
     let whitted = Whitted::planned(&scene, &EffectPlan::of(&scene, &settings));
+    let pixels: Vec<_> = through(&scene, "obvhs-bvh2", |tracer| {
+        let pixel = |i: u32| (i / SIZE[0], i % SIZE[0]);
+        let pixels = (0..SIZE[0] * SIZE[1]).map(pixel);
+        pixels.map(|(y, x)| whitted.trace_columns(tracer, y, x..x + 1)).collect()
+    });
     let mut free = 0;
-    for (i, without) in without.iter().enumerate() {
-        let (x, y) = (i as u32 % SIZE[0], i as u32 / SIZE[0]);
-        let pixel = whitted.trace_columns(tracer.as_ref(), y, x..x + 1);
+    for (i, (pixel, without)) in pixels.iter().zip(&without).enumerate() {
         if pixel.counts.effect(Effect::Gloss) == 0 {
             free += 1;
-            assert_eq!(pixel.colors, [*without], "{x} {y}");
+            assert_eq!(pixel.colors, [*without], "{i}");
         }
     }
     assert!(free > without.len() / 2 && free < without.len(), "{free} of {}", without.len());
@@ -229,5 +227,43 @@ fn textures_change_colours_and_no_ray() {
         texture.texels = texels.into();
         white.textures = vec![texture.clone(); white.textures.len()];
         assert!(bits(&image_of(&white, &plan, "obvhs-bvh2").image) != bits(&plain.image));
+    }
+}
+
+fn few() -> SampleWishes {
+    SampleWishes { shadow: Some(3), glossy: Some(3), ..samples(2) }
+}
+
+#[test]
+fn all_structures_give_the_same_image() {
+    for scene in effect_scenes() {
+        let plan = EffectPlan::of(&scene, &settings([24, 18], few()));
+        let expected = image_of(&scene, &plan, "brute-force");
+        assert!(expected.image.pixels.as_flattened().iter().any(|x| *x != 0.0));
+        let is_right = |entry: &&Entry| (entry.info.known_defect)(&entry.defaults()).is_none();
+        for entry in REGISTRY.iter().filter(is_right) {
+            let (got, what) = (image_of(&scene, &plan, entry.info.name), entry.info.name);
+            assert!(bits(&got.image) == bits(&expected.image), "{} {what}", scene.name);
+            assert_eq!(got.counts, expected.counts, "{} {what}", scene.name);
+        }
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_image_and_another_seed_another() {
+    for scene in effect_scenes() {
+        let mut settings = settings([24, 18], few());
+        let with = |settings: &renderer::RenderSettings, threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let plan = EffectPlan::of(&scene, settings);
+            pool.install(|| image_of(&scene, &plan, "uniform-grid"))
+        };
+        let expected = with(&settings, 1);
+        for threads in [2, 5] {
+            assert!(with(&settings, threads) == expected, "{} {threads}", scene.name);
+        }
+        // planted fault: a seed that depends on the thread would be another seed
+        settings.seed = 2;
+        assert!(bits(&with(&settings, 1).image) != bits(&expected.image), "{}", scene.name);
     }
 }

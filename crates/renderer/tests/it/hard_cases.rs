@@ -6,7 +6,7 @@ use renderer::surface::refract;
 use renderer::{Effect, RenderSettings};
 use scene_loading::{Camera, Light, Material, Scene};
 
-use crate::common::{image, samples, settings};
+use crate::{image, samples, settings};
 
 fn is_sound(color: &[f64; 3]) -> bool {
     color.iter().all(|x| x.is_finite() && *x >= 0.0)

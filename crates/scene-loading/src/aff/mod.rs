@@ -28,7 +28,7 @@ use std::path::Path;
 use crate::aff::read::read_world;
 use crate::animation::frames::Animation;
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::scene_name;
+use crate::input::scene_name;
 
 /// The scene of a file and those that it includes, all below its folder.
 ///

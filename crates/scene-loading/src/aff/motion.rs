@@ -42,7 +42,7 @@ impl Motion {
 
     /// True when it may vanish or be mirrored: what follows it is no rigid part.
     pub fn is_unsteady(&self) -> bool {
-        let keys = self.scale.iter().flat_map(|track| track.keys()).map(|key| key.value);
+        let keys = self.scale.iter().flat_map(|track| &track.0).map(|key| key.value);
         let hides = self.visibility.iter().any(|(_, visible)| !visible);
         hides || keys.clone().zip(keys.skip(1)).any(|(a, b)| a != b)
     }
@@ -68,16 +68,11 @@ impl Motion {
             let room = words.remaining() / 4 + 1;
             limits::check(count as usize, room, "the number of keys", || place)?;
             match word.text {
-                "transl" => {
-                    motion.translation =
-                        Some(Track::<DVec3>::new(keys(words, count, back, value)?));
-                }
-                "scale" => {
-                    motion.scale = Some(Track::<DVec3>::new(keys(words, count, back, value)?))
-                }
+                "transl" => motion.translation = Some(Track(keys(words, count, back, value)?)),
+                "scale" => motion.scale = Some(Track(keys(words, count, back, value)?)),
                 "rot" => {
                     motion.rotation =
-                        Some(Track::<DQuat>::new(keys(words, count, back, rotation)?));
+                        Some(Track::of_rotations(keys(words, count, back, rotation)?));
                 }
                 _ => {
                     let mut last = None;

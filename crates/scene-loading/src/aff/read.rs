@@ -3,16 +3,15 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::aff::motion::{Motion, Motions, rotation};
+use crate::aff::motion::{Motion, rotation};
 use crate::aff::world::{Branch, PrimitiveRange, Step, World};
 use crate::error::{FilePlace, LoadError, shortened};
-use crate::input::read::{confined, read_at_most};
-use crate::input::text::text_of;
+use crate::input::{confined, read_at_most, text_of};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::nff::tokens::{Word, Words};
 use crate::nff::{light, surface, view};
-use crate::scene::{Material, Scene, Warning};
+use crate::scene::{Material, Warning};
 use glam::DAffine3;
 
 /// How deep files may include others, and how many inclusions there may be.
@@ -31,17 +30,7 @@ pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError
     let root = Branch { parent: 0, step: Step::Fixed(DAffine3::IDENTITY) };
     let mut reader = Reader {
         folder: path.parent().unwrap_or(Path::new("")),
-        world: World {
-            path: path.to_path_buf(),
-            rest: Scene::default(),
-            has_view: false,
-            branches: vec![root],
-            parts: Vec::new(),
-            lights: Vec::new(),
-            patches: Vec::new(),
-            motions: Motions::new(),
-            clip: None,
-        },
+        world: World { path: path.to_path_buf(), branches: vec![root], ..World::default() },
         material: None,
         detail: 0,
         branch: 0,

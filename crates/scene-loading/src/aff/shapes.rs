@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 use crate::nff::cone;
 use crate::nff::tokens::{Word, Words};
 use crate::polygon::area_vector;
-use crate::scene::{Primitive, Shape};
+use crate::scene::{Primitive, Shape, index};
 
 /// The most corners of a polygon.
 const MAX_CORNERS: u64 = 1 << 20;
@@ -207,8 +207,4 @@ fn indices(words: &mut Words<'_>, what: &str, count: usize) -> Result<[u32; 3], 
         *index = value as u32;
     }
     Ok(indices)
-}
-
-fn index(i: usize) -> u32 {
-    u32::try_from(i).unwrap_or(u32::MAX)
 }

@@ -22,7 +22,7 @@ pub(super) struct Key<T> {
 /// the same time; a key that goes back in time counts only for those behind it (BART's own robot
 /// has one).
 #[derive(Debug)]
-pub(super) struct Track<T>(Vec<Key<T>>);
+pub(super) struct Track<T>(pub Vec<Key<T>>);
 
 /// Four keys, the curve between the middle ones, and how far on it a time is, from 0 to 1.
 struct Segment<'a, T> {
@@ -31,10 +31,6 @@ struct Segment<'a, T> {
 }
 
 impl<T> Track<T> {
-    pub fn keys(&self) -> &[Key<T>] {
-        &self.0
-    }
-
     /// End of the curve.
     fn last(&self) -> Option<T>
     where
@@ -75,10 +71,6 @@ impl<T> Segment<'_, T> {
 }
 
 impl Track<DVec3> {
-    pub fn new(keys: Vec<Key<DVec3>>) -> Self {
-        Self(keys)
-    }
-
     /// The place at a time.
     pub fn at(&self, time: f64) -> DVec3 {
         let Some(segment) = self.segment(time) else { return self.last().unwrap_or_default() };
@@ -96,7 +88,8 @@ impl Track<DVec3> {
 }
 
 impl Track<DQuat> {
-    pub fn new(mut keys: Vec<Key<DQuat>>) -> Self {
+    /// Turns quaternions around that are more than half a turn from the one before.
+    pub fn of_rotations(mut keys: Vec<Key<DQuat>>) -> Self {
         let mut last: Option<DQuat> = None;
         for key in &mut keys {
             if last.is_some_and(|last| last.dot(key.value) < 0.0) {
@@ -168,11 +161,11 @@ mod tests {
     fn curves_go_through_their_keys_and_stay_at_the_ends() {
         let x = |x: f64| DVec3::new(x, 0.0, 0.0);
         let keys = [(-1.0, 5.0), (0.0, 0.0), (1.0, 1.0), (3.0, 3.0), (4.0, 4.0)];
-        let track = Track::<DVec3>::new(keys.map(|(time, at)| key(time, x(at))).to_vec());
+        let track = Track(keys.map(|(time, at)| key(time, x(at))).to_vec());
         // two keys at once: a jump
         let mut jump = track.0.clone();
         jump[2].time = 3.0;
-        let jump = Track::<DVec3>::new(jump);
+        let jump = Track(jump);
         assert!((jump.at(2.999).x - 1.0).abs() < 0.01 && jump.at(3.0).x == 3.0);
         for (time, expected) in [(-9.0, 0.0), (0.0, 0.0), (1.0, 1.0), (3.0, 3.0), (9.0, 3.0)] {
             assert!((track.at(time).x - expected).abs() < 1e-12, "{time}");
@@ -180,8 +173,8 @@ mod tests {
         // unequal keys on a straight line are passed at the same speed: 2 in the middle of 1 and 3
         assert!((track.at(2.0).x - 2.0).abs() < 1e-12, "{}", track.at(2.0));
         // tension 1: the tangents vanish
-        let still = track.keys().iter().map(|key| Key { shape: [1.0, 0.0, 0.0], ..*key }).collect();
-        let still = Track::<DVec3>::new(still);
+        let still = track.0.iter().map(|key| Key { shape: [1.0, 0.0, 0.0], ..*key }).collect();
+        let still = Track(still);
         assert!((still.at(0.25).x - (3.0 / 16.0 - 2.0 / 64.0)).abs() < 1e-12);
     }
 
@@ -192,7 +185,7 @@ mod tests {
         // the quaternion of the third key is written the other way round
         let mut keys: Vec<_> = (0..6).map(|i| quarter(f64::from(i))).collect();
         keys[2].value = -keys[2].value;
-        let track = Track::<DQuat>::new(keys);
+        let track = Track::of_rotations(keys);
         for time in [1.0, 1.25, 2.0, 2.5, 3.75, 4.0] {
             let angle = track.at(time).angle_between(turn(time * FRAC_PI_2));
             assert!(angle < 1e-6, "{time}: {angle}");

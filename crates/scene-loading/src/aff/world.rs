@@ -12,6 +12,7 @@ use crate::pbrt::state::uniform_scale;
 use crate::scene::{Camera, Instance, Light, Scene, Shape};
 
 /// A scene that moves.
+#[derive(Default)]
 pub(super) struct World {
     pub path: PathBuf,
     /// Materials, background, view; primitives in the spaces of their branches.

@@ -11,7 +11,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 use crate::error::{FilePlace, LoadError, quote};
 use crate::gltf::extensions;
-use crate::input::read::{confined, read_file};
+use crate::input::{confined, read_file};
 use crate::limits::MAX_BYTES;
 
 /// The most elements that one accessor may have.
@@ -115,15 +115,12 @@ impl Buffers {
     where
         [f32; N]: Item,
     {
-        let object = format!("accessor {} ({what})", accessor.index());
         let is_known = match accessor.data_type() {
             DataType::F32 => !accessor.normalized(),
             kind => kind != DataType::U32,
         };
-        if accessor.dimensions() != dimensions || !is_known {
-            let expected = format!("{dimensions:?} of F32, or of I8, U8, I16 or U16");
-            return Err(self.invalid(&object, &kind_of(&accessor), &expected));
-        }
+        let known = "F32, or of I8, U8, I16 or U16";
+        let object = self.typed(&accessor, what, dimensions, is_known, known)?;
         if accessor.data_type() == DataType::F32 {
             return self.read(&object, accessor);
         }
@@ -146,18 +143,13 @@ impl Buffers {
         dimensions: Dimensions,
         normalized: bool,
     ) -> Result<Vec<f64>, LoadError> {
-        let object = format!("accessor {} ({what})", accessor.index());
-        let kind = accessor.data_type();
-        let is_known = match kind {
+        let is_known = match accessor.data_type() {
             DataType::F32 => !accessor.normalized(),
             DataType::U32 => false,
             _ => normalized && accessor.normalized(),
         };
-        if accessor.dimensions() != dimensions || !is_known {
-            let or = if normalized { ", or of normalized bytes or shorts" } else { "" };
-            let expected = format!("{dimensions:?} of F32{or}");
-            return Err(self.invalid(&object, &kind_of(&accessor), &expected));
-        }
+        let known = if normalized { "F32, or of normalized bytes or shorts" } else { "F32" };
+        let object = self.typed(&accessor, what, dimensions, is_known, known)?;
         let index = accessor.index();
         let numbers = self.scaled(&object, accessor)?;
         let width = dimensions.multiplicity();
@@ -188,9 +180,9 @@ impl Buffers {
 
     /// Four joints for each vertex.
     pub fn joints(&self, accessor: Accessor<'_>) -> Result<Vec<[u16; 4]>, LoadError> {
-        let object = format!("accessor {} (joints)", accessor.index());
-        let valid = [DataType::U8, DataType::U16];
-        self.expect_type(&object, &accessor, Dimensions::Vec4, &valid)?;
+        let is_known = matches!(accessor.data_type(), DataType::U8 | DataType::U16);
+        let (is_known, known) = (is_known && !accessor.normalized(), "[U8, U16], not normalized");
+        let object = self.typed(&accessor, "joints", Dimensions::Vec4, is_known, known)?;
         match accessor.data_type() {
             DataType::U8 => {
                 let joints: Vec<[u8; 4]> = self.read(&object, accessor)?;
@@ -237,9 +229,10 @@ impl Buffers {
 
     /// Vertex indices, each checked to be below `vertices`.
     pub fn indices(&self, accessor: Accessor<'_>, vertices: usize) -> Result<Vec<u32>, LoadError> {
-        let object = format!("accessor {} (indices)", accessor.index());
-        let valid = [DataType::U8, DataType::U16, DataType::U32];
-        self.expect_type(&object, &accessor, Dimensions::Scalar, &valid)?;
+        let is_known = matches!(accessor.data_type(), DataType::U8 | DataType::U16 | DataType::U32);
+        let (is_known, known) =
+            (is_known && !accessor.normalized(), "[U8, U16, U32], not normalized");
+        let object = self.typed(&accessor, "indices", Dimensions::Scalar, is_known, known)?;
         let indices: Vec<u32> = match accessor.data_type() {
             DataType::U8 => self.read(&object, accessor)?.into_iter().map(u8::into).collect(),
             DataType::U16 => self.read(&object, accessor)?.into_iter().map(u16::into).collect(),
@@ -257,19 +250,22 @@ impl Buffers {
         }
     }
 
-    fn expect_type(
+    /// Checks what an accessor is made of; answers with how errors name it.
+    fn typed(
         &self,
-        object: &str,
         accessor: &Accessor<'_>,
+        what: &str,
         dimensions: Dimensions,
-        types: &[DataType],
-    ) -> Result<(), LoadError> {
-        let is_known = types.contains(&accessor.data_type()) && !accessor.normalized();
-        if accessor.dimensions() != dimensions || !is_known {
-            let expected = format!("{dimensions:?} of {types:?}, not normalized");
-            return Err(self.invalid(object, &kind_of(accessor), &expected));
+        is_known: bool,
+        known: &str,
+    ) -> Result<String, LoadError> {
+        let object = format!("accessor {} ({what})", accessor.index());
+        if accessor.dimensions() == dimensions && is_known {
+            return Ok(object);
         }
-        Ok(())
+        let note = if accessor.normalized() { " normalized" } else { "" };
+        let found = format!("{:?} of {:?}{note}", accessor.dimensions(), accessor.data_type());
+        Err(self.invalid(&object, &found, &format!("{dimensions:?} of {known}")))
     }
 
     fn read<T: Item>(&self, object: &str, accessor: Accessor<'_>) -> Result<Vec<T>, LoadError> {
@@ -354,12 +350,6 @@ impl Buffers {
     pub fn invalid(&self, object: &str, found: &str, expected: &str) -> LoadError {
         LoadError::gltf(&self.path, object, found, expected)
     }
-}
-
-/// The type of an accessor, for errors.
-fn kind_of(accessor: &Accessor<'_>) -> String {
-    let note = if accessor.normalized() { " normalized" } else { "" };
-    format!("{:?} of {:?}{note}", accessor.dimensions(), accessor.data_type())
 }
 
 /// Undoes `%20` and the like; `None` when the result is not UTF-8.

@@ -1,6 +1,5 @@
-//! An animation of a glTF file, read and checked: which node's what follows which keys.
-//!
-//! Keyframes of glTF animations: numbers at times, and what lies between them.
+//! An animation of a glTF file, read and checked: which node's what follows which keys, numbers at
+//! times, and what lies between them.
 //!
 //! Appendix C of the glTF 2.0 specification: steps, straight lines (of rotations along the shorter
 //! arc), cubic Hermite splines with their tangents in the file.

@@ -1,22 +1,26 @@
 //! The container of a glTF file: JSON alone, or a GLB file of chunks (sections 4.4 and 4.1 of the
-//! glTF 2.0 specification), checked before the JSON is parsed; and the file that is read from it.
+//! glTF 2.0 specification), checked before the JSON is parsed; the rules of the format that its JSON
+//! must keep; and the file that is read from it.
 
 use std::path::{Path, PathBuf};
 
 use ::gltf::Document;
-use ::gltf::json::Root;
+use ::gltf::json::validation::{Checked, Error, Validate};
+use ::gltf::json::{Root, camera::Type};
 use serde::Deserialize;
 
 use crate::error::{FilePlace, LoadError, quote};
 use crate::gltf::buffers::Buffers;
 use crate::gltf::extensions::{self, NodeExtensions};
-use crate::gltf::rules::{self, parser_error};
-use crate::input::text::without_mark;
+use crate::input::without_mark;
 use crate::limits;
 
 /// The most JSON objects of a document. Each becomes up to a few hundred bytes in memory, from as
 /// few as three in the file.
 const MAX_OBJECTS: usize = 2 << 20;
+
+/// The most faults that an error names.
+const MAX_FAULTS: usize = 8;
 
 /// A file, its parts checked as far as the crate does not.
 pub(crate) struct OpenedFile {
@@ -28,13 +32,13 @@ pub(crate) struct OpenedFile {
 
 impl OpenedFile {
     pub fn read(path: &Path, bytes: &[u8]) -> Result<Self, LoadError> {
-        let container = Container::open(path, bytes)?;
-        let json = container.parse(path)?;
+        let (text, binary) = split(path, bytes)?;
+        let json = parse(path, text)?;
         extensions::check(path, &json)?;
-        rules::check(path, &json)?;
-        let extensions = NodeExtensions::read(path, container.json, &json)?;
+        check_rules(path, &json)?;
+        let extensions = NodeExtensions::read(path, text, &json)?;
         let document = Document::from_json_without_validation(json);
-        let buffers = Buffers::load(path, &document, container.binary)?;
+        let buffers = Buffers::load(path, &document, binary)?;
         Ok(Self { path: path.to_path_buf(), document, buffers, extensions })
     }
 
@@ -49,70 +53,47 @@ impl OpenedFile {
     }
 }
 
-/// The parts of a file.
-#[derive(Debug)]
-struct Container<'a> {
-    json: &'a [u8],
-    /// The binary chunk of a GLB file.
-    binary: Option<&'a [u8]>,
+/// The JSON of a file, and the binary chunk of a GLB file. Chunks of unknown types are skipped, as
+/// the format asks.
+fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), LoadError> {
+    let bytes = without_mark(path, bytes)?;
+    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
+    check_header(path, rest, bytes.len() as u64)?;
+    let chunks = rest.get(8..).unwrap_or_default();
+    let Chunk { kind, data: json, after: mut rest } = chunk(path, "the first GLB chunk", chunks)?;
+    if kind != b"JSON" {
+        let found = format!("type {}", quote(&String::from_utf8_lossy(kind)));
+        return Err(LoadError::gltf(path, "the first GLB chunk", found, "type `JSON`"));
+    }
+    // some writers pad with zeros in place of spaces
+    let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
+    let json = json.get(..end).unwrap_or_default();
+    // what is left behind the last chunk is padding
+    while rest.len() >= 8 {
+        let Chunk { kind, data, after } = chunk(path, "a GLB chunk", rest)?;
+        if kind == b"BIN\0" {
+            return Ok((json, Some(data)));
+        }
+        rest = after;
+    }
+    Ok((json, None))
 }
 
-impl<'a> Container<'a> {
-    /// Splits a file. Chunks of unknown types are skipped, as the format asks.
-    fn open(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
-        let bytes = without_mark(path, bytes)?;
-        let container = match bytes.strip_prefix(b"glTF") {
-            None => Self { json: bytes, binary: None },
-            Some(rest) => {
-                check_header(path, rest, bytes.len() as u64)?;
-                Self::split(path, rest.get(8..).unwrap_or_default())?
-            }
-        };
-        container.check_objects(path)?;
-        Ok(container)
+/// Parses the JSON; the values are not checked yet.
+fn parse(path: &Path, json: &[u8]) -> Result<Root, LoadError> {
+    // bounds what it can grow to
+    let count = memchr::memchr_iter(b'{', json).count();
+    limits::check(count, MAX_OBJECTS, "the number of JSON objects", || FilePlace::file(path))?;
+    let error = match serde_json::from_slice(json) {
+        Ok(root) => return Ok(root),
+        Err(error) => error,
+    };
+    if let Some(error) = first_version(path, json) {
+        return Err(error);
     }
-
-    fn split(path: &Path, bytes: &'a [u8]) -> Result<Self, LoadError> {
-        let Chunk { kind, data: json, after: mut rest } =
-            chunk(path, "the first GLB chunk", bytes)?;
-        if kind != b"JSON" {
-            let found = format!("type {}", quote(&String::from_utf8_lossy(kind)));
-            return Err(LoadError::gltf(path, "the first GLB chunk", found, "type `JSON`"));
-        }
-        // some writers pad with zeros in place of spaces
-        let end = json.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
-        let json = json.get(..end).unwrap_or_default();
-        // what is left behind the last chunk is padding
-        while rest.len() >= 8 {
-            let Chunk { kind, data, after } = chunk(path, "a GLB chunk", rest)?;
-            if kind == b"BIN\0" {
-                return Ok(Self { json, binary: Some(data) });
-            }
-            rest = after;
-        }
-        Ok(Self { json, binary: None })
-    }
-
-    /// Bounds what the JSON can grow to, before it is parsed.
-    fn check_objects(&self, path: &Path) -> Result<(), LoadError> {
-        let count = memchr::memchr_iter(b'{', self.json).count();
-        let place = || FilePlace::file(path);
-        limits::check(count, MAX_OBJECTS, "the number of JSON objects", place)
-    }
-
-    /// Parses the JSON; the values are not checked yet.
-    fn parse(&self, path: &Path) -> Result<Root, LoadError> {
-        let error = match serde_json::from_slice(self.json) {
-            Ok(root) => return Ok(root),
-            Err(error) => error,
-        };
-        if let Some(error) = first_version(path, self.json) {
-            return Err(error);
-        }
-        // the crate wants a node in each channel, where an extension may name something else
-        let kept = node_channels(self.json).and_then(|json| serde_json::from_slice(&json).ok());
-        kept.ok_or_else(|| parser_error(path, error.to_string()))
-    }
+    // the crate wants a node in each channel, where an extension may name something else
+    let kept = node_channels(json).and_then(|json| serde_json::from_slice(&json).ok());
+    kept.ok_or_else(|| LoadError::parser(path, error))
 }
 
 /// A chunk of a GLB file.
@@ -215,4 +196,74 @@ fn node_channels(json: &[u8]) -> Option<Vec<u8>> {
     let animations = to_raw_value(&animations).ok()?;
     root.insert("animations", &animations);
     serde_json::to_vec(&root).ok()
+}
+
+/// Refuses what breaks a rule of the format that the crate `gltf` checks, but for those of its checks
+/// that do not count: where it is stricter than the specification, and where what is missing is not
+/// needed.
+fn check_rules(path: &Path, json: &Root) -> Result<(), LoadError> {
+    check_before_validation(path, json)?;
+    let mut faults = Vec::new();
+    json.validate(json, ::gltf::json::Path::new, &mut |place, error| {
+        let place = place();
+        if faults.len() < MAX_FAULTS && !is_allowed(place.as_str(), error) {
+            faults.push(format!("{place}: {error}"));
+        }
+    });
+    if faults.is_empty() {
+        return Ok(());
+    }
+    Err(LoadError::parser(path, format!("invalid glTF: {}", faults.join("; "))))
+}
+
+/// Returns whether the crate finds a fault where the file can be read all the same.
+fn is_allowed(place: &str, error: Error) -> bool {
+    let is_position = place.starts_with("meshes[") && place.contains("attributes[\"POSITION\"]");
+    match error {
+        // `extensions` decides about these
+        Error::Unsupported => true,
+        // an accessor without data is all zeros; a texture may have its image in an extension; a
+        // primitive without positions is to be skipped; bounds of positions are not used
+        Error::Missing => {
+            is_position
+                || place.starts_with("accessors[") && place.ends_with(".bufferView")
+                || place.starts_with("textures[") && place.ends_with(".source")
+        }
+        // attributes of one's own begin with an underscore; extensions have paths of their own
+        Error::Invalid => {
+            is_position
+                || place.ends_with("attributes[\"<invalid semantic name>\"]")
+                || place.starts_with("animations[") && place.ends_with(".target.path")
+        }
+        _ => false,
+    }
+}
+
+/// Checks that prevent panics in the crate's own validation (1.4.1) or later.
+fn check_before_validation(path: &Path, json: &Root) -> Result<(), LoadError> {
+    let accessors = json.accessors.len();
+    for (m, mesh) in json.meshes.iter().enumerate() {
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let accessor = primitive.attributes.values().find(|i| i.value() >= accessors);
+            if let Some(index) = accessor {
+                let what = format!("mesh {m} primitive {p}: accessor");
+                let valid = format!("there are {accessors}, counted from 0");
+                let place = FilePlace::file(path);
+                return Err(LoadError::bad_index(place, what, index.value(), valid));
+            }
+        }
+    }
+    for (c, camera) in json.cameras.iter().enumerate() {
+        let described = match camera.type_ {
+            Checked::Valid(Type::Perspective) => camera.perspective.is_some(),
+            Checked::Valid(Type::Orthographic) => camera.orthographic.is_some(),
+            Checked::Invalid => true,
+        };
+        if !described {
+            let (found, expected) =
+                ("a type without its properties", "an object named as its type");
+            return Err(LoadError::gltf(path, format!("camera {c}"), found, expected));
+        }
+    }
+    Ok(())
 }

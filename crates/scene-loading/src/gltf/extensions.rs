@@ -9,7 +9,6 @@ use glam::DVec3;
 use serde::Deserialize;
 
 use crate::error::{LoadError, quote};
-use crate::gltf::rules::parser_error;
 
 /// Extensions that are read.
 const READ: [&str; 4] = ["KHR_lights_punctual", "KHR_mesh_quantization", INSTANCING, VISIBILITY];
@@ -149,7 +148,7 @@ impl NodeExtensions {
             return Ok(read);
         }
         let document: Document =
-            serde_json::from_slice(json).map_err(|error| parser_error(path, error.to_string()))?;
+            serde_json::from_slice(json).map_err(|error| LoadError::parser(path, error))?;
         for (node, Node { extensions, translation, matrix }) in
             document.nodes.into_iter().enumerate()
         {

@@ -25,8 +25,7 @@ use crate::animation::frames::Animation;
 use crate::error::LoadError;
 use crate::gltf::clip::Clip;
 use crate::gltf::nodes::NodeWalker;
-use crate::gltf::rules::parser_error;
-use crate::input::read::scene_name;
+use crate::input::scene_name;
 use crate::scene::{Camera, Scene};
 
 pub(crate) use container::OpenedFile;
@@ -38,7 +37,6 @@ mod deform;
 pub(crate) mod extensions;
 mod meshes;
 mod nodes;
-mod rules;
 mod textures;
 pub(crate) mod tree;
 
@@ -99,7 +97,7 @@ pub(crate) fn parse_animation(path: &Path, bytes: &[u8]) -> Result<Animation, Lo
 
 /// Turns a panic inside the crate `gltf` into an error.
 fn guarded<T>(path: &Path, read: impl FnOnce() -> Result<T, LoadError>) -> Result<T, LoadError> {
-    catch_panic(read).unwrap_or_else(|text| Err(parser_error(path, text)))
+    catch_panic(read).unwrap_or_else(|text| Err(LoadError::parser(path, text)))
 }
 
 /// Runs a reader that may panic; a panic becomes its text.

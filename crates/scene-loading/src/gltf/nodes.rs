@@ -8,7 +8,7 @@ use crate::gltf::deform::Deformer;
 use crate::gltf::extensions;
 use crate::gltf::textures::Textures;
 use crate::gltf::tree::{self, PlacedNode};
-use crate::input::read::scene_name;
+use crate::input::scene_name;
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
 use crate::scene::{Camera, Light, Material, Scene, Warning};
 use ::gltf::camera::Projection;

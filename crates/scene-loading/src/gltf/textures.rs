@@ -11,8 +11,8 @@ use std::rc::Rc;
 use ::gltf::texture::{Info, WrappingMode};
 
 use crate::gltf::container::OpenedFile;
-use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
-use crate::input::read::read_at_most;
+use crate::images::{ImageKey, TextureError, TextureReader, warning};
+use crate::input::read_at_most;
 use crate::limits::MAX_WARNINGS;
 use crate::scene::Scene;
 use crate::scene::Wrap;

@@ -18,8 +18,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::scene_name;
-use crate::input::text::{parse_number, unified};
+use crate::input::{parse_number, scene_name, unified};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
 use crate::mesh::{FaceCounts, push_outline, usable};
 use crate::nff::tokens::{Word, Words};

@@ -1,9 +1,20 @@
-//! Results of the first pass over an OBJ file.
+//! Results of the first pass over an OBJ file, and the corners of its faces: indices of positions,
+//! texture coordinates and normals.
+//!
+//! An index counts from 1 at the start of the file, and may mean what follows only later; a
+//! negative one counts backwards from where it stands. That of a position must mean one. An index
+//! of a normal or of texture coordinates that means none is counted, and its face is flat or plain.
 
 use glam::DVec3;
 
-use crate::mesh::FirstAndCount;
-use crate::scene::Scene;
+use crate::error::{FilePlace, LoadError, shortened};
+use crate::limits::{self, MAX_ELEMENTS};
+use crate::mesh::first_and_counts;
+use crate::obj::rows::words;
+use crate::polygon::ear_clipping::MAX_CORNERS;
+
+/// A corner without normal or texture coordinates.
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// Results of the first pass.
 #[derive(Debug, Default)]
@@ -41,40 +52,21 @@ pub(crate) struct ObjScan {
     pub first_unknown: Option<(usize, String)>,
     /// Lines that were not taken literally.
     pub odd: Oddities,
-    pub(super) needed: IndexCounts,
+    needed: IndexCounts,
 }
 
-/// Lines that were left out, or read in another way than some readers do.
-#[derive(Debug, Default)]
-pub(crate) struct Oddities {
-    pub positions: FirstAndCount,
-    pub normals: FirstAndCount,
-    pub texcoords: FirstAndCount,
-    /// Indices of normals and texture coordinates that mean none.
-    pub lost_normals: FirstAndCount,
-    pub lost_texcoords: FirstAndCount,
-    pub early_faces: FirstAndCount,
-    pub thin_faces: FirstAndCount,
-    pub nameless: FirstAndCount,
-    pub kept_apart: FirstAndCount,
-}
-
-impl Oddities {
-    /// One warning for each kind.
-    pub fn warn(&self, scene: &mut Scene) {
-        for (tally, what) in [
-            (&self.positions, "vertices with a coordinate or weight that is not usable"),
-            (&self.normals, "invalid normals: their faces are flat"),
-            (&self.texcoords, "invalid texture coordinates: their faces have the plain colour"),
-            (&self.lost_normals, "invalid indices of normals: their faces are flat"),
-            (&self.lost_texcoords, "invalid indices of texture coordinates"),
-            (&self.early_faces, "faces before their vertices: indices count from the file's start"),
-            (&self.thin_faces, "faces with fewer than 3 corners left out"),
-            (&self.nameless, "usemtl or mtllib without a name"),
-            (&self.kept_apart, "comments or names that end in `\\`: they end with their line"),
-        ] {
-            tally.warn(what, scene);
-        }
+first_and_counts! {
+    /// Lines that were left out, or read in another way than some readers do.
+    struct Oddities {
+        positions: "vertices with a coordinate or weight that is not usable",
+        normals: "invalid normals: their faces are flat",
+        texcoords: "invalid texture coordinates: their faces have the plain colour",
+        lost_normals: "invalid indices of normals: their faces are flat",
+        lost_texcoords: "invalid indices of texture coordinates",
+        early_faces: "faces before their vertices: indices count from the file's start",
+        thin_faces: "faces with fewer than 3 corners left out",
+        nameless: "usemtl or mtllib without a name",
+        kept_apart: "comments or names that end in `\\`: they end with their line",
     }
 }
 
@@ -95,8 +87,168 @@ pub(super) struct CornerLists {
 
 /// One more than the largest index of each kind that a face has.
 #[derive(Debug, Default)]
-pub(super) struct IndexCounts {
-    pub positions: usize,
-    pub texcoords: usize,
-    pub normals: usize,
+struct IndexCounts {
+    positions: usize,
+    texcoords: usize,
+    normals: usize,
+}
+
+/// Adds the face of a row with its corners. `texcoords` counts those so far.
+pub(super) fn add_face(
+    row: &[u8],
+    scan: &mut ObjScan,
+    texcoords: usize,
+    wanted: CornerLists,
+    (line, place): (usize, impl Fn() -> FilePlace),
+) -> Result<(), LoadError> {
+    let (positions, normals) = (scan.positions.len(), scan.normals.len());
+    let (mut corners, mut smooth, mut needed) = (0, true, 0);
+    for corner in words(row) {
+        let bad = || LoadError::syntax(place(), corner, "a corner: v, v/vt, v//vn or v/vt/vn");
+        let mut parts = corner.split('/');
+        let text = parts.next().filter(|text| !text.is_empty()).ok_or_else(bad)?;
+        let position = resolve(number(text, "vertex", &place)?, positions)
+            .ok_or_else(|| out_of_range(text, positions, &place))?;
+        needed = needed.max(position as usize + 1);
+        scan.corners.push(position);
+        let mut decoration = |what, count| match parts.next() {
+            None | Some("") => Ok((NONE, false)),
+            Some(text) => {
+                let index = resolve(number(text, what, &place)?, count);
+                Ok::<_, LoadError>((index.unwrap_or(NONE), index.is_none()))
+            }
+        };
+        let (texcoord, no_texcoord) = decoration("texture coordinate", texcoords)?;
+        let (normal, no_normal) = decoration("normal", normals)?;
+        if parts.next().is_some() {
+            return Err(bad());
+        }
+        if wanted.normals {
+            scan.normal_corners.push(normal);
+        }
+        if wanted.texcoords {
+            scan.texcoord_corners.push(texcoord);
+            if no_texcoord {
+                scan.odd.lost_texcoords.add(&place);
+            }
+        }
+        // of a file without normals no index means one
+        if no_normal || (normal != NONE && !wanted.normals) {
+            scan.odd.lost_normals.add(&place);
+        }
+        if normal == NONE || !wanted.normals {
+            smooth = false;
+        } else {
+            scan.needed.normals = scan.needed.normals.max(normal as usize + 1);
+        }
+        if texcoord != NONE {
+            scan.needed.texcoords = scan.needed.texcoords.max(texcoord as usize + 1);
+        }
+        corners += 1;
+        if corners as usize > MAX_CORNERS {
+            let what = "the number of corners of a face";
+            limits::check(corners as usize, MAX_CORNERS, what, &place)?;
+        }
+    }
+    if corners < 3 {
+        scan.odd.thin_faces.add(place);
+        let drop = |list: &mut Vec<u32>| list.truncate(list.len().saturating_sub(corners as usize));
+        drop(&mut scan.corners);
+        if wanted.normals {
+            drop(&mut scan.normal_corners);
+        }
+        if wanted.texcoords {
+            drop(&mut scan.texcoord_corners);
+        }
+        return Ok(());
+    }
+    if needed > positions {
+        scan.odd.early_faces.add(place);
+        scan.needed.positions = scan.needed.positions.max(needed);
+    }
+    let line = u32::try_from(line).unwrap_or(u32::MAX);
+    scan.faces.push(FaceLine { line, corners, smooth });
+    Ok(())
+}
+
+/// An index as it stands; 0 for numbers beyond i64.
+fn number(text: &str, what: &str, place: impl Fn() -> FilePlace) -> Result<i64, LoadError> {
+    let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
+    if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
+        return Err(LoadError::syntax(place(), text, format!("an index ({what})")));
+    }
+    Ok(text.parse().unwrap_or(0))
+}
+
+/// Resolves an index to one counted from 0, with `count` elements before it. `None` for 0 and for
+/// indices beyond any file.
+fn resolve(index: i64, count: usize) -> Option<u32> {
+    let size = usize::try_from(index.unsigned_abs()).ok()?;
+    let index = if index < 0 { count.checked_sub(size)? } else { size.checked_sub(1)? };
+    u32::try_from(index).ok().filter(|_| index < MAX_ELEMENTS)
+}
+
+fn out_of_range(text: &str, count: usize, place: impl Fn() -> FilePlace) -> LoadError {
+    let valid = match count {
+        0 => "the file has no vertex before this line".to_owned(),
+        _ => format!("1 to {count}, or -1 to -{count}, are defined before this line"),
+    };
+    LoadError::bad_index(place(), "vertex", shortened(text), valid)
+}
+
+impl ObjScan {
+    /// Looks at the indices that were ahead of what they mean, now that all of the file is known.
+    ///
+    /// # Errors
+    /// [`LoadError::IndexOutOfRange`] with the line of the first face without a vertex.
+    pub(super) fn check_indices(
+        &mut self,
+        texcoords: usize,
+        place: impl Fn(usize) -> FilePlace,
+    ) -> Result<(), LoadError> {
+        let positions = self.positions.len();
+        if self.needed.positions > positions {
+            let mut corners = self.corners.iter();
+            for face in &self.faces {
+                let mut own = corners.by_ref().take(face.corners as usize);
+                if let Some(index) = own.find(|&&index| index as usize >= positions) {
+                    let place = place(face.line as usize);
+                    let valid = format!("the file has {positions} vertices");
+                    return Err(LoadError::bad_index(place, "vertex", index + 1, valid));
+                }
+                own.for_each(drop);
+            }
+        }
+        let (normals, odd) = (self.normals.len(), &mut self.odd);
+        if self.needed.normals > normals {
+            lose(&mut self.faces, &mut self.normal_corners, normals, |face| {
+                face.smooth = false;
+                odd.lost_normals.add(|| place(face.line as usize));
+            });
+        }
+        if self.needed.texcoords > texcoords {
+            lose(&mut self.faces, &mut self.texcoord_corners, texcoords, |face| {
+                odd.lost_texcoords.add(|| place(face.line as usize));
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Takes indices beyond a count away from their corners.
+fn lose(
+    faces: &mut [FaceLine],
+    corners: &mut [u32],
+    count: usize,
+    mut lost: impl FnMut(&mut FaceLine),
+) {
+    let mut corners = corners.iter_mut();
+    for face in faces {
+        for index in corners.by_ref().take(face.corners as usize) {
+            if *index != NONE && *index as usize >= count {
+                *index = NONE;
+                lost(face);
+            }
+        }
+    }
 }

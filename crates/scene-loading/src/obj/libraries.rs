@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::{confined, is_missing, read_at_most};
+use crate::input::{confined, is_missing, read_at_most};
 use crate::limits::{self, MAX_MATERIALS};
 use crate::obj::contents::ObjScan;
 use crate::obj::maps::{ColorMaps, Placement};
@@ -53,15 +53,14 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
             };
             left -= bytes.len() as u64;
             let library = parse_mtl(&file, bytes)?;
-            library.warn(scene);
+            library.odd.warn(scene);
             maps.begin(&file);
             for (material, map) in library.entries {
                 let id = match ids.get(&material.name) {
                     Some(&known) => known,
                     None => {
-                        let id = new_id(scene, place)?;
+                        let id = add(Material::default(), scene, place)?;
                         ids.insert(material.name.clone(), id);
-                        scene.materials.push(Material::default());
                         id
                     }
                 };
@@ -81,8 +80,8 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
             found.push(id);
             continue;
         }
-        found.push(new_id(scene, || FilePlace::line(path, *line))?);
-        scene.materials.push(Material { name: name.clone(), ..Material::default() });
+        let material = Material { name: name.clone(), ..Material::default() };
+        found.push(add(material, scene, || FilePlace::line(path, *line))?);
         undefined += 1;
         if undefined <= MAX_NAMES {
             listed.push(format!("`{name}` (line {line})"));
@@ -144,9 +143,12 @@ fn before_comment(name: &str) -> &str {
     comment.and_then(|at| name.get(..at)).unwrap_or(name).trim_end()
 }
 
-/// The index of the scene's next material.
-fn new_id(scene: &Scene, place: impl FnOnce() -> FilePlace) -> Result<u32, LoadError> {
-    let id = scene.materials.len();
-    limits::check(id + 1, MAX_MATERIALS, "the number of materials", place)?;
-    Ok(u32::try_from(id).unwrap_or(u32::MAX))
+/// Adds a material and returns its index.
+fn add(
+    material: Material,
+    scene: &mut Scene,
+    place: impl FnOnce() -> FilePlace,
+) -> Result<u32, LoadError> {
+    limits::check(scene.materials.len() + 1, MAX_MATERIALS, "the number of materials", place)?;
+    Ok(scene.push_material(material))
 }

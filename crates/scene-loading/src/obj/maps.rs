@@ -8,11 +8,10 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
 use crate::error::{FilePlace, shortened};
-use crate::input::images::{ImageKey, TextureError, TextureReader, warning};
-use crate::input::read::{confined, read_at_most};
+use crate::images::{ImageKey, TextureError, TextureReader, warning};
+use crate::input::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
-use crate::obj::contents::ObjScan;
-use crate::obj::corners::NONE;
+use crate::obj::contents::{NONE, ObjScan};
 use crate::obj::material::ColorMap;
 use crate::scene::Wrap;
 use crate::scene::{Scene, Texcoords, Warning};

@@ -17,10 +17,10 @@
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::text::text_of;
+use crate::input::text_of;
 use crate::limits::{self, MAX_MATERIALS, MAX_NAME};
-use crate::mesh::FirstAndCount;
-use crate::scene::{Material, NO_HIGHLIGHT, Scene};
+use crate::mesh::first_and_counts;
+use crate::scene::{Material, NO_HIGHLIGHT};
 
 /// The most bytes of the material files of one OBJ file, together.
 pub(crate) const MAX_LIBRARY_BYTES: u64 = 256 << 20;
@@ -43,26 +43,16 @@ pub(crate) struct ColorMap {
 pub(crate) struct Library {
     /// The materials in its order.
     pub entries: Vec<MtlEntry>,
-    damaged: FirstAndCount,
-    /// `d` and `Tr` that differ.
-    contradicting: FirstAndCount,
-    /// `Tr 1` that is taken as opaque.
-    opaque: FirstAndCount,
-    /// `d 0` where nothing refracts.
-    invisible: FirstAndCount,
+    pub odd: MaterialOddities,
 }
 
-impl Library {
-    /// One warning for each kind of line that is not taken as it stands.
-    pub fn warn(&self, scene: &mut Scene) {
-        for (tally, what) in [
-            (&self.damaged, "damaged lines left out"),
-            (&self.contradicting, "materials whose d and Tr differ: d counts"),
-            (&self.opaque, "materials with Tr 1 that do not refract taken as opaque"),
-            (&self.invisible, "materials with d 0 that do not refract: they are invisible"),
-        ] {
-            tally.warn(what, scene);
-        }
+first_and_counts! {
+    /// What is not taken as it stands.
+    struct MaterialOddities {
+        damaged: "damaged lines left out",
+        contradicting: "materials whose d and Tr differ: d counts",
+        opaque: "materials with Tr 1 that do not refract taken as opaque",
+        invisible: "materials with d 0 that do not refract: they are invisible",
     }
 }
 
@@ -85,7 +75,7 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
             count += 1;
             limits::check(count, MAX_MATERIALS, "the number of materials", place)?;
             if rest.is_empty() {
-                library.damaged.add(place);
+                library.odd.damaged.add(place);
             }
             let next = MaterialStatement {
                 name: rest.to_owned(),
@@ -110,7 +100,7 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
             Some(stated) => stated.property(keyword, rest),
         };
         if read.is_none() {
-            library.damaged.add(place);
+            library.odd.damaged.add(place);
         }
     }
     if let Some(complete) = stated {
@@ -175,15 +165,15 @@ impl MaterialStatement {
         let transparency = match (self.dissolve, self.transparency) {
             (Some(d), transparency) => {
                 if transparency.is_some_and(|other| (1.0 - d - other).abs() > 1e-3) {
-                    library.contradicting.add(place);
+                    library.odd.contradicting.add(place);
                 }
                 if d <= 0.0 && !refracts {
-                    library.invisible.add(place);
+                    library.odd.invisible.add(place);
                 }
                 1.0 - d
             }
             (None, Some(transparency)) if transparency >= 1.0 && !refracts => {
-                library.opaque.add(place);
+                library.odd.opaque.add(place);
                 0.0
             }
             (None, transparency) => transparency.unwrap_or(0.0),

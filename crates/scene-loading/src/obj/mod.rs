@@ -16,7 +16,6 @@
 //! plain, and a face is left out only where one of its own corners is NaN; all with warnings.
 
 mod contents;
-mod corners;
 pub mod export;
 mod libraries;
 mod maps;
@@ -29,7 +28,7 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::scene_name;
+use crate::input::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, FirstAndCount, add_face};
 use crate::obj::contents::{FaceLine, ObjScan};

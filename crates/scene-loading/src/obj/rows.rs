@@ -4,7 +4,7 @@ use glam::DVec3;
 use memchr::memchr;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::text::parse_number;
+use crate::input::parse_number;
 use crate::mesh::MAX_COORDINATE;
 
 /// A row of the file, which may go on over several lines.

@@ -11,10 +11,9 @@ use std::path::Path;
 use memchr::memmem;
 
 use crate::error::{FilePlace, LoadError, quote};
-use crate::input::text::{end_lines_with_lf, without_mark};
+use crate::input::{end_lines_with_lf, without_mark};
 use crate::limits::{self, MAX_ELEMENTS, MAX_MATERIALS, MAX_NAME};
-use crate::obj::contents::{CornerLists, ObjScan};
-use crate::obj::corners::add_face;
+use crate::obj::contents::{CornerLists, ObjScan, add_face};
 use crate::obj::rows::{UNUSABLE, normal, position, row_at, texture_coordinate};
 use crate::progress;
 

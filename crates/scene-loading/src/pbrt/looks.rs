@@ -5,7 +5,7 @@ use glam::{DMat4, DVec3};
 use crate::error::LoadError;
 use crate::pbrt::params::Params;
 use crate::scene::{Camera, Light, Material, NO_HIGHLIGHT, Rgb, Scene};
-use crate::tray_racing::SUN_DISTANCE;
+use crate::tray_racing::sun_position;
 
 /// A light before its colour is scaled.
 #[derive(Debug, Clone, Copy)]
@@ -66,10 +66,7 @@ pub(super) fn add_lights(lights: &[LightEntry], scene: &mut Scene) {
     for light in lights {
         let position = match light.place {
             LightPlace::At(position) => position,
-            LightPlace::Along(along) => {
-                let center = (bounds.min + bounds.max) * 0.5;
-                center - along * (bounds.size().length() * 0.5 * SUN_DISTANCE)
-            }
+            LightPlace::Along(along) => sun_position(&bounds, along),
         };
         if !position.is_finite() {
             continue;

@@ -31,9 +31,7 @@ use std::rc::Rc;
 use glam::DMat4;
 
 use crate::error::{FilePlace, LoadError, shortened};
-use crate::input::decompress::decompress;
-use crate::input::read::{confined, read_at_most, scene_name};
-use crate::input::text::text_of;
+use crate::input::{confined, decompress, read_at_most, scene_name, text_of};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
 use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::pbrt::looks::{LightEntry, add_lights};

@@ -10,7 +10,7 @@ use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, Mesh, coordinate, usable};
 use crate::pbrt::params::Params;
 use crate::pbrt::state::uniform_scale;
-use crate::scene::{Primitive, Scene, Shape};
+use crate::scene::{Primitive, Scene, Shape, index};
 
 /// A shape that scenes here do not have.
 pub(super) struct UnsupportedShape;
@@ -57,7 +57,7 @@ impl ShapeSink<'_> {
         }
         let mesh = Mesh {
             material: self.material,
-            first: u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX),
+            first: index(self.scene.vertices.len()),
             normals: self.add_normals(&normals),
             has_bad_normals: normals.iter().any(|normal| normal.is_nan()),
             triangulate: self.triangulate,
@@ -129,7 +129,7 @@ impl ShapeSink<'_> {
         let before = self.scene.primitives.len();
         let more = object.vertices.len().max(object.normals.len()).max(object.primitives.len());
         check_size(self.scene, more, &place)?;
-        let first = u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX);
+        let first = index(self.scene.vertices.len());
         let first_n = self.add_normals(&object.normals).unwrap_or(0);
         self.add_positions(&object.vertices, &place)?;
         let scale = uniform_scale(&self.transform);

@@ -17,7 +17,7 @@ const MAX_DEPTH: usize = 1 << 12;
 const MAX_SYSTEMS: usize = 1 << 16;
 
 /// Attributes of the shapes that follow.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Attributes {
     /// From the space of the shapes to the world.
     pub transform: DMat4,
@@ -25,8 +25,8 @@ pub(super) struct Attributes {
     pub material: Option<u32>,
     /// Shapes are area lights.
     pub shines: bool,
-    /// Transforms change the start of the exposure, which is what is read.
-    pub at_start: bool,
+    /// Transforms change the end of the exposure alone, which is not read.
+    pub at_end: bool,
     /// Parameters set by `Attribute` for shapes, lights and materials that follow.
     pub inherited: [Option<Rc<InheritedParams>>; 3],
 }
@@ -34,18 +34,6 @@ pub(super) struct Attributes {
 pub(super) const SHAPE: usize = 0;
 pub(super) const LIGHT: usize = 1;
 pub(super) const MATERIAL: usize = 2;
-
-impl Default for Attributes {
-    fn default() -> Self {
-        Self {
-            transform: DMat4::IDENTITY,
-            material: None,
-            shines: false,
-            at_start: true,
-            inherited: [None, None, None],
-        }
-    }
-}
 
 /// The attributes, those that were saved, and named coordinate systems.
 #[derive(Debug, Default)]
@@ -132,7 +120,7 @@ impl State {
             }
             "ActiveTransform" => {
                 let which = tokens.expect("StartTime, EndTime or All")?;
-                self.now.at_start = which.text != "EndTime";
+                self.now.at_end = which.text == "EndTime";
                 Ok(())
             }
             "AttributeBegin" | "TransformBegin" => self.save(place),
@@ -161,7 +149,7 @@ impl State {
         matrix: DMat4,
         place: impl FnOnce() -> FilePlace,
     ) -> Result<(), LoadError> {
-        if !self.now.at_start {
+        if self.now.at_end {
             return Ok(());
         }
         if !matrix.is_finite() {

@@ -17,15 +17,14 @@ use std::path::Path;
 use glam::DVec3;
 
 use crate::error::{FileLocation, FilePlace, LoadError};
-use crate::input::read::scene_name;
-use crate::input::text::without_mark;
+use crate::input::{scene_name, without_mark};
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, FirstAndCount, Mesh, usable};
 use crate::ply::header::{Element, Encoding, Header, Kind, Property, Scalar, parse_header};
 use crate::ply::values::{Binary, Text, Values};
 use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::progress;
-use crate::scene::{Material, Scene};
+use crate::scene::{Material, Scene, index};
 
 /// Names of the list of a face's corners.
 const CORNERS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -203,7 +202,7 @@ impl<'a, V: Values> Reader<'a, V> {
             return Err(LoadError::syntax(place(), "element vertex", expected));
         };
         let normals = scalars(["nx", "ny", "nz"]);
-        self.mesh.first = u32::try_from(self.scene.vertices.len()).unwrap_or(u32::MAX);
+        self.mesh.first = index(self.scene.vertices.len());
         self.mesh.normals = normals.and(u32::try_from(self.scene.normals.len()).ok());
         self.scene.vertices.reserve(count);
         self.scene.normals.reserve(if normals.is_some() { count } else { 0 });

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::{FileLocation, FilePlace, LoadError, shortened};
-use crate::input::text::parse_number;
+use crate::input::parse_number;
 use crate::ply::header::{Encoding, Scalar};
 
 /// Numbers in the order of the file.

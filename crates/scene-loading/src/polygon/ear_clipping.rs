@@ -7,8 +7,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::point_tree::PointTree;
-use crate::polygon::plane::orientation;
+use crate::polygon::point_tree::{PointTree, orientation};
 use crate::progress;
 
 /// The most vertices of a polygon that is cut up.

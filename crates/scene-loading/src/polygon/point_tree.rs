@@ -7,8 +7,6 @@
 
 use glam::DVec2;
 
-use crate::polygon::plane::orientation;
-
 /// The most points of a leaf.
 const LEAF: usize = 4;
 
@@ -146,6 +144,11 @@ fn is_beside(node: &Node, [a, b, c]: [DVec2; 3]) -> bool {
         let y = if to.x - from.x > 0.0 { node.max.y } else { node.min.y };
         orientation(from, to, DVec2::new(x, y)) < 0.0
     })
+}
+
+/// Positive when the three points turn to the left: twice the triangle's area.
+pub(super) fn orientation(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    (b - a).perp_dot(c - a)
 }
 
 #[cfg(test)]

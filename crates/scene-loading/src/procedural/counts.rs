@@ -45,7 +45,7 @@ pub(super) fn balls(size: u32) -> ShapeCounts {
 }
 
 /// A gear has two faces of 144 vertices and 144 squares between them.
-pub(super) fn gears(size: u32) -> ShapeCounts {
+pub(crate) fn gears(size: u32) -> ShapeCounts {
     let gears = u64::from(size).pow(3);
     let (flat, flat_triangles) = (146 * gears + 1, (2 * 142 + 2 * 144) * gears + 2);
     ShapeCounts { flat, flat_triangles, ..ShapeCounts::default() }

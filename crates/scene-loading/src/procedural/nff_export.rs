@@ -1,12 +1,12 @@
-//! Writes scenes as NFF text (E. Haines' Neutral File Format, `NFF.TXT` of SPD 3.14).
+//! Writes scenes as NFF text (E. Haines' Neutral File Format, `NFF.TXT` of SPD 3.14), numbers as C's
+//! `printf("%g")` prints them: six significant digits.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::io;
 
 use glam::DVec3;
 
-use super::printed::PrintfG;
-use crate::scene::{Material, Primitive, Scene, Shape};
+use crate::scene::{Light, Material, Primitive, Scene, Shape};
 
 /// Writes the scene as NFF, numbers with six significant digits ([`PrintfG`]).
 ///
@@ -110,5 +110,168 @@ impl fmt::Display for Numbers<'_> {
             write!(f, "{space}{}", PrintfG(x))?;
         }
         Ok(())
+    }
+}
+
+/// Displays a number as C's `printf("%g")` does, except that negative zero is `0`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PrintfG(pub f64);
+
+impl PrintfG {
+    /// The number that is printed: rounded to six significant decimal digits.
+    pub fn value(self) -> f64 {
+        match self.scientific() {
+            // The text is a number in Rust's own notation; adding 0 makes -0 plain.
+            Some(text) => text.as_str().parse().unwrap_or(self.0) + 0.0,
+            None => self.0,
+        }
+    }
+
+    /// `d.ddddde<exponent>`; `None` for infinities and NaN.
+    fn scientific(self) -> Option<ShortText> {
+        let mut text = ShortText::default();
+        (self.0.is_finite() && write!(text, "{:.5e}", self.0).is_ok()).then_some(text)
+    }
+}
+
+impl fmt::Display for PrintfG {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0 == 0.0 {
+            return f.write_char('0');
+        }
+        let text = self.scientific();
+        let Some((mantissa, exponent)) = text.as_ref().and_then(|t| t.as_str().split_once('e'))
+        else {
+            return write!(f, "{}", self.0);
+        };
+        let exponent: i32 = exponent.parse().map_err(|_| fmt::Error)?;
+        let (sign, mantissa) = match mantissa.strip_prefix('-') {
+            Some(rest) => ("-", rest),
+            None => ("", mantissa),
+        };
+        f.write_str(sign)?;
+        let (lead, rest) = mantissa.split_at(1);
+        let rest = rest.trim_end_matches('0').trim_start_matches('.');
+        match exponent {
+            0..6 => {
+                // The point moves right, past digits or past zeros that stand for them.
+                let whole = exponent as usize;
+                let (before, after) = rest.split_at(whole.min(rest.len()));
+                write!(f, "{lead}{before:0<whole$}")?;
+                if after.is_empty() { Ok(()) } else { write!(f, ".{after}") }
+            }
+            -4..0 => {
+                let zeros = (-exponent - 1) as usize;
+                write!(f, "0.{:0<zeros$}{lead}{rest}", "")
+            }
+            _ => {
+                let point = if rest.is_empty() { "" } else { "." };
+                let sign = if exponent < 0 { '-' } else { '+' };
+                write!(f, "{lead}{point}{rest}e{sign}{:02}", exponent.unsigned_abs())
+            }
+        }
+    }
+}
+
+/// A short text on the stack; scenes have millions of numbers.
+#[derive(Default)]
+struct ShortText {
+    bytes: [u8; 16],
+    len: usize,
+}
+
+impl ShortText {
+    fn as_str(&self) -> &str {
+        std::str::from_utf8(&self.bytes[..self.len]).unwrap_or_default()
+    }
+}
+
+impl fmt::Write for ShortText {
+    fn write_str(&mut self, s: &str) -> fmt::Result {
+        let end = self.len + s.len();
+        self.bytes.get_mut(self.len..end).ok_or(fmt::Error)?.copy_from_slice(s.as_bytes());
+        self.len = end;
+        Ok(())
+    }
+}
+
+/// Rounds every number of the scene - coordinates, radii, normals, colours, shares, exponents,
+/// view - to what C's `printf("%g")` prints (six significant digits), as if it had been written to
+/// an NFF file and read again.
+pub fn round_to_printed(scene: &mut Scene) {
+    let camera = &mut scene.camera;
+    round_vectors([&mut camera.from, &mut camera.at, &mut camera.up]);
+    round([&mut camera.angle, &mut camera.hither]);
+    round(&mut scene.background);
+    for light in &mut scene.lights {
+        let (Light::Point { position, color } | Light::Disc { position, color, .. }) = light;
+        round_vectors([position]);
+        round(color.iter_mut().flatten());
+    }
+    for material in &mut scene.materials {
+        round(&mut material.color);
+        round([
+            &mut material.diffuse,
+            &mut material.specular,
+            &mut material.shine,
+            &mut material.transmittance,
+            &mut material.refraction_index,
+        ]);
+    }
+    round_vectors(scene.vertices.iter_mut().chain(&mut scene.normals));
+    for sphere in &mut scene.spheres {
+        round_vectors([&mut sphere.center]);
+        round([&mut sphere.radius]);
+    }
+    for cone in &mut scene.cones {
+        round_vectors([&mut cone.base, &mut cone.apex]);
+        round([&mut cone.base_radius, &mut cone.apex_radius]);
+    }
+}
+
+fn round_vectors<'a>(vectors: impl IntoIterator<Item = &'a mut DVec3>) {
+    for vector in vectors {
+        *vector = vector.map(|x| PrintfG(x).value());
+    }
+}
+
+fn round<'a>(numbers: impl IntoIterator<Item = &'a mut f64>) {
+    for number in numbers {
+        *number = PrintfG(*number).value();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn prints_as_c_does() {
+        // Right-hand sides are what glibc's printf("%g") gives.
+        for (x, text) in [
+            (0.0, "0"),
+            (-0.0, "0"),
+            (1.0, "1"),
+            (-12.5, "-12.5"),
+            (100_000.0, "100000"),
+            (999_999.5, "1e+06"),
+            (999_999.4, "999999"),
+            (1_234_567.0, "1.23457e+06"),
+            (120.0, "120"),
+            (0.1 + 0.2, "0.3"),
+            (0.0001, "0.0001"),
+            (0.000123456789, "0.000123457"),
+            (0.00001, "1e-05"),
+            (-1.110223e-16, "-1.11022e-16"),
+            (2.5e-300, "2.5e-300"),
+            (1.0 / 3.0, "0.333333"),
+            (20.905, "20.905"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(PrintfG(x).to_string(), text, "{x:?}");
+            assert_eq!(PrintfG(x).value(), text.parse::<f64>().unwrap(), "{x:?}");
+        }
+        assert!(PrintfG(f64::NAN).value().is_nan());
+        assert!(PrintfG(-0.0).value().is_sign_positive());
     }
 }

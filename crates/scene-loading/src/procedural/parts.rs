@@ -2,13 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::{Camera, Light, Material, Primitive, Rgb, Scene, Shape};
+use crate::scene::{Camera, Light, Material, NO_HIGHLIGHT, Primitive, Rgb, Scene, Shape};
 
 /// Background of every SPD scene.
 const SKY: Rgb = [0.078, 0.361, 0.753];
-
-/// Exponent written for surfaces without a highlight.
-const NO_HIGHLIGHT: f64 = 100_000.0;
 
 pub(crate) const Y_UP: [f64; 3] = [0.0, 1.0, 0.0];
 pub(crate) const Z_UP: [f64; 3] = [0.0, 0.0, 1.0];
@@ -39,15 +36,7 @@ pub(crate) fn push_triangle(scene: &mut Scene, material: u32, v: [u32; 3]) {
 
 /// An opaque surface without highlight. The files give such surfaces the index of refraction 0.
 pub(crate) fn matte(color: Rgb) -> Material {
-    Material {
-        color,
-        diffuse: 1.0,
-        specular: 0.0,
-        shine: NO_HIGHLIGHT,
-        transmittance: 0.0,
-        refraction_index: 0.0,
-        ..Material::default()
-    }
+    Material { color, shine: NO_HIGHLIGHT, refraction_index: 0.0, ..Material::default() }
 }
 
 /// An opaque surface with a highlight that has fallen to one half at `half_angle` degrees.

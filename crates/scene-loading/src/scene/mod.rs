@@ -5,13 +5,11 @@
 
 mod appearance;
 pub(crate) mod origin;
-mod view;
 
 use glam::{DAffine3, DMat4, DVec3};
 
 pub(crate) use crate::scene::appearance::NO_HIGHLIGHT;
-pub use crate::scene::appearance::{Light, Material, Rgb, Texture, Wrap};
-pub use crate::scene::view::{Camera, SampleWishes};
+pub use crate::scene::appearance::{Camera, Light, Material, Rgb, SampleWishes, Texture, Wrap};
 
 /// Texture coordinates of the three corners of a triangle.
 pub type Texcoords = [[f32; 2]; 3];
@@ -158,6 +156,11 @@ impl Bounds {
     /// Edge lengths; negative when empty.
     pub fn size(&self) -> DVec3 {
         self.max - self.min
+    }
+
+    /// The largest coordinate in size; infinite when empty.
+    pub fn reach(&self) -> f64 {
+        self.min.abs().max(self.max.abs()).max_element()
     }
 
     /// True when nothing was included.
@@ -343,9 +346,9 @@ impl Scene {
             return;
         }
         let center = (bounds.min + bounds.max) * 0.5;
-        let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
         // far from the origin the eye must still differ from the centre
-        let radius = (bounds.size().length() * 0.5).max(reach * 1e-9).max(f64::MIN_POSITIVE);
+        let radius =
+            (bounds.size().length() * 0.5).max(bounds.reach() * 1e-9).max(f64::MIN_POSITIVE);
         let angle: f64 = 45.0;
         let distance = radius / (angle.to_radians() * 0.5).sin();
         self.camera = Camera {
@@ -359,7 +362,7 @@ impl Scene {
     }
 }
 
-fn index(i: usize) -> u32 {
-    // Loaders check sizes first; beyond, an index of nothing.
+/// The index of an element of a scene. Loaders check sizes first; beyond, it is that of nothing.
+pub(crate) fn index(i: usize) -> u32 {
     u32::try_from(i).unwrap_or(u32::MAX)
 }

@@ -137,7 +137,7 @@ impl Sizes {
                 if let Some(count) = by_exponent.get_mut(exponent(longest)) {
                     *count += 1;
                 }
-                let is_fine = longest < DISTORTED * f64::from(f32::EPSILON) * reach(b);
+                let is_fine = longest < DISTORTED * f64::from(f32::EPSILON) * b.reach();
                 distorted += usize::from(is_fine && is_rounded(b, longest));
             }
         });
@@ -147,7 +147,7 @@ impl Sizes {
     /// Warns where f64 gives what f32 cannot.
     fn warning(&self) -> Option<Warning> {
         let count = |counts: &[u32]| counts.iter().map(|&n| n as usize).sum::<usize>();
-        let (largest, extent) = (reach(&self.bounds), self.bounds.size().max_element());
+        let (largest, extent) = (self.bounds.reach(), self.bounds.size().max_element());
         let padding = PADDING * f64::from(f32::EPSILON) * largest;
         // certainly smaller: shorter than the largest power of two that is at most the padding
         let small = count(self.by_exponent.get(..exponent(padding)).unwrap_or_default());
@@ -165,11 +165,6 @@ impl Sizes {
             seven_digits(extent)
         )))
     }
-}
-
-/// The largest coordinate of a box.
-fn reach(bounds: &Bounds) -> f64 {
-    bounds.min.abs().max(bounds.max.abs()).max_element()
 }
 
 /// True where rounding a primitive's bounds to f32 moves them by a noticeable part of its longest

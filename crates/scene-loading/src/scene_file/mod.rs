@@ -35,6 +35,7 @@ use crate::scene::{Camera, Light, Material, Rgb, SampleWishes, Scene};
 use crate::scene_file::json::{above_0, at_least_0, share};
 use crate::scene_file::json::{check_name, from_json, unknown_material};
 use crate::scene_file::shapes::{ShapeEntry, push_all};
+use crate::tessellate::TessellationOptions;
 
 /// A scene file. Keys that are not listed here are errors.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
@@ -57,7 +58,7 @@ pub struct SceneFile {
     /// Licence of the geometry.
     pub licence: Option<String>,
     /// Turn spheres, cones and polygons into triangles.
-    pub tessellate: Option<Tessellate>,
+    pub tessellate: Option<TessellationOptions>,
     /// Split polygons of an OBJ source into triangles.
     #[serde(default)]
     pub triangulate: bool,
@@ -91,16 +92,6 @@ pub enum Source {
     Crate(PackageAsset),
     /// The shapes themselves.
     Shapes(Vec<ShapeEntry>),
-}
-
-/// How finely curved primitives become triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct Tessellate {
-    /// The tessellator's resolution, at least 1.
-    #[cfg_attr(feature = "schema", schemars(range(min = 1)))]
-    pub resolution: u32,
 }
 
 /// A camera in NFF's terms; see [`Camera`].
@@ -198,7 +189,7 @@ impl SceneFile {
         if let Some(hash) = file.sha256.as_ref().filter(|hash| !is_hash(hash)) {
             return Err(LoadError::syntax(place(), hash, "sha256: 64 hexadecimal digits"));
         }
-        if let Some(Tessellate { resolution: 0 }) = file.tessellate {
+        if let Some(TessellationOptions { resolution: 0 }) = file.tessellate {
             return Err(LoadError::syntax(place(), "0", "tessellate: a resolution of at least 1"));
         }
         if let Source::Crate(asset) = &file.source {

@@ -88,49 +88,6 @@ pub struct PolygonEntry {
     pub velocity: [f64; 3],
 }
 
-impl ShapeEntry {
-    fn material(&self) -> &str {
-        match self {
-            Self::Sphere(s) => &s.material,
-            Self::Cone(c) => &c.material,
-            Self::Polygon(p) => &p.material,
-        }
-    }
-
-    fn velocity(&self) -> DVec3 {
-        DVec3::from_array(match self {
-            Self::Sphere(s) => s.velocity,
-            Self::Cone(c) => c.velocity,
-            Self::Polygon(p) => p.velocity,
-        })
-    }
-
-    /// Adds the shape to a scene that has its materials.
-    fn push(
-        &self,
-        scene: &mut Scene,
-        material: u32,
-        counts: &mut FaceCounts,
-        place: impl Fn() -> FilePlace,
-    ) -> Result<(), LoadError> {
-        let before = scene.primitives.len();
-        match self {
-            Self::Sphere(s) => scene.push_sphere(material, DVec3::from_array(s.center), s.radius),
-            &Self::Cone(ConeEntry { base, base_radius, apex, apex_radius, .. }) => {
-                let [base, apex] = [base, apex].map(DVec3::from_array);
-                scene.push_cone(material, Cone { base, base_radius, apex, apex_radius });
-            }
-            Self::Polygon(p) => {
-                let vertices: Vec<DVec3> =
-                    p.vertices.iter().map(|&v| DVec3::from_array(v)).collect();
-                push_outline(material, &vertices, scene, counts, place)?;
-            }
-        }
-        scene.moves_since(before, self.velocity());
-        Ok(())
-    }
-}
-
 /// Adds all shapes to a scene that has the materials.
 pub(crate) fn push_all(
     file: &std::path::Path,
@@ -141,18 +98,36 @@ pub(crate) fn push_all(
     let names = scene.materials.iter().enumerate().rev();
     let ids: HashMap<String, usize> = names.map(|(id, m)| (m.name.clone(), id)).collect();
     let mut counts = FaceCounts::default();
+    let place = || FilePlace::file(file);
     for shape in shapes {
-        let name = shape.material();
-        let Some(&material) = ids.get(name) else {
+        let (name, velocity) = match shape {
+            ShapeEntry::Sphere(s) => (&s.material, s.velocity),
+            ShapeEntry::Cone(c) => (&c.material, c.velocity),
+            ShapeEntry::Polygon(p) => (&p.material, p.velocity),
+        };
+        let Some(&id) = ids.get(name) else {
             return Err(unknown_material(file, name, scene, "a material of this file"));
         };
-        if let ShapeEntry::Polygon(p) = shape
-            && p.vertices.len() < 3
-        {
-            let (place, found) = (FilePlace::file(file), format!("{} vertices", p.vertices.len()));
-            return Err(LoadError::syntax(place, &found, "a polygon of at least 3"));
+        let (material, before) = (id as u32, scene.primitives.len());
+        match shape {
+            ShapeEntry::Sphere(s) => {
+                scene.push_sphere(material, DVec3::from_array(s.center), s.radius);
+            }
+            &ShapeEntry::Cone(ConeEntry { base, base_radius, apex, apex_radius, .. }) => {
+                let [base, apex] = [base, apex].map(DVec3::from_array);
+                scene.push_cone(material, Cone { base, base_radius, apex, apex_radius });
+            }
+            ShapeEntry::Polygon(PolygonEntry { vertices, .. }) if vertices.len() < 3 => {
+                let found = format!("{} vertices", vertices.len());
+                return Err(LoadError::syntax(place(), &found, "a polygon of at least 3"));
+            }
+            ShapeEntry::Polygon(p) => {
+                let vertices: Vec<DVec3> =
+                    p.vertices.iter().map(|&v| DVec3::from_array(v)).collect();
+                push_outline(material, &vertices, scene, &mut counts, place)?;
+            }
         }
-        shape.push(scene, material as u32, &mut counts, || FilePlace::file(file))?;
+        scene.moves_since(before, DVec3::from_array(velocity));
     }
     counts.warn(scene);
     Ok(())

@@ -6,8 +6,7 @@
 //! without limit from some files that ours refuses or reads in bounds, so they are asked only about
 //! files that ours has read, and only up to [`MAX_BYTES`].
 
-mod by_gltf;
-mod by_tobj;
+mod readers;
 mod reading;
 
 use std::path::Path;
@@ -15,9 +14,7 @@ use std::path::Path;
 use self::reading::Reading;
 use crate::error::LoadError;
 use crate::gltf::{OpenedFile, catch_panic, parse_gltf};
-use crate::input::decompress::decompress;
-use crate::input::read::unpacked_extension;
-use crate::input::text::{end_lines_with_lf, without_mark};
+use crate::input::{decompress, end_lines_with_lf, unpacked_extension, without_mark};
 use crate::obj::{ObjOptions, parse_obj};
 
 /// The most bytes, after decompression, of a file that another reader is asked about: 64 MiB.
@@ -86,7 +83,7 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
         return Ok(compared(
             "gltf",
             &ours,
-            catch_panic(|| by_gltf::read(bytes, &opened)).flatten(),
+            catch_panic(|| readers::by_gltf(bytes, &opened)).flatten(),
         ));
     }
     let mut ours = Reading::of(&parse_obj(path, bytes.clone(), ObjOptions::default())?);
@@ -94,7 +91,7 @@ pub fn second_opinion(path: &Path, bytes: Vec<u8>) -> Result<SecondOpinion, Load
     // marks and ends of lines are no matter of opinion
     let mut bytes = without_mark(path, &bytes)?.to_vec();
     end_lines_with_lf(&mut bytes);
-    let theirs = catch_panic(|| by_tobj::read(path, &bytes)).flatten().map(|(mut theirs, known)| {
+    let theirs = catch_panic(|| readers::by_tobj(path, &bytes)).flatten().map(|(mut theirs, known)| {
         match known {
             Ok(known) => ours.know_only(&known),
             Err(error) => {

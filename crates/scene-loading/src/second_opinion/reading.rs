@@ -76,10 +76,8 @@ impl Reading {
         if here != there {
             found.push(format!("{here} triangles here, {there} by {reader}"));
         }
-        let reach = |b: &Bounds| b.min.abs().max(b.max.abs()).max_element();
-        let near = |a: DVec3, b: DVec3| {
-            a == b || (a - b).abs().max_element() <= TOLERANCE * reach(&self.bounds)
-        };
+        let slack = TOLERANCE * self.bounds.reach();
+        let near = |a: DVec3, b: DVec3| a == b || (a - b).abs().max_element() <= slack;
         let (a, b) = (&self.bounds, &other.bounds);
         if !(near(a.min, b.min) && near(a.max, b.max)) {
             let there = format!("{} to {} by {reader}", b.min, b.max);

@@ -10,17 +10,53 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{FilePlace, LoadError, suggestion};
-use crate::input::read::{extension, read_at_most, scene_name};
-use crate::input::text::text_of;
+use crate::input::{extension, read_at_most, scene_name, text_of};
 use crate::limits::MAX_JSON;
+use crate::procedural::generators;
 use crate::scene_file::SceneFile;
 use crate::scene_file::set::SceneSet;
-use crate::source::described::DescribedScene;
-use crate::source::embedded::{SCENES, SETS, families};
 use crate::source::formats::{ENDINGS, is_scene_path};
 use crate::source::names::{name_of_path, path_of_name};
-use crate::source::scene_ref::{SceneOrigin, SceneRef};
+use crate::source::scene_ref::{DescribedScene, SceneOrigin, SceneRef};
 use crate::source::sizes::{DescribedScenes, SceneSizes, described_of_size, no_sizes, sizes_of};
+
+macro_rules! embed {
+    ($($path:literal),* $(,)?) => {
+        &[$((concat!("scenes/", $path), include_str!(concat!("../../scenes/", $path)))),*]
+    };
+}
+
+/// Scene files: path in the repository and text.
+static SCENES: &[(&str, &str)] = embed![
+    "balls-tess.json",
+    "effects/effect-all.json",
+    "effects/effect-focus.json",
+    "effects/effect-gloss.json",
+    "effects/effect-hard-shadows.json",
+    "effects/effect-mirror.json",
+    "effects/effect-motion.json",
+    "effects/effect-plain.json",
+    "effects/effect-refraction.json",
+    "effects/effect-smooth-normals.json",
+    "effects/effect-soft-shadows.json",
+    "effects/effect-supersampling.json",
+    "effects/effect-textures.json",
+    "gears-tess.json",
+    "gears8-tess.json",
+    "kitchen.json",
+    "pavilion.json",
+    "sponza.json",
+    "tree-tess.json",
+];
+
+/// Set files: path in the repository and text.
+static SETS: &[(&str, &str)] = embed![
+    "sets/effects.json",
+    "sets/real.json",
+    "sets/small.json",
+    "sets/spd.json",
+    "sets/speed.json",
+];
 
 /// All scenes that have a name.
 #[derive(Debug, Clone, Default)]
@@ -85,8 +121,7 @@ impl SceneCatalogue {
     }
 
     fn add_scene(&mut self, path: &Path, text: &str, embedded: bool) -> Result<(), LoadError> {
-        let file = SceneFile::parse(path, text)?;
-        let described = DescribedScene { path: path.into(), embedded, file, outside: false };
+        let described = DescribedScene::parse(path, text, embedded)?;
         self.scenes.insert(described.file.name.clone(), described);
         Ok(())
     }
@@ -156,22 +191,19 @@ impl SceneCatalogue {
         if is_file {
             return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
         }
-        if let Some(described) = self.scenes.get(name) {
-            let from = SceneOrigin::Described(Box::new(described.clone()));
-            return Ok(SceneRef::new(name, from));
-        }
-        if let Some(described) = described_of_size(&self.scenes, name)? {
-            let from = SceneOrigin::Described(Box::new(described));
-            return Ok(SceneRef::new(name, from));
+        let described = match self.scenes.get(name) {
+            Some(described) => Some(described.clone()),
+            None => described_of_size(&self.scenes, name)?,
+        };
+        if let Some(described) = described {
+            return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
         }
         let family = name.split(':').next().unwrap_or(name);
         if families().contains(&family) {
             return Ok(SceneRef::new(name, SceneOrigin::Spd(name.to_string())));
         }
         if extension(path) == "json" {
-            let file = SceneFile::parse(path, &json_text(path)?)?;
-            let path = path.to_path_buf();
-            let described = DescribedScene { path, embedded: false, file, outside: false };
+            let described = DescribedScene::parse(path, &json_text(path)?, false)?;
             let name = described.file.name.clone();
             return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
         }
@@ -216,4 +248,9 @@ fn json_files(folder: &Path) -> Result<Vec<PathBuf>, LoadError> {
         .collect();
     paths.sort();
     Ok(paths)
+}
+
+/// The names of the generators.
+fn families() -> Vec<&'static str> {
+    generators().map(|entry| entry.name).collect()
 }

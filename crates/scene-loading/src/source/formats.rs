@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::decompress::decompress;
-use crate::input::read::{read_file, unpacked_extension};
-use crate::input::text::text_of;
+use crate::input::{decompress, read_file, text_of, unpacked_extension};
 use crate::obj::ObjOptions;
 use crate::scene::Scene;
 use crate::{gltf, nff, obj, pbrt, ply, stl, tray_racing, triangle_soup};

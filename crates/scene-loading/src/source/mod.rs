@@ -1,8 +1,6 @@
 //! From a name on the command line to a scene: the catalogue, and what it hands out.
 
 mod catalogue;
-mod described;
-mod embedded;
 pub mod formats;
 pub mod hash;
 pub mod names;

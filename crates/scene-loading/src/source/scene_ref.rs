@@ -1,18 +1,29 @@
-//! A scene that has a name, until it is loaded.
+//! A scene that has a name, until it is loaded: a generated one, a file, or what a JSON file
+//! describes.
 
-use std::path::PathBuf;
+use std::borrow::Cow;
+use std::path::{Path, PathBuf};
 
-use crate::error::LoadError;
-use crate::fetch::Places;
-use crate::input::read::read_file;
-use crate::scene::Scene;
+use crate::error::{FilePlace, LoadError, shortened};
+use crate::fetch::{PackageAsset, Places};
+use crate::input::{confined, read_file};
+use crate::procedural;
+use crate::scene::{Scene, Warning};
 use crate::scene_file::{SceneFile, Source};
 use crate::second_opinion::{SecondOpinion, second_opinion};
-use crate::source::described::DescribedScene;
-use crate::source::embedded::generate;
-use crate::source::formats::{ReadOptions, load_scene};
-use crate::source::hash::sha256_of_scene;
+use crate::source::formats::{ReadOptions, load_scene, parse_scene};
+use crate::source::hash::{sha256_of_bytes, sha256_of_scene};
+use crate::tessellate::tessellate;
 use crate::view_options::{ViewOptions, light_if_dark};
+
+/// Files that scene files refer to: path in the repository and bytes.
+static ASSETS: &[(&str, &[u8])] = &[
+    ("scenes/pavilion.glb", include_bytes!("../../scenes/pavilion.glb")),
+    (
+        "scenes/effects/effect-textures.gltf",
+        include_bytes!("../../scenes/effects/effect-textures.gltf"),
+    ),
+];
 
 /// A scene that is known but not loaded.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,9 +72,6 @@ impl SceneRef {
     /// Lets the source of a scene file lie outside its folder, as only files of one's own should.
     pub fn allow_outside(&mut self) {
         self.outside = true;
-        if let SceneOrigin::Described(described) = &mut self.from {
-            described.outside = true;
-        }
     }
 
     /// Loads or generates the scene. One without lights gets one at the eye, with a warning, unless
@@ -93,7 +101,7 @@ impl SceneRef {
                 (scene, path.display().to_string(), None)
             }
             SceneOrigin::Described(described) => {
-                let (scene, source) = described.load(places)?;
+                let (scene, source) = described.load(places, self.outside)?;
                 (scene, source, described.file.licence.clone())
             }
         };
@@ -114,7 +122,9 @@ impl SceneRef {
         let path = match &self.from {
             SceneOrigin::Spd(_) => None,
             SceneOrigin::File(path) => Some(path.clone()),
-            SceneOrigin::Described(described) => described.source_path(&Places::from_env())?,
+            SceneOrigin::Described(described) => {
+                described.source_path(&Places::from_env(), self.outside)?
+            }
         };
         path.map(|path| second_opinion(&path, read_file(&path)?)).transpose()
     }
@@ -131,4 +141,115 @@ impl SceneRef {
         described.check_hash(&path, &read_file(&path)?)?;
         Ok(Some(path))
     }
+}
+
+/// A scene description and where it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct DescribedScene {
+    pub path: PathBuf,
+    /// From the program itself, which then has the files it refers to as well.
+    pub embedded: bool,
+    pub file: SceneFile,
+}
+
+impl DescribedScene {
+    /// # Errors
+    /// Those of [`SceneFile::parse`].
+    pub fn parse(path: &Path, text: &str, embedded: bool) -> Result<Self, LoadError> {
+        Ok(Self { path: path.into(), embedded, file: SceneFile::parse(path, text)? })
+    }
+
+    /// The scene, and its origin in words; `outside`: its source may lie outside its folder.
+    pub fn load(&self, places: &Places, outside: bool) -> Result<(Scene, String), LoadError> {
+        let (mut scene, source) = match &self.file.source {
+            Source::Spd(spec) => (generate(spec)?, format!("generated: {spec}")),
+            Source::Shapes(shapes) => {
+                (self.file.inline(&self.path, shapes)?, self.path.display().to_string())
+            }
+            Source::File(name) => {
+                let path = self.source_file(name, outside)?;
+                let embedded = ASSETS.iter().find(|(asset, _)| Path::new(asset) == path);
+                let bytes: Cow<'_, [u8]> = match embedded {
+                    Some((_, bytes)) if self.embedded => Cow::Borrowed(bytes),
+                    _ => Cow::Owned(read_file(&path)?),
+                };
+                (self.parsed(&path, bytes.into_owned(), outside)?, path.display().to_string())
+            }
+            Source::Crate(asset) => {
+                let path = self.located(asset, places)?;
+                let source = format!("{}: {}", asset.package(), asset.path);
+                let mut scene = self.parsed(&path, read_file(&path)?, outside)?;
+                // results carry warnings: they name the package, not the folder of this machine
+                let (place, package) = (path.display().to_string(), asset.package() + ": ");
+                let folder = place.strip_suffix(&asset.path).filter(|folder| !folder.is_empty());
+                for Warning(text) in &mut scene.warnings {
+                    *text = folder.map_or(text.clone(), |folder| text.replace(folder, &package));
+                }
+                (scene, source)
+            }
+        };
+        self.file.apply(&self.path, &mut scene)?;
+        if let Some(options) = self.file.tessellate {
+            let warnings = std::mem::take(&mut scene.warnings);
+            scene = tessellate(&scene, &options)
+                .map_err(|error| LoadError::procedural(&scene.name, error))?;
+            scene.warnings.splice(0..0, warnings);
+        }
+        Ok((scene, source))
+    }
+
+    /// The file that holds the geometry, if one on this machine does.
+    pub fn source_path(
+        &self,
+        places: &Places,
+        outside: bool,
+    ) -> Result<Option<PathBuf>, LoadError> {
+        Ok(match &self.file.source {
+            Source::Spd(_) | Source::Shapes(_) => None,
+            Source::File(_) if self.embedded => None,
+            Source::File(name) => Some(self.source_file(name, outside)?),
+            Source::Crate(asset) => Some(self.located(asset, places)?),
+        })
+    }
+
+    fn located(&self, asset: &PackageAsset, places: &Places) -> Result<PathBuf, LoadError> {
+        places.locate(asset).ok_or_else(|| LoadError::NotFetched {
+            scene: self.file.name.clone(),
+            package: asset.package(),
+            path: asset.path.clone(),
+        })
+    }
+
+    /// The file that a scene file names as its source.
+    fn source_file(&self, name: &str, outside: bool) -> Result<PathBuf, LoadError> {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        if outside {
+            return Ok(folder.join(name));
+        }
+        confined(folder, name).ok_or_else(|| LoadError::OutsideSource {
+            place: FilePlace::file(&self.path),
+            path: shortened(name),
+        })
+    }
+
+    fn parsed(&self, path: &Path, bytes: Vec<u8>, outside: bool) -> Result<Scene, LoadError> {
+        self.check_hash(path, &bytes)?;
+        let options = ReadOptions { triangulate: self.file.triangulate, outside };
+        parse_scene(path, bytes, options)
+    }
+
+    pub fn check_hash(&self, path: &Path, bytes: &[u8]) -> Result<(), LoadError> {
+        let Some(expected) = &self.file.sha256 else { return Ok(()) };
+        let found = sha256_of_bytes(bytes);
+        if expected.eq_ignore_ascii_case(&found) {
+            return Ok(());
+        }
+        let (place, expected) = (FilePlace::file(path), expected.clone());
+        Err(LoadError::HashMismatch { place, expected, found })
+    }
+}
+
+/// Generates `balls` or `balls:5`.
+fn generate(spec: &str) -> Result<Scene, LoadError> {
+    procedural::generate(spec).map_err(|error| LoadError::procedural(spec, error))
 }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use crate::error::LoadError;
 use crate::procedural::{SpdEntry, generators, size_of};
 use crate::scene_file::{SceneFile, Source};
-use crate::source::described::DescribedScene;
+use crate::source::scene_ref::DescribedScene;
 
 /// The most primitives of a size: what the tessellator accepts.
 const MOST: u64 = 64 << 20;

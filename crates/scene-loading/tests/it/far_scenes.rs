@@ -3,11 +3,15 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use scene_loading::animation::{ANIMATED, open};
 use scene_loading::info::SceneInfo;
 use scene_loading::procedural::generators;
 use scene_loading::{LoadError, LoadedScene, Scene, SceneCatalogue};
+use serde_json::json;
+
+use crate::gltf_file::File;
+use crate::{folder, resolved};
 
 /// A place in UTM coordinates, metres.
 const FAR: DVec3 = DVec3::new(448_000.0, 5_411_000.0, 0.0);
@@ -128,44 +132,26 @@ fn scene_file(by: DVec3) -> String {
 /// Tents of one mesh, twice, the second 30 m and a little to the right: a place that f32 does not
 /// have far away.
 fn gltf(by: DVec3) -> String {
-    let tents = tents();
-    let points: Vec<DVec3> = tents.iter().flatten().copied().collect();
-    let bytes = gltf_buffer().len();
-    let [min, max] = [
-        points.iter().copied().fold(DVec3::INFINITY, DVec3::min).as_vec3(),
-        points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3(),
-    ];
-    let near = by.to_array();
-    let right = (by + DVec3::new(30.0, 0.125, 0.0)).to_array();
-    serde_json::json!({
-        "asset": {"version": "2.0"},
-        "scenes": [{"nodes": [0, 1]}],
-        "nodes": [{"mesh": 0, "translation": near}, {"mesh": 0, "translation": right}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
-        "accessors": [{"bufferView": 0, "componentType": 5126, "count": points.len(),
-            "type": "VEC3", "min": min.to_array(), "max": max.to_array()}],
-        "bufferViews": [{"buffer": 0, "byteLength": bytes}],
-        "buffers": [{"byteLength": bytes, "uri": "a.buffer"}],
-    })
-    .to_string()
-}
-
-fn gltf_buffer() -> Vec<u8> {
-    let points = tents().into_iter().flatten().flat_map(|p| p.as_vec3().to_array());
-    points.flat_map(f32::to_le_bytes).collect()
-}
-
-fn load(path: &Path) -> Result<LoadedScene, LoadError> {
-    let names = [path.to_str().unwrap().to_owned()];
-    SceneCatalogue::embedded().unwrap().resolve(&names).unwrap().remove(0).load()
+    let points: Vec<Vec3> = tents().into_iter().flatten().map(|p| p.as_vec3()).collect();
+    let (min, max) = points
+        .iter()
+        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+    let mut file = File::new();
+    let numbers: Vec<f32> = points.iter().flat_map(Vec3::to_array).collect();
+    let positions = file.floats("VEC3", &numbers);
+    file.json["accessors"][positions]["min"] = json!(min.to_array());
+    file.json["accessors"][positions]["max"] = json!(max.to_array());
+    file.attributes()["POSITION"] = json!(positions);
+    let places = [by, by + DVec3::new(30.0, 0.125, 0.0)];
+    let node = |place: DVec3| json!({"mesh": 0, "translation": place.to_array()});
+    file.json["nodes"] = json!(places.map(node));
+    file.json.as_object_mut().unwrap().remove("animations");
+    file.text()
 }
 
 fn written(name: &str, text: &str) -> LoadedScene {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join(name);
-    std::fs::write(&path, text).unwrap();
-    std::fs::write(folder.path().join("a.buffer"), gltf_buffer()).unwrap();
-    load(&path).unwrap()
+    let (_folder, path) = folder(&[(name, text)]);
+    resolved(&path.join(name)).unwrap().load().unwrap()
 }
 
 /// Every point that a scene has.
@@ -236,11 +222,8 @@ fn the_file_s_own_coordinates_are_shown_and_bit_for_bit_the_same() {
 
 #[test]
 fn a_camera_and_lights_given_beside_are_in_the_file_s_coordinates() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.obj");
-    std::fs::write(&path, obj(FAR)).unwrap();
-    let names = [path.to_str().unwrap().to_owned()];
-    let mut scene = SceneCatalogue::embedded().unwrap().resolve(&names).unwrap().remove(0);
+    let (_folder, path) = folder(&[("a.obj", obj(FAR))]);
+    let mut scene = resolved(&path.join("a.obj")).unwrap();
     scene.view.camera = "448009,5410980,20:448009,5411009,12".parse().ok();
     scene.view.lights = vec!["448000,5411000,50".parse().unwrap()];
     let mut loaded = scene.load().unwrap().scene;
@@ -294,24 +277,18 @@ fn coordinates_stored_in_f32_are_not_too_fine() {
     ]) {
         soup.extend(corner.into_iter().chain([0.0]).flat_map(f32::to_le_bytes));
     }
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.bin");
-    std::fs::write(&path, soup).unwrap();
-    let scene = load(&path).unwrap().scene;
+    let (_folder, path) = folder(&[("a.bin", soup)]);
+    let scene = resolved(&path.join("a.bin")).unwrap().load().unwrap().scene;
     assert_eq!((scene.primitives.len(), scene.origin), (2, DVec3::ZERO));
     assert_eq!(scene.fine_detail, None);
 }
 
 #[test]
 fn frames_of_an_animation_are_moved_by_one_shift() {
-    let folder = tempfile::tempdir().unwrap();
-    for i in 0..3 {
-        // it wanders farther than its own extent
-        let by = FAR + DVec3::X * f64::from(i) * 50.0;
-        std::fs::write(folder.path().join(format!("f{i}.obj")), obj(by)).unwrap();
-    }
-    let name = folder.path().join("f%d.obj").to_str().unwrap().to_owned();
-    let mut animation = open(&name).unwrap();
+    // it wanders farther than its own extent
+    let files = [("f0.obj", 0.0), ("f1.obj", 50.0), ("f2.obj", 100.0)];
+    let (_folder, path) = folder(&files.map(|(name, by)| (name, obj(FAR + DVec3::X * by))));
+    let mut animation = open(path.join("f%d.obj").to_str().unwrap()).unwrap();
     // the last first: it has the shift of the first all the same
     let frames = [2, 0, 1].map(|i| animation.frame(i).unwrap());
     let near = written("a.obj", &obj(DVec3::ZERO)).scene;

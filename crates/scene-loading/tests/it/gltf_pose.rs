@@ -16,8 +16,7 @@ fn skinned() -> File {
     let mut file = File::new();
     let joints = file.accessor("VEC4", 5121, 3, &[0; 12]);
     let weights = file.floats("VEC4", &[1., 0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0.]);
-    file.json["meshes"][0]["primitives"][0]["attributes"] =
-        json!({"POSITION": 0, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    *file.attributes() = json!({"POSITION": 0, "JOINTS_0": joints, "WEIGHTS_0": weights});
     file.json["skins"] = json!([{"joints": [1]}]);
     file.json["nodes"] = json!([
         {"mesh": 0, "skin": 0, "translation": [100, 0, 0]},
@@ -59,15 +58,14 @@ fn the_second_reader_follows_skins_by_itself() {
 fn all_sets_of_joints_count_and_weights_need_not_sum_to_one() {
     let mut file = skinned();
     file.json["skins"][0]["joints"] = json!([1, 2]);
-    file.json["nodes"].as_array_mut().unwrap().push(json!({"translation": [0, 0, 8]}));
+    file.push("nodes", json!({"translation": [0, 0, 8]}));
     file.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
     let joints = file.accessor("VEC4", 5123, 3, &[1, 0, 0, 0, 0, 0, 0, 0].repeat(3));
     // a normalized short
     let weights = file.accessor("VEC4", 5123, 3, &[0xff, 0xff, 0, 0, 0, 0, 0, 0].repeat(3));
     file.json["accessors"][weights]["normalized"] = json!(true);
-    let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
-    attributes["JOINTS_1"] = json!(joints);
-    attributes["WEIGHTS_1"] = json!(weights);
+    file.attributes()["JOINTS_1"] = json!(joints);
+    file.attributes()["WEIGHTS_1"] = json!(weights);
     // half of (2x, 2y + 5, 0) and half of (x, y, 8)
     assert_eq!(file.found(), (1, [[0.0, 2.5, 4.0], [1.5, 4.0, 4.0]]));
 }
@@ -81,7 +79,7 @@ fn an_animation_that_holds_begins_as_the_file_at_rest() {
         "samplers": [{"input": times, "output": values}],
         "channels": [{"sampler": 0, "target": {"node": 1, "path": "translation"}}]
     }]);
-    file.json["nodes"].as_array_mut().unwrap().push(json!({"mesh": 0, "scale": [0, 0, 0]}));
+    file.push("nodes", json!({"mesh": 0, "scale": [0, 0, 0]}));
     file.json["scenes"][0]["nodes"] = json!([0, 1, 2]);
     let still = file.load().unwrap();
     let path = Path::new("a.gltf");
@@ -97,13 +95,11 @@ fn default_weights_of_the_node_go_before_those_of_the_mesh() {
     // sparse, without data of its own
     let indices = file.accessor("SCALAR", 5123, 1, &[2, 0]);
     let values = file.floats("VEC3", &[0., 4., 0.]);
-    let up = file.json["accessors"].as_array().unwrap().len();
-    file.json["accessors"].as_array_mut().unwrap().push(json!({
-        "componentType": 5126, "count": 3, "type": "VEC3", "sparse": {
-            "count": 1, "indices": {"bufferView": indices, "componentType": 5123},
-            "values": {"bufferView": values}
-        }
-    }));
+    let up = file.zeros(3);
+    file.json["accessors"][up]["sparse"] = json!({
+        "count": 1, "indices": {"bufferView": indices, "componentType": 5123},
+        "values": {"bufferView": values}
+    });
     file.json["meshes"][0]["primitives"][0]["targets"] =
         json!([{"POSITION": aside}, {"POSITION": up}]);
     file.json["meshes"][0]["weights"] = json!([1, 0]);
@@ -122,10 +118,7 @@ fn default_weights_of_the_node_go_before_those_of_the_mesh() {
 #[test]
 fn what_moves_too_many_vertices_is_refused() {
     let mut file = File::new();
-    let zeros = file.json["accessors"].as_array().unwrap().len();
-    file.json["accessors"].as_array_mut().unwrap().push(json!({
-        "componentType": 5126, "count": 1 << 20, "type": "VEC3"
-    }));
+    let zeros = file.zeros(1 << 20);
     let target = json!({"POSITION": zeros});
     file.json["meshes"][0] = json!({
         "primitives": [{"attributes": {"POSITION": zeros}, "targets": vec![target; 600]}],

@@ -1,7 +1,7 @@
 //! The loader cases L1 to L10 of the project's catalogue of hard cases, one test each, by name.
 //! (The tests `load_*` have the same faults in more variants.)
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use scene_loading::gltf::parse_gltf;
 use scene_loading::nff::parse_nff;
@@ -9,8 +9,9 @@ use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::{LoadError, Material, Scene};
 use serde_json::{Value, json};
 
-use crate::gltf_file::set;
+use crate::gltf_file::{File, set};
 use crate::load_textures::png_that_claims;
+use crate::{folder, warning, warnings};
 
 const CORNERS: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
@@ -27,48 +28,16 @@ fn obj_error(text: &str, line: usize) -> LoadError {
 
 /// The scene of an OBJ file beside other files.
 fn beside(obj: &str, files: &[(&str, &[u8])]) -> Scene {
-    let (_folder, path) = folder(obj, files);
-    crate::load(&path).unwrap()
-}
-
-/// A folder with an OBJ file `a.obj` and other files.
-fn folder(obj: &str, files: &[(&str, &[u8])]) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.obj");
-    std::fs::write(&path, obj).unwrap();
-    for (name, bytes) in files {
-        std::fs::write(folder.path().join(name), bytes).unwrap();
-    }
-    (folder, path)
-}
-
-/// The only warning of a scene.
-fn warning(scene: &Scene) -> &str {
-    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
-    &warning.0
+    let (_folder, path) = folder(&[&[("a.obj", obj.as_bytes())], files].concat());
+    crate::load(&path.join("a.obj")).unwrap()
 }
 
 /// A document of one triangle, whose buffer is a data URI: three positions and three indices.
 fn triangle() -> Value {
-    use base64::Engine;
-    let corners: [f32; 9] = [0., 0., 0., 1., 0., 0., 0., 1., 0.];
-    let mut bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
-    bytes.extend([0u8, 1, 2, 0]);
-    let data = base64::engine::general_purpose::STANDARD.encode(&bytes);
-    json!({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
-        "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-             "min": [0, 0, 0], "max": [1, 1, 0]},
-            {"bufferView": 1, "componentType": 5121, "count": 3, "type": "SCALAR"}
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 4}
-        ],
-        "buffers": [{"byteLength": 40, "uri": format!("data:;base64,{data}")}]
-    })
+    let mut file = File::triangle();
+    let indices = file.accessor("SCALAR", 5121, 3, &[0, 1, 2]);
+    file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    file.document()
 }
 
 /// The document with one value set; the last key of the pointer may be new.
@@ -307,7 +276,7 @@ fn l9_images_share_one_budget() {
     files.push(("a.mtl", mtl.as_bytes()));
     let scene = beside(&obj, &files);
     assert_eq!((scene.primitives.len(), scene.textures.len()), (7, 0));
-    let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
+    let warnings = warnings(&scene);
     assert_eq!(warnings.len(), 7, "{warnings:?}");
     assert!(warnings[1..6].iter().all(|w| w.contains("of the 536870912")), "{warnings:?}");
     assert!(warnings[6].contains("lost.png"), "{warnings:?}");
@@ -371,7 +340,8 @@ fn the_parser_agrees_with_tobj() {
             }
         }
         let names = ["a", "b"].map(|n| format!("newmtl {n}\n")).concat();
-        let (_folder, path) = folder(&text, &[("a.mtl", names.as_bytes())]);
+        let (_folder, path) = folder(&[("a.obj", &text), ("a.mtl", &names)]);
+        let path = path.join("a.obj");
         let Ok(scene) = crate::load(&path) else { continue };
         let (models, _) = tobj::load_obj(&path, &tobj::LoadOptions::default()).unwrap();
         // tobj keeps faces without area, we leave them out

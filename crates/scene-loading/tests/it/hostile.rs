@@ -2,7 +2,7 @@
 //! that they must not have.
 
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use scene_loading::limits::{MAX_MATERIALS, MAX_NAME};
@@ -11,24 +11,16 @@ use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::scene_file::SceneFile;
 use scene_loading::second_opinion::{SecondOpinion, second_opinion};
 use scene_loading::tessellate::{TessellationOptions, tessellate, triangulate};
-use scene_loading::{LoadError, Material, Scene, SceneCatalogue, SceneRef, Shape};
+use scene_loading::{LoadError, Material, Scene, Shape};
+
+use crate::gltf_file::File;
+use crate::{folder, resolved, warnings};
 
 /// A triangle's corners and texture coordinates.
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n";
 
 const NFF: &str =
     "v\nfrom 0 0 9\nat 0 0 0\nup 0 1 0\nangle 45\nhither 0\nresolution 8 8\ns 0 0 0 1\n";
-
-fn folder(files: &[(&str, &[u8])]) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, bytes) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, bytes).unwrap();
-    }
-    let path = folder.path().to_path_buf();
-    (folder, path)
-}
 
 fn obj(text: &str) -> Result<Scene, LoadError> {
     parse_obj(Path::new("no-such-folder/a.obj"), text.into(), ObjOptions::default())
@@ -43,11 +35,6 @@ fn too_much(text: &str, line: usize) -> String {
     said
 }
 
-fn named(name: &Path) -> Result<SceneRef, LoadError> {
-    let names = [name.to_str().unwrap().to_owned()];
-    Ok(SceneCatalogue::embedded()?.resolve(&names)?.remove(0))
-}
-
 #[test]
 fn h1_a_library_is_read_once_and_a_material_once() {
     let libraries = ["a.mtl", "./a.mtl", "b.mtl"].map(|name| format!("mtllib {name}\n").repeat(50));
@@ -57,11 +44,7 @@ fn h1_a_library_is_read_once_and_a_material_once() {
         text
     });
     let later = "newmtl m7\nKd 0.25 0 0\nnewmtl m7\nKd 0.5 0 0\n";
-    let (_folder, path) = folder(&[
-        ("a.obj", text.as_bytes()),
-        ("a.mtl", mtl.as_bytes()),
-        ("b.mtl", later.as_bytes()),
-    ]);
+    let (_folder, path) = folder(&[("a.obj", &*text), ("a.mtl", &*mtl), ("b.mtl", later)]);
     let scene = crate::load(&path.join("a.obj")).unwrap();
     // of several the last counts, its missing map too
     assert_eq!((scene.materials.len(), scene.materials[7].color[0]), (100, 0.5));
@@ -162,7 +145,7 @@ fn h6_an_image_that_fails_is_read_once_a_file() {
         [("a.obj", text.as_bytes()), ("a.mtl", mtl.as_bytes()), ("big.png", big.as_slice())];
     let (_folder, path) = folder(&files);
     let scene = crate::load(&path.join("a.obj")).unwrap();
-    let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
+    let warnings = warnings(&scene);
     assert_eq!(warnings.len(), 101, "the others are counted");
     assert!(warnings[..100].iter().all(|w| w.ends_with("is not a PNG image")), "{}", warnings[99]);
     assert!(warnings[100].starts_with("1900 more materials"), "{}", warnings[100]);
@@ -185,18 +168,17 @@ fn h9_sources_outside_the_folder_are_refused() {
         let source = serde_json::json!({ "file": source });
         serde_json::json!({"name": name, "title": "t", "why": "w", "source": source}).to_string()
     };
-    let (_folder, path) =
-        folder(&[("scene.nff", NFF.as_bytes()), ("in/scene.nff", NFF.as_bytes())]);
+    let (_folder, path) = folder(&[("scene.nff", NFF), ("in/scene.nff", NFF)]);
     let absolute = path.join("scene.nff");
     let write = |name: &str, source: &str| {
         std::fs::write(path.join(format!("in/{name}.json")), file(name, source)).unwrap();
         path.join(format!("in/{name}.json"))
     };
     let beside = write("beside", "scene.nff");
-    assert_eq!(named(&beside).unwrap().load().unwrap().scene.primitives.len(), 1);
+    assert_eq!(resolved(&beside).unwrap().load().unwrap().scene.primitives.len(), 1);
     for (name, source) in [("up", "../scene.nff"), ("root", absolute.to_str().unwrap())] {
         let json = write(name, source);
-        let mut scene = named(&json).unwrap();
+        let mut scene = resolved(&json).unwrap();
         for error in [scene.load().unwrap_err(), scene.second_opinion().unwrap_err()] {
             assert!(matches!(error, LoadError::OutsideSource { .. }), "{error}");
             let said = error.to_string();
@@ -211,11 +193,11 @@ fn h9_sources_outside_the_folder_are_refused() {
 #[cfg(unix)]
 #[test]
 fn h9_a_link_does_not_lead_out_of_the_folder() {
-    let (_folder, path) = folder(&[("scene.nff", NFF.as_bytes()), ("in/x", b"")]);
+    let (_folder, path) = folder(&[("scene.nff", NFF), ("in/x", "")]);
     std::os::unix::fs::symlink("../scene.nff", path.join("in/link.nff")).unwrap();
     let json = r#"{"name": "a", "title": "t", "why": "w", "source": {"file": "link.nff"}}"#;
     std::fs::write(path.join("in/a.json"), json).unwrap();
-    let error = named(&path.join("in/a.json")).unwrap().load().unwrap_err();
+    let error = resolved(&path.join("in/a.json")).unwrap().load().unwrap_err();
     assert!(matches!(error, LoadError::OutsideSource { .. }), "{error}");
 }
 
@@ -229,26 +211,25 @@ fn h10_a_bomb_is_refused_at_its_budget() {
         bytes.push(b' ');
     }
     let (_folder, path) = folder(&[("a.obj.zst", &bytes)]);
-    let error = named(&path.join("a.obj.zst")).unwrap().load().unwrap_err();
+    let error = resolved(&path.join("a.obj.zst")).unwrap().load().unwrap_err();
     let expected = (64 << 20) + 200 * bytes.len() as u64;
     assert!(matches!(error, LoadError::Inflated { limit, .. } if limit == expected), "{error}");
     // The planted fault: of so few blocks that they fit, all blanks are unpacked.
     let frame = [&bytes[..6 + 4 * 100], &(((128 << 10 << 3) | 3_u32).to_le_bytes())[..3], b" "];
     std::fs::write(path.join("a.obj.zst"), frame.concat()).unwrap();
-    let error = named(&path.join("a.obj.zst")).unwrap().load().unwrap_err();
+    let error = resolved(&path.join("a.obj.zst")).unwrap().load().unwrap_err();
     assert!(matches!(error, LoadError::NoPrimitives { .. }), "{error}");
 }
 
 #[test]
 fn h13_a_file_called_like_a_generators_size_is_the_file() {
-    let (_folder, path) =
-        folder(&[("balls:2.nff", NFF.as_bytes()), ("tree-tess:3.nff", NFF.as_bytes())]);
+    let (_folder, path) = folder(&[("balls:2.nff", NFF), ("tree-tess:3.nff", NFF)]);
     // names are looked up from the current folder; the catalogue takes paths as well
     for name in ["balls:2.nff", "tree-tess:3.nff"] {
-        let scene = named(&path.join(name)).unwrap().load().unwrap();
+        let scene = resolved(&path.join(name)).unwrap().load().unwrap();
         assert_eq!(scene.scene.primitives.len(), 1, "{name}");
     }
-    let said = named(Path::new("balls:2.nff")).and_then(|scene| scene.load()).unwrap_err();
+    let said = resolved(Path::new("balls:2.nff")).and_then(|scene| scene.load()).unwrap_err();
     assert!(said.to_string().contains("no size `2.nff`"), "{said}");
 }
 
@@ -282,29 +263,18 @@ fn h14_a_hundred_thousand_lights_and_materials_load() {
 #[test]
 fn h19_a_gltf_that_requires_draco_says_so() {
     let draco = "KHR_draco_mesh_compression";
-    let document = serde_json::json!({
-        "asset": {"version": "2.0"}, "extensionsUsed": [draco], "extensionsRequired": [draco],
-        "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "extensions":
-            {draco: {"bufferView": 0, "attributes": {"POSITION": 0}}}}]}],
-        "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3",
-            "min": [0, 0, 0], "max": [1, 1, 1]}, {"componentType": 5123, "count": 3, "type": "SCALAR"}],
-        "bufferViews": [{"buffer": 0, "byteLength": 4}],
-        "buffers": [{"byteLength": 4, "uri": "data:application/octet-stream;base64,AAAAAA=="}]
-    });
-    let error =
-        scene_loading::gltf::parse_gltf(Path::new("a.gltf"), document.to_string().as_bytes());
-    let said = error.unwrap_err().to_string();
+    let mut file = File::triangle();
+    file.json["extensionsUsed"] = serde_json::json!([draco]);
+    file.json["extensionsRequired"] = serde_json::json!([draco]);
+    file.json["meshes"][0]["primitives"][0]["extensions"] =
+        serde_json::json!({draco: {"bufferView": 0, "attributes": {"POSITION": 0}}});
+    let said = file.refusal();
     assert!(said.contains("extensionsRequired: found `KHR_draco_mesh_compression`"), "{said}");
     assert!(said.contains("expected none but KHR_lights_punctual"), "{said}");
 }
 
 fn asked(path: &Path) -> (u64, Vec<String>) {
-    let opinion = second_opinion(path, std::fs::read(path).unwrap()).unwrap();
-    let SecondOpinion::Asked { triangles, differences, .. } = opinion else {
-        panic!("{opinion:?}");
-    };
-    (triangles, differences)
+    crate::asked(path, std::fs::read(path).unwrap())
 }
 
 #[test]
@@ -313,7 +283,7 @@ fn a_second_reader_agrees_or_lists_differences() {
     let text = format!(
         "mtllib a.mtl\n{quads}usemtl red\nf 1 2 3 4\nf 1 1 2\nusemtl lost\nf 1 2 5\nf 1 2 3 5\n"
     );
-    let (_folder, path) = folder(&[("a.obj", text.as_bytes()), ("a.mtl", b"newmtl red\n")]);
+    let (_folder, path) = folder(&[("a.obj", &*text), ("a.mtl", "newmtl red\n")]);
     assert_eq!(asked(&path.join("a.obj")), (5, vec![]));
     // Planted: for tobj a material must be known before it is used.
     let late = text.replace("mtllib a.mtl\n", "") + "mtllib a.mtl\n";

@@ -7,7 +7,7 @@ use scene_loading::fetch::{PackageAsset, Places};
 use scene_loading::info::{SceneInfo, validate};
 use scene_loading::scene_file::{SceneFile, Source};
 use scene_loading::scene_set::SceneSet;
-use scene_loading::{Light, LoadError, Material, SceneCatalogue, Shape};
+use scene_loading::{Light, LoadError, Material, SceneCatalogue, SceneRef, Shape};
 
 const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
 
@@ -25,17 +25,20 @@ fn names(names: &[&str]) -> Vec<String> {
     names.iter().map(|n| n.to_string()).collect()
 }
 
+/// The scene of that name.
+fn named(catalogue: &SceneCatalogue, name: &str) -> SceneRef {
+    catalogue.resolve(&names(&[name])).unwrap().remove(0)
+}
+
 fn nowhere() -> Places {
     Places { cargo_home: None, cache: None }
 }
 
 /// A folder with `a.json` and the OBJ file that it may refer to.
 fn folder(json: &str) -> (tempfile::TempDir, SceneCatalogue) {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.json"), json).unwrap();
-    std::fs::write(folder.path().join("x.obj"), OBJ).unwrap();
+    let (folder, path) = crate::folder(&[("a.json", json), ("x.obj", OBJ)]);
     let mut catalogue = SceneCatalogue::embedded().unwrap();
-    catalogue.add_folder(folder.path()).unwrap();
+    catalogue.add_folder(&path).unwrap();
     (folder, catalogue)
 }
 
@@ -72,7 +75,7 @@ fn embedded_scenes_and_sets_are_valid_and_resolve() {
 #[test]
 fn the_pavilion_loads_from_the_program_alone() {
     let catalogue = SceneCatalogue::embedded().unwrap();
-    let scene = &catalogue.resolve(&names(&["pavilion"])).unwrap()[0];
+    let scene = named(&catalogue, "pavilion");
     let loaded = scene.load_from(&nowhere()).unwrap();
     assert!(loaded.scene.is_triangles_only());
     assert_eq!(loaded.scene.name, "pavilion");
@@ -141,7 +144,7 @@ fn a_scene_file_adds_what_its_source_lacks() {
             "background": [0.1, 0.2, 0.3], "licence": "CC0-1.0", "effects": {},
             "materials": {"red": {"color": [1,0,0], "specular": 0.25}}"#,
     ));
-    let loaded = catalogue.resolve(&names(&["a"])).unwrap()[0].load_from(&nowhere()).unwrap();
+    let loaded = named(&catalogue, "a").load_from(&nowhere()).unwrap();
     let scene = &loaded.scene;
     assert_eq!((scene.camera.from, scene.camera.angle), (DVec3::Z * 5.0, 30.0));
     assert_eq!(scene.camera.resolution, [64, 32]);
@@ -212,7 +215,7 @@ fn scene_files_that_make_no_sense() {
     );
 
     let (_folder, catalogue) = folder(&scene_json(file, r#", "materials": {"green": {}}"#));
-    let error = catalogue.resolve(&names(&["a"])).unwrap()[0].load_from(&nowhere()).unwrap_err();
+    let error = named(&catalogue, "a").load_from(&nowhere()).unwrap_err();
     assert!(error.to_string().contains("`green`") && error.to_string().contains("red"), "{error}");
 }
 
@@ -220,7 +223,7 @@ fn scene_files_that_make_no_sense() {
 fn a_wrong_hash_is_an_error() {
     let more = format!(r#", "sha256": "{}""#, "0".repeat(64));
     let (_folder, catalogue) = folder(&scene_json(r#"{"file": "x.obj"}"#, &more));
-    let error = catalogue.resolve(&names(&["a"])).unwrap()[0].load_from(&nowhere()).unwrap_err();
+    let error = named(&catalogue, "a").load_from(&nowhere()).unwrap_err();
     assert!(matches!(error, LoadError::HashMismatch { .. }), "{error}");
     assert!(error.to_string().contains("x.obj"), "{error}");
 }
@@ -240,15 +243,14 @@ fn sets_are_checked() {
 
 #[test]
 fn packages_are_found_in_cargo_and_copied_to_the_cache() {
-    let folder = tempfile::tempdir().unwrap();
-    let package = folder.path().join("cargo/registry/src/index-1/some-1.2.3/media");
-    std::fs::create_dir_all(&package).unwrap();
-    std::fs::write(package.join("a.obj"), OBJ).unwrap();
-    std::fs::write(package.join("a.mtl"), "newmtl red\nKd 1 0 0\n").unwrap();
-    let mut places = Places {
-        cargo_home: Some(folder.path().join("cargo")),
-        cache: Some(folder.path().join("cache")),
-    };
+    let media = "cargo/registry/src/index-1/some-1.2.3/media";
+    let (_folder, path) = crate::folder(&[
+        (&*format!("{media}/a.obj"), OBJ),
+        (&*format!("{media}/a.mtl"), "newmtl red\nKd 1 0 0\n"),
+    ]);
+    let package = path.join(media);
+    let mut places =
+        Places { cargo_home: Some(path.join("cargo")), cache: Some(path.join("cache")) };
     let asset = |version: &str| PackageAsset {
         name: "some".into(),
         version: version.into(),
@@ -257,7 +259,7 @@ fn packages_are_found_in_cargo_and_copied_to_the_cache() {
     assert_eq!(places.locate(&asset("1.2.3")), Some(package.join("a.obj")));
     assert_eq!(places.locate(&asset("1.2.4")), None);
     let cached = places.fetch(&asset("1.2.3")).unwrap();
-    assert_eq!(cached, folder.path().join("cache/some-1.2.3/media/a.obj"));
+    assert_eq!(cached, path.join("cache/some-1.2.3/media/a.obj"));
     assert!(cached.with_extension("mtl").is_file());
     // Cargo's copy is no longer needed.
     places.cargo_home = None;
@@ -270,18 +272,14 @@ fn packages_are_found_in_cargo_and_copied_to_the_cache() {
 fn warnings_about_a_package_do_not_say_where_it_lies() {
     let obj = "mtllib lost.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n";
     let hash = "3e27fb8680c098f697a4db54b9831691e26c13d59783f61ae2f5644ab3214034";
-    let cache = tempfile::tempdir().unwrap();
-    let package = cache.path().join("some-1.2.3/media");
-    std::fs::create_dir_all(&package).unwrap();
-    std::fs::write(package.join("a.obj"), obj).unwrap();
+    let (_cache, cache) = crate::folder(&[("some-1.2.3/media/a.obj", obj)]);
     let source = r#"{"crate": {"name": "some", "version": "1.2.3", "path": "media/a.obj"}}"#;
     let (_folder, catalogue) = folder(&scene_json(source, &format!(r#", "sha256": "{hash}""#)));
-    let places = Places { cargo_home: None, cache: Some(cache.path().to_owned()) };
-    let loaded = catalogue.resolve(&names(&["a"])).unwrap()[0].load_from(&places).unwrap();
+    let places = Places { cargo_home: None, cache: Some(cache) };
+    let loaded = named(&catalogue, "a").load_from(&places).unwrap();
     assert_eq!(loaded.source, "some 1.2.3: media/a.obj");
-    let warnings: Vec<String> = loaded.scene.warnings.iter().map(ToString::to_string).collect();
     assert_eq!(
-        warnings,
+        crate::warnings(&loaded.scene),
         [
             "some 1.2.3: media/a.obj:1: material file some 1.2.3: media/lost.mtl is missing",
             "some 1.2.3: media/a.obj: 1 faces without area left out (first: line 6)",
@@ -294,8 +292,7 @@ fn warnings_about_a_package_do_not_say_where_it_lies() {
 fn a_package_that_is_not_there_says_how_to_get_it() {
     let catalogue = SceneCatalogue::embedded().unwrap();
     for name in ["kitchen", "sponza"] {
-        let error =
-            catalogue.resolve(&names(&[name])).unwrap()[0].load_from(&nowhere()).unwrap_err();
+        let error = named(&catalogue, name).load_from(&nowhere()).unwrap_err();
         assert!(matches!(error, LoadError::NotFetched { .. }), "{error}");
         let command = format!("rtbench scenes fetch {name}");
         assert!(error.to_string().contains(&command), "{error}");
@@ -329,7 +326,7 @@ fn fetched_scenes_load() {
 #[test]
 fn validation_finds_planted_faults() {
     let catalogue = SceneCatalogue::embedded().unwrap();
-    let good = catalogue.resolve(&names(&["pavilion"])).unwrap()[0].load().unwrap().scene;
+    let good = named(&catalogue, "pavilion").load().unwrap().scene;
     type Plant = fn(&mut scene_loading::Scene);
     let plants: [(&str, Plant); 9] = [
         ("material that does not exist", |s| s.primitives[5].material = 99),

@@ -7,6 +7,8 @@ use scene_loading::scene_file::{SceneFile, Source};
 use scene_loading::source::formats::{ReadOptions, parse_scene};
 use scene_loading::{LoadError, Scene, Shape};
 
+use crate::warnings;
+
 fn load(name: &str, bytes: &[u8]) -> Result<Scene, LoadError> {
     parse_scene(&Path::new("no-such-folder").join(name), bytes.into(), ReadOptions::default())
 }
@@ -18,10 +20,6 @@ fn triangles(scene: &Scene) -> usize {
         _ => 1,
     };
     scene.primitives.iter().map(|p| of(p.shape)).sum()
-}
-
-fn warnings(scene: &Scene) -> Vec<String> {
-    scene.warnings.iter().map(|w| w.0.replace("no-such-folder/", "")).collect()
 }
 
 /// Loads a file, and checks its triangles and that its warnings are these.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 use scene_loading::scene_file::SceneFile;
-use scene_loading::{LoadError, Scene, SceneCatalogue};
+use scene_loading::{LoadError, Scene};
 
 /// A scene file with these parts, each on a line of its own from line 4 on.
 fn json(parts: &[&str]) -> String {
@@ -17,12 +17,8 @@ const BALL: &str = r#""materials": {"m": {}}, "source": {"shapes": [
 {"sphere": {"center": [0, 0, 0], "radius": 1, "material": "m"}}]}"#;
 
 fn load(parts: &[&str]) -> Result<Scene, LoadError> {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.json");
-    std::fs::write(&path, json(parts)).unwrap();
-    let catalogue = SceneCatalogue::embedded().unwrap();
-    let scenes = catalogue.resolve(&[path.to_str().unwrap().to_owned()])?;
-    Ok(scenes[0].load()?.scene)
+    let (_folder, path) = crate::folder(&[("a.json", json(parts))]);
+    Ok(crate::resolved(&path.join("a.json"))?.load()?.scene)
 }
 
 #[test]

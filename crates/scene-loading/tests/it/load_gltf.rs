@@ -7,23 +7,14 @@ use scene_loading::gltf::parse_gltf;
 use scene_loading::{Light, LoadError, Scene, Shape};
 use serde_json::{Value, json};
 
-use crate::gltf_file::set;
+use crate::gltf_file::{self, chunk, set};
+use crate::triangles;
 
 /// A binary glTF of one JSON and one BIN chunk.
 fn glb(document: &Value, bin: &[u8]) -> Vec<u8> {
     let mut text = serde_json::to_vec(document).unwrap();
     text.resize(text.len().next_multiple_of(4), b' ');
-    let mut bin = bin.to_vec();
-    bin.resize(bin.len().next_multiple_of(4), 0);
-    let total = 12 + 8 + text.len() + 8 + bin.len();
-    let mut out = b"glTF\x02\0\0\0".to_vec();
-    out.extend((total as u32).to_le_bytes());
-    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &bin)] {
-        out.extend((chunk.len() as u32).to_le_bytes());
-        out.extend(kind);
-        out.extend(chunk);
-    }
-    out
+    gltf_file::glb(&[chunk(b"JSON", &text), chunk(b"BIN\0", bin)])
 }
 
 /// The bytes of the test buffer: 4 positions (48 bytes), 4 normals (48), 6 indices u16 (12),
@@ -82,8 +73,7 @@ fn error_of(document: &Value) -> LoadError {
 #[test]
 fn a_mesh_is_read() {
     let scene = parse(&document()).unwrap();
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
-    assert_eq!(shapes, [Shape::Triangle { v: [0, 1, 2] }, Shape::Triangle { v: [2, 1, 3] }]);
+    assert_eq!(triangles(&scene), [[0, 1, 2], [2, 1, 3]]);
     assert_eq!(scene.vertices[3], DVec3::new(1.0, 1.0, 0.0));
     assert!(scene.warnings.is_empty());
     assert_eq!(scene.materials.len(), 1);
@@ -101,12 +91,10 @@ fn strips_and_fans() {
     let mut strip = with("/meshes/0/primitives/0/mode", json!(5));
     strip["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("indices");
     let scene = parse(&strip).unwrap();
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
-    assert_eq!(shapes, [Shape::Triangle { v: [0, 1, 2] }, Shape::Triangle { v: [1, 3, 2] }]);
+    assert_eq!(triangles(&scene), [[0, 1, 2], [1, 3, 2]]);
     strip["meshes"][0]["primitives"][0]["mode"] = json!(6);
     let scene = parse(&strip).unwrap();
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
-    assert_eq!(shapes, [Shape::Triangle { v: [1, 2, 0] }, Shape::Triangle { v: [2, 3, 0] }]);
+    assert_eq!(triangles(&scene), [[1, 2, 0], [2, 3, 0]]);
     strip["meshes"][0]["primitives"][0]["mode"] = json!(1);
     assert!(matches!(error_of(&strip), LoadError::NoPrimitives { .. }));
 }

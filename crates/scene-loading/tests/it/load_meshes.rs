@@ -9,6 +9,8 @@ use scene_loading::stl::parse_stl;
 use scene_loading::triangle_soup::parse_triangle_soup;
 use scene_loading::{LoadError, Scene, Shape};
 
+use crate::{check_faults, triangles, warnings};
+
 const QUAD: [[f32; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
 
 fn ply(bytes: &[u8]) -> Result<Scene, LoadError> {
@@ -100,32 +102,17 @@ fn all_types_of_ply_are_read() {
                  property list uchar uint vertex_indices\r\nend_header\r\n"
             )
             .into_bytes();
+            let mut put = Put { format, bytes: &mut bytes };
             for value in [0_u8, 0, 0, 100, 0, 0, 0, 100, 0] {
-                let value = f64::from(value);
-                let (le, be): (Vec<u8>, Vec<u8>) = match scalar {
-                    "char" | "int8" | "uchar" | "uint8" => (vec![value as u8], vec![value as u8]),
-                    "short" | "int16" | "ushort" | "uint16" => {
-                        ((value as u16).to_le_bytes().into(), (value as u16).to_be_bytes().into())
-                    }
-                    "int" | "int32" | "uint" | "uint32" => {
-                        ((value as u32).to_le_bytes().into(), (value as u32).to_be_bytes().into())
-                    }
-                    "float" | "float32" => {
-                        ((value as f32).to_le_bytes().into(), (value as f32).to_be_bytes().into())
-                    }
-                    _ => (value.to_le_bytes().into(), value.to_be_bytes().into()),
+                match scalar {
+                    "char" | "int8" | "uchar" | "uint8" => put.u8(value),
+                    "short" | "int16" | "ushort" | "uint16" => put.i16(value.into()),
+                    "int" | "int32" | "uint" | "uint32" => put.i32(value.into()),
+                    "float" | "float32" => put.f32(value.into()),
+                    _ => put.f64(value.into()),
                 };
-                match format {
-                    "ascii" => bytes.extend(format!("{value} ").bytes()),
-                    "binary_little_endian" => bytes.extend(le),
-                    _ => bytes.extend(be),
-                }
             }
-            match format {
-                "ascii" => bytes.extend(b"3 0 1 2"),
-                "binary_little_endian" => bytes.extend(b"\x03\0\0\0\0\x01\0\0\0\x02\0\0\0"),
-                _ => bytes.extend(b"\x03\0\0\0\0\0\0\0\x01\0\0\0\x02"),
-            }
+            put.u8(3).i32(0).i32(1).i32(2);
             let scene = ply(&bytes).unwrap_or_else(|error| panic!("{format} {scalar}: {error}"));
             assert_eq!(scene.vertices[2].to_array(), [0.0, 100.0, 0.0], "{format} {scalar}");
         }
@@ -147,17 +134,13 @@ fn normals_strips_and_faces_without_area() {
     let header = HEADER.replace("vertex 3", "vertex 5");
     let text = format!("{header}{strips}{CORNERS}1 1 0\n2 2 5\n9 0 1 2 3 -1 4 3 2 -1\n");
     let scene = ply(text.as_bytes()).unwrap();
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
-    let triangle = |v| Shape::Triangle { v };
-    assert_eq!(shapes, [triangle([0, 1, 2]), triangle([2, 1, 3]), triangle([4, 3, 2])]);
+    assert_eq!(triangles(&scene), [[0, 1, 2], [2, 1, 3], [4, 3, 2]]);
     let text = format!(
         "{}{CORNERS}3 0 1 2 2 0 1 3 0 1 1",
         (HEADER.to_owned() + FACES).replace("face 1", "face 3")
     );
-    let warnings = ply(text.as_bytes()).unwrap().warnings;
-    let warnings: Vec<String> = warnings.into_iter().map(|w| w.0).collect();
     assert_eq!(
-        warnings,
+        warnings(&ply(text.as_bytes()).unwrap()),
         [
             "dir/a.ply: 1 faces without area left out (first: line 13)",
             "dir/a.ply: 1 faces with fewer than 3 corners left out (first: line 13)"
@@ -169,7 +152,7 @@ fn normals_strips_and_faces_without_area() {
 fn faults_of_ply_files_are_errors_with_their_line() {
     let text = format!("{HEADER}{FACES}{CORNERS}3 0 1 2\n");
     assert!(ply(text.as_bytes()).is_ok());
-    for (from, to, place, part) in [
+    let faults = [
         ("ply\n", "plz\n", ":1:", "expected ply"),
         ("ascii 1.0", "ascii 2.0", ":2:", "version 1.0"),
         ("ascii", "binary", ":2:", "binary_little_endian"),
@@ -195,13 +178,8 @@ fn faults_of_ply_files_are_errors_with_their_line() {
         ("3 0 1 2", "-3 0 1 2", ":13:", "at least 0"),
         ("3 0 1 2", "300 0 1 2", ":13:", "at most"),
         ("3 0 1 2", "3 0 1 1", ":", "no primitives"),
-    ] {
-        assert!(text.contains(from), "{from}");
-        let broken = text.replacen(from, to, 1);
-        let error = ply(broken.as_bytes()).expect_err(&broken).to_string();
-        let is_at = error.starts_with(&format!("dir/a.ply{place}"));
-        assert!(is_at && error.contains(part), "{from} -> {to}: {error}");
-    }
+    ];
+    check_faults(&text, "dir/a.ply", |text| ply(text.as_bytes()), &faults);
 }
 
 #[test]
@@ -269,11 +247,7 @@ fn text_and_binary_stl_are_recognised_and_give_the_same_scene() {
     let mut longer = binary_stl(b"solid", &triangles);
     longer.extend(b"more");
     let scene = stl(&longer).unwrap();
-    assert!(
-        scene.warnings[0].0.contains("4 bytes after the last triangle"),
-        "{:?}",
-        scene.warnings
-    );
+    assert!(warnings(&scene)[0].contains("4 bytes after the last triangle"));
     let two = text_stl(&triangles[..1]) + "\n" + &text_stl(&triangles[1..]);
     assert_eq!(stl(two.as_bytes()).unwrap(), expected);
 }
@@ -281,7 +255,7 @@ fn text_and_binary_stl_are_recognised_and_give_the_same_scene() {
 #[test]
 fn faults_of_stl_files_are_errors_with_their_place() {
     let text = text_stl(&[[0, 1, 2]]);
-    for (from, to, place, part) in [
+    let faults = [
         ("facet", "facett", ":2:", "facet, solid or endsolid"),
         ("normal", "norm", ":2:", "normal"),
         ("loop", "loops", ":3:", "loop"),
@@ -289,11 +263,8 @@ fn faults_of_stl_files_are_errors_with_their_place() {
         ("vertex 1e0 1 0", "vertex 1e0 1 x", ":6:", "a number"),
         ("vertex 1e0 1 0", "vertex 1e0 1 0\nvertex 1 1 1", ":7:", "endloop"),
         ("vertex 1e0 1 0", "vertex 0 0 0", ":", "no primitives"),
-    ] {
-        assert!(text.contains(from), "{from}: {text}");
-        let error = stl(text.replacen(from, to, 1).as_bytes()).unwrap_err().to_string();
-        assert!(error.starts_with(&format!("dir/a.stl{place}")) && error.contains(part), "{error}");
-    }
+    ];
+    check_faults(&text, "dir/a.stl", |text| stl(text.as_bytes()), &faults);
     let cut = &text.as_bytes()[..text.find("endloop").unwrap()];
     assert!(matches!(stl(cut), Err(LoadError::UnexpectedEnd { .. })));
     let whole = binary_stl(b"x", &[[0, 1, 2]]);

@@ -1,11 +1,13 @@
 //! The NFF reader: what it accepts, and the error of every way a file can be wrong.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use scene_loading::nff::parse_nff;
 use scene_loading::{Light, LoadError, Scene, Shape};
+
+use crate::{folder, shapes};
 
 const VIEW: &str = "v\nfrom 1 2 3\nat 0 0 0\nup 0 0 1\nangle 45\nhither 0.5\nresolution 320 200\n";
 
@@ -45,9 +47,8 @@ fn every_entity_is_read() {
     );
     assert_eq!(scene.materials.len(), 2);
     assert_eq!(scene.materials[0].transmittance, 0.1);
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
     assert_eq!(
-        shapes,
+        shapes(&scene),
         [
             Shape::Sphere(0),
             Shape::Cone(0),
@@ -192,21 +193,17 @@ fn empty_files_have_no_primitives() {
 
 #[test]
 fn files_plain_and_gzipped_and_in_latin_1() {
-    let folder = tempfile::tempdir().unwrap();
     let bytes = b"# caf\xe9\ns 0 0 0 1\n";
-    let plain: PathBuf = folder.path().join("a.nff");
-    std::fs::write(&plain, bytes).unwrap();
-    let packed = folder.path().join("b.nff.gz");
     let mut encoder = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
     encoder.write_all(bytes).unwrap();
     let stream = encoder.finish().unwrap();
-    std::fs::write(&packed, &stream).unwrap();
-
-    assert_eq!(crate::load(&plain).unwrap().name, "a");
+    let (_folder, path) = folder(&[("a.nff", &bytes[..]), ("b.nff.gz", &stream)]);
+    let packed = path.join("b.nff.gz");
+    assert_eq!(crate::load(&path.join("a.nff")).unwrap().name, "a");
     assert_eq!(crate::load(&packed).unwrap().name, "b");
     std::fs::write(&packed, &stream[..stream.len() - 9]).unwrap();
     assert!(matches!(crate::load(&packed), Err(LoadError::Decompress { .. })));
-    let error = crate::load(&folder.path().join("absent.nff")).unwrap_err();
+    let error = crate::load(&path.join("absent.nff")).unwrap_err();
     assert!(matches!(error, LoadError::Io { .. }) && error.to_string().contains("absent.nff"));
-    assert!(matches!(crate::load(folder.path()), Err(LoadError::Io { .. })));
+    assert!(matches!(crate::load(&path), Err(LoadError::Io { .. })));
 }

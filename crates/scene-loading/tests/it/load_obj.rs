@@ -1,10 +1,12 @@
 //! The OBJ reader: what it accepts, and the error of every way a file can be wrong.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use scene_loading::obj::{ObjOptions, parse_obj};
 use scene_loading::{LoadError, Scene, Shape};
+
+use crate::{folder, shapes, triangles, warning, warnings};
 
 const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
@@ -24,28 +26,12 @@ fn error_at(text: &str, line: usize) -> LoadError {
     error
 }
 
-fn shapes(scene: &Scene) -> Vec<Shape> {
-    scene.primitives.iter().map(|p| p.shape).collect()
-}
-
-/// Writes an OBJ and an MTL file into a folder of their own.
-fn with_mtl(obj: &str, mtl: &[u8]) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("a.obj");
-    std::fs::write(&path, obj).unwrap();
-    std::fs::write(folder.path().join("a.mtl"), mtl).unwrap();
-    (folder, path)
-}
-
 #[test]
 fn triangles_share_vertices_and_keep_their_order() {
     let text = format!("{TRIANGLE}v 1 1 0\ng one\nf 1 2 3\ng two\nf -1 -2 -3\n");
     let scene = parse(&text).unwrap();
     assert_eq!(scene.vertices.len(), 4);
-    assert_eq!(
-        shapes(&scene),
-        [Shape::Triangle { v: [0, 1, 2] }, Shape::Triangle { v: [3, 2, 1] }]
-    );
+    assert_eq!(triangles(&scene), [[0, 1, 2], [3, 2, 1]]);
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     assert_eq!(scene.name, "test");
 }
@@ -84,10 +70,7 @@ fn bent_faces_are_split_with_a_warning() {
     let scene = parse("v 0 0 0\nv 1 0 0\nv 1 1 .5\nv 0 1 0\n\nf 1 2 3 4\n").unwrap();
     assert_eq!(scene.primitives.len(), 2);
     assert!(scene.is_triangles_only());
-    assert_eq!(
-        scene.warnings[0].0,
-        "dir/test.obj: 1 faces that are not flat split (first: line 6)"
-    );
+    assert_eq!(warning(&scene), "dir/test.obj: 1 faces that are not flat split (first: line 6)");
 }
 
 #[test]
@@ -97,9 +80,8 @@ fn faces_without_area_lines_and_points_are_counted() {
     );
     let scene = parse(&text).unwrap();
     assert_eq!(scene.primitives.len(), 1);
-    let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
     assert_eq!(
-        warnings,
+        warnings(&scene),
         [
             "dir/test.obj: 2 faces without area left out (first: line 5)",
             "dir/test.obj: 2 line elements left out",
@@ -177,12 +159,12 @@ fn files_without_faces() {
 
 #[test]
 fn materials_are_read_and_mapped() {
-    let (_folder, path) = with_mtl(
-        &format!("mtllib a.mtl\n{TRIANGLE}usemtl glass\nf 1 2 3\nusemtl grey\nf 3 2 1\nf 1 2 3"),
-        b"# caf\xe9\nnewmtl grey\nKd 0.5\nKs 0.5\nNs 10\nillum 2\nmap_Kd x.png\nKe 1\n\
-          newmtl glass\nKd 0.1 0.2 0.3\nKs .3 .6 .9\nNi 1.5\nd 0.25\nillum 4\n",
-    );
-    let scene = crate::load(&path).unwrap();
+    let obj =
+        format!("mtllib a.mtl\n{TRIANGLE}usemtl glass\nf 1 2 3\nusemtl grey\nf 3 2 1\nf 1 2 3");
+    let mtl = b"# caf\xe9\nnewmtl grey\nKd 0.5\nKs 0.5\nNs 10\nillum 2\nmap_Kd x.png\nKe 1\n\
+                newmtl glass\nKd 0.1 0.2 0.3\nKs .3 .6 .9\nNi 1.5\nd 0.25\nillum 4\n";
+    let (_folder, path) = folder(&[("a.obj", obj.as_bytes()), ("a.mtl", mtl)]);
+    let scene = crate::load(&path.join("a.obj")).unwrap();
     let [grey, glass] = &scene.materials[..] else { panic!("{:?}", scene.materials) };
     assert_eq!((grey.name.as_str(), grey.color, grey.specular), ("grey", [0.5; 3], 0.0));
     assert_eq!((glass.color, glass.transmittance), ([0.1, 0.2, 0.3], 0.75));
@@ -190,8 +172,7 @@ fn materials_are_read_and_mapped() {
     assert_eq!((glass.refraction_index, grey.refraction_index), (1.5, 1.0));
     let used: Vec<u32> = scene.primitives.iter().map(|p| p.material).collect();
     assert_eq!(used, [1, 0, 0]);
-    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
-    assert!(warning.0.contains("a.mtl:7: material `grey` has its plain colour"), "{warning}");
+    assert!(warning(&scene).contains("a.mtl:7: material `grey` has its plain colour"));
 }
 
 #[test]
@@ -200,9 +181,8 @@ fn a_missing_material_file_is_a_warning_that_names_it() {
         "mtllib lost.mtl\nmtllib ../x.mtl\n{TRIANGLE}usemtl red\nf 1 2 3\nusemtl blue\nf 1 2 3"
     );
     let scene = parse(&text).unwrap();
-    let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
     assert_eq!(
-        warnings,
+        warnings(&scene),
         [
             "dir/test.obj:1: material file dir/lost.mtl is missing",
             "dir/test.obj:2: mtllib `../x.mtl` leads out of the folder; not read",
@@ -263,13 +243,12 @@ fn damaged_materials_are_warnings_with_their_first_line() {
         ("\u{feff}newmtl a\rKd 0 1 0\r", "", [0.0, 1.0, 0.0], 0.0),
     ] {
         let obj = format!("mtllib a.mtl\n{TRIANGLE}usemtl a\nf 1 2 3");
-        let (folder, path) = with_mtl(&obj, mtl.as_bytes());
-        let scene = crate::load(&path).unwrap();
-        let file = folder.path().join("a.mtl");
-        let expected: Vec<String> =
-            (!said.is_empty()).then(|| format!("{}: {said}", file.display())).into_iter().collect();
-        let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
-        assert_eq!(warnings, expected, "{mtl}");
+        let (_folder, path) = folder(&[("a.obj", &*obj), ("a.mtl", mtl)]);
+        let scene = crate::load(&path.join("a.obj")).unwrap();
+        let said = Some(said).filter(|said| !said.is_empty());
+        let file = path.join("a.mtl").display().to_string();
+        let expected: Vec<String> = said.iter().map(|said| format!("{file}: {said}")).collect();
+        assert_eq!(warnings(&scene), expected, "{mtl}");
         let material = &scene.materials[scene.primitives[0].material as usize];
         assert_eq!((material.color, material.transmittance), (color, transmittance), "{mtl}");
     }
@@ -277,16 +256,12 @@ fn damaged_materials_are_warnings_with_their_first_line() {
 
 #[test]
 fn material_files_are_found_as_they_are_named() {
-    let folder = tempfile::tempdir().unwrap();
-    let write = |name: &str, text: &str| {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-    };
-    write("one.mtl", "newmtl red\n");
-    write("two words.mtl", "newmtl blue\n");
-    write("plain", "newmtl blue\n");
-    write("in/one.mtl", "newmtl red\nnewmtl blue\n");
+    let (_folder, path) = folder(&[
+        ("one.mtl", "newmtl red\n"),
+        ("two words.mtl", "newmtl blue\n"),
+        ("plain", "newmtl blue\n"),
+        ("in/one.mtl", "newmtl red\nnewmtl blue\n"),
+    ]);
     for (line, missing) in [
         ("one.mtl two words.mtl", 0),
         ("two words.mtl one.mtl # both", 0),
@@ -300,8 +275,8 @@ fn material_files_are_found_as_they_are_named() {
     ] {
         let text =
             format!("mtllib {line}\n{TRIANGLE}usemtl red # one\nf 1 2 3\nusemtl blue\nf 1 2 3\n");
-        write("a.obj", &text);
-        let scene = crate::load(&folder.path().join("a.obj")).unwrap();
+        std::fs::write(path.join("a.obj"), text).unwrap();
+        let scene = crate::load(&path.join("a.obj")).unwrap();
         let undefined = scene.warnings.iter().filter(|w| w.0.contains("undefined materials"));
         let undefined: usize = undefined.map(|w| w.0.matches("(line").count()).sum();
         let files = scene.warnings.iter().filter(|w| w.0.contains("a.obj:1: ")).count();
@@ -327,10 +302,9 @@ fn every_cut_of_a_file_is_an_error_or_a_scene() {
 #[test]
 fn zstd_files_load() {
     use ruzstd::encoding::{CompressionLevel, compress_to_vec};
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("b.obj.zst");
     let text = format!("{TRIANGLE}f 1 2 3");
-    std::fs::write(&path, compress_to_vec(text.as_bytes(), CompressionLevel::Fastest)).unwrap();
-    let scene = crate::load(&path).unwrap();
+    let bytes = compress_to_vec(text.as_bytes(), CompressionLevel::Fastest);
+    let (_folder, path) = folder(&[("b.obj.zst", bytes)]);
+    let scene = crate::load(&path.join("b.obj.zst")).unwrap();
     assert_eq!((scene.name.as_str(), scene.primitives.len()), ("b", 1));
 }

@@ -1,33 +1,20 @@
 //! The readers of PBRT and of tray_racing's scene files: what they accept, and the error of every
 //! way a file can be wrong.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use glam::DVec3;
 use scene_loading::pbrt::parse_pbrt;
 use scene_loading::source::formats::{ReadOptions, parse_scene};
-use scene_loading::{LoadError, Primitive, Scene, SceneCatalogue, Shape};
+use scene_loading::{LoadError, Primitive, Scene, Shape};
+
+use crate::{check_faults, folder, resolved, shapes, warnings};
 
 const TRIANGLE: &str = "Shape \"trianglemesh\" \"integer indices\" [0 1 2]\n\
                         \"point3 P\" [0 0 0  1 0 0  0 1 0]\n";
 
 fn pbrt(text: &str) -> Result<Scene, LoadError> {
     parse_pbrt(Path::new("no-such-folder/a.pbrt"), text.into(), false)
-}
-
-fn folder(files: &[(&str, &str)]) -> (tempfile::TempDir, PathBuf) {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        let path = folder.path().join(name);
-        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-        std::fs::write(path, text).unwrap();
-    }
-    let path = folder.path().to_path_buf();
-    (folder, path)
-}
-
-fn warnings(scene: &Scene) -> Vec<String> {
-    scene.warnings.iter().map(|w| w.0.replace("no-such-folder/", "")).collect()
 }
 
 fn near(a: DVec3, b: [f64; 3]) -> bool {
@@ -57,9 +44,8 @@ fn all_statements_of_a_scene_are_read() {
     assert!(near(camera.up, [0., 1., 0.]) && camera.angle == 40.0);
     assert_eq!(scene.lights.len(), 1);
     assert_eq!(scene.lights[0].color(), Some([1.0, 0.5, 0.0]), "the strongest is 1");
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
     assert!(matches!(
-        shapes[..],
+        shapes(&scene)[..],
         [Shape::Triangle { .. }, Shape::Sphere(0), Shape::Polygon { .. }]
     ));
     assert!(near(scene.vertices[1], [2., 0., -5.]));
@@ -133,9 +119,7 @@ fn files_are_included_and_named_ones_lie_in_the_folder() {
     let inner = "Translate 0 0 9\nMaterial \"diffuse\"\n";
     let files = [("a.pbrt", main), ("geometry/b.pbrt", inner), ("geometry/m.ply", PLY)];
     let (_folder, path) = folder(&files);
-    let scene = SceneCatalogue::embedded().unwrap();
-    let scene = scene.resolve(&[path.join("a.pbrt").to_str().unwrap().to_owned()]).unwrap();
-    let scene = scene[0].load().unwrap().scene;
+    let scene = resolved(&path.join("a.pbrt")).unwrap().load().unwrap().scene;
     let corner = |p: &Primitive| scene.to_file_coordinates(scene.outline(p.shape)[0]);
     let places: Vec<f64> = scene.primitives.iter().map(|p| corner(p).z).collect();
     assert_eq!(places, [9.0, 9.0], "what an Import sets ends with it");
@@ -154,11 +138,13 @@ fn files_are_included_and_named_ones_lie_in_the_folder() {
     }
     // each of three files names the next one many times: the number of files ends it
     let many = |next: &str| format!("Include \"{next}\"\n").repeat(100);
-    let files =
-        [("a.pbrt", many("b.pbrt")), ("b.pbrt", many("c.pbrt")), ("c.pbrt", many("d.pbrt"))];
-    let files: Vec<(&str, &str)> =
-        files.iter().map(|(name, text)| (*name, text.as_str())).collect();
-    let (_folder, path) = folder(&[&files[..], &[("d.pbrt", "Identity\n")]].concat());
+    let files = [
+        ("a.pbrt", many("b.pbrt")),
+        ("b.pbrt", many("c.pbrt")),
+        ("c.pbrt", many("d.pbrt")),
+        ("d.pbrt", "Identity\n".to_owned()),
+    ];
+    let (_folder, path) = folder(&files);
     let error = parse_pbrt(&path.join("a.pbrt"), many("b.pbrt").into(), false).unwrap_err();
     assert!(error.to_string().contains("the number of files"), "{error}");
 }
@@ -167,7 +153,7 @@ fn files_are_included_and_named_ones_lie_in_the_folder() {
 fn faults_of_pbrt_files_are_errors_with_their_line() {
     let text = format!("WorldBegin\nAttributeBegin\n{TRIANGLE}AttributeEnd\n");
     assert!(pbrt(&text).is_ok());
-    for (from, to, place, part) in [
+    let faults = [
         ("WorldBegin", "WorldStart", ":1:", "a directive of PBRT"),
         ("WorldBegin", "[", ":1:", "a directive"),
         ("WorldBegin", "Translate 1 2", ":2:", "3 numbers"),
@@ -206,12 +192,8 @@ fn faults_of_pbrt_files_are_errors_with_their_line() {
         ("0 1 0]", "0 1 0", ":5:", "a value of point3 P"),
         ("\"trianglemesh\" \"integer indices\" [0 1 2]", "\"trianglemesh", ":3:", "quoted"),
         ("\"trianglemesh\"", "\"sphere\" \"float radius\" -1", ":3:", "above 0"),
-    ] {
-        assert!(text.contains(from), "{from}");
-        let error = pbrt(&text.replacen(from, to, 1)).expect_err(to).to_string();
-        let is_at = error.starts_with(&format!("no-such-folder/a.pbrt{place}"));
-        assert!(is_at && error.contains(part), "{from} -> {to}: {error}");
-    }
+    ];
+    check_faults(&text, "no-such-folder/a.pbrt", pbrt, &faults);
     let deep = "AttributeBegin\n".repeat(5000);
     assert!(pbrt(&deep).unwrap_err().to_string().contains("the depth of attributes is 4097"));
     // instances of instances there are none, and their copies count
@@ -265,9 +247,8 @@ fn normals_and_vertices_that_are_none_are_counted() {
                 \"normal N\" [0 0 1 0 0 1 0 0 1 inf 0 0 0 0 1]\n\
                 Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"normal N\" [0 0 1]\n";
     let scene = pbrt(text).unwrap();
-    let shapes: Vec<Shape> = scene.primitives.iter().map(|p| p.shape).collect();
     assert!(matches!(
-        shapes[..],
+        shapes(&scene)[..],
         [Shape::Patch { .. }, Shape::Triangle { .. }, Shape::Triangle { .. }]
     ));
     assert!(scene.vertices.iter().chain(&scene.normals).all(|v| v.is_finite()));
@@ -334,8 +315,7 @@ fn a_model_two_folders_above_is_read_where_that_is_allowed() {
     let ron = RON.replace("a.obj", "assets/obj/a.obj");
     let files = [("assets/scenes/a.ron", ron.as_str()), ("assets/obj/a.obj", OBJ)];
     let (_folder, path) = folder(&files);
-    let names = [path.join("assets/scenes/a.ron").to_str().unwrap().to_owned()];
-    let mut scene = SceneCatalogue::embedded().unwrap().resolve(&names).unwrap().remove(0);
+    let mut scene = resolved(&path.join("assets/scenes/a.ron")).unwrap();
     let error = scene.load().unwrap_err().to_string();
     assert!(error.contains("--allow-outside"), "{error}");
     scene.allow_outside();

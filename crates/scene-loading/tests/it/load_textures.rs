@@ -7,6 +7,9 @@ use scene_loading::gltf::parse_gltf;
 use scene_loading::{LoadError, Scene, Wrap};
 use serde_json::{Value, json};
 
+use crate::gltf_file::{File, set};
+use crate::{folder, warning};
+
 /// A PNG file of 2 x 1 texels: red and blue.
 fn png() -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -32,13 +35,9 @@ const QUAD: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n\
 
 /// Loads an OBJ file with an MTL file and images beside it.
 fn load(obj: &str, mtl: &str, images: &[(&str, Vec<u8>)]) -> Scene {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.obj"), obj).unwrap();
-    std::fs::write(folder.path().join("a.mtl"), mtl).unwrap();
-    for (name, bytes) in images {
-        std::fs::write(folder.path().join(name), bytes).unwrap();
-    }
-    crate::load(&folder.path().join("a.obj")).unwrap()
+    let texts = [("a.obj", obj.into()), ("a.mtl", mtl.into())];
+    let (_folder, path) = folder(&[&texts[..], images].concat());
+    crate::load(&path.join("a.obj")).unwrap()
 }
 
 #[test]
@@ -59,9 +58,9 @@ fn obj_faces_keep_their_texture_coordinates() {
         }
     }
     assert_eq!(scene.texcoords_of(3), None);
-    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
-    assert!(warning.0.contains("1 faces of textured materials"), "{warning}");
-    assert!(warning.0.ends_with("(first: line 13)"), "{warning}");
+    let warning = warning(&scene);
+    assert!(warning.contains("1 faces of textured materials"), "{warning}");
+    assert!(warning.ends_with("(first: line 13)"), "{warning}");
 }
 
 #[test]
@@ -107,9 +106,8 @@ fn an_unavailable_image_is_a_warning_that_names_it() {
             ("huge.png", png_that_claims([50_000; 2])),
         ];
         let scene = load(&text, &mtl, &images);
-        let [warning] = &scene.warnings[..] else { panic!("{name}: {:?}", scene.warnings) };
         for part in ["a.mtl:3: material `wall` has its plain colour", &format!("`{name}`"), why] {
-            assert!(warning.0.contains(part), "{part}: {warning}");
+            assert!(warning(&scene).contains(part), "{part}: {}", warning(&scene));
         }
         assert_eq!((scene.materials[0].texture, scene.materials[0].color), (None, [1.0, 0.5, 1.0]));
         assert!(scene.textures.is_empty() && scene.texcoords.is_empty());
@@ -131,51 +129,36 @@ fn the_images_of_a_scene_share_one_budget() {
     let images: Vec<_> = names.iter().map(|name| (name.as_str(), bytes.clone())).collect();
     let scene = load(&text, &mtl, &images);
     assert_eq!(scene.textures.len(), 11);
-    let [warning] = &scene.warnings[..] else { panic!("{:?}", scene.warnings) };
-    assert!(warning.0.contains("material `m11`") && warning.0.contains("left"), "{warning}");
+    let warning = warning(&scene);
+    assert!(warning.contains("material `m11`") && warning.contains("left"), "{warning}");
 }
 
 /// A textured triangle; the buffer has positions, floats, bytes, shorts and the image.
-fn document() -> (Value, Vec<u8>) {
-    let floats: [f32; 15] = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 2., 0., 0., -3.];
-    let mut buffer: Vec<u8> = floats.iter().flat_map(|f| f.to_le_bytes()).collect();
-    buffer.extend([0_u8, 0, 255, 0, 0, 51, 0, 0]);
-    buffer.extend([0_u16, 0, 65535, 0, 0, 13107].iter().flat_map(|i| i.to_le_bytes()));
-    let image = png();
-    buffer.extend(&image);
-    let view =
-        |from: usize, length: usize| json!({"buffer": 0, "byteOffset": from, "byteLength": length});
-    let texcoords = |view: usize, kind: u32, normalized: bool| {
-        json!({"bufferView": view, "componentType": kind, "count": 3, "type": "VEC2",
-            "normalized": normalized})
-    };
-    let document = json!({
-        "asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1, "TEXCOORD_1": 2,
-            "TEXCOORD_2": 3}, "material": 0}]}],
-        "materials": [{"name": "wall", "pbrMetallicRoughness": {
-            "baseColorTexture": {"index": 0}, "baseColorFactor": [1, 0.5, 1, 1]}}],
-        "textures": [{"source": 0, "sampler": 0}],
-        "samplers": [{"wrapS": 33071, "wrapT": 33648}],
-        "images": [{"bufferView": 4, "mimeType": "image/png"}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-                "min": [0, 0, 0], "max": [1, 1, 0]},
-            texcoords(1, 5126, false), texcoords(2, 5121, true), texcoords(3, 5123, true),
-        ],
-        "bufferViews": [view(0, 36), view(36, 24), view(60, 6), view(68, 12), view(80, image.len())],
-        "buffers": [{"byteLength": buffer.len(), "uri": "buffer"}],
-    });
-    (document, buffer)
+fn textured() -> File {
+    let mut file = File::triangle();
+    file.floats("VEC2", &[0., 0., 2., 0., 0., -3.]);
+    file.accessor("VEC2", 5121, 3, &[0, 0, 255, 0, 0, 51]);
+    let shorts = [0_u16, 0, 65535, 0, 0, 13107];
+    file.accessor("VEC2", 5123, 3, &shorts.map(u16::to_le_bytes).concat());
+    for set in 0..3 {
+        file.json["accessors"][set + 1]["normalized"] = json!(set > 0);
+        file.attributes()[format!("TEXCOORD_{set}")] = json!(set + 1);
+    }
+    file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    file.json["materials"] = json!([{"name": "wall", "pbrMetallicRoughness": {
+        "baseColorTexture": {"index": 0}, "baseColorFactor": [1, 0.5, 1, 1]}}]);
+    file.json["textures"] = json!([{"source": 0, "sampler": 0}]);
+    file.json["samplers"] = json!([{"wrapS": 33071, "wrapT": 33648}]);
+    let view = file.view(&png());
+    file.json["images"] = json!([{"bufferView": view, "mimeType": "image/png"}]);
+    file
 }
 
 /// Parses the document after a change at `at`.
 fn parse(at: &str, to: Value) -> Result<Scene, LoadError> {
-    let (mut document, buffer) = document();
-    let data = base64::engine::general_purpose::STANDARD.encode(buffer);
-    document["buffers"][0]["uri"] = format!("data:application/octet-stream;base64,{data}").into();
+    let mut document = textured().document();
     if !at.is_empty() {
-        *document.pointer_mut(at).expect(at) = to;
+        document = set(document, at, to);
     }
     parse_gltf(Path::new("dir/a.gltf"), document.to_string().as_bytes())
 }
@@ -217,9 +200,9 @@ fn gltf_images_that_cannot_be_had_are_warnings() {
         (json!({"uri": format!("data:image/png;base64,{huge}")}), "50000 x 50000 texels"),
     ] {
         let scene = parse("/images/0", image.clone()).unwrap_or_else(|e| panic!("{image}: {e}"));
-        let [warning] = &scene.warnings[..] else { panic!("{image}: {:?}", scene.warnings) };
         let expected = "dir/a.gltf: material `wall` has its plain colour: texture `image 0`";
-        assert!(warning.0.starts_with(expected) && warning.0.contains(why), "{warning}");
+        let warning = warning(&scene);
+        assert!(warning.starts_with(expected) && warning.contains(why), "{warning}");
         assert!(scene.textures.is_empty() && scene.texcoords.is_empty());
         assert_eq!(scene.materials[0].color, [1.0, 0.5, 1.0]);
     }

@@ -6,14 +6,9 @@ use std::path::Path;
 use glam::DVec3;
 use scene_loading::obj::{ObjOptions, parse_materials, parse_obj};
 use scene_loading::view_options::UpOption;
-use scene_loading::{LoadedScene, SceneCatalogue, SceneRef, ViewOptions};
+use scene_loading::{LoadedScene, ViewOptions};
 
-fn file(folder: &Path, name: &str, text: &str) -> SceneRef {
-    let path = folder.join(name);
-    std::fs::write(&path, text).unwrap();
-    let names = [path.to_str().unwrap().to_owned()];
-    SceneCatalogue::embedded().unwrap().resolve(&names).unwrap().remove(0)
-}
+use crate::{folder, resolved};
 
 fn warns_of_light(loaded: &LoadedScene) -> bool {
     loaded.scene.warnings.iter().any(|warning| warning.0.contains("no lights"))
@@ -23,29 +18,31 @@ const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
 #[test]
 fn a_scene_without_lights_gets_one_at_the_eye_and_a_warning() {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in [("a.obj", OBJ), ("b.nff", "s 0 0 0 1\n")] {
-        let loaded = file(folder.path(), name, text).load().unwrap();
+    let lit = ("c.nff", "l 1 2 3\ns 0 0 0 1\n");
+    let (_folder, path) = folder(&[("a.obj", OBJ), ("b.nff", "s 0 0 0 1\n"), lit]);
+    for name in ["a.obj", "b.nff"] {
+        let loaded = resolved(&path.join(name)).unwrap().load().unwrap();
         let lights: Vec<DVec3> = loaded.scene.lights.iter().map(|l| l.position()).collect();
         assert_eq!(lights, [loaded.scene.camera.from], "{name}");
         assert!(warns_of_light(&loaded), "{name}: {:?}", loaded.scene.warnings);
     }
-    let lit = file(folder.path(), "c.nff", "l 1 2 3\ns 0 0 0 1\n").load().unwrap();
+    let lit = resolved(&path.join("c.nff")).unwrap().load().unwrap();
     assert!(!warns_of_light(&lit) && lit.scene.lights[0].position() == DVec3::new(1.0, 2.0, 3.0));
 }
 
 #[test]
 fn a_scene_file_can_ask_for_no_lights() {
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("a.obj"), OBJ).unwrap();
     let text = |name: &str, more: &str| {
         format!(
             r#"{{"name": "{name}", "title": "t", "why": "w", "source": {{"file": "a.obj"}}{more}}}"#
         )
     };
-    let dark = file(folder.path(), "dark.json", &text("dark", r#", "lights": []"#)).load().unwrap();
+    let dark = text("dark", r#", "lights": []"#);
+    let files = [("a.obj", OBJ.to_owned()), ("dark.json", dark), ("open.json", text("open", ""))];
+    let (_folder, path) = folder(&files);
+    let [dark, open] =
+        ["dark.json", "open.json"].map(|name| resolved(&path.join(name)).unwrap().load().unwrap());
     assert!(dark.scene.lights.is_empty() && !warns_of_light(&dark));
-    let open = file(folder.path(), "open.json", &text("open", "")).load().unwrap();
     assert!(open.scene.lights.len() == 1 && warns_of_light(&open));
     assert_ne!(dark.sha256, open.sha256, "a result says which");
 }
@@ -76,8 +73,8 @@ fn all_of_a_scene_without_a_camera_is_in_the_image() {
 
 #[test]
 fn what_is_said_from_outside_replaces_view_and_lights_and_shows_in_the_hash() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut scene = file(folder.path(), "a.nff", "l 1 2 3\ns 0 0 0 1\n");
+    let (_folder, path) = folder(&[("a.nff", "l 1 2 3\ns 0 0 0 1\n")]);
+    let mut scene = resolved(&path.join("a.nff")).unwrap();
     let before = scene.load().unwrap();
     scene.view = ViewOptions {
         camera: "0,0,7:0,0,0:30".parse().ok(),

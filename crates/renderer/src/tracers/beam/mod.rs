@@ -65,7 +65,7 @@ pub fn draw(
     }
     let pixels = prepared.assemble([0.0; 3], &tiles, |tile| &tile.colors);
     let [width, height] = frame.resolution;
-    Ok(DrawnImage { image: Image { width, height, pixels }, work, counts: counts.named() })
+    Ok(DrawnImage { image: Image { width, height, pixels }, work, counts: counts.rows() })
 }
 
 /// Surfaces seen by the pixels of an image, row by row: one line per depth and primitive, in that

@@ -1,8 +1,6 @@
 //! Settings of beam tracing, the scenes that it does not support (curved surfaces, area lights,
 //! blurred reflections), a scene made ready for it, and the numbers of beams of an image.
 
-use std::ops::AddAssign;
-
 use accel_core::primitives::newell_normal;
 use glam::DVec3;
 use scene_loading::{Primitive, Rgb, Scene, Shape};
@@ -12,7 +10,7 @@ use crate::camera::{EyeRays, Sampling};
 use crate::effects::lights;
 use crate::ray_offset::magnitude;
 use crate::surface::Surfaces;
-use crate::tracers::info::{Frame, Refusal, Structures, TracerInfo};
+use crate::tracers::info::{Frame, Refusal, Structures, TracerInfo, counts};
 
 pub static INFO: TracerInfo = TracerInfo {
     name: "beam",
@@ -133,57 +131,21 @@ impl<'a> BeamScene<'a> {
     }
 }
 
-/// Numbers of beams of an image.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    /// Beams from the eye: tiles.
-    pub beams: u64,
-    /// Beams sent on by mirrors.
-    pub mirrored: u64,
-    /// Beams sent on by glass.
-    pub refracted: u64,
-    pub shadows: u64,
+counts! {
+    /// One for each tile.
+    beams: "eye beams",
+    mirrored: "mirrored beams",
+    refracted: "refracted beams",
+    shadows: "shadow beams",
     /// Pieces that see one face, or nothing.
-    pub fragments: u64,
-    /// Parts of beams that are reflected totally.
-    pub internal: u64,
-    /// Beams that would have no volume.
-    pub degenerate: u64,
+    fragments: "fragments",
     /// Pieces that were cut in two or more.
-    pub cut: u64,
+    cut: "pieces cut",
     /// Pieces that were decided by the face in front of their centre, as too many cuts were made.
-    pub unresolved: u64,
-}
-
-impl AddAssign for Counts {
-    fn add_assign(&mut self, other: Self) {
-        self.beams += other.beams;
-        self.mirrored += other.mirrored;
-        self.refracted += other.refracted;
-        self.shadows += other.shadows;
-        self.fragments += other.fragments;
-        self.internal += other.internal;
-        self.degenerate += other.degenerate;
-        self.cut += other.cut;
-        self.unresolved += other.unresolved;
-    }
-}
-
-impl Counts {
-    /// With the words for each.
-    pub fn named(&self) -> Vec<(&'static str, u64)> {
-        vec![
-            ("eye beams", self.beams),
-            ("mirrored beams", self.mirrored),
-            ("refracted beams", self.refracted),
-            ("shadow beams", self.shadows),
-            ("fragments", self.fragments),
-            ("pieces cut", self.cut),
-            ("pieces decided at their centre", self.unresolved),
-            ("beams reflected totally", self.internal),
-            ("beams without a volume", self.degenerate),
-        ]
-    }
+    unresolved: "pieces decided at their centre",
+    /// Parts of beams that are reflected totally.
+    internal: "beams reflected totally",
+    degenerate: "beams without a volume",
 }
 
 #[cfg(test)]

@@ -9,11 +9,10 @@ use std::ops::ControlFlow;
 
 use glam::{DVec2, DVec3};
 
-use super::caster::Scratch;
-use super::caster::{Caster, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::{Composition, Fragment, compose};
 use super::coverage::{Coverage, DepartedSurface};
+use super::{Caster, Scratch, UNSEEN};
 
 /// While candidates still arrive, so many are combined to see whether the cone is full; more are
 /// combined at the end alone.

@@ -12,11 +12,10 @@
 use glam::DVec3;
 use scene_loading::Rgb;
 
-use super::caster::Scratch;
-use super::caster::{Caster, Path};
 use super::circular_cone::Cone;
 use super::compose::union;
 use super::coverage::DepartedSurface;
+use super::{Caster, Path, Scratch};
 
 use super::widening::Incidence;
 use crate::effects::SurfaceHit;

@@ -7,12 +7,11 @@ use accel_core::{Hit, Ray};
 use glam::DVec3;
 use scene_loading::Rgb;
 
-use super::caster::Scratch;
-use super::caster::{Caster, Path, UNSEEN};
 use super::circular_cone::Cone;
 use super::compose::VisibleSurface;
 use super::coverage::DepartedSurface;
 use super::widening::Incidence;
+use super::{Caster, Path, Scratch, UNSEEN};
 use crate::effects::{HitStage, Origin, SurfaceHit, lit_normal, shadow_ray};
 use crate::surface::{reflect, refract};
 

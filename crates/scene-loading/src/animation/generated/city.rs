@@ -3,8 +3,7 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::{self, Frames, Stage, seconds};
+use crate::animation::generated::stage::{self, Frames, Mesh, Stage, seconds};
 use crate::procedural::parts::{Z_UP, ground, matte, stage, view};
 
 /// From one street to the next, and the side of a building's plot, units.
@@ -29,18 +28,13 @@ pub(super) fn frames(size: u32) -> Frames {
     let view = view(from, [0.0, -0.15 * reach, 0.0], Z_UP, 45.0, 0.0);
     let light = [-3.0 * reach, -2.0 * reach, 5.0 * reach + 5.0];
     let mut stage = Stage::new(stage(view, &[light]));
-    let floor = stage.scene.push_material(matte([0.35, 0.36, 0.37]));
-    stage.part_of(Mesh::quadrangle(ground(reach + BLOCK, 0.0)), floor);
+    stage.part_at_rest(Mesh::quadrangle(ground(reach + BLOCK, 0.0)), matte([0.35, 0.36, 0.37]));
     for (kind, wall) in WALLS.into_iter().enumerate() {
-        let material = stage.scene.push_material(matte(wall));
         let of_kind = |i: &u64| stage::random_below(4, *i, 0) == kind as u64;
         let buildings = (0..u64::from(size).pow(2)).filter(of_kind);
         let mesh = buildings.fold(Mesh::default(), |all, i| with_building(all, i, size, reach));
-        if !mesh.triangles.is_empty() {
-            stage.part_of(mesh, material);
-        }
+        stage.part_at_rest(mesh, matte(wall));
     }
-    let at_rest = stage.parts();
     let paint = [[0.8, 0.1, 0.1], [0.9, 0.85, 0.2], [0.1, 0.3, 0.8], [0.9, 0.9, 0.9]];
     let paint = paint.map(|color| stage.scene.push_material(matte(color)));
     let car = stage.mesh(car());
@@ -48,8 +42,7 @@ pub(super) fn frames(size: u32) -> Frames {
         stage.part(car, paint[i as usize % paint.len()]);
     }
     Box::new(move |frame| {
-        let cars = (0..2 * size).map(|i| car_at(i, size, reach, seconds(frame)));
-        stage.placed(std::iter::repeat_n(DAffine3::IDENTITY, at_rest).chain(cars))
+        stage.placed((0..2 * size).map(|i| car_at(i, size, reach, seconds(frame))))
     })
 }
 

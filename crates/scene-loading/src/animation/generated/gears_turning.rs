@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3};
 
-use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::{Frames, Stage};
+use crate::animation::generated::stage::{Frames, Mesh, Stage};
+use crate::procedural::counts;
 use crate::procedural::gears::{self, TEETH};
 use crate::procedural::parts::ground;
 use crate::tessellate::triangulate;
@@ -14,15 +14,14 @@ use crate::tessellate::triangulate;
 /// Frames in which a gear turns by one tooth.
 const FRAMES_PER_TOOTH: f64 = 4.0;
 
-/// The floor, and for each gear two faces of 144 vertices and 144 squares between them.
+/// As many as the gears of the SPD are cut into.
 pub(super) fn count(size: u32) -> u64 {
-    2 + u64::from(size).pow(3) * (2 * 142 + 2 * 144)
+    counts::gears(size).flat_triangles
 }
 
 pub(super) fn frames(size: u32) -> Frames {
     let mut stage = Stage::new(gears::empty());
-    let floor = stage.scene.push_material(gears::floor());
-    stage.part_of(Mesh::quadrangle(ground(2.0, 0.0)), floor);
+    stage.part_at_rest(Mesh::quadrangle(ground(2.0, 0.0)), gears::floor());
     let gear = stage.mesh(gear(size));
     let gears: Vec<gears::Gear> = gears::gears(size).collect();
     for gear_of in &gears {
@@ -31,26 +30,21 @@ pub(super) fn frames(size: u32) -> Frames {
     }
     Box::new(move |frame| {
         let turned = TAU / TEETH as f64 * f64::from(frame) / FRAMES_PER_TOOTH;
-        let places = gears.iter().map(|gear| {
+        stage.placed(gears.iter().map(|gear| {
             let sense = if gear.is_turned { -1.0 } else { 1.0 };
             let turn = gears::turn(gear.is_turned) + sense * turned;
             DAffine3::from_mat3_translation(DMat3::from_rotation_z(turn), gear.center)
-        });
-        stage.placed(std::iter::once(DAffine3::IDENTITY).chain(places))
+        }))
     })
 }
 
 /// A gear in triangles.
 fn gear(size: u32) -> Mesh {
     let scene = gears::one(size);
-    let mut mesh = Mesh::default();
-    for primitive in &scene.primitives {
-        let outline = scene.outline(primitive.shape);
-        let first = mesh.vertices.len() as u32;
+    scene.primitives.iter().fold(Mesh::default(), |mesh, primitive| {
+        let vertices = scene.outline(primitive.shape);
         // the outlines are simple polygons: a test counts what they are cut into
-        let triangles = triangulate(&outline).unwrap_or_default();
-        mesh.vertices.extend(outline);
-        mesh.triangles.extend(triangles.iter().map(|t| t.map(|i| first + i)));
-    }
-    mesh
+        let triangles = triangulate(&vertices).unwrap_or_default();
+        mesh.with(&Mesh { vertices, triangles, ..Mesh::default() })
+    })
 }

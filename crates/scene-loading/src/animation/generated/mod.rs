@@ -2,10 +2,8 @@
 
 mod city;
 mod cloth;
-mod falling;
 mod gears_turning;
 mod marbles;
-mod mesh;
 mod particles;
 mod stage;
 mod walker;

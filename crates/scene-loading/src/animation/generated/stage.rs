@@ -1,8 +1,12 @@
-//! Scenes of rigid parts: their meshes stay, their placements move.
+//! Scenes of rigid parts: their meshes stay, their placements move. Also the time and the random
+//! numbers of all generated animations.
 
-use crate::animation::generated::mesh::Mesh;
-use crate::scene::{Instance, Primitive, Scene, Shape};
+use std::collections::BTreeMap;
+
 use glam::{DAffine3, DVec3};
+
+use crate::procedural::hare::face;
+use crate::scene::{Instance, Material, Primitive, Scene, Shape};
 
 /// A scene without primitives, and the parts that it will have.
 pub(super) struct Stage {
@@ -10,11 +14,13 @@ pub(super) struct Stage {
     meshes: Vec<Mesh>,
     /// Mesh and material of each.
     parts: Vec<[u32; 2]>,
+    /// So many of them, which come first, do not move.
+    at_rest: usize,
 }
 
 impl Stage {
     pub fn new(scene: Scene) -> Self {
-        Self { scene, meshes: Vec::new(), parts: Vec::new() }
+        Self { scene, meshes: Vec::new(), parts: Vec::new(), at_rest: 0 }
     }
 
     /// Adds a mesh and returns its index.
@@ -23,24 +29,22 @@ impl Stage {
         self.meshes.len() as u32 - 1
     }
 
-    /// Adds a part of that mesh.
+    /// Adds a part of that mesh, which moves.
     pub fn part(&mut self, mesh: u32, material: u32) {
         self.parts.push([mesh, material]);
     }
 
-    /// Adds a part of a mesh of its own.
-    pub fn part_of(&mut self, mesh: Mesh, material: u32) {
-        let mesh = self.mesh(mesh);
-        self.part(mesh, material);
+    /// Adds a part that does not move, before all that do; none for an empty mesh.
+    pub fn part_at_rest(&mut self, mesh: Mesh, material: Material) {
+        let material = self.scene.push_material(material);
+        if !mesh.triangles.is_empty() {
+            let mesh = self.mesh(mesh);
+            self.part(mesh, material);
+            self.at_rest += 1;
+        }
     }
 
-    /// Number of parts of the scene.
-    pub fn parts(&self) -> usize {
-        self.parts.len()
-    }
-
-    /// The scene with its parts where they are said to be, in their order; those without a
-    /// placement stand as they are.
+    /// The scene with its moving parts where they are said to be, in their order.
     pub fn placed(&self, placements: impl IntoIterator<Item = DAffine3>) -> Scene {
         let mut scene = self.scene.clone();
         let sum = |count: fn(&Mesh) -> usize| {
@@ -49,9 +53,8 @@ impl Stage {
         scene.vertices.reserve_exact(sum(|mesh| mesh.vertices.len()));
         scene.normals.reserve_exact(sum(|mesh| mesh.normals.len()));
         scene.primitives.reserve_exact(sum(|mesh| mesh.triangles.len()));
-        let mut placements = placements.into_iter();
-        for &part in &self.parts {
-            let placement = placements.next().unwrap_or(DAffine3::IDENTITY);
+        let at_rest = std::iter::repeat_n(DAffine3::IDENTITY, self.at_rest);
+        for (&part, placement) in self.parts.iter().zip(at_rest.chain(placements)) {
             push(&mut scene, part, &self.meshes[part[0] as usize], placement);
         }
         scene
@@ -137,5 +140,148 @@ impl<S: Clone> Replay<S> {
             self.steps += 1;
         }
         &self.state
+    }
+}
+
+/// Triangles over vertices, wound against the clock as seen from outside.
+#[derive(Default)]
+pub(super) struct Mesh {
+    pub vertices: Vec<DVec3>,
+    /// Normal of each vertex; empty for flat faces.
+    pub normals: Vec<DVec3>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// Corners of an icosahedron, in parts of 1 and of the golden ratio: first and second axis of
+/// three, signs.
+#[rustfmt::skip]
+const CORNERS: [(usize, f64, f64); 12] = [
+    (0, -1.0, 1.0), (0, 1.0, 1.0), (0, -1.0, -1.0), (0, 1.0, -1.0), (1, -1.0, 1.0), (1, 1.0, 1.0),
+    (1, -1.0, -1.0), (1, 1.0, -1.0), (2, -1.0, 1.0), (2, 1.0, 1.0), (2, -1.0, -1.0),
+    (2, 1.0, -1.0),
+];
+
+#[rustfmt::skip]
+const FACES: [[usize; 3]; 20] = [
+    [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11], [1, 5, 9], [5, 11, 4], [11, 10, 2],
+    [10, 7, 6], [7, 1, 8], [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9], [4, 9, 5],
+    [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
+];
+
+impl Mesh {
+    /// A smooth ball of radius 1 around the origin: an icosahedron's faces, each cut into `n`
+    /// squared triangles and pushed out.
+    pub fn ball(n: u32) -> Self {
+        let golden = (1.0 + 5_f64.sqrt()) / 2.0;
+        let corners = CORNERS.map(|(axis, one, long)| {
+            let mut corner = [0.0; 3];
+            corner[axis] = one;
+            corner[(axis + 1) % 3] = long * golden;
+            DVec3::from_array(corner)
+        });
+        let mut mesh = Self::default();
+        // by corners and their shares, so that faces have the vertices on their edges in common
+        let mut known: BTreeMap<[(usize, i32); 3], u32> = BTreeMap::new();
+        for of in FACES {
+            for (a, b, c) in face(n as i32) {
+                mesh.triangles.push([a, b, c].map(|[x, y, z]| {
+                    let mut key = [(of[0], x), (of[1], y), (of[2], z)]
+                        .map(|(corner, share)| if share == 0 { (0, 0) } else { (corner, share) });
+                    key.sort_unstable();
+                    *known.entry(key).or_insert_with(|| {
+                        let at: DVec3 = key.iter().map(|&(i, w)| corners[i] * f64::from(w)).sum();
+                        mesh.vertices.push(at.normalize());
+                        mesh.vertices.len() as u32 - 1
+                    })
+                }));
+            }
+        }
+        mesh.normals.clone_from(&mesh.vertices);
+        mesh
+    }
+
+    /// A block between two corners: 12 triangles.
+    pub fn block(min: DVec3, max: DVec3) -> Self {
+        let corner = |i: u32| {
+            let pick = |bit: u32, low, high| if i & bit == 0 { low } else { high };
+            DVec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
+        };
+        let faces =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+        Self {
+            vertices: (0..8).map(corner).collect(),
+            normals: Vec::new(),
+            triangles: faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        }
+    }
+
+    /// A quadrangle: two triangles.
+    pub fn quadrangle(corners: [DVec3; 4]) -> Self {
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        Self { vertices: corners.to_vec(), normals: Vec::new(), triangles }
+    }
+
+    /// Scaled along the axes; keeps its sense.
+    pub fn scaled(mut self, by: DVec3) -> Self {
+        self.vertices.iter_mut().for_each(|v| *v *= by);
+        self.normals.iter_mut().for_each(|n| *n = (*n / by).normalize());
+        self
+    }
+
+    /// With what lies below z = 0 lowered: a ball becomes a capsule.
+    pub fn pulled_down(mut self, by: f64) -> Self {
+        self.vertices.iter_mut().filter(|v| v.z < 0.0).for_each(|v| v.z -= by);
+        self
+    }
+
+    /// With another of its kind.
+    pub fn with(mut self, other: &Self) -> Self {
+        let first = self.vertices.len() as u32;
+        self.vertices.extend(&other.vertices);
+        self.normals.extend(&other.normals);
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(|i| first + i)));
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+
+    /// Six times the volume within, if the mesh is closed and wound one way.
+    fn closed(mesh: &Mesh) -> Option<f64> {
+        let mut edges = BTreeSet::new();
+        for &[a, b, c] in &mesh.triangles {
+            if ![(a, b), (b, c), (c, a)].into_iter().all(|edge| edges.insert(edge)) {
+                return None;
+            }
+        }
+        let volume = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|i| mesh.vertices[i as usize]);
+            a.dot(b.cross(c))
+        };
+        let all = edges.iter().all(|&(a, b)| edges.contains(&(b, a)));
+        all.then(|| mesh.triangles.iter().map(volume).sum())
+    }
+
+    #[test]
+    fn balls_capsules_and_blocks_are_closed_and_face_outward() {
+        for n in 1..6 {
+            let ball = Mesh::ball(n);
+            assert_eq!(ball.triangles.len() as u32, 20 * n * n);
+            assert_eq!(ball.vertices.len() as u32, 10 * n * n + 2);
+            let volume = closed(&ball).unwrap();
+            assert!(volume > 15.0 && volume < 25.14, "{n}: {volume}");
+            let capsule = closed(&ball.pulled_down(1.0)).unwrap();
+            assert!(capsule > volume + 9.0, "{n}: {capsule}");
+        }
+        let block = Mesh::block(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0));
+        assert_eq!(closed(&block), Some(36.0));
+        // planted fault: a triangle the other way round
+        let mut bad = block;
+        bad.triangles[3].swap(0, 1);
+        assert_eq!(closed(&bad), None);
     }
 }

@@ -5,8 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::{Frames, Stage, seconds};
+use crate::animation::generated::stage::{Frames, Mesh, Stage, seconds};
 use crate::procedural::parts::{Z_UP, ground, matte, stage, view};
 
 /// Metres per second, double steps per second.
@@ -73,8 +72,7 @@ pub(super) fn count(size: u32) -> u64 {
 pub(super) fn frames(size: u32) -> Frames {
     let view = view([1.6, -3.0, 1.5], [0.0, 0.0, 0.9], Z_UP, 40.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[3.0, -4.0, 5.0], [-4.0, -3.0, 3.0]]));
-    let floor = stage.scene.push_material(matte([0.5, 0.55, 0.5]));
-    stage.part_of(Mesh::quadrangle(ground(12.0, 0.0)), floor);
+    stage.part_at_rest(Mesh::quadrangle(ground(12.0, 0.0)), matte([0.5, 0.55, 0.5]));
     let colors = [[0.25, 0.3, 0.5], [0.7, 0.3, 0.2], [0.8, 0.62, 0.5]];
     let [trousers, shirt, skin] = colors.map(|color| stage.scene.push_material(matte(color)));
     let meshes = SHAPES.map(|(axes, pulled)| {
@@ -92,8 +90,7 @@ pub(super) fn frames(size: u32) -> Frames {
     Box::new(move |frame| {
         let time = seconds(frame);
         let ahead = DVec3::new(SPEED * time, 0.0, 0.0);
-        let mut scene = stage
-            .placed(std::iter::once(DAffine3::IDENTITY).chain(pose(TAU * STEPS * time, ahead)));
+        let mut scene = stage.placed(pose(TAU * STEPS * time, ahead));
         scene.camera.from += ahead;
         scene.camera.at += ahead;
         scene

@@ -5,8 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use crate::animation::generated::mesh::Mesh;
-use crate::animation::generated::stage::{self, Frames, Stage, seconds};
+use crate::animation::generated::stage::{self, Frames, Mesh, Stage, seconds};
 use crate::procedural::parts::{Z_UP, ground, matte, stage, view};
 
 /// Point at which the wall is hit: above the middle of its foot, for a wall 2 wide and 1 high.
@@ -29,8 +28,7 @@ pub(super) fn count(size: u32) -> u64 {
 pub(super) fn frames(size: u32) -> Frames {
     let view = view([2.3, 4.6, 2.0], [0.0, 0.9, 0.3], Z_UP, 42.0, 0.0);
     let mut stage = Stage::new(stage(view, &[[2.0, 4.0, 5.0], [-4.0, 2.0, 3.0]]));
-    let floor = stage.scene.push_material(matte([0.55, 0.6, 0.5]));
-    stage.part_of(Mesh::quadrangle(ground(20.0, 0.0)), floor);
+    stage.part_at_rest(Mesh::quadrangle(ground(20.0, 0.0)), matte([0.55, 0.6, 0.5]));
     let kinds = [[0.6, 0.25, 0.18], [0.52, 0.2, 0.15], [0.68, 0.33, 0.25]];
     let kinds = kinds.map(|color| stage.scene.push_material(matte(color)));
     let height = 1.0 / f64::from(size);
@@ -43,10 +41,7 @@ pub(super) fn frames(size: u32) -> Frames {
     for i in 0..bricks.len() as u64 {
         stage.part(brick, kinds[stage::random_below(3, i, 0) as usize]);
     }
-    Box::new(move |frame| {
-        let places = bricks.iter().map(|brick| brick.at(seconds(frame)));
-        stage.placed(std::iter::once(DAffine3::IDENTITY).chain(places))
-    })
+    Box::new(move |frame| stage.placed(bricks.iter().map(|brick| brick.at(seconds(frame)))))
 }
 
 /// The flight of a brick.

@@ -5,6 +5,7 @@ use scene_loading::animation::{Animation, open};
 use scene_loading::{Light, LoadError, Scene, Shape};
 
 use super::{claim_error, claimed};
+use crate::{folder, shapes, warnings};
 
 /// A view, a light, and a clip of five frames from 0 to 4 seconds.
 const HEAD: &str = "v\nfrom 0 0 9\nat 0 0 4\nup 0 1 0\nangle 40\nhither 1\nresolution 8 6\n\
@@ -18,12 +19,9 @@ const ALONG_X: &str = "transl 7\n-1 -1 0 0 0 0 0\n0 0 0 0 0 0 0\n1 1 0 0 0 0 0\n
                        3 3 0 0 0 0 0\n4 4 0 0 0 0 0\n5 5 0 0 0 0 0\n";
 
 fn opened(files: &[(&str, &str)]) -> Result<Animation, LoadError> {
-    let folder = tempfile::tempdir().unwrap();
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).unwrap();
-    }
     // all is in memory from here on
-    open(folder.path().join(files[0].0).to_str().unwrap())
+    let (_folder, path) = folder(files);
+    open(path.join(files[0].0).to_str().unwrap())
 }
 
 fn animation(body: &str) -> Animation {
@@ -152,21 +150,17 @@ fn shapes_are_read() {
                 1 3 2 0 0 0 1 1 1\n0 0 0 0 0 0 0 0 0\n\
                 m\nvertices 3\n0 0 0\n1 0 0\n0 1 0\ntriangles 1\n2 1 0\n";
     let scene = animation(body).frame(0).unwrap();
-    let kinds: String = scene
-        .primitives
-        .iter()
-        .map(|p| match p.shape {
-            Shape::Triangle { .. } => 't',
-            Shape::Patch { .. } => 'p',
-            Shape::Cone(_) => 'c',
-            _ => '?',
-        })
-        .collect();
-    assert_eq!(kinds, "ttpctpppt");
+    let kind = |shape| match shape {
+        Shape::Triangle { .. } => 't',
+        Shape::Patch { .. } => 'p',
+        Shape::Cone(_) => 'c',
+        _ => '?',
+    };
+    assert_eq!(shapes(&scene).into_iter().map(kind).collect::<String>(), "ttpctpppt");
     assert_eq!(corners(&scene, 7)[1], DVec3::new(1.0, 1.0, 0.0));
     assert_eq!(corners(&scene, 8)[0], DVec3::Y);
     assert_eq!(scene.normals[0], DVec3::Z);
-    let warnings: Vec<&str> = scene.warnings.iter().map(|w| w.0.as_str()).collect();
+    let warnings = warnings(&scene);
     assert_eq!(warnings.len(), 2, "{warnings:?}");
     assert!(warnings[0].contains("1 faces without area") && warnings[1].contains("3 textured"));
 }
@@ -229,7 +223,7 @@ fn files_that_multiply_are_refused() {
         names[1..].iter().map(|next| format!("i 0 {next}\n").repeat(3)).collect();
     texts.push(String::new());
     let files: Vec<(&str, &str)> =
-        names.iter().zip(&texts).map(|(name, text)| (name.as_str(), text.as_str())).collect();
+        names.iter().zip(&texts).map(|(name, text)| (&**name, &**text)).collect();
     let error = opened(&files).err().unwrap();
     assert!(error.to_string().contains("the number of included files is 65537"), "{error}");
 }

@@ -1,7 +1,9 @@
 //! Animations of glTF files, with what is expected worked out by hand.
 
+use std::path::Path;
+
 use glam::DVec3;
-use scene_loading::animation::{Animation, open};
+use scene_loading::animation::{Animation, parse};
 use scene_loading::{LoadError, Scene};
 use serde_json::{Value, json};
 
@@ -26,11 +28,7 @@ impl File {
     }
 
     fn open(&self) -> Result<Animation, LoadError> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("moves.gltf");
-        std::fs::write(&path, self.text()).unwrap();
-        // all is in memory from here on
-        open(path.to_str().unwrap())
+        parse(Path::new("moves.gltf"), self.text().into_bytes())
     }
 
     /// The frame at 1 of 2 seconds, and the first.
@@ -131,8 +129,7 @@ fn vertices_follow_their_joints() {
         1., 0., 0., 0.,  0., 1., 0., 0.,  0., 0., 1., 0.,  0., 0., 0., 1.,
         1., 0., 0., 0.,  0., 1., 0., 0.,  0., 0., 1., 0.,  0., -1., 0., 1.,
     ]);
-    file.json["meshes"][0]["primitives"][0]["attributes"] =
-        json!({"POSITION": 0, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    *file.attributes() = json!({"POSITION": 0, "JOINTS_0": joints, "WEIGHTS_0": weights});
     file.json["skins"] = json!([{"joints": [2, 3], "inverseBindMatrices": inverse}]);
     file.json["nodes"] = json!([
         {"mesh": 0, "skin": 0, "translation": [100, 0, 0]},
@@ -151,7 +148,7 @@ fn vertices_follow_their_joints() {
     near(middle.vertices[2], [0.0, 5.0, 0.0]);
     assert!(middle.instances.is_empty() && middle.primitives.len() == 1);
 
-    let mut bad = File { json: file.json.clone(), bytes: file.bytes.clone() };
+    let mut bad = file.clone();
     bad.json["skins"][0]["joints"] = json!([2]);
     assert!(bad.error().contains("skin 0: found joint 1 of vertex 0, expected one of 1"));
     bad.json["skins"][0]["joints"] = json!([2, 3, 1]);
@@ -166,8 +163,7 @@ fn vertices_follow_their_joints() {
     bad.json["nodes"][1]["children"] = json!([]);
     assert!(warning(&bad).contains("joints that are not in the scene"));
     bad.json["nodes"][1]["children"] = json!([2]);
-    let attributes = &mut bad.json["meshes"][0]["primitives"][0]["attributes"];
-    attributes.as_object_mut().unwrap().remove("WEIGHTS_0");
+    bad.attributes().as_object_mut().unwrap().remove("WEIGHTS_0");
     assert!(warning(&bad).contains("has no JOINTS_0 and WEIGHTS_0"));
 }
 

@@ -11,7 +11,7 @@ use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use renderer::Geometry;
-use renderer::refined_hit::RefinedHit;
+use renderer::surface::RefinedHit;
 
 use super::prelude::in_a_million;
 use super::secondary_rays::{

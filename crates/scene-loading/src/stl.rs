@@ -10,14 +10,12 @@
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
-use crate::input::read::scene_name;
-use crate::input::text::{parse_number, text_of, without_mark};
-use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, Welder, is_usable};
+use crate::input::{parse_number, text_of, without_mark};
+use crate::limits;
+use crate::mesh::{TriangleList, is_usable};
 use crate::nff::tokens::Words;
 use crate::progress;
-use crate::scene::{Material, Scene, Warning};
-use glam::DVec3;
+use crate::scene::{Scene, Warning};
 
 /// Parses an STL file. `path` gives the scene its name and appears in errors, with the line or the
 /// byte. Scenes have no lights, one material, and a camera that frames them.
@@ -26,25 +24,19 @@ use glam::DVec3;
 /// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::CountTooLarge`],
 /// [`LoadError::NoPrimitives`].
 pub fn parse_stl(path: &Path, bytes: Vec<u8>) -> Result<Scene, LoadError> {
-    let mut scene = Scene::new(scene_name(path));
-    let mesh = Mesh::of_triangles(scene.push_material(Material::default()));
-    let mut reader =
-        Reader { path, mesh, scene, welder: Welder::default(), counts: FaceCounts::default() };
+    let mut reader = Reader { path, triangles: TriangleList::new(path) };
     if is_binary(path, &bytes)? {
         reader.binary(&bytes)?
     } else {
         reader.text(&text_of(path, bytes)?)?
     }
     progress::end();
-    reader.counts.finish(reader.scene, path)
+    reader.triangles.finish(path)
 }
 
 struct Reader<'a> {
     path: &'a Path,
-    mesh: Mesh,
-    scene: Scene,
-    welder: Welder,
-    counts: FaceCounts,
+    triangles: TriangleList,
 }
 
 impl Reader<'_> {
@@ -53,19 +45,16 @@ impl Reader<'_> {
         corners: [[f64; 3]; 3],
         place: impl Fn() -> FilePlace,
     ) -> Result<(), LoadError> {
-        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3;
-        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", &place)?;
         if !corners.as_flattened().iter().all(|&value| is_usable(value)) {
-            self.counts.unusable.add(place);
+            self.triangles.counts.unusable.add(place);
             return Ok(());
         }
-        let corners = corners.map(DVec3::from_array);
-        let corners = corners.map(|corner| self.welder.vertex(corner, &mut self.scene));
-        self.mesh.add(&corners, &mut self.scene, &mut self.counts, place)
+        self.triangles.add(corners, place)
     }
 
     fn warn(&mut self, text: String) {
-        self.scene.warnings.push(Warning(format!("{}: {text}", self.path.display())));
+        let text = format!("{}: {text}", self.path.display());
+        self.triangles.scene.warnings.push(Warning(text));
     }
 
     fn text(&mut self, text: &str) -> Result<(), LoadError> {
