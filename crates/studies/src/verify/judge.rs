@@ -8,14 +8,15 @@ use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
+use renderer::Geometry;
 
 use super::answers::{Answers, Repeated, closest};
-use super::digest::Digest;
-use super::metamorphic::{Invariant, MetamorphicPair};
+use super::answers::Digest;
 use super::mismatch::OwnTestJudge;
 pub use super::mismatch::{Difference, Mismatch};
-use super::model::Model;
-use super::round::{OracleAnswer, Round};
+use super::round::{
+    Invariant, MetamorphicPair, OracleAnswer, Round, corners_of, model_of,
+};
 use super::subject::{Subject, with_brute_force};
 use measurement::plan::rows::Row;
 use measurement::rays::exactness::Exactness;
@@ -40,8 +41,7 @@ pub(super) fn brute_force_answers<S: Buildable>(
 }
 
 /// A round with the answers of brute force.
-#[derive(Debug)]
-pub struct Judge<'a, S: Scalar> {
+pub struct Judge<'a, S: Buildable> {
     round: &'a Round<S>,
     reference: Answers<S>,
     pairs: Vec<Vec<Hit<S>>>,
@@ -148,10 +148,10 @@ impl<'a, S: Buildable> Judge<'a, S> {
 
     /// Judges answers by another primitive test than ours; none where there are no exact triangles.
     fn by_oracle(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<RoundVerdict> {
-        let exact = |model: &Model<S>| Model::<f64>::triangles(&model.corners()?).ok();
+        let exact = |model: &Geometry<S>| model_of::<f64>(&corners_of(model)?).ok();
         let model = exact(&self.round.model)?;
         let judge = OwnTestJudge::new(&model);
-        let of_pairs: Option<Vec<Model<f64>>> =
+        let of_pairs: Option<Vec<Geometry<f64>>> =
             self.round.pairs.iter().map(|pair| exact(&pair.model)).collect();
         let of_pairs = of_pairs?;
         let pair_judges: Vec<_> = of_pairs.iter().map(OwnTestJudge::new).collect();
@@ -280,7 +280,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
 
 /// Returns whether the answer to the pair is that to the round. Where renumbering changed which of
 /// two equal hits has the lowest id, only brute force knows which is right.
-fn is_kept<S: Scalar>(
+fn is_kept<S: Buildable>(
     pair: &MetamorphicPair<S>,
     hit: &Hit<S>,
     said: &Hit<S>,

@@ -5,6 +5,7 @@ use std::fmt;
 use super::round::MOST_RAYS;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
+use measurement::settings::choice::Choice;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Replay {
@@ -22,7 +23,7 @@ pub struct Replay {
 impl fmt::Display for Replay {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { case, seed, round, rays, ray, subject, .. } = self;
-        let precision = precision_name(self.precision);
+        let precision = self.precision.name();
         write!(f, "{case} {precision} seed={seed} round={round} rays={rays} ray={ray} {subject}")
     }
 }
@@ -38,11 +39,7 @@ impl Replay {
     fn read(line: &str) -> Option<Self> {
         let mut words = line.split_whitespace();
         let case = words.next()?.to_owned();
-        let precision = match words.next()? {
-            "f32" => Precision::F32,
-            "f64" => Precision::F64,
-            _ => return None,
-        };
+        let precision = Precision::typed(words.next()?)?;
         let mut number = |name: &str| -> Option<u64> {
             words.next()?.strip_prefix(name)?.strip_prefix('=')?.parse().ok()
         };
@@ -51,13 +48,6 @@ impl Replay {
         let ray = usize::try_from(number("ray")?).ok()?;
         let subject = words.collect::<Vec<_>>().join(" ");
         (!subject.is_empty()).then_some(Self { case, precision, seed, round, rays, ray, subject })
-    }
-}
-
-pub fn precision_name(precision: Precision) -> &'static str {
-    match precision {
-        Precision::F32 => "f32",
-        Precision::F64 => "f64",
     }
 }
 

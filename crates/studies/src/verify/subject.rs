@@ -8,9 +8,8 @@ use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure};
 use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, find};
-use accel_core::update::moved;
+use renderer::Geometry;
 
-use super::model::Model;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{Row, select};
 
@@ -121,7 +120,7 @@ impl<'r> Subject<'r> {
     /// Builds over `model` and hands the tracer to `ask`; `None` where it has no such primitives.
     pub fn over<S: Buildable, R>(
         &self,
-        model: &Model<S>,
+        model: &Geometry<S>,
         ask: impl FnOnce(&dyn Tracer<S>) -> R,
     ) -> Result<Option<R>, BuildError> {
         match self {
@@ -130,7 +129,7 @@ impl<'r> Subject<'r> {
                 Ok(Some(ask(&*tracer)))
             }
             Self::Control => {
-                let Model::Triangles(set) = model else { return Ok(None) };
+                let Geometry::Triangles(set) = model else { return Ok(None) };
                 let settings = Settings::<()>::of(&brute_force_entry()?.defaults());
                 let leaky = set.tested_by::<MoellerTrumbore>();
                 let tracer = BruteForce::<S>::build(leaky, &settings)?;
@@ -144,17 +143,13 @@ impl<'r> Subject<'r> {
     /// `ask`.
     pub fn taken_over<S: Buildable, R>(
         &self,
-        before: &Model<S>,
-        model: &Model<S>,
+        before: &Geometry<S>,
+        model: &Geometry<S>,
         ask: impl FnOnce(&dyn Tracer<S>) -> R,
     ) -> Result<Option<R>, BuildError> {
         let Self::Structure(row) = self else { return Ok(None) };
         let kept = row.entry.build(before.prims(), &row.params)?.released();
-        let moved = match (before, model) {
-            (Model::Triangles(before), Model::Triangles(now)) => moved(before, now),
-            (Model::Mixed(before), Model::Mixed(now)) => moved(before, now),
-            _ => None,
-        };
+        let moved = model.moved_since(before);
         let (Some(kept), Some(moved)) = (kept, moved) else { return self.over(model, ask) };
         let before = PreviousFrame { kept, moved: &moved };
         Ok(Some(ask(&*row.entry.update(model.prims(), &row.params, before)?)))

@@ -5,7 +5,7 @@
 //! whole numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding
 //! may then put it on either side of a plane, and a parent and its child may disagree.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::meshes::{Cubes, cube};
 
 /// Cubes along a side of the largest checkerboard, and of the largest block: of that only the
@@ -22,7 +22,7 @@ pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
     let part = unit(random).powf(1.5);
     let cubes = Cubes { side: 2 + ((most - 1.0) * part) as i32, is_solid };
     let triangles: Vec<_> = cubes.all().flat_map(cube).collect();
-    let mut round = Round::new(Model::triangles(&triangles)?);
+    let mut round = Round::new(model_of(&triangles)?);
     let columns = Columns::new(cubes);
     let mut near = NearbyPrimitives { lists: columns.lists(), of: Vec::new() };
     for _ in 0..rays {

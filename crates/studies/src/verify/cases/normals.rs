@@ -2,9 +2,9 @@
 
 use scene_loading::{Cone, Material, Scene};
 
-use super::prelude::*;
+use super::*;
 use super::secondary::from_hits;
-use crate::verify::polygons::{placed, tangled};
+use crate::verify::meshes::{placed, tangled};
 
 /// A shape whose normals are known.
 enum KnownNormals {

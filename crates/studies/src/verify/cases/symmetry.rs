@@ -5,7 +5,7 @@
 //! underflow, overflow and absolute lengths in the program: answers must keep their bits. Another
 //! order of the axes changes the order of sums: ids must stay.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::meshes::torus;
 
 /// Loose triangles, some far larger than others, and rays at them.
