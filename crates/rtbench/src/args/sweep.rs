@@ -8,7 +8,7 @@ use measurement::plan::error::PlanError;
 use measurement::settings::MeasuringSettings;
 use studies::sweep::SweepSettings;
 use studies::sweep::sizes::SizeSettings;
-use studies::sweep::sizes::targets::Sizes;
+use studies::sweep::sizes::Sizes;
 
 use crate::args::measuring::RatioArgs;
 use crate::args::parsers::scene_name;

@@ -17,7 +17,7 @@ use measurement::system::machine::PressureWatch;
 use presentation::table::words;
 use presentation::text::Screen;
 use studies::run::conclusions::conclude;
-use studies::run::text;
+use studies::run::output;
 use studies::run::view::View;
 
 /// Does what was asked and returns the exit code.

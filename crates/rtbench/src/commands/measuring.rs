@@ -31,7 +31,7 @@ use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use renderer::ShadowRays;
 use studies::run::conclusions::conclude_scene;
-use studies::sweep::sizes::admission;
+use studies::sweep::sizes;
 
 #[derive(Debug)]
 pub struct PlanResults {

@@ -12,7 +12,7 @@ use crate::exports::outputs::OutputError;
 use measurement::record::file;
 use measurement::record::merge::{PartialRun, merge};
 use studies::run::conclusions::conclude;
-use studies::run::text;
+use studies::run::output;
 use studies::run::view::View;
 
 /// Merges and returns the exit code: that of the whole run.

@@ -16,7 +16,7 @@ use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::settings::RunSettings;
 use scene_loading::source_names::name_of_path;
-use studies::run::text;
+use studies::run::output;
 use studies::run::view::View;
 
 /// Runs and returns the exit code.

@@ -9,7 +9,7 @@ use measurement::record::{RunRecord, file};
 use measurement::system::created::CreatedFiles;
 use presentation::json;
 use presentation::json::FormatError;
-use studies::run::markdown;
+use studies::run::output;
 
 use crate::args::ExportArgs;
 use crate::context::Context;

@@ -12,7 +12,7 @@ use crate::exports::outputs::Outputs;
 use measurement::record::{RunRecord, file};
 use presentation::json;
 use presentation::text::Screen;
-use studies::sweep::sizes::targets::Sizes;
+use studies::sweep::sizes::Sizes;
 use studies::sweep::sizes::{self, SizeSweep};
 use studies::sweep::{Sweep, plot, table};
 

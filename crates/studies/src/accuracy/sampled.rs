@@ -10,13 +10,12 @@ use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
-use crate::accuracy::audit;
 use crate::accuracy::record::{ErrorOf, SceneOutcome};
 use crate::accuracy::stage::{Stage, Work};
-use crate::accuracy::timing::{Variant, timed};
-use crate::effect_plan::plan_of;
+use crate::accuracy::timing::Variant;
 use crate::error::StudyError;
-use crate::image_error::{ConvergedImage, rmse};
+use crate::images::plan_of;
+use crate::images::{ConvergedImage, rmse};
 use measurement::system::machine;
 use measurement::system::pools::pool;
 
@@ -80,12 +79,6 @@ impl SampledEffect<'_> {
         Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
     }
 
-    /// All numbers of samples, judged and timed.
-    pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-        let ImageCheck { variants, said, .. } = self.judged(stage)?;
-        Ok(timed(stage, said, variants))
-    }
-
     /// All numbers of samples, judged, to be timed.
     pub fn judged<'s>(&'s self, stage: &Stage<'_>) -> Result<ImageCheck<'s>, StudyError> {
         let mut plan = SamplingPlan::new(stage.limits.quick);
@@ -121,7 +114,7 @@ impl SampledEffect<'_> {
             let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
             let error = (squares / seeds as f64).sqrt();
             if Some(&n) == plan.samples.last() && !stage.limits.only_times {
-                faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
+                faults.extend(bad_reference(error, scatter(&images), reference.own_error));
             }
             let error = ErrorOf::Rmse { rmse: error };
             let plan = self.plan(plan.size, n, stage.limits.seed)?;
@@ -210,6 +203,22 @@ fn scatter(images: &[Image]) -> f64 {
     (squares / f64::max(pairs, 1.0) / 2.0).sqrt()
 }
 
+/// Factor by which a variant's distance from the reference may exceed its scatter plus the
+/// reference's own error. Both are estimates, which few pixels may decide.
+const TOLERATED: f64 = 3.0;
+
+/// A sampled reference that is worse than it says: `error` is that of the finest variant to it,
+/// `scatter` the variant's own by its seeds, `own` the reference's.
+fn bad_reference(error: f64, scatter: f64, own: f64) -> Option<String> {
+    let explained = scatter.hypot(own);
+    (error > TOLERATED * explained).then(|| {
+        format!(
+            "the reference is less accurate than stated: the finest variant differs by \
+             {error:.2e}; scatter and the stated error explain {explained:.2e}"
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,5 +228,13 @@ mod tests {
         let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
         assert_eq!(scatter(&[image(1.0), image(1.0)]), 0.0);
         assert!((scatter(&[image(1.0), image(2.0)]) - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_reference_less_accurate_than_stated_is_caught() {
+        assert_eq!(bad_reference(0.011, 0.01, 0.001), None);
+        assert!(bad_reference(0.04, 0.01, 0.001).is_some());
+        // planted: an honest reference that states a tenth of its error
+        assert!(bad_reference(0.03, 0.003, 0.003).is_some());
     }
 }

@@ -6,13 +6,10 @@
 //! so that a frame is loaded and its right answers are found once. All answers of all frames are
 //! checked.
 
-pub mod figures;
-pub mod lane;
 pub mod measure;
-pub mod plot;
 pub mod quality;
 pub mod record;
-pub mod table;
+pub mod report;
 pub mod verdict;
 
 use accel_core::params::ParamKind;

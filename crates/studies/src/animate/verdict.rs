@@ -3,7 +3,7 @@
 use presentation::numbers;
 use statistics::estimate::Estimate;
 
-use crate::animate::figures::Totals;
+use crate::animate::record::Totals;
 use crate::animate::record::{AnimationRecord, LaneRecord};
 
 /// A row and its times.

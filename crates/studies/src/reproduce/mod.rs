@@ -4,30 +4,26 @@
 //! the counters mean was found by experiment; `results/published/README.md` has the rules.
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
-use published::{Figure, table};
+use published::{Count, Figure, PaperCounters, Setting, table};
 use rayon::prelude::*;
-use setting::{Count, PaperCounters, Setting};
 use verdict::{Verdict, judge};
 
-mod adaptive;
 mod grids;
-mod hug;
 pub mod lecture;
 mod octrees;
 pub mod published;
-mod setting;
 pub mod verdict;
 
-pub use setting::{PublishedScene, ReproduceError};
+pub use published::{PublishedScene, ReproduceError};
 
 /// The structures of both tables as the paper names them, one line each.
 static STRUCTURES: &[(&str, Count)] = &[
     ("invariants", |scene, _| Ok(scene.invariants(&grids::count_uniform(scene, None)?))),
     ("uniform", grids::uniform),
     ("recursive", grids::recursive),
-    ("hug", hug::counters),
-    ("adaptive", adaptive::counters),
-    ("adaptive-orphan", adaptive::counters),
+    ("hug", grids::hug),
+    ("adaptive", grids::adaptive),
+    ("adaptive-orphan", grids::adaptive),
     (octrees::COLUMNS[0], octrees::counters),
     (octrees::COLUMNS[1], octrees::counters),
     (octrees::COLUMNS[2], octrees::counters),

@@ -11,10 +11,12 @@
 //! of leaves with primitives, and N_EETS that of all leaves but the one in which the ray ended.
 //! Glass ends no shadow ray.
 
-use accel_core::query::tracer::{ShadowRule, Tracer};
+use accel_core::query::tracer::ShadowRule;
 use renderer::Geometry;
 
-use super::setting::{Counted, PublishedScene, ReproduceError, Setting, grid_counters, registered};
+use super::published::{
+    BuiltTracer, Counted, PublishedScene, ReproduceError, Setting, build, grid_counters,
+};
 
 /// The columns, as named in the table.
 pub const COLUMNS: [&str; 5] =
@@ -23,7 +25,7 @@ pub const COLUMNS: [&str; 5] =
 /// Builds the octree of a column at a published depth (`depth=6`) and counts: steps per ray, tests
 /// per required hit.
 pub(super) fn counters(scene: &PublishedScene, setting: &Setting) -> Counted {
-    let tracer = build(&scene.geometry, setting.structure, setting.params)?;
+    let tracer = build_octree(&scene.geometry, setting.structure, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::Historical);
     let required = work.primary_hits + work.secondary_hits + work.shadow_hits;
     let mut counters = grid_counters(scene, &work);
@@ -41,12 +43,11 @@ pub(super) fn counters(scene: &PublishedScene, setting: &Setting) -> Counted {
     Ok(counters)
 }
 
-fn build<'g>(
+fn build_octree<'g>(
     geometry: &'g Geometry<f64>,
     column: &str,
     params: &str,
-) -> Result<Box<dyn Tracer<f64> + 'g>, ReproduceError> {
-    let entry = registered("octree")?;
+) -> Result<BuiltTracer<'g>, ReproduceError> {
     let subdivision = if column.ends_with("-A") { "adaptive" } else { "centre" };
     let traversal = match column.get(6..8) {
         Some("84") => "point-location",
@@ -62,14 +63,13 @@ fn build<'g>(
         ("boxes", "historical"),
         ("order", if traversal == "point-location" { "alternate" } else { "alternate-reverse" }),
     ];
-    Ok(entry.build(geometry.prims(), &entry.params(settings)?)?)
+    build("octree", geometry, settings)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::published::{figures, geometry, table};
+    use super::super::published::{cell_counters, figures, geometry, table};
     use super::super::reproduce_scene;
-    use super::super::setting::cell_counters;
     use super::super::verdict::Verdict;
     use super::*;
 
@@ -81,7 +81,7 @@ mod tests {
             let columns = table(&figures, "Octree84-C", scene);
             assert_eq!(columns.len(), 4);
             for (params, counters) in columns {
-                let stats = build(&geometry, "Octree84-C", params).unwrap().stats();
+                let stats = build_octree(&geometry, "Octree84-C", params).unwrap().stats();
                 for (counter, value) in cell_counters(&stats) {
                     assert_eq!(value.to_string(), counters[counter], "{scene} {params} {counter}");
                 }

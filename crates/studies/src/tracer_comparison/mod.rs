@@ -9,20 +9,17 @@ use std::collections::BTreeMap;
 
 use crate::accuracy::pareto::{FrontPoint, standings};
 use crate::accuracy::record::VariantStanding;
-use crate::image_error::{ConvergedImage, edge_rmse, edges, rmse};
+use crate::images::{ConvergedImage, edge_rmse, edges, rmse};
 use accel_core::query::region::FrustumWork;
 use accel_core::query::tracer::Tracer;
-use equal_error::{SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
-use record::{ImageMeasurement, ImageRecord, Outcome, RowName};
+use record::{ImageMeasurement, ImageRecord, Outcome, RowName, SampledImage, at_error};
 use renderer::tracers::{DrawnImage, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene, Shape};
 use statistics::series::Series;
 
-mod columns;
-pub mod equal_error;
 pub mod queries;
 pub mod record;
 pub mod report;
@@ -274,7 +271,7 @@ impl SampledReference {
 
 #[cfg(test)]
 mod tests {
-    use super::equal_error::AtError;
+    use super::record::AtError;
     use super::*;
 
     fn row(samples: Option<u32>, seconds: f64, error: f64) -> ImageRecord {

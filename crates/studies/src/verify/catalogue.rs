@@ -4,8 +4,8 @@ use accel_core::primitives::PrimitiveError;
 use renderer::ray_offset::OffsetRule;
 
 use super::cases::{
-    cells, crossings, crowds, edge_on, geometry, intervals, motion, nested_planes, normals, polygons,
-    ray, secondary, shadow_rays, shapes, symmetry,
+    cells, crossings, crowds, edge_on, geometry, intervals, motion, nested_planes, normals,
+    polygons, ray, secondary, shadow_rays, shapes, symmetry,
 };
 use super::round::Round;
 use measurement::plan::error::PlanError;

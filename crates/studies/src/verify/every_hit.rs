@@ -131,7 +131,7 @@ fn is_outside(corners: &[f64; 3], x: f64, slack: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::round::ray;
+    use crate::verify::round::{mixed_model, ray};
     use glam::dvec3;
 
     #[test]

@@ -7,7 +7,7 @@
 use std::cell::Cell;
 
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar, Vector};
+use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 
 use super::catalogue::Case;

@@ -12,11 +12,11 @@ use measurement::plan::ray_overrides::RULES;
 use renderer::Geometry;
 use scene_loading::Scene;
 
-use super::prelude::*;
 use super::refracted_shift::GlassEntries;
 use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, height};
 use super::shadow_terminator::LitPoints;
 use super::smallest_offset::SmallestOffsets;
+use crate::accuracy::axis::*;
 
 pub static AXIS: Axis = Axis {
     name: "ray-offset",

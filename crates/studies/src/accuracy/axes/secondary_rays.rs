@@ -12,7 +12,7 @@ use renderer::{Geometry, RayKind};
 use scene_loading::{Scene, Shape};
 use statistics::random::Random;
 
-use super::prelude::*;
+use crate::accuracy::axis::*;
 use crate::accuracy::stage::fingerprint;
 use crate::verify::draw::direction;
 

@@ -13,10 +13,10 @@ use glam::DVec3;
 use renderer::Geometry;
 use renderer::refined_hit::RefinedHit;
 
-use super::prelude::in_a_million;
 use super::secondary_rays::{
     Columns, Departure, GAP, SecondaryRays, SecondaryWork, height, quantile,
 };
+use crate::accuracy::record::in_a_million;
 
 /// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for
 /// any less than it with which a ray is safe that is not without.

@@ -5,8 +5,8 @@
 use accel_core::primitives::Instance;
 use glam::{DAffine3, DQuat};
 
-use crate::verify::exact::on_mesh;
 use super::*;
+use crate::verify::exact::on_mesh;
 
 pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let many = one_of(random, &[1, 2, 40, 300]);

@@ -2,8 +2,8 @@
 
 use scene_loading::{Cone, Material, Scene};
 
-use super::*;
 use super::secondary::from_hits;
+use super::*;
 use crate::verify::meshes::{placed, tangled};
 
 /// A shape whose normals are known.

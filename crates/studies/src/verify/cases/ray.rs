@@ -1,8 +1,8 @@
 //! Awkward rays.
 
+use super::*;
 use crate::verify::exact::in_soup_within;
 use crate::verify::round::MetamorphicPair;
-use super::*;
 
 pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 60);
@@ -159,24 +159,30 @@ fn in_a_flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResul
     let put = |p: DVec3, x: f64| with(p, axis, x);
     let flat = |t: &Corners| t.map(|p| put(p, level));
     let triangles: Vec<Corners> = soup(random, 200, 0.3).iter().map(flat).collect();
-    exact_round(random, rays, &triangles, |_, _| Some(OracleAnswer::Miss), |random| {
-        // corners lie within 1.3 of the axis
-        let beside = one_of(random, &[0, 1].map(|k| (axis + 1 + k) % 3));
-        let origin = put(point(random) * 2.0, level);
-        let origin = with(origin, beside, one_of(random, &[1.5, -1.5, 7.0, -7.0]));
-        let target = put(point_within(random, &triangles), level);
-        let mut along = target - origin;
-        if random.below(3) == 0 {
-            // along an axis, the third component tiny as well
-            let tiny = put(DVec3::splat(denormal::<S>(random)), 0.0);
-            along = with(tiny, beside, along[beside]);
-        }
-        let off = match random.below(4) {
-            0 => one_of(random, &[1e-30, -1e-30, 0.0, -0.0]),
-            _ => denormal::<S>(random),
-        };
-        (origin, put(along, off))
-    })
+    exact_round(
+        random,
+        rays,
+        &triangles,
+        |_, _| Some(OracleAnswer::Miss),
+        |random| {
+            // corners lie within 1.3 of the axis
+            let beside = one_of(random, &[0, 1].map(|k| (axis + 1 + k) % 3));
+            let origin = put(point(random) * 2.0, level);
+            let origin = with(origin, beside, one_of(random, &[1.5, -1.5, 7.0, -7.0]));
+            let target = put(point_within(random, &triangles), level);
+            let mut along = target - origin;
+            if random.below(3) == 0 {
+                // along an axis, the third component tiny as well
+                let tiny = put(DVec3::splat(denormal::<S>(random)), 0.0);
+                along = with(tiny, beside, along[beside]);
+            }
+            let off = match random.below(4) {
+                0 => one_of(random, &[1e-30, -1e-30, 0.0, -0.0]),
+                _ => denormal::<S>(random),
+            };
+            (origin, put(along, off))
+        },
+    )
 }
 
 fn in_loose_triangles<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {

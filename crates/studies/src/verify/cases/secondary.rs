@@ -7,8 +7,8 @@ use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
 use scene_loading::{Cone, Material, Scene};
 
-use crate::verify::subject::with_brute_force;
 use super::*;
+use crate::verify::subject::with_brute_force;
 
 /// Rays that leave one hit point.
 const A_HIT: usize = 20;
