@@ -148,9 +148,9 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Re
     // those from before conclusions have none
     conclude(&mut record);
     for scene in &record.scenes {
-        text::write_scene(context.out, &record, scene, view)?;
+        output::write_scene(context.out, &record, scene, view)?;
     }
-    text::write_end(context.out, &record, view)?;
+    output::write_end(context.out, &record, view)?;
     if let Some(counts) = instructions {
         let header = vec!["row", "rays", "build", "trace"];
         let title = format!("Instructions ({})", counts.valgrind);

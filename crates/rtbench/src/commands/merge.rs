@@ -37,10 +37,10 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     let view = View::on(context.terminal.screen(color));
     for scene in &record.scenes {
         warn_of(context, scene);
-        text::write_scene(context.out, &record, scene, &view)?;
+        output::write_scene(context.out, &record, scene, &view)?;
     }
     if !record.summary.is_empty() {
-        text::write_end(context.out, &record, &view)?;
+        output::write_end(context.out, &record, &view)?;
     }
     context.out.flush()?;
     Ok(exit_code(&PlanResults { record, failures: 0, disturbed: false }))

@@ -117,11 +117,11 @@ fn measure(
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);
-            text::write_scene(context.out, record, scene, view)?;
+            output::write_scene(context.out, record, scene, view)?;
             Ok(context.out.flush()?)
         })?;
     if !measured.record.summary.is_empty() {
-        text::write_end(context.out, &measured.record, view)?;
+        output::write_end(context.out, &measured.record, view)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))
