@@ -53,7 +53,7 @@ pub fn run(
     let load = |number: u32| {
         let mut scene = scene.frame(number)?;
         view.apply(&mut scene)?;
-        if animate.precision() == Precision::F32 && too_fine.is_none() {
+        if animate.plan.precision == Precision::F32 && too_fine.is_none() {
             too_fine.clone_from(&scene.fine_detail);
         }
         if let Some(strip) = &mut strip {
@@ -67,7 +67,7 @@ pub fn run(
             unwritten = write_all(folder, record).err();
         }
     };
-    let measured = match animate.precision() {
+    let measured = match animate.plan.precision {
         Precision::F32 => measure::<f32>(&animate, load, shown, &mut record, watch),
         Precision::F64 => measure::<f64>(&animate, load, shown, &mut record, watch),
     };
@@ -111,7 +111,7 @@ fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
         rounds: animate.rounds,
         seed: animate.plan.seed,
         resolution: animate.plan.settings.resolution,
-        precision: animate.precision().name().into(),
+        precision: animate.plan.precision.name().into(),
         kinds: animate.plan.kinds.iter().map(|kind| kind.name().into()).collect(),
         ..AnimationRecord::default()
     }

@@ -57,26 +57,20 @@ pub struct SampledEffect<'a> {
 }
 
 impl SampledEffect<'_> {
-    fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, StudyError> {
-        let mut wishes = SampleWishes::ONE_OF_EACH;
-        (self.wish)(&mut wishes, samples);
-        self.plan_of(self.scene, size, wishes, seed)
-    }
-
-    fn plan_of(
+    /// An image of one of the scenes with so many samples, or one of each.
+    fn plan(
         &self,
         scene: &Scene,
         size: u32,
-        samples: SampleWishes,
+        samples: Option<u32>,
         seed: u64,
     ) -> Result<EffectPlan, StudyError> {
-        let max_depth = self.max_depth;
-        let settings = RenderSettings { resolution: [size; 2], max_depth, samples, seed };
-        Ok(plan_of(scene, &settings)?)
-    }
-
-    fn image(&self, size: u32, samples: u32, seed: u64) -> Result<Image, StudyError> {
-        Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
+        let mut wishes = SampleWishes::ONE_OF_EACH;
+        if let Some(n) = samples {
+            (self.wish)(&mut wishes, n);
+        }
+        let (resolution, max_depth) = ([size; 2], self.max_depth);
+        Ok(plan_of(scene, &RenderSettings { resolution, max_depth, samples: wishes, seed })?)
     }
 
     /// All numbers of samples, judged, to be timed.
@@ -88,7 +82,10 @@ impl SampledEffect<'_> {
         }
         // what is not timed may use the whole machine
         let helper = pool(machine::threads())?;
-        let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
+        let image = |n, seed| -> Result<Image, StudyError> {
+            let plan = self.plan(self.scene, plan.size, Some(n), seed)?;
+            Ok(helper.install(|| render_plan(self.scene, self.tracer, &plan).image))
+        };
         // seeds that no variant has
         let far = |i: u64| stage.limits.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
         let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
@@ -96,8 +93,7 @@ impl SampledEffect<'_> {
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         if let Some((scene, tracer)) = self.without {
-            let plain =
-                self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.limits.seed)?;
+            let plain = self.plan(scene, plan.size, None, stage.limits.seed)?;
             let image = helper.install(|| render_plan(scene, tracer, &plain).image);
             let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
             let setting = "render, of the scene without what calls for it";
@@ -117,7 +113,7 @@ impl SampledEffect<'_> {
                 faults.extend(bad_reference(error, scatter(&images), reference.own_error));
             }
             let error = ErrorOf::Rmse { rmse: error };
-            let plan = self.plan(plan.size, n, stage.limits.seed)?;
+            let plan = self.plan(self.scene, plan.size, Some(n), stage.limits.seed)?;
             let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
             let setting = format!("render --samples {}={n}", self.option);
             variants.push(Variant {

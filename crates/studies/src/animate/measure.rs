@@ -50,13 +50,18 @@ pub fn measure<S: Buildable>(
         .iter()
         .flat_map(|row| measured.iter().filter_map(|pool| Lane::new(row, pool, animate.rounds)))
         .collect();
-    let mut first = None;
-    let mut before = None;
+    let (mut first, mut before): (Option<Geometry<S>>, Option<Geometry<S>>) = (None, None);
     let [begin, end] = animate.frames;
     for number in begin..=end {
         progress.message(format!("{}: frame {number}", animate.scene));
         let scene = scene_of(number).map_err(MeasureError::from)?;
-        let frame = Frame::<S>::new(number, scene, first.as_ref(), before.as_ref())?;
+        let exact = Geometry::<f64>::of(&scene)?;
+        let mut geometry = Geometry::<S>::of(&scene)?;
+        if let Some(first) = &first {
+            geometry.keep_rigid(first);
+        }
+        let moved = before.as_ref().and_then(|before| geometry.moved_since(before));
+        let frame = Frame { number, scene, geometry, exact, moved };
         if number > begin && frame.moved.is_none() {
             // no structure of the frame before can be updated
             lanes.iter_mut().for_each(|lane| lane.kept.fill_with(|| None));
@@ -299,23 +304,4 @@ pub struct Frame<S: Buildable> {
     /// Ids of the primitives that are others than in the frame before, ascending; none in the
     /// first, and where there are not the same primitives in both.
     pub moved: Option<Vec<u32>>,
-}
-
-impl<S: Buildable> Frame<S> {
-    /// Frame of a scene. `first` and `before` are the primitives of the first frame measured and of
-    /// the previous one.
-    pub fn new(
-        number: u32,
-        scene: Scene,
-        first: Option<&Geometry<S>>,
-        before: Option<&Geometry<S>>,
-    ) -> Result<Self, StudyError> {
-        let exact = Geometry::<f64>::of(&scene)?;
-        let mut geometry = Geometry::<S>::of(&scene)?;
-        if let Some(first) = first {
-            geometry.keep_rigid(first);
-        }
-        let moved = before.and_then(|before| geometry.moved_since(before));
-        Ok(Self { number, scene, geometry, exact, moved })
-    }
 }

@@ -1,7 +1,7 @@
 //! An animation as tables, one per number of threads, rows with the most frames per second first; its
 //! CSV; and plots over its frames.
 
-use measurement::record::Verdict;
+use measurement::record::{Verdict, WorkRecord};
 use presentation::csv::{number, written};
 use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
@@ -10,7 +10,7 @@ use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
 use presentation::table::{Cell, Style, Table, dash};
 use statistics::estimate::{Estimate, estimate, median};
 
-use crate::animate::record::{AnimationRecord, LaneFrame, LaneRecord};
+use crate::animate::record::{AnimationRecord, FrameRecord, LaneFrame, LaneRecord};
 use crate::animate::verdict;
 
 /// Columns of most weight.
@@ -71,8 +71,8 @@ fn table(run: &AnimationRecord, threads: usize) -> Table {
 
 fn title(run: &AnimationRecord, threads: usize) -> String {
     let (first, last) = (run.frames.first(), run.frames.last());
-    let number = |frame: Option<&crate::animate::record::FrameRecord>| frame.map_or(0, |f| f.frame);
-    let mean = |of: fn(&crate::animate::record::FrameRecord) -> Option<u64>| {
+    let number = |frame: Option<&FrameRecord>| frame.map_or(0, |f| f.frame);
+    let mean = |of: fn(&FrameRecord) -> Option<u64>| {
         let all: Vec<f64> = run.frames.iter().filter_map(of).map(|n| n as f64).collect();
         let sum: f64 = all.iter().sum();
         (sum / all.len().max(1) as f64).round()
@@ -108,17 +108,11 @@ fn of_times(run: &AnimationRecord, lane: &LaneRecord) -> Vec<Cell> {
 /// Memory at its most, work and quality on average.
 fn of_structure(lane: &LaneRecord) -> Vec<Cell> {
     let bytes = lane.frames.iter().map(|frame| frame.bytes).max();
-    let a_ray = |of: fn(&measurement::record::WorkRecord) -> u64| {
-        let works = || lane.updates().iter().filter_map(|frame| frame.work.as_ref());
-        let sum =
-            |of: &dyn Fn(&measurement::record::WorkRecord) -> u64| works().map(of).sum::<u64>();
-        let rays = sum(&|work| work.rays);
-        match rays {
-            0 => dash(),
-            rays => format!("{:.2}", sum(&of) as f64 / rays as f64).into(),
-        }
-    };
-    let mean = |of: fn(&crate::animate::record::LaneFrame) -> Option<f64>| {
+    let works: Vec<&WorkRecord> = lane.updates().iter().filter_map(|f| f.work.as_ref()).collect();
+    let sum = |of: fn(&WorkRecord) -> u64| works.iter().map(|work| of(work)).sum::<u64>() as f64;
+    let rays = sum(|work| work.rays);
+    let a_ray = |of| if rays > 0.0 { format!("{:.2}", sum(of) / rays).into() } else { dash() };
+    let mean = |of: fn(&LaneFrame) -> Option<f64>| {
         let all: Vec<f64> = lane.updates().iter().filter_map(of).collect();
         (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
     };
@@ -202,8 +196,9 @@ pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
                 let of = run.frames.iter().find(|f| f.frame == frame.frame);
                 let count = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
                 let shown = |samples: &[f64]| number(median(samples).filter(|_| lane.is_timed()));
-                let a_ray = |of: fn(&measurement::record::WorkRecord) -> u64| {
-                    number(frame.work.as_ref().map(|w| of(w) as f64 / w.rays.max(1) as f64))
+                let [n_it, n_ts, ..] = match &frame.work {
+                    Some(work) => work.per_ray().map(Some),
+                    None => [None; 4],
                 };
                 writer.write_record([
                     run.scene.clone(),
@@ -220,8 +215,8 @@ pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
                     shown(&frame.trace_s),
                     lane.stride.to_string(),
                     frame.bytes.to_string(),
-                    a_ray(|work| work.intersection_tests),
-                    a_ray(|work| work.traversal_steps),
+                    number(n_it),
+                    number(n_ts),
                     number(frame.expected_cost),
                     number(frame.overlap),
                     lane.mismatches.to_string(),

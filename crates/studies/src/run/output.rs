@@ -1,6 +1,6 @@
 //! A run on the terminal, in Markdown and CSV.
 
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 
 use measurement::rays::order::Orders;
@@ -35,15 +35,10 @@ pub fn to_string(run: &RunRecord) -> String {
         all.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
         all.extend(by_kind.then(|| kind_tables::picture_table(run)));
     }
-    let Some(few) = Few::of(run) else {
-        return with_answers("rtbench results", run, &all, GLOSSARY, &answers(run));
-    };
-    let all: Vec<Table> = all.into_iter().map(|table| few.table(table)).collect();
-    let glossary = GLOSSARY.iter().map(|text| few.text(text));
-    let glossary: Vec<String> = std::iter::once(few.heading()).chain(glossary).collect();
-    let glossary: Vec<&str> = glossary.iter().map(String::as_str).collect();
-    let answers = few.text(&answers(run));
-    with_answers("rtbench results", run, &all, &glossary, &answers)
+    let all: Vec<Table> = all.into_iter().map(|table| few::table(run, table)).collect();
+    let glossary = GLOSSARY.iter().map(|text| few::text(run, text));
+    let glossary: Vec<String> = Few::of(run).map(Few::heading).into_iter().chain(glossary).collect();
+    with_answers("rtbench results", run, &all, &glossary, &few::text(run, &answers(run)))
 }
 
 /// Conclusions of the run, one list per scene, that of all scenes first.
@@ -73,7 +68,7 @@ fn with_answers(
     title: &str,
     run: &RunRecord,
     tables: &[Table],
-    glossary: &[&str],
+    glossary: &[impl Display],
     answers: &str,
 ) -> String {
     let mut text = format!("# {title}\n\n");
@@ -240,25 +235,18 @@ pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Resul
 }
 
 fn write(out: &mut dyn Write, run: &RunRecord, table: Table, view: &View) -> io::Result<()> {
-    let table = match Few::of(run) {
-        Some(few) => few.table(table),
-        None => table,
-    };
-    view.screen.write_table(out, &table)
+    view.screen.write_table(out, &few::table(run, table))
 }
 
 /// A question a line, the answers below one another.
 fn write_lines(out: &mut dyn Write, run: &RunRecord, lines: Lines, view: &View) -> io::Result<()> {
-    let lines = match Few::of(run) {
-        Some(few) => few.lines(lines),
-        None => lines,
-    };
     let heads = lines.lines.iter().map(|line| line.head.chars().count());
     let indent = heads.max().unwrap_or(0) + 4;
     for part in wrapped(&lines.title, view.screen.width, 2) {
         writeln!(out, "{}", painted(&part, Style::Best, view.screen.colors))?;
     }
     for Line { head, text } in &lines.lines {
+        let text = few::text(run, text);
         let text = format!("  {head:<width$}  {text}", width = indent - 4);
         view.screen.write_item(out, &text, indent)?;
     }

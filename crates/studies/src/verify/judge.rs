@@ -175,11 +175,8 @@ impl<'a, S: Buildable> Judge<'a, S> {
             let all = hits.chain(occlusions).chain(paired);
             let all = all.filter_map(|(found, words)| Some((found?, words)));
             let ((difference, is_wrong), words) = all.max_by_key(|((_, is_wrong), _)| *is_wrong)?;
-            Some(if is_wrong {
-                Mismatch::wrong(i, Some(difference), words)
-            } else {
-                Mismatch::tolerated(i, difference)
-            })
+            let what = if is_wrong { words } else { String::new() };
+            Some(Mismatch { ray: i, difference: Some(difference), is_wrong, what })
         };
         let different = self.round.rays.iter().enumerate().filter_map(different).collect();
         Some(RoundVerdict::Asked(different, self.digest(answers, pairs)))

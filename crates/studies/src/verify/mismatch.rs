@@ -76,11 +76,6 @@ impl Mismatch {
     pub fn wrong(ray: usize, difference: Option<Difference>, what: String) -> Self {
         Self { ray, difference, is_wrong: true, what }
     }
-
-    /// A difference that is none of the structure's faults.
-    pub fn tolerated(ray: usize, difference: Difference) -> Self {
-        Self { ray, difference: Some(difference), is_wrong: false, what: String::new() }
-    }
 }
 
 /// Primitives up to which the oracle tests all of them; above, it asks a structure.

@@ -183,34 +183,38 @@ impl<S: Buildable> MetamorphicPair<S> {
     }
 }
 
-/// A scene of triangles and the rays through it, from which pairs are made.
-pub struct OriginalScene<'a, S: Buildable> {
-    pub triangles: &'a [Corners],
-    pub rays: &'a [Ray<S>],
-}
-
-impl<S: Buildable> OriginalScene<'_, S> {
+/// The round in other guises, made from the triangles of its scene.
+impl<S: Buildable> Round<S> {
     /// Everything by `2^exponent`: `t` keeps its bits.
-    pub fn scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
+    pub fn scaled(&self, triangles: &[Corners], exponent: i32) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
-        self.moved(format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
+        self.moved(triangles, format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
     }
 
     /// Directions alone by `2^exponent`: `t` becomes `2^-exponent` times as large.
-    pub fn with_direction_scaled(&self, exponent: i32) -> Option<MetamorphicPair<S>> {
+    pub fn with_direction_scaled(
+        &self,
+        triangles: &[Corners],
+        exponent: i32,
+    ) -> Option<MetamorphicPair<S>> {
         let by = 2.0_f64.powi(exponent);
-        self.moved(format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
+        self.moved(triangles, format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
     }
 
     /// The axes whose bit is set in `mask`, mirrored.
-    pub fn mirrored(&self, mask: u8) -> Option<MetamorphicPair<S>> {
+    pub fn mirrored(&self, triangles: &[Corners], mask: u8) -> Option<MetamorphicPair<S>> {
         let sign =
             DVec3::from_array([0, 1, 2].map(|k| if mask >> k & 1 == 1 { -1.0 } else { 1.0 }));
-        self.moved(format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
+        self.moved(triangles, format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
     }
 
     /// The axes in another order, the `order`-th of six, and mirrored as well.
-    pub fn permuted(&self, order: usize, mask: u8) -> Option<MetamorphicPair<S>> {
+    pub fn permuted(
+        &self,
+        triangles: &[Corners],
+        order: usize,
+        mask: u8,
+    ) -> Option<MetamorphicPair<S>> {
         const ORDERS: [[usize; 3]; 6] =
             [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
         let axes = ORDERS.get(order)?;
@@ -218,14 +222,18 @@ impl<S: Buildable> OriginalScene<'_, S> {
             let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
             DVec3::from_array([0, 1, 2].map(at))
         };
-        let pair = self.moved(format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
+        let pair = self.moved(triangles, format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
         let same = if order == 0 { Invariant::Bits } else { Invariant::Ids };
         Some(MetamorphicPair { same, ..pair })
     }
 
     /// The triangles in another order: `order[new] = old`.
-    pub fn renumbered(&self, order: Vec<u32>) -> Option<MetamorphicPair<S>> {
-        let moved = order.iter().filter_map(|&old| self.triangles.get(old as usize).copied());
+    pub fn renumbered(
+        &self,
+        triangles: &[Corners],
+        order: Vec<u32>,
+    ) -> Option<MetamorphicPair<S>> {
+        let moved = order.iter().filter_map(|&old| triangles.get(old as usize).copied());
         let model = model_of(&moved.collect::<Vec<_>>()).ok()?;
         let pair = MetamorphicPair::new("renumbered", model, self.rays.to_vec());
         Some(MetamorphicPair { ids: order, ..pair })
@@ -234,12 +242,13 @@ impl<S: Buildable> OriginalScene<'_, S> {
     /// `None` when the numbers do not fit.
     fn moved(
         &self,
+        triangles: &[Corners],
         name: String,
         factor: f64,
         point: impl Fn(DVec3) -> DVec3,
         direction: impl Fn(DVec3) -> DVec3,
     ) -> Option<MetamorphicPair<S>> {
-        let triangles: Vec<Corners> = self.triangles.iter().map(|t| t.map(&point)).collect();
+        let triangles: Vec<Corners> = triangles.iter().map(|t| t.map(&point)).collect();
         let told = |r: &Ray<S>| {
             let moved = ray(point(r.origin.to_dvec3()), direction(r.direction.to_dvec3()));
             let by = |t: S| S::from_f64(t.to_f64() / factor);

@@ -108,7 +108,7 @@ impl<'r> SizeSweep<'r> {
 fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, PlanError> {
     let sizes = scenes.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
-    for asked in args.sizes.targets() {
+    for asked in args.sizes.0.iter().copied() {
         let (name, primitives) = sizes.nearest(asked);
         let off = primitives.max(1) as f64 / asked as f64;
         if off.max(off.recip()) > FAR {
@@ -143,15 +143,13 @@ fn measuring(args: &MeasuringSettings) -> MeasuringSettings {
 
 const EXPECTED: &str = "expected FROM..TO, like 1e3..1e7, or counts with commas: 1k,20k,1M";
 
+/// Numbers of primitives that sizes are asked for with, ascending, each once.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Sizes {
-    /// From one to another, both included.
-    Range { from: u64, to: u64 },
-    /// These, in ascending order, each once.
-    List(Vec<u64>),
-}
+pub struct Sizes(Vec<u64>);
 
 impl Sizes {
+    /// Counts with commas; or a range with one for each factor of ten, or as near to that as equal
+    /// ratios between its ends allow.
     pub fn parse(text: &str) -> Result<Self, String> {
         let count = |text: &str| {
             let count = quantity::parse(text.trim()).filter(|n| *n > 0);
@@ -162,26 +160,15 @@ impl Sizes {
             if from >= to {
                 return Err(format!("{from} is not below {to}; {EXPECTED}"));
             }
-            return Ok(Self::Range { from, to });
+            let (from, to) = (from as f64, to as f64);
+            let steps = (to / from).log10().round().max(1.0) as usize + 1;
+            let texts = Range { from, to, steps }.whole_numbers();
+            return Ok(Self(texts.iter().filter_map(|n| n.parse().ok()).collect()));
         }
         let mut list = text.split(',').map(count).collect::<Result<Vec<u64>, _>>()?;
         list.sort_unstable();
         list.dedup();
-        Ok(Self::List(list))
-    }
-
-    /// Each of them, ascending: of a range one for each factor of ten, or as near to that as equal
-    /// ratios between its ends allow.
-    pub fn targets(&self) -> Vec<u64> {
-        match self {
-            Self::List(list) => list.clone(),
-            Self::Range { from, to } => {
-                let (from, to) = (*from as f64, *to as f64);
-                let steps = (to / from).log10().round().max(1.0);
-                let range = Range { from, to, steps: steps as usize + 1 };
-                range.whole_numbers().iter().filter_map(|n| n.parse().ok()).collect()
-            }
-        }
+        Ok(Self(list))
     }
 }
 
@@ -254,7 +241,7 @@ mod tests {
 
     #[test]
     fn ranges_and_lists() {
-        let targets = |text| Sizes::parse(text).unwrap().targets();
+        let targets = |text| Sizes::parse(text).unwrap().0;
         assert_eq!(targets("1e3..1e6"), [1000, 10_000, 100_000, 1_000_000]);
         assert_eq!(targets("1k..50k"), [1000, 7071, 50_000], "equal ratios");
         assert_eq!(targets("1000..2k"), [1000, 2000], "both ends at least");

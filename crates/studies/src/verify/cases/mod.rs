@@ -32,7 +32,7 @@ use crate::verify::every_hit::{every_hit, first_within, push_chain};
 use crate::verify::exact::{Soup, in_soup, on_lattice};
 use crate::verify::meshes::{icosphere, sheet};
 use crate::verify::round::{
-    Corners, NearbyPrimitives, OracleAnswer, OriginalScene, Round, magnitude, mixed_model,
+    Corners, NearbyPrimitives, OracleAnswer, Round, magnitude, mixed_model,
     model_of, ray,
 };
 

@@ -18,10 +18,8 @@ pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let flipped = round.rays.iter().map(other_zeros).collect();
     let model = model_of(&triangles)?;
     let pair = MetamorphicPair::new("zeros of the other sign", model, flipped);
-    let mirrored =
-        OriginalScene { triangles: &triangles, rays: &round.rays }.mirrored(random.below(8) as u8);
     round.pairs.push(pair);
-    round.pairs.extend(mirrored);
+    round.pairs.extend(round.mirrored(&triangles, random.below(8) as u8));
     Ok(round)
 }
 
@@ -52,11 +50,9 @@ pub fn tiny_components<S: Buildable>(random: &mut Random, rays: usize) -> RoundR
 pub fn scaled_directions<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 100, 0.3);
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
-    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     let exponents = [one_of(random, &[-60, -37, -10]), one_of(random, &[-1, 3, 20]), 60];
-    let pairs: Vec<_> =
-        exponents.into_iter().filter_map(|e| original.with_direction_scaled(e)).collect();
-    round.pairs = pairs;
+    let pairs = exponents.into_iter().filter_map(|e| round.with_direction_scaled(&triangles, e));
+    round.pairs = pairs.collect();
     Ok(round)
 }
 
@@ -129,9 +125,7 @@ pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
         }
         (origin, sign_direction(random))
     })?;
-    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
-    let pair = original.mirrored(random.below(8) as u8);
-    round.pairs.extend(pair);
+    round.pairs.extend(round.mirrored(&triangles, random.below(8) as u8));
     Ok(round)
 }
 
