@@ -20,9 +20,9 @@ use measurement::system::progress::Progress;
 use presentation::outside::line;
 use studies::verify::catalogue::{Case, find, select};
 use studies::verify::check::{CheckPlan, CheckWatch, PRECISIONS, ReplayOutcome, replay};
-use studies::verify::replay::Replay;
 use studies::verify::report::{Report, StopReason};
 use studies::verify::shrink::shrink;
+use studies::verify::subject::Replay;
 use studies::verify::subject::Subject;
 
 /// The files of `-o`.

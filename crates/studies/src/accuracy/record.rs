@@ -246,13 +246,9 @@ impl TrialCounts {
         self.wrong += u64::from(is_wrong);
     }
 
-    pub fn add_all(&mut self, wrong: u64, trials: u64) {
-        self.trials += trials;
-        self.wrong += wrong;
-    }
-
     pub fn add_counts(&mut self, other: Self) {
-        self.add_all(other.wrong, other.trials);
+        self.trials += other.trials;
+        self.wrong += other.wrong;
     }
 
     /// Wrong ones so far.

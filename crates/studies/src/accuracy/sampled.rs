@@ -147,29 +147,23 @@ pub struct ImageCheck<'a> {
 }
 
 /// An image that is made again and again, in the current rayon pool.
-pub struct RepeatedImage<F> {
-    make: F,
+pub struct RepeatedImage<'a> {
+    make: Box<dyn Fn() -> Option<Image> + 'a>,
     image: Option<Image>,
 }
 
-impl<F: Fn() -> Option<Image>> RepeatedImage<F> {
-    pub fn new(make: F) -> Self {
-        Self { make, image: None }
+impl<'a> RepeatedImage<'a> {
+    pub fn new(make: impl Fn() -> Option<Image> + 'a) -> Self {
+        Self { make: Box::new(make), image: None }
     }
-}
 
-impl RepeatedImage<()> {
     /// Of a scene with effects.
-    pub fn rendered<'a>(
-        scene: &'a Scene,
-        tracer: &'a dyn Tracer<f32>,
-        plan: EffectPlan,
-    ) -> RepeatedImage<impl Fn() -> Option<Image> + 'a> {
-        RepeatedImage::new(move || Some(render_plan(scene, tracer, &plan).image))
+    pub fn rendered(scene: &'a Scene, tracer: &'a dyn Tracer<f32>, plan: EffectPlan) -> Self {
+        Self::new(move || Some(render_plan(scene, tracer, &plan).image))
     }
 }
 
-impl<F: Fn() -> Option<Image>> Work for RepeatedImage<F> {
+impl Work for RepeatedImage<'_> {
     fn prepare(&mut self) {
         self.image = None;
     }

@@ -8,27 +8,26 @@ use published::{Count, Figure, PaperCounters, Setting, table};
 use rayon::prelude::*;
 use verdict::{Verdict, judge};
 
-mod grids;
 pub mod lecture;
-mod octrees;
 pub mod published;
+mod structures;
 pub mod verdict;
 
 pub use published::{PublishedScene, ReproduceError};
 
 /// The structures of both tables as the paper names them, one line each.
 static STRUCTURES: &[(&str, Count)] = &[
-    ("invariants", |scene, _| Ok(scene.invariants(&grids::count_uniform(scene, None)?))),
-    ("uniform", grids::uniform),
-    ("recursive", grids::recursive),
-    ("hug", grids::hug),
-    ("adaptive", grids::adaptive),
-    ("adaptive-orphan", grids::adaptive),
-    (octrees::COLUMNS[0], octrees::counters),
-    (octrees::COLUMNS[1], octrees::counters),
-    (octrees::COLUMNS[2], octrees::counters),
-    (octrees::COLUMNS[3], octrees::counters),
-    (octrees::COLUMNS[4], octrees::counters),
+    ("invariants", |scene, _| Ok(scene.invariants(&structures::count_uniform(scene, None)?))),
+    ("uniform", structures::uniform),
+    ("recursive", structures::recursive),
+    ("hug", structures::hug),
+    ("adaptive", structures::adaptive),
+    ("adaptive-orphan", structures::adaptive),
+    (structures::OCTREES[0], structures::octree),
+    (structures::OCTREES[1], structures::octree),
+    (structures::OCTREES[2], structures::octree),
+    (structures::OCTREES[3], structures::octree),
+    (structures::OCTREES[4], structures::octree),
 ];
 
 /// One figure, published and ours.

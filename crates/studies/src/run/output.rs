@@ -37,7 +37,8 @@ pub fn to_string(run: &RunRecord) -> String {
     }
     let all: Vec<Table> = all.into_iter().map(|table| few::table(run, table)).collect();
     let glossary = GLOSSARY.iter().map(|text| few::text(run, text));
-    let glossary: Vec<String> = Few::of(run).map(Few::heading).into_iter().chain(glossary).collect();
+    let glossary: Vec<String> =
+        Few::of(run).map(Few::heading).into_iter().chain(glossary).collect();
     with_answers("rtbench results", run, &all, &glossary, &few::text(run, &answers(run)))
 }
 

@@ -108,9 +108,8 @@ pub fn compare(
     let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
     for way in drawing_methods(is_asked) {
         rows.push((way.info.name, way.settings, None));
-        makers.push(Box::new(move || {
-            (way.draw)(scene, size, question.structures).map(with_counts)
-        }));
+        makers
+            .push(Box::new(move || (way.draw)(scene, size, question.structures).map(with_counts)));
     }
     let mut made: Vec<Option<Result<ImageWithCounts, Refusal>>> =
         rows.iter().map(|_| None).collect();

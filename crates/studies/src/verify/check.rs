@@ -12,9 +12,9 @@ use rayon::prelude::*;
 
 use super::catalogue::{Case, CatalogueEntry, Draw};
 use super::judge::{Judge, RoundVerdict};
-use super::replay::Replay;
 use super::report::{Line, StopReason, SubjectCounts};
 use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
+use super::subject::Replay;
 use super::subject::Subject;
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;

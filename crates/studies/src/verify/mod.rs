@@ -4,7 +4,7 @@
 //! The way of a check: [`catalogue`] (one line per case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
-//! [`replay::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
+//! [`subject::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
 
 mod answers;
 pub mod cases;
@@ -18,7 +18,6 @@ pub mod exact;
 pub mod judge;
 pub mod meshes;
 mod mismatch;
-pub mod replay;
 pub mod report;
 mod reproducer;
 pub mod round;

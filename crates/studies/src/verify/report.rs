@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::answers::Digest;
 use super::judge::{Difference, Mismatch, RoundVerdict};
-use super::replay::Replay;
+use super::subject::Replay;
 use super::subject::{CONTROL, Subject};
 use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::settings::Precision;

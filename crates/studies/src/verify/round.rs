@@ -222,17 +222,19 @@ impl<S: Buildable> Round<S> {
             let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
             DVec3::from_array([0, 1, 2].map(at))
         };
-        let pair = self.moved(triangles, format!("axes {axes:?}, mirrored {mask:03b}"), 1.0, moved, moved)?;
+        let pair = self.moved(
+            triangles,
+            format!("axes {axes:?}, mirrored {mask:03b}"),
+            1.0,
+            moved,
+            moved,
+        )?;
         let same = if order == 0 { Invariant::Bits } else { Invariant::Ids };
         Some(MetamorphicPair { same, ..pair })
     }
 
     /// The triangles in another order: `order[new] = old`.
-    pub fn renumbered(
-        &self,
-        triangles: &[Corners],
-        order: Vec<u32>,
-    ) -> Option<MetamorphicPair<S>> {
+    pub fn renumbered(&self, triangles: &[Corners], order: Vec<u32>) -> Option<MetamorphicPair<S>> {
         let moved = order.iter().filter_map(|&old| triangles.get(old as usize).copied());
         let model = model_of(&moved.collect::<Vec<_>>()).ok()?;
         let pair = MetamorphicPair::new("renumbered", model, self.rays.to_vec());

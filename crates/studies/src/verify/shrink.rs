@@ -13,8 +13,8 @@ use glam::DVec3;
 use super::catalogue::Case;
 use super::check::Drawing;
 use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
-use super::replay::Replay;
 use super::round::{Corners, OracleAnswer, Round, corners_of, model_of};
+use super::subject::Replay;
 use super::subject::Subject;
 use measurement::settings::Precision;
 

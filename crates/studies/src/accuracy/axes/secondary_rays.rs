@@ -157,7 +157,10 @@ impl<'a> SecondaryWork<'a> {
         });
         let is_reference = RULES.contains(&(name, OffsetRule::default()));
         let setting = format!("run --set rays.offset={name}");
-        Variant { is_reference, ..Variant::new(name, setting, TrialCounts::default().error(), work) }
+        Variant {
+            is_reference,
+            ..Variant::new(name, setting, TrialCounts::default().error(), work)
+        }
     }
 }
 

@@ -32,8 +32,7 @@ use crate::verify::every_hit::{every_hit, first_within, push_chain};
 use crate::verify::exact::{Soup, in_soup, on_lattice};
 use crate::verify::meshes::{icosphere, sheet};
 use crate::verify::round::{
-    Corners, NearbyPrimitives, OracleAnswer, Round, magnitude, mixed_model,
-    model_of, ray,
+    Corners, NearbyPrimitives, OracleAnswer, Round, magnitude, mixed_model, model_of, ray,
 };
 
 /// A round of a case, or why its scene cannot be made.
