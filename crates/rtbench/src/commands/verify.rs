@@ -22,8 +22,7 @@ use studies::verify::catalogue::{Case, find, select};
 use studies::verify::check::{CheckPlan, CheckWatch, PRECISIONS, ReplayOutcome, replay};
 use studies::verify::report::{Report, StopReason};
 use studies::verify::shrink::shrink;
-use studies::verify::subject::Replay;
-use studies::verify::subject::Subject;
+use studies::verify::subject::{Replay, Subject};
 
 /// The files of `-o`.
 const NAMES: [&str; 2] = ["verify.json", "verify.csv"];

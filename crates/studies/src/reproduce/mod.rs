@@ -10,24 +10,24 @@ use verdict::{Verdict, judge};
 
 pub mod lecture;
 pub mod published;
-mod structures;
+mod settings;
 pub mod verdict;
 
 pub use published::{PublishedScene, ReproduceError};
 
 /// The structures of both tables as the paper names them, one line each.
 static STRUCTURES: &[(&str, Count)] = &[
-    ("invariants", |scene, _| Ok(scene.invariants(&structures::count_uniform(scene, None)?))),
-    ("uniform", structures::uniform),
-    ("recursive", structures::recursive),
-    ("hug", structures::hug),
-    ("adaptive", structures::adaptive),
-    ("adaptive-orphan", structures::adaptive),
-    (structures::OCTREES[0], structures::octree),
-    (structures::OCTREES[1], structures::octree),
-    (structures::OCTREES[2], structures::octree),
-    (structures::OCTREES[3], structures::octree),
-    (structures::OCTREES[4], structures::octree),
+    ("invariants", |scene, _| Ok(scene.invariants(&settings::count_uniform(scene, None)?))),
+    ("uniform", settings::uniform),
+    ("recursive", settings::recursive),
+    ("hug", settings::hug),
+    ("adaptive", settings::adaptive),
+    ("adaptive-orphan", settings::adaptive),
+    (settings::OCTREES[0], settings::octree),
+    (settings::OCTREES[1], settings::octree),
+    (settings::OCTREES[2], settings::octree),
+    (settings::OCTREES[3], settings::octree),
+    (settings::OCTREES[4], settings::octree),
 ];
 
 /// One figure, published and ours.

@@ -261,7 +261,7 @@ mod tests {
             let params: Vec<_> = uniform.iter().map(|(p, _)| *p).collect();
             assert_eq!(params, ["woo D=1.0", "woo D=10.0", "customary"]);
             assert!(uniform.iter().all(|(_, counters)| counters.len() == 11), "{scene}");
-            for column in crate::reproduce::structures::OCTREES {
+            for column in crate::reproduce::settings::OCTREES {
                 let octree = table(&all, column, scene);
                 let params: Vec<_> = octree.iter().map(|(p, _)| *p).collect();
                 assert_eq!(params, ["depth=4", "depth=5", "depth=6", "depth=7"], "{column}");

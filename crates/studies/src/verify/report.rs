@@ -6,8 +6,7 @@ use serde::Serialize;
 
 use super::answers::Digest;
 use super::judge::{Difference, Mismatch, RoundVerdict};
-use super::subject::Replay;
-use super::subject::{CONTROL, Subject};
+use super::subject::{CONTROL, Replay, Subject};
 use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};

@@ -14,8 +14,7 @@ use super::catalogue::Case;
 use super::check::Drawing;
 use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
 use super::round::{Corners, OracleAnswer, Round, corners_of, model_of};
-use super::subject::Replay;
-use super::subject::Subject;
+use super::subject::{Replay, Subject};
 use measurement::settings::Precision;
 
 /// Trials, each of a build and a few rays, and triangles and rays of all trials together.
