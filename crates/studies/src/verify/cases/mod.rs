@@ -98,6 +98,11 @@ fn with(mut p: DVec3, axis: usize, x: f64) -> DVec3 {
     p
 }
 
+/// The axes moved on by so many places of three.
+fn turned<T: Copy>(v: [T; 3], by: usize) -> [T; 3] {
+    [0, 1, 2].map(|k| v[(k + by) % 3])
+}
+
 /// The largest coordinate of any corner.
 fn largest(triangles: &[Corners]) -> f64 {
     triangles.as_flattened().iter().fold(0.0, |m, p| p.abs().max_element().max(m))

@@ -64,11 +64,7 @@ impl AxisRay {
     }
 
     fn placed(&self, along: f64, [next, last]: [f64; 2]) -> DVec3 {
-        match self.axis {
-            0 => dvec3(along, next, last),
-            1 => dvec3(last, along, next),
-            _ => dvec3(next, last, along),
-        }
+        DVec3::from(turned([along, next, last], 3 - self.axis))
     }
 
     fn origin(&self, side: i32) -> DVec3 {
@@ -89,7 +85,7 @@ impl AxisRay {
             for last in [self.at[1] - 1, self.at[1]] {
                 let Some(depth) = (0..side).find(|&depth| {
                     let along = if self.sign > 0.0 { depth } else { side - 1 - depth };
-                    cubes.has(self.cube([along, next, last]))
+                    cubes.has(turned([along, next, last], 3 - self.axis))
                 }) else {
                     continue;
                 };
@@ -116,14 +112,6 @@ impl AxisRay {
             OracleAnswer::Anything
         } else {
             OracleAnswer::Miss
-        }
-    }
-
-    fn cube(&self, [along, next, last]: [i32; 3]) -> [i32; 3] {
-        match self.axis {
-            0 => [along, next, last],
-            1 => [last, along, next],
-            _ => [next, last, along],
         }
     }
 }

@@ -126,7 +126,7 @@ pub fn between_planes<S: Buildable>(
     const GAP: f64 = 1e-3;
     let half: f64 = one_of(random, &[1.0, 10.0, 100.0]);
     let turn = one_of(random, &[0, 1, 2]);
-    let turned = |p: DVec3| turned(p, turn);
+    let turned = |p: DVec3| DVec3::from(turned(p.to_array(), turn));
     let mut scene = Scene::new("two planes");
     let material = scene.push_material(Material::default());
     for (height, reach) in [(0.0, half), (GAP, half * 2.0)] {
@@ -147,16 +147,11 @@ pub fn between_planes<S: Buildable>(
     let offset = RayOffset::new(rule, half * 2.0);
     from_hits(&scene, &aimed, |point, _, round| {
         // only from the lower plane, whichever of the two the rounded ray has met
-        if self::turned(point.position, 3 - turn).y.abs() <= GAP * 0.25 {
+        if self::turned(point.position.to_array(), 3 - turn)[1].abs() <= GAP * 0.25 {
             let ray = offset.to(point, light);
             round.push(ray, OracleAnswer::Hit { id: None, t: [0.0, ray.t_max.to_f64()] });
         }
     })
-}
-
-/// The axes moved on by so many places of three.
-fn turned(p: DVec3, by: usize) -> DVec3 {
-    DVec3::from([0, 1, 2].map(|k| p[(k + by) % 3]))
 }
 
 /// A ball on a plane: whether the ball is in the way of the light follows from its distance to

@@ -15,16 +15,12 @@ pub fn small_far_sphere<S: Buildable>(random: &mut Random, rays: usize) -> Round
         let far = one_of(random, &[1e2, 1e3, 1e4, 1e5, 1e6]);
         let offset: f64 = one_of(random, &[0.095, 0.105]);
         let (axis, sign) = (random.below(3), one_of(random, &[1.0, -1.0]));
-        let turned = |v: DVec3| match axis {
-            0 => v,
-            1 => dvec3(v.z, v.x, v.y),
-            _ => dvec3(v.y, v.z, v.x),
-        };
         let depth = (RADIUS * RADIUS - offset * offset).max(0.0).sqrt();
         let hit = OracleAnswer::hit_at(far - depth, far * 4.0 * f64::from(f32::EPSILON));
         let expected = if offset < RADIUS { hit } else { OracleAnswer::Miss };
-        let ray = ray(turned(dvec3(-sign * far, offset, 0.0)), turned(dvec3(sign, 0.0, 0.0)));
-        round.push(ray, expected);
+        let [origin, along] = [[-sign * far, offset, 0.0], [sign, 0.0, 0.0]]
+            .map(|v| DVec3::from(turned(v, 3 - axis)));
+        round.push(ray(origin, along), expected);
     }
     Ok(round)
 }
