@@ -52,7 +52,7 @@ fn compared(record: &RunRecord) {
 
 fn exported(record: &RunRecord) {
     let _ = studies::run::output::to_csv(record);
-    let _ = studies::run::output::to_string(record);
+    let _ = studies::run::output::to_markdown(record);
     let _ = measures::smaller(record, None);
     let _ = measures::bigger(record, None);
     let _ = measures::bencher(record, None);

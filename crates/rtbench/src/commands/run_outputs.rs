@@ -27,7 +27,7 @@ type SeriesFormat = fn(&RunRecord, Select<'_>) -> Result<String, FormatError>;
 static IN_FOLDER: [(&str, Format); 3] = [
     (file::NAME, json::written),
     ("results.csv", output::to_csv),
-    ("results.md", |run| Ok(output::to_string(run))),
+    ("results.md", |run| Ok(output::to_markdown(run))),
 ];
 
 /// The files of services that keep time series.

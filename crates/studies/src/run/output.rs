@@ -22,7 +22,7 @@ use crate::run::view::View;
 use crate::run::{columns, kind_tables, tables};
 
 /// The whole run: where and how it was measured, one table per scene, the summary, the symbols.
-pub fn to_string(run: &RunRecord) -> String {
+pub fn to_markdown(run: &RunRecord) -> String {
     let by_kind = run.settings.by_kind;
     let mut all: Vec<Table> = Vec::new();
     for scene in &run.scenes {
