@@ -51,16 +51,16 @@ fn compared(record: &RunRecord) {
 }
 
 fn exported(record: &RunRecord) {
-    let _ = studies::run::markdown::to_csv(record);
-    let _ = studies::run::markdown::to_string(record);
+    let _ = studies::run::output::to_csv(record);
+    let _ = studies::run::output::to_markdown(record);
     let _ = measures::smaller(record, None);
     let _ = measures::bigger(record, None);
     let _ = measures::bencher(record, None);
     let view = View::fastest_first();
     for scene in &record.scenes {
-        let _ = studies::run::text::write_scene(&mut std::io::sink(), record, scene, &view);
+        let _ = studies::run::output::write_scene(&mut std::io::sink(), record, scene, &view);
     }
-    let _ = studies::run::text::write_end(&mut std::io::sink(), record, &view);
+    let _ = studies::run::output::write_end(&mut std::io::sink(), record, &view);
 }
 
 fn checked(record: &RunRecord) {

@@ -8,10 +8,10 @@
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Vector};
 use measurement::plan::ray_overrides::RULES;
+use renderer::Geometry;
 use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
 use studies::verify::cases::secondary::{Draw, draws};
-use studies::verify::model::Model;
 use studies::verify::round::{OracleAnswer, Round};
 use studies::verify::subject::with_brute_force;
 
@@ -123,14 +123,14 @@ impl Found {
 }
 
 /// Diagonal and largest coordinate of a scene.
-fn extent<S: Buildable>(model: &Model<S>) -> (f64, f64) {
+fn extent<S: Buildable>(model: &Geometry<S>) -> (f64, f64) {
     fn of<S: Buildable, P: accel_core::primitives::PrimSet<S>>(set: &P) -> (f64, f64) {
         let bounds = (0..set.len() as u32).map(|id| set.bounds(id)).reduce(|a, b| a.union(b));
         let diagonal = bounds.map_or(0.0, |b| (b.max - b.min).to_dvec3().length());
         (diagonal, set.magnitude().to_f64())
     }
     match model {
-        Model::Triangles(set) => of(set),
-        Model::Mixed(set) => of(set),
+        Geometry::Triangles(set) => of(set),
+        Geometry::Mixed(set) => of(set),
     }
 }

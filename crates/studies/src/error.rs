@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 use measurement::plan::error::PlanError;
 use measurement::rounds::error::MeasureError;
-use presentation::json::FormatError;
 use renderer::{GeometryError, ImageError};
 
 /// Why a study ended early.
@@ -28,9 +27,6 @@ pub enum StudyError {
     /// An image could not be written.
     #[error(transparent)]
     Image(#[from] UnsavedImage),
-    /// Results could not be turned into text.
-    #[error(transparent)]
-    Format(#[from] FormatError),
 }
 
 /// An image cannot be written.

@@ -17,11 +17,10 @@ pub mod accuracy;
 pub mod animate;
 #[allow(clippy::indexing_slicing)]
 pub mod cost;
-pub mod effect_plan;
 pub mod error;
 pub mod explain;
 #[allow(clippy::indexing_slicing)]
-pub mod image_error;
+pub mod images;
 pub mod reproduce;
 pub mod run;
 #[allow(clippy::indexing_slicing)]

@@ -7,8 +7,7 @@ use clap::Args;
 use measurement::plan::error::PlanError;
 use measurement::settings::MeasuringSettings;
 use studies::sweep::SweepSettings;
-use studies::sweep::sizes::SizeSettings;
-use studies::sweep::sizes::targets::Sizes;
+use studies::sweep::sizes::{SizeSettings, Sizes};
 
 use crate::args::measuring::RatioArgs;
 use crate::args::parsers::scene_name;

@@ -19,10 +19,10 @@ use measurement::system::pools::pool;
 use presentation::json::FormatError;
 use studies::accuracy::axes::select;
 use studies::accuracy::axis::Axis;
-use studies::accuracy::processes::join;
 use studies::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome};
 use studies::accuracy::stage::{Limits, PreparedScene, Stage};
-use studies::accuracy::{effect_prices, parts, pictures, plot, summary, tables};
+use studies::accuracy::timing::join;
+use studies::accuracy::{cost_tables, pictures, report, summary};
 use studies::error::StudyError;
 
 /// Pixels of the image whose rays are traced, an axis, in a full run and in a quick one.
@@ -65,8 +65,8 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     let mut study = Study::of(context, args, if is_alone { rounds } else { 1 })?;
     for axis in axes {
         let show = |context: &mut Context<'_>, of_axis: &AxisRecord, scene: &SceneOutcome| {
-            let steps = parts::steps(of_axis, scene, args.seed);
-            for table in [tables::table(of_axis, scene)].into_iter().chain(steps) {
+            let steps = cost_tables::steps(of_axis, scene, args.seed);
+            for table in [report::table(of_axis, scene)].into_iter().chain(steps) {
                 screen.write_fitted(context.out, &table, &FIRST)?;
             }
             Ok(context.out.flush()?)
@@ -81,7 +81,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             }
             of_axis.scenes.iter().try_for_each(|scene| show(context, &of_axis, scene))?;
         }
-        for table in parts::over_scenes(&of_axis, args.seed) {
+        for table in cost_tables::over_scenes(&of_axis, args.seed) {
             screen.write_fitted(context.out, &table, &FIRST)?;
         }
         record.axes.push(of_axis);
@@ -93,12 +93,12 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     if let Some(folder) = &args.output {
         pictures::write_all(folder, context.registry)?;
     }
-    if let Some(table) = effect_prices::table(&record) {
+    if let Some(table) = cost_tables::effects(&record) {
         screen.write_fitted(context.out, &table, &FIRST)?;
     }
-    screen.write_notes(context.out, tables::GLOSSARY)?;
+    screen.write_notes(context.out, report::GLOSSARY)?;
     screen.write_table(context.out, &summary::advice(&record))?;
-    writeln!(context.out, "The whole took {}.", tables::took(record.took_s))?;
+    writeln!(context.out, "The whole took {}.", report::took(record.took_s))?;
     context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
     Ok(if study.failures > 0 || has_faults { FAILURE } else { SUCCESS })
@@ -271,14 +271,14 @@ impl Scenes {
 /// Everything so far, so that a killed run keeps what it finished.
 fn write_all(folder: &Path, record: &AccuracyRecord) -> Result<(), Error> {
     let write = |name: &str, text: String| write_text(&folder.join(name), &text);
-    write("accuracy.csv", tables::to_csv(record)?)?;
-    write("accuracy.md", tables::to_markdown(record))?;
+    write("accuracy.csv", report::to_csv(record)?)?;
+    write("accuracy.md", report::to_markdown(record))?;
     let mut page = summary::to_markdown(record);
     page.push_str(&pictures::captions());
     write("summary.md", page)?;
     write("accuracy.json", serde_json::to_string(record).map_err(FormatError::from)?)?;
     if let Some(axis) = record.axes.last() {
-        write(&format!("{}.svg", axis.axis), plot::to_svg(axis))?;
+        write(&format!("{}.svg", axis.axis), report::to_svg(axis))?;
     }
     Ok(())
 }

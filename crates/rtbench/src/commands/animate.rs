@@ -20,7 +20,7 @@ use measurement::system::progress::Progress;
 use presentation::json;
 use studies::animate::measure::measure;
 use studies::animate::record::AnimationRecord;
-use studies::animate::{Animate, plot, table};
+use studies::animate::{Animate, report};
 use studies::error::UnsavedImage;
 
 /// The files of `-o`.
@@ -53,7 +53,7 @@ pub fn run(
     let load = |number: u32| {
         let mut scene = scene.frame(number)?;
         view.apply(&mut scene)?;
-        if animate.precision() == Precision::F32 && too_fine.is_none() {
+        if animate.plan.precision == Precision::F32 && too_fine.is_none() {
             too_fine.clone_from(&scene.fine_detail);
         }
         if let Some(strip) = &mut strip {
@@ -67,7 +67,7 @@ pub fn run(
             unwritten = write_all(folder, record).err();
         }
     };
-    let measured = match animate.precision() {
+    let measured = match animate.plan.precision {
         Precision::F32 => measure::<f32>(&animate, load, shown, &mut record, watch),
         Precision::F64 => measure::<f64>(&animate, load, shown, &mut record, watch),
     };
@@ -79,11 +79,11 @@ pub fn run(
     record.complete = measured.is_ok();
     let screen = context.terminal.screen(color);
     if !record.frames.is_empty() {
-        for table in table::tables(&record) {
-            screen.write_fitted(context.out, &table, &table::FIRST)?;
+        for table in report::tables(&record) {
+            screen.write_fitted(context.out, &table, &report::FIRST)?;
             writeln!(context.out)?;
         }
-        screen.write_notes(context.out, table::GLOSSARY)?;
+        screen.write_notes(context.out, report::GLOSSARY)?;
         context.out.flush()?;
     }
     if let Some(folder) = &args.output {
@@ -111,7 +111,7 @@ fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
         rounds: animate.rounds,
         seed: animate.plan.seed,
         resolution: animate.plan.settings.resolution,
-        precision: animate.precision().name().into(),
+        precision: animate.plan.precision.name().into(),
         kinds: animate.plan.kinds.iter().map(|kind| kind.name().into()).collect(),
         ..AnimationRecord::default()
     }
@@ -122,9 +122,9 @@ fn write_all(folder: &Path, record: &AnimationRecord) -> Result<(), Error> {
     let write = |name: &str, text: String| write_text(&folder.join(name), &text);
     let [json_name, frames, markdown, svg, _] = NAMES;
     write(json_name, json::written(record)?)?;
-    write(frames, table::frames(record)?)?;
-    write(markdown, table::to_markdown(record))?;
-    Ok(write(svg, plot::to_svg(record))?)
+    write(frames, report::frames(record)?)?;
+    write(markdown, report::to_markdown(record))?;
+    Ok(write(svg, report::to_svg(record))?)
 }
 
 /// Pictures of some frames, one beside the other.

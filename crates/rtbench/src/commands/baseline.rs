@@ -17,7 +17,7 @@ use measurement::system::machine::PressureWatch;
 use presentation::table::words;
 use presentation::text::Screen;
 use studies::run::conclusions::conclude;
-use studies::run::text;
+use studies::run::output;
 use studies::run::view::View;
 
 /// Does what was asked and returns the exit code.
@@ -148,9 +148,9 @@ fn show(context: &mut Context<'_>, store: &Store, name: &str, view: &View) -> Re
     // those from before conclusions have none
     conclude(&mut record);
     for scene in &record.scenes {
-        text::write_scene(context.out, &record, scene, view)?;
+        output::write_scene(context.out, &record, scene, view)?;
     }
-    text::write_end(context.out, &record, view)?;
+    output::write_end(context.out, &record, view)?;
     if let Some(counts) = instructions {
         let header = vec!["row", "rays", "build", "trace"];
         let title = format!("Instructions ({})", counts.valgrind);

@@ -11,7 +11,7 @@ use accel_core::{Hit, Ray};
 use glam::DVec2;
 use renderer::camera::{EyeRays, Sampling};
 use renderer::tracers::{Structures, TRACERS, whitted};
-use renderer::{Geometry, Image};
+use renderer::{Geometry, Image, RenderSettings};
 use scene_loading::Scene;
 
 use crate::args::{Color, CompareTracersArgs};
@@ -25,13 +25,13 @@ use measurement::rounds::error::MeasureError;
 use measurement::system::files::write_text;
 use measurement::system::machine;
 use measurement::system::pools::pool;
-use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
+use studies::images::plan_of;
 use studies::tracer_comparison::queries::{self, Rounds, pixel_frusta};
 use studies::tracer_comparison::record::{ReferenceRecord, TracersRecord};
 use studies::tracer_comparison::report::Report;
 use studies::tracer_comparison::{
-    ComparisonInput, KINDS, SampledReference, compare, converged, without,
+    ComparisonInput, KINDS, compare, converged, sampled_plan, without,
 };
 
 /// Longest chain of rays; eye rays have depth 1.
@@ -62,7 +62,12 @@ pub fn run(
         given.unwrap_or(if args.quick { quick } else { full })
     };
     let resolution = [choice(args.size, 64, 32); 2];
-    let frame = SampledReference { resolution, max_depth: MAX_DEPTH, seed: args.seed };
+    let frame = RenderSettings {
+        resolution,
+        max_depth: MAX_DEPTH,
+        seed: args.seed,
+        ..RenderSettings::default()
+    };
     let mut samples = args.samples.clone();
     if samples.is_empty() {
         samples = if args.quick { QUICK_SAMPLES.to_vec() } else { SAMPLES.to_vec() };
@@ -71,7 +76,7 @@ pub fn run(
     samples.dedup();
     let reference_samples = choice(args.reference_samples, 4096, 1024);
     for &n in samples.iter().chain([&reference_samples]) {
-        plan_of(&scene, frame.plan(&scene, n, frame.seed).settings())?;
+        plan_of(&scene, sampled_plan(&scene, frame, n).settings())?;
     }
     let rounds = choice(args.rounds, 5, 3);
     let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };

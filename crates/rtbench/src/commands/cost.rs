@@ -19,12 +19,12 @@ use measurement::system::pools::pool;
 use presentation::drawing::{HeatMap, Panel, heat_maps};
 use presentation::numbers::{milliseconds, short};
 use presentation::table::{Cell, Style, Table};
+use studies::cost::model::seconds_per_test;
 use studies::cost::model::{CountedWork, Model};
-use studies::cost::test_time::seconds_per_test;
 use studies::cost::{
     CostRow, Factor, TracedStructure, counted, factors, is_near, measured, rows, worst,
 };
-use studies::effect_plan::plan_of;
+use studies::images::plan_of;
 
 /// Scenes that the times are taken from: the first two that are not the one in question.
 const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];

@@ -31,7 +31,7 @@ use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use renderer::ShadowRays;
 use studies::run::conclusions::conclude_scene;
-use studies::sweep::sizes::admission;
+use studies::sweep::sizes;
 
 #[derive(Debug)]
 pub struct PlanResults {
@@ -188,10 +188,10 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
             log: &log,
             laps: None,
         };
-        let mut trials = admission::trials(plan, &self.record.scenes, name, &equipment);
+        let mut trials = sizes::trials(plan, &self.record.scenes, name, &equipment);
         skip_deadly(&mut trials, own, i, &self.kept.deaths);
         equipment.trials = &trials;
-        let mut scene = match admission::without_rows(plan, &self.record, name, &trials) {
+        let mut scene = match sizes::without_rows(plan, &self.record, name, &trials) {
             Some(scene) => scene,
             None => {
                 refuse_deadly(name, i, &self.kept.deaths)?;

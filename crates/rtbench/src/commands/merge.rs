@@ -12,7 +12,7 @@ use crate::exports::outputs::OutputError;
 use measurement::record::file;
 use measurement::record::merge::{PartialRun, merge};
 use studies::run::conclusions::conclude;
-use studies::run::text;
+use studies::run::output;
 use studies::run::view::View;
 
 /// Merges and returns the exit code: that of the whole run.
@@ -37,10 +37,10 @@ pub fn run(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Result<
     let view = View::on(context.terminal.screen(color));
     for scene in &record.scenes {
         warn_of(context, scene);
-        text::write_scene(context.out, &record, scene, &view)?;
+        output::write_scene(context.out, &record, scene, &view)?;
     }
     if !record.summary.is_empty() {
-        text::write_end(context.out, &record, &view)?;
+        output::write_end(context.out, &record, &view)?;
     }
     context.out.flush()?;
     Ok(exit_code(&PlanResults { record, failures: 0, disturbed: false }))

@@ -28,8 +28,8 @@ use renderer::{
     render_watched,
 };
 use scene_loading::Scene;
-use studies::effect_plan::plan_of;
 use studies::error::UnsavedImage;
+use studies::images::plan_of;
 use studies::run::lines::seconds;
 
 /// Renders, or prints the plan, or both.

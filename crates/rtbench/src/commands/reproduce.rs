@@ -17,10 +17,9 @@ use presentation::numbers::short;
 use presentation::table::{Cell, Style, Table, dash, words};
 use renderer::RayKind;
 use studies::reproduce::lecture::{
-    self, Comparison, Line, MODERN, PublishedTimes, Ratios, STRUCTURES, SYMBOLS, SecondsTable,
-    published,
+    self, Comparison, Line, MODERN, Ratios, STRUCTURES, SYMBOLS, SecondsTable, published,
 };
-use studies::reproduce::published::{SCENES, figures};
+use studies::reproduce::published::{Figure, SCENES, figures};
 use studies::reproduce::verdict::Verdict;
 use studies::reproduce::{ReproduceError, ReproducedRow, reproduce_scene, structures};
 
@@ -178,7 +177,7 @@ fn plan<'r>(
     Ok(plan)
 }
 
-fn comparisons(run: &RunRecord, published: &[PublishedTimes]) -> Vec<Comparison> {
+fn comparisons(run: &RunRecord, published: &[Figure]) -> Vec<Comparison> {
     run.scenes.iter().map(|scene| Comparison::new(scene, published)).collect()
 }
 

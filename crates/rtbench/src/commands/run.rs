@@ -16,7 +16,7 @@ use measurement::plan::Plan;
 use measurement::record::RunRecord;
 use measurement::settings::RunSettings;
 use scene_loading::source_names::name_of_path;
-use studies::run::text;
+use studies::run::output;
 use studies::run::view::View;
 
 /// Runs and returns the exit code.
@@ -117,11 +117,11 @@ fn measure(
     let measured =
         measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
             warn_of(context, scene);
-            text::write_scene(context.out, record, scene, view)?;
+            output::write_scene(context.out, record, scene, view)?;
             Ok(context.out.flush()?)
         })?;
     if !measured.record.summary.is_empty() {
-        text::write_end(context.out, &measured.record, view)?;
+        output::write_end(context.out, &measured.record, view)?;
         context.out.flush()?;
     }
     Ok(exit_code(&measured))

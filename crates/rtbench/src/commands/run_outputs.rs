@@ -9,7 +9,7 @@ use measurement::record::{RunRecord, file};
 use measurement::system::created::CreatedFiles;
 use presentation::json;
 use presentation::json::FormatError;
-use studies::run::markdown;
+use studies::run::output;
 
 use crate::args::ExportArgs;
 use crate::context::Context;
@@ -26,8 +26,8 @@ type SeriesFormat = fn(&RunRecord, Select<'_>) -> Result<String, FormatError>;
 /// also when the program is killed between the first two.
 static IN_FOLDER: [(&str, Format); 3] = [
     (file::NAME, json::written),
-    ("results.csv", markdown::to_csv),
-    ("results.md", |run| Ok(markdown::to_string(run))),
+    ("results.csv", output::to_csv),
+    ("results.md", |run| Ok(output::to_markdown(run))),
 ];
 
 /// The files of services that keep time series.

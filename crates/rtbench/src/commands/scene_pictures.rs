@@ -14,7 +14,7 @@ use measurement::scenes::KnownScene;
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use measurement::system::progress::Progress;
-use studies::effect_plan::plan_of;
+use studies::images::plan_of;
 
 /// Pixels of a side.
 const SIZE: u32 = 256;

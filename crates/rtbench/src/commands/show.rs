@@ -23,8 +23,8 @@ use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::drawing::Drawing;
 use presentation::table::{Cell, Style, Table};
-use studies::showing::outline::outline;
 use studies::showing::picture::{Frame, View};
+use studies::showing::sections::outline;
 use studies::showing::{
     DrawnStructure, Plane, Projection, SectionKind, bodies, focus, path_through, picture,
     scene_box, sections,

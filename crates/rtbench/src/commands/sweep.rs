@@ -12,9 +12,8 @@ use crate::exports::outputs::Outputs;
 use measurement::record::{RunRecord, file};
 use presentation::json;
 use presentation::text::Screen;
-use studies::sweep::sizes::targets::Sizes;
-use studies::sweep::sizes::{self, SizeSweep};
-use studies::sweep::{Sweep, plot, table};
+use studies::sweep::sizes::{self, SizeSweep, Sizes};
+use studies::sweep::{Sweep, report};
 
 /// Sweeps and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
@@ -34,16 +33,16 @@ fn over_values(
     let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
     context.warn_of_instructions();
     let mut outputs = outputs(context, args, &[])?;
-    outputs.add_in_folder(CSV, |run| table::to_csv(&sweep, run))?;
-    outputs.add_in_folder(MARKDOWN, |run| Ok(table::to_markdown(&sweep, run)))?;
-    outputs.add_in_folder(SVG, |run| Ok(plot::to_svg(&sweep, run)))?;
+    outputs.add_in_folder(CSV, |run| report::to_csv(&sweep, run))?;
+    outputs.add_in_folder(MARKDOWN, |run| Ok(report::to_markdown(&sweep, run)))?;
+    outputs.add_in_folder(SVG, |run| Ok(report::to_svg(&sweep, run)))?;
     let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
-        table::write(context.out, &sweep, run, scene, screen)?;
+        report::write(context.out, &sweep, run, scene, screen)?;
         Ok(context.out.flush()?)
     })?;
     if !measured.record.scenes.is_empty() {
-        screen.write_notes(context.out, table::GLOSSARY)?;
+        screen.write_notes(context.out, report::GLOSSARY)?;
         context.out.flush()?;
     }
     Ok(measured)

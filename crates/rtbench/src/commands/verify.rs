@@ -20,10 +20,9 @@ use measurement::system::progress::Progress;
 use presentation::outside::line;
 use studies::verify::catalogue::{Case, find, select};
 use studies::verify::check::{CheckPlan, CheckWatch, PRECISIONS, ReplayOutcome, replay};
-use studies::verify::replay::{Replay, precision_name};
 use studies::verify::report::{Report, StopReason};
 use studies::verify::shrink::shrink;
-use studies::verify::subject::Subject;
+use studies::verify::subject::{Replay, Subject};
 
 /// The files of `-o`.
 const NAMES: [&str; 2] = ["verify.json", "verify.csv"];
@@ -96,7 +95,7 @@ fn checked(
             break;
         }
         let Case { id, summary, .. } = listed.1;
-        watch.progress.message(format!("{id} {}: {summary}", precision_name(precision)));
+        watch.progress.message(format!("{id} {}: {summary}", precision.name()));
         let (lines, rounds) = pool.install(|| plan.check(listed, precision, &watch))?;
         report.lines.extend(lines);
         report.rounds_asked += rounds;

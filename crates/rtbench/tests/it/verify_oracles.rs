@@ -3,11 +3,11 @@
 
 use accel_core::primitives::{PrimSet, TriangleSet};
 use accel_core::{Hit, Ray, Vector};
+use renderer::Geometry;
 use renderer::ray_offset::OffsetRule;
 use statistics::random::Random;
-use studies::verify::cases::shells::shells;
+use studies::verify::cases::secondary::shells;
 use studies::verify::catalogue::find;
-use studies::verify::model::Model;
 use studies::verify::round::Round;
 
 /// Rays of a round.
@@ -21,7 +21,7 @@ fn rounds(id: &str) -> Vec<Round<f32>> {
 }
 
 /// The answers that the oracle of a case refutes, told.
-fn told(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> Vec<String> {
+fn told(id: &str, answer: impl Fn(&Geometry<f32>, &Ray<f32>) -> Hit<f32>) -> Vec<String> {
     let mut wrong = Vec::new();
     for round in rounds(id) {
         for (ray, expected) in round.rays.iter().zip(&round.expected) {
@@ -35,7 +35,7 @@ fn told(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> Vec<St
 }
 
 /// Number of answers that the oracle of a case refutes.
-fn refuted(id: &str, answer: impl Fn(&Model<f32>, &Ray<f32>) -> Hit<f32>) -> usize {
+fn refuted(id: &str, answer: impl Fn(&Geometry<f32>, &Ray<f32>) -> Hit<f32>) -> usize {
     told(id, answer).len()
 }
 
@@ -50,14 +50,14 @@ fn hits(prims: &impl PrimSet<f32>, ray: &Ray<f32>) -> Vec<Hit<f32>> {
     all
 }
 
-fn all_hits(model: &Model<f32>, ray: &Ray<f32>) -> Vec<Hit<f32>> {
+fn all_hits(model: &Geometry<f32>, ray: &Ray<f32>) -> Vec<Hit<f32>> {
     match model {
-        Model::Triangles(set) => hits(set, ray),
-        Model::Mixed(set) => hits(set, ray),
+        Geometry::Triangles(set) => hits(set, ray),
+        Geometry::Mixed(set) => hits(set, ray),
     }
 }
 
-fn first(model: &Model<f32>, ray: &Ray<f32>) -> Hit<f32> {
+fn first(model: &Geometry<f32>, ray: &Ray<f32>) -> Hit<f32> {
     all_hits(model, ray).first().copied().unwrap_or(Hit::NONE)
 }
 
@@ -65,18 +65,18 @@ fn first(model: &Model<f32>, ray: &Ray<f32>) -> Hit<f32> {
 fn swapped_ties_farther_hits_and_lost_triangles_are_refuted() {
     for id in ["G7", "T2", "T6", "T7", "Gr5", "Gr10", "K1", "R1"] {
         assert_eq!(told(id, first), [""; 0], "{id}");
-        let lossy = |model: &Model<f32>, ray: &Ray<f32>| {
+        let lossy = |model: &Geometry<f32>, ray: &Ray<f32>| {
             let kept = all_hits(model, ray).into_iter().find(|h| h.id % 7 != 3);
             kept.unwrap_or(Hit::NONE)
         };
         assert!(refuted(id, lossy) > 0, "{id}: a lost triangle");
-        let last = |model: &Model<f32>, ray: &Ray<f32>| {
+        let last = |model: &Geometry<f32>, ray: &Ray<f32>| {
             all_hits(model, ray).last().copied().unwrap_or(Hit::NONE)
         };
         assert!(refuted(id, last) > 0, "{id}: the farthest hit");
     }
     for id in ["G7", "G8", "T2"] {
-        let highest = |model: &Model<f32>, ray: &Ray<f32>| {
+        let highest = |model: &Geometry<f32>, ray: &Ray<f32>| {
             let all = all_hits(model, ray);
             let tied = all.iter().take_while(|h| h.t == all[0].t);
             tied.last().copied().unwrap_or(Hit::NONE)
@@ -117,8 +117,8 @@ fn a_contracted_edge_function_leaks() {
     for id in ["G1", "G2"] {
         let leaks = |edge: fn([f32; 4]) -> f32| {
             refuted(id, |model, ray| match model {
-                Model::Triangles(set) => nearest_by_woop(set, ray, edge),
-                Model::Mixed(_) => Hit::NONE,
+                Geometry::Triangles(set) => nearest_by_woop(set, ray, edge),
+                Geometry::Mixed(_) => Hit::NONE,
             })
         };
         assert_eq!(leaks(|[a, b, c, d]| a * b - c * d), 0, "{id}");
@@ -127,7 +127,7 @@ fn a_contracted_edge_function_leaks() {
 }
 
 /// The quadratic formula as in any textbook, for the sphere of G9.
-fn textbook_sphere(_: &Model<f32>, ray: &Ray<f32>) -> Hit<f32> {
+fn textbook_sphere(_: &Geometry<f32>, ray: &Ray<f32>) -> Hit<f32> {
     let (o, d) = (ray.origin, ray.direction);
     let (a, b, c) = (d.dot(d), 2.0 * o.dot(d), o.dot(o) - 0.1 * 0.1);
     let discriminant = b * b - 4.0 * a * c;
@@ -139,19 +139,19 @@ fn textbook_sphere(_: &Model<f32>, ray: &Ray<f32>) -> Hit<f32> {
 fn shapes_met_elsewhere_are_refuted() {
     for id in ["G9", "G10", "G11", "G12"] {
         assert_eq!(told(id, first), [""; 0], "{id}");
-        let late = |model: &Model<f32>, ray: &Ray<f32>| {
+        let late = |model: &Geometry<f32>, ray: &Ray<f32>| {
             let hit = first(model, ray);
             Hit { t: hit.t * 1.05, ..hit }
         };
         assert!(refuted(id, late) > 0, "{id}: late");
-        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        let nothing = |_: &Geometry<f32>, _: &Ray<f32>| Hit::NONE;
         assert!(refuted(id, nothing) > 0, "{id}: nothing");
     }
     assert!(refuted("G9", textbook_sphere) > 0);
     // rays are aimed at points of the plane, a parameter of 1 away: as if there were no outline
     assert!(refuted("G12", |_, _| Hit { t: 1.0, id: 0 }) > 0);
     // surfaces are seen from outside only
-    let behind = |model: &Model<f32>, ray: &Ray<f32>| {
+    let behind = |model: &Geometry<f32>, ray: &Ray<f32>| {
         let back = Ray { direction: -ray.direction, ..*ray };
         let hit = first(model, &back);
         if hit.is_hit() { Hit { t: 1.0, ..hit } } else { first(model, ray) }
@@ -166,29 +166,29 @@ fn metamorphic_laws_hold_without_another_structure() {
         ["Gr12", "R8", "G14", "G15", "G16", "S7", "K1dense", "Q9", "Q10", "Q12fan", "Q12denormal"]
     {
         assert_eq!(told(id, first), [""; 0], "{id}");
-        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        let nothing = |_: &Geometry<f32>, _: &Ray<f32>| Hit::NONE;
         assert!(refuted(id, nothing) > 0, "{id}: nothing");
-        let last = |model: &Model<f32>, ray: &Ray<f32>| {
+        let last = |model: &Geometry<f32>, ray: &Ray<f32>| {
             all_hits(model, ray).last().copied().unwrap_or(Hit::NONE)
         };
         assert!(refuted(id, last) > 0, "{id}: the farthest hit");
     }
     // from the plane of a flat scene nothing is met, at whatever parameter
-    let in_the_plane = |_: &Model<f32>, _: &Ray<f32>| Hit { t: 7.0, id: 0 };
+    let in_the_plane = |_: &Geometry<f32>, _: &Ray<f32>| Hit { t: 7.0, id: 0 };
     let false_hits = told("R9", in_the_plane);
     assert!(false_hits.iter().any(|told| told.ends_with("not Miss")));
     // a sliver met where none of it is
-    let far_off = |model: &Model<f32>, ray: &Ray<f32>| {
+    let far_off = |model: &Geometry<f32>, ray: &Ray<f32>| {
         let hit = first(model, ray);
         Hit { t: hit.t + 20.0 / ray.direction.length(), ..hit }
     };
     assert!(refuted("G16", far_off) > refuted("G16", first));
     // intervals that begin at 0, and hits that are met again
-    let from_zero = |model: &Model<f32>, ray: &Ray<f32>| {
+    let from_zero = |model: &Geometry<f32>, ray: &Ray<f32>| {
         first(model, &Ray { t_min: ray.t_min.max(0.0), ..*ray })
     };
     assert!(refuted("R8", from_zero) > 0);
-    let again = |model: &Model<f32>, ray: &Ray<f32>| {
+    let again = |model: &Geometry<f32>, ray: &Ray<f32>| {
         first(model, &Ray { t_min: ray.t_min.next_down(), ..*ray })
     };
     for id in ["R8", "G15", "S7"] {
@@ -200,9 +200,9 @@ fn metamorphic_laws_hold_without_another_structure() {
 fn lost_and_farther_hits_of_polygons_and_slender_cones_are_refuted() {
     for id in ["Q1", "Q2", "Q2slivers", "Q3", "Q3flat", "Q6"] {
         assert_eq!(told(id, first), [""; 0], "{id}");
-        let nothing = |_: &Model<f32>, _: &Ray<f32>| Hit::NONE;
+        let nothing = |_: &Geometry<f32>, _: &Ray<f32>| Hit::NONE;
         assert!(refuted(id, nothing) > 0, "{id}: nothing");
-        let late = |model: &Model<f32>, ray: &Ray<f32>| {
+        let late = |model: &Geometry<f32>, ray: &Ray<f32>| {
             let hit = first(model, ray);
             Hit { t: hit.t * 1.05, ..hit }
         };

@@ -1,8 +1,15 @@
-//! An axis of accuracy: what varies on it, and how its variants are measured.
+//! An axis of accuracy: what varies on it, and how its variants are measured; with all that the axes
+//! are written with.
 
-use crate::accuracy::record::SceneOutcome;
-use crate::accuracy::stage::{PreparedScene, Stage};
-use crate::error::StudyError;
+use crate::accuracy::stage::PreparedScene;
+
+pub(super) use crate::accuracy::record::{ErrorOf, SceneOutcome, TrialCounts, in_a_million};
+pub(super) use crate::accuracy::stage::{
+    Batches, Replay, Stage, TRACER, Work, build_columns, compare, count, counted, diagonal,
+    mebibytes, replays, widened,
+};
+pub(super) use crate::accuracy::timing::{Variant, timed};
+pub(super) use crate::error::StudyError;
 
 /// One way to be more or less accurate.
 #[derive(Debug)]

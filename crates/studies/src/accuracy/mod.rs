@@ -4,27 +4,21 @@
 //! number of samples. It has variants, which are settings of the product and reachable without this
 //! command as well, a metric of their errors, and a reference. On each scene an axis says what each
 //! variant gets wrong, by an oracle of its own ([`axes`]), and what is to be timed; [`timing`]
-//! times all variants interleaved, [`pareto`] finds those that nothing beats, [`audit`] refuses
-//! what cannot be, [`summary`] says it in words.
+//! times all variants interleaved and refuses what cannot be, [`pareto`] finds those that nothing
+//! beats, [`summary`] says it in words.
 
-pub mod audit;
 #[allow(clippy::indexing_slicing)]
 pub mod axes;
 pub mod axis;
-pub mod effect_prices;
+pub mod cost_tables;
 #[allow(clippy::indexing_slicing)]
 mod integer_ray;
 pub mod pareto;
-pub mod parts;
 #[allow(clippy::indexing_slicing)]
 pub mod pictures;
-pub mod plot;
-pub mod processes;
 pub mod record;
+pub mod report;
 pub mod sampled;
 pub mod stage;
 pub mod summary;
-pub mod tables;
-#[cfg(test)]
-pub(crate) mod test_records;
 pub mod timing;

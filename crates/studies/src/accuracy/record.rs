@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use presentation::svg_plot::Ring;
 use serde::{Deserialize, Serialize};
 use statistics::estimate::Estimate;
 use statistics::series::Series;
@@ -25,6 +26,15 @@ impl VariantStanding {
             Self::OnFront => "front",
             Self::NotToldApart => "~front",
             Self::Dominated => "-",
+        }
+    }
+
+    /// Around its point in plots.
+    pub fn ring(self) -> Ring {
+        match self {
+            Self::OnFront => Ring::Best,
+            Self::NotToldApart => Ring::AsGood,
+            Self::Dominated => Ring::None,
         }
     }
 }
@@ -103,7 +113,7 @@ pub struct SceneOutcome {
     pub reference_error: f64,
     /// Variants in the order of the axis.
     pub rows: Vec<VariantRecord>,
-    /// Impossible results, if any; see [`crate::accuracy::audit`].
+    /// Impossible results, if any; see [`crate::accuracy::timing`].
     pub faults: Vec<String>,
     /// Processes that timed the variants, each in as many rounds.
     #[serde(default = "one", skip_serializing_if = "is_one")]
@@ -236,13 +246,9 @@ impl TrialCounts {
         self.wrong += u64::from(is_wrong);
     }
 
-    pub fn add_all(&mut self, wrong: u64, trials: u64) {
-        self.trials += trials;
-        self.wrong += wrong;
-    }
-
     pub fn add_counts(&mut self, other: Self) {
-        self.add_all(other.wrong, other.trials);
+        self.trials += other.trials;
+        self.wrong += other.wrong;
     }
 
     /// Wrong ones so far.
@@ -252,5 +258,52 @@ impl TrialCounts {
 
     pub fn error(self) -> ErrorOf {
         ErrorOf::Counted { wrong: self.wrong, trials: self.trials }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod made_up {
+    use super::*;
+
+    /// A variant that takes so many seconds and is wrong so often in a million.
+    pub fn row(variant: &str, seconds: f64, wrong: u64) -> VariantRecord {
+        VariantRecord {
+            variant: variant.into(),
+            setting: String::new(),
+            known_defect: None,
+            is_reference: wrong == 0,
+            error: ErrorOf::Counted { wrong, trials: 1_000_000 },
+            is_below_reference: false,
+            seconds: vec![seconds; 3],
+            time_s: Estimate::exactly(seconds),
+            ratio: Estimate::exactly(seconds / 2.0),
+            standing: VariantStanding::OnFront,
+            also: Default::default(),
+            parts: Vec::new(),
+            is_without: false,
+        }
+    }
+
+    pub fn record(axes: Vec<AxisRecord>) -> AccuracyRecord {
+        let run = measurement::record::made_up::run(&[]);
+        AccuracyRecord {
+            command_line: run.command_line,
+            tool: run.tool,
+            machine: run.machine,
+            compiler: run.compiler,
+            seed: 1,
+            quick: false,
+            rounds: 3,
+            processes: 1,
+            took_s: 1.0,
+            axes,
+        }
+    }
+
+    /// An axis of these variants on one scene.
+    pub fn axis(rows: Vec<VariantRecord>) -> AxisRecord {
+        let scene = SceneOutcome { scene: "kitchen".into(), rows, ..SceneOutcome::new("", "") };
+        let [axis, metric, reference] = ["triangle-test", "misses", "exact"].map(str::to_owned);
+        AxisRecord { axis, metric, reference, scenes: vec![scene] }
     }
 }

@@ -10,13 +10,12 @@ use accel_core::query::tracer::Tracer;
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene};
 
-use crate::accuracy::audit;
 use crate::accuracy::record::{ErrorOf, SceneOutcome};
 use crate::accuracy::stage::{Stage, Work};
-use crate::accuracy::timing::{Variant, timed};
-use crate::effect_plan::plan_of;
+use crate::accuracy::timing::Variant;
 use crate::error::StudyError;
-use crate::image_error::{ConvergedImage, rmse};
+use crate::images::plan_of;
+use crate::images::{ConvergedImage, rmse};
 use measurement::system::machine;
 use measurement::system::pools::pool;
 
@@ -58,32 +57,20 @@ pub struct SampledEffect<'a> {
 }
 
 impl SampledEffect<'_> {
-    fn plan(&self, size: u32, samples: u32, seed: u64) -> Result<EffectPlan, StudyError> {
-        let mut wishes = SampleWishes::ONE_OF_EACH;
-        (self.wish)(&mut wishes, samples);
-        self.plan_of(self.scene, size, wishes, seed)
-    }
-
-    fn plan_of(
+    /// An image of one of the scenes with so many samples, or one of each.
+    fn plan(
         &self,
         scene: &Scene,
         size: u32,
-        samples: SampleWishes,
+        samples: Option<u32>,
         seed: u64,
     ) -> Result<EffectPlan, StudyError> {
-        let max_depth = self.max_depth;
-        let settings = RenderSettings { resolution: [size; 2], max_depth, samples, seed };
-        Ok(plan_of(scene, &settings)?)
-    }
-
-    fn image(&self, size: u32, samples: u32, seed: u64) -> Result<Image, StudyError> {
-        Ok(render_plan(self.scene, self.tracer, &self.plan(size, samples, seed)?).image)
-    }
-
-    /// All numbers of samples, judged and timed.
-    pub fn measured(&self, stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
-        let ImageCheck { variants, said, .. } = self.judged(stage)?;
-        Ok(timed(stage, said, variants))
+        let mut wishes = SampleWishes::ONE_OF_EACH;
+        if let Some(n) = samples {
+            (self.wish)(&mut wishes, n);
+        }
+        let (resolution, max_depth) = ([size; 2], self.max_depth);
+        Ok(plan_of(scene, &RenderSettings { resolution, max_depth, samples: wishes, seed })?)
     }
 
     /// All numbers of samples, judged, to be timed.
@@ -95,7 +82,10 @@ impl SampledEffect<'_> {
         }
         // what is not timed may use the whole machine
         let helper = pool(machine::threads())?;
-        let image = |n, seed| helper.install(|| self.image(plan.size, n, seed));
+        let image = |n, seed| -> Result<Image, StudyError> {
+            let plan = self.plan(self.scene, plan.size, Some(n), seed)?;
+            Ok(helper.install(|| render_plan(self.scene, self.tracer, &plan).image))
+        };
         // seeds that no variant has
         let far = |i: u64| stage.limits.seed.wrapping_mul(1009).wrapping_add(100_000 + i);
         let [a, b] = [image(plan.reference, far(0))?, image(plan.reference, far(1))?];
@@ -103,8 +93,7 @@ impl SampledEffect<'_> {
         let mut faults = Vec::new();
         let mut variants = Vec::new();
         if let Some((scene, tracer)) = self.without {
-            let plain =
-                self.plan_of(scene, plan.size, SampleWishes::ONE_OF_EACH, stage.limits.seed)?;
+            let plain = self.plan(scene, plan.size, None, stage.limits.seed)?;
             let image = helper.install(|| render_plan(scene, tracer, &plain).image);
             let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
             let setting = "render, of the scene without what calls for it";
@@ -121,10 +110,10 @@ impl SampledEffect<'_> {
             let squares: f64 = images.iter().map(|i| rmse(i, &reference.image).powi(2)).sum();
             let error = (squares / seeds as f64).sqrt();
             if Some(&n) == plan.samples.last() && !stage.limits.only_times {
-                faults.extend(audit::bad_reference(error, scatter(&images), reference.own_error));
+                faults.extend(bad_reference(error, scatter(&images), reference.own_error));
             }
             let error = ErrorOf::Rmse { rmse: error };
-            let plan = self.plan(plan.size, n, stage.limits.seed)?;
+            let plan = self.plan(self.scene, plan.size, Some(n), stage.limits.seed)?;
             let work = RepeatedImage::rendered(self.scene, self.tracer, plan);
             let setting = format!("render --samples {}={n}", self.option);
             variants.push(Variant {
@@ -158,29 +147,23 @@ pub struct ImageCheck<'a> {
 }
 
 /// An image that is made again and again, in the current rayon pool.
-pub struct RepeatedImage<F> {
-    make: F,
+pub struct RepeatedImage<'a> {
+    make: Box<dyn Fn() -> Option<Image> + 'a>,
     image: Option<Image>,
 }
 
-impl<F: Fn() -> Option<Image>> RepeatedImage<F> {
-    pub fn new(make: F) -> Self {
-        Self { make, image: None }
+impl<'a> RepeatedImage<'a> {
+    pub fn new(make: impl Fn() -> Option<Image> + 'a) -> Self {
+        Self { make: Box::new(make), image: None }
     }
-}
 
-impl RepeatedImage<()> {
     /// Of a scene with effects.
-    pub fn rendered<'a>(
-        scene: &'a Scene,
-        tracer: &'a dyn Tracer<f32>,
-        plan: EffectPlan,
-    ) -> RepeatedImage<impl Fn() -> Option<Image> + 'a> {
-        RepeatedImage::new(move || Some(render_plan(scene, tracer, &plan).image))
+    pub fn rendered(scene: &'a Scene, tracer: &'a dyn Tracer<f32>, plan: EffectPlan) -> Self {
+        Self::new(move || Some(render_plan(scene, tracer, &plan).image))
     }
 }
 
-impl<F: Fn() -> Option<Image>> Work for RepeatedImage<F> {
+impl Work for RepeatedImage<'_> {
     fn prepare(&mut self) {
         self.image = None;
     }
@@ -210,6 +193,22 @@ fn scatter(images: &[Image]) -> f64 {
     (squares / f64::max(pairs, 1.0) / 2.0).sqrt()
 }
 
+/// Factor by which a variant's distance from the reference may exceed its scatter plus the
+/// reference's own error. Both are estimates, which few pixels may decide.
+const TOLERATED: f64 = 3.0;
+
+/// A sampled reference that is worse than it says: `error` is that of the finest variant to it,
+/// `scatter` the variant's own by its seeds, `own` the reference's.
+fn bad_reference(error: f64, scatter: f64, own: f64) -> Option<String> {
+    let explained = scatter.hypot(own);
+    (error > TOLERATED * explained).then(|| {
+        format!(
+            "the reference is less accurate than stated: the finest variant differs by \
+             {error:.2e}; scatter and the stated error explain {explained:.2e}"
+        )
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -219,5 +218,13 @@ mod tests {
         let image = |x: f64| Image { width: 1, height: 2, pixels: vec![[x; 3]; 2] };
         assert_eq!(scatter(&[image(1.0), image(1.0)]), 0.0);
         assert!((scatter(&[image(1.0), image(2.0)]) - 0.5_f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_reference_less_accurate_than_stated_is_caught() {
+        assert_eq!(bad_reference(0.011, 0.01, 0.001), None);
+        assert!(bad_reference(0.04, 0.01, 0.001).is_some());
+        // planted: an honest reference that states a tenth of its error
+        assert!(bad_reference(0.03, 0.003, 0.003).is_some());
     }
 }

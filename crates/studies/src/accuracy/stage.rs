@@ -329,7 +329,7 @@ pub fn compare<S: Scalar, E: Scalar>(
 }
 
 /// A number that changes with any of the answers.
-pub fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
+fn fingerprint<S: Scalar>(answers: &[Answers<S>]) -> u64 {
     let mut hasher = DefaultHasher::new();
     for answers in answers {
         match answers {

@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
+use crate::accuracy::cost_tables;
 use crate::accuracy::record::{AccuracyRecord, AxisRecord, ErrorOf, VariantRecord};
-use crate::accuracy::tables::{push_facts, push_table};
-use crate::accuracy::{effect_prices, parts};
+use crate::accuracy::report::{push_facts, push_table};
 use presentation::markdown::escaped;
 use presentation::numbers::short;
 use presentation::table::Table;
@@ -113,14 +113,16 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
     push_facts(&mut text, run);
     push_table(&mut text, &advice(run));
     for axis in &run.axes {
-        for table in parts::over_scenes(axis, run.seed) {
+        for table in cost_tables::over_scenes(axis, run.seed) {
             push_table(&mut text, &table);
         }
-        for table in axis.scenes.iter().filter_map(|scene| parts::steps(axis, scene, run.seed)) {
+        for table in
+            axis.scenes.iter().filter_map(|scene| cost_tables::steps(axis, scene, run.seed))
+        {
             push_table(&mut text, &table);
         }
     }
-    if let Some(table) = effect_prices::table(run) {
+    if let Some(table) = cost_tables::effects(run) {
         push_table(&mut text, &table);
     }
     let faults: Vec<String> = run
@@ -142,7 +144,7 @@ pub fn to_markdown(run: &AccuracyRecord) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::test_records::{axis, record, row};
+    use crate::accuracy::record::made_up::{axis, record, row};
 
     fn advised(rows: Vec<VariantRecord>) -> Vec<String> {
         let table = advice(&record(vec![axis(rows)]));

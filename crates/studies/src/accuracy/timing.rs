@@ -1,13 +1,18 @@
-//! Timing the variants of an axis: interleaved rounds in seeded order, as rows of a run are.
+//! Timing the variants of an axis: interleaved rounds in seeded order, as rows of a run are; in one
+//! process or in several, since where code and data lie is drawn once for a process, and moves times by
+//! more than most variants differ. What cannot be is named as a fault.
 
-use crate::accuracy::audit;
-use crate::accuracy::pareto::{self, FrontPoint};
-use crate::accuracy::record::{ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding};
-use crate::accuracy::stage::{Limits, Stage, StagedStructure, Work};
-use crate::image_error::TIMES_REFERENCE;
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{self, Clock};
 use statistics::estimate::Estimate;
+
+use crate::accuracy::pareto::{self, FrontPoint};
+use crate::accuracy::record::{
+    AxisRecord, ErrorOf, PartTime, SceneOutcome, VariantRecord, VariantStanding,
+};
+use crate::accuracy::stage::{Limits, Stage, StagedStructure, Work};
+use crate::error::StudyError;
+use crate::images::TIMES_REFERENCE;
 
 /// A variant, judged and ready to be timed.
 pub struct Variant<'a> {
@@ -71,73 +76,54 @@ pub fn timed<'v>(
     mut outcome: SceneOutcome,
     variants: impl IntoIterator<Item = Variant<'v>>,
 ) -> SceneOutcome {
-    let mut variants: Vec<Variant<'v>> = variants.into_iter().collect();
-    let faults = &mut outcome.faults;
-    let mut seconds: Vec<Vec<f64>> = vec![Vec::new(); variants.len()];
-    let mut parts: Vec<Parts> = variants.iter().map(|v| Parts::of(&*v.work)).collect();
-    // the first run of each, which warms up, gives the answers that all others must repeat
-    let mut first = Vec::with_capacity(variants.len());
-    for variant in &mut variants {
+    let variants: Vec<Variant<'v>> = variants.into_iter().collect();
+    let (mut rows, mut works) = (Vec::new(), Vec::new());
+    for mut variant in variants {
+        rows.push(untimed(&variant, outcome.reference_error));
+        // the first run, which warms up, gives the answers that all others must repeat
         variant.work.prepare();
         variant.work.run();
         let answers = variant.work.fingerprint();
         let ((), seconds) = clock::timed(stage.clock, || variant.work.run());
-        first.push((answers, repeats(seconds)));
+        works.push((variant.work, answers, repeats(seconds)));
     }
     let purpose = format!("{}/{}", stage.axis, stage.name);
     let Limits { rounds, seed, .. } = stage.limits;
     let is_left = |round| round < rounds;
-    interleaved(0, variants.len(), seed, &purpose, is_left, |Visit { row, .. }| {
-        let (Some(variant), Some(of)) = (variants.get_mut(row), seconds.get_mut(row)) else {
+    interleaved(0, works.len(), seed, &purpose, is_left, |Visit { row, .. }| {
+        let (Some(row), Some((work, answers, repeats))) = (rows.get_mut(row), works.get_mut(row))
+        else {
             return;
         };
-        let (expected, repeats) = first.get(row).copied().unwrap_or((0, 1));
-        variant.work.prepare();
-        let Some(parts) = parts.get_mut(row) else { return };
-        of.push(parts.timed(stage.clock, repeats, &mut *variant.work));
-        let timed = variant.work.fingerprint();
-        let fault = audit::inconsistency(&variant.name, expected, timed);
-        faults.extend(fault.filter(|f| !faults.contains(f)));
+        work.prepare();
+        row.seconds.push(seconds(stage.clock, *repeats, &mut **work, &mut row.parts));
+        let fault = inconsistency(&row.variant, *answers, work.fingerprint());
+        outcome.faults.extend(fault.filter(|f| !outcome.faults.contains(f)));
     });
-    let timed = variants.into_iter().zip(seconds).zip(parts);
-    let rows = timed.map(|((variant, s), parts)| row(variant, s, parts, outcome.reference_error));
-    outcome.rows = rows.collect();
+    outcome.rows = rows;
     stage.name.clone_into(&mut outcome.scene);
-    figure(&mut outcome, stage.limits.seed);
-    let found = audit::faults(&outcome);
+    figure(&mut outcome, seed);
+    let found = faults(&outcome);
     outcome.faults.extend(found);
     outcome
 }
 
-/// The parts of a variant's work, and seconds of each by round.
-struct Parts {
-    names: Vec<&'static str>,
-    seconds: Vec<Vec<f64>>,
-}
-
-impl Parts {
-    fn of(work: &dyn Work) -> Self {
-        let names = work.parts().to_vec();
-        Self { seconds: vec![Vec::new(); names.len()], names }
+/// Seconds of the work, made so many times; those of its parts are added to them.
+fn seconds(clock: &dyn Clock, repeats: u32, work: &mut dyn Work, parts: &mut [PartTime]) -> f64 {
+    let timed = |run: &mut dyn FnMut()| {
+        let ((), seconds) = clock::timed(clock, || (0..repeats).for_each(|_| run()));
+        seconds / f64::from(repeats)
+    };
+    if parts.is_empty() {
+        return timed(&mut || work.run());
     }
-
-    /// Seconds of the work, made so many times; those of its parts are kept.
-    fn timed(&mut self, clock: &dyn Clock, repeats: u32, work: &mut dyn Work) -> f64 {
-        let timed = |work: &mut dyn Work, run: &dyn Fn(&mut dyn Work)| {
-            let ((), seconds) = clock::timed(clock, || (0..repeats).for_each(|_| run(work)));
-            seconds / f64::from(repeats)
-        };
-        if self.names.is_empty() {
-            return timed(work, &|work| work.run());
-        }
-        let mut sum = 0.0;
-        for (part, of) in self.seconds.iter_mut().enumerate() {
-            let seconds = timed(work, &|work| work.run_part(part));
-            of.push(seconds);
-            sum += seconds;
-        }
-        sum
+    let mut sum = 0.0;
+    for (i, part) in parts.iter_mut().enumerate() {
+        let seconds = timed(&mut || work.run_part(i));
+        part.seconds.push(seconds);
+        sum += seconds;
     }
+    sum
 }
 
 /// Cheapest variant from `first` on, by the median over common rounds. (Separate medians would
@@ -156,23 +142,23 @@ fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
 
 const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
 
-/// Record of a variant before [`figure`] evaluates its times.
-fn row(variant: Variant<'_>, seconds: Vec<f64>, parts: Parts, own_error: f64) -> VariantRecord {
-    let is_below_reference = variant.error.value() < TIMES_REFERENCE * own_error;
-    let part = |(part, seconds): (&str, _)| PartTime { part: part.into(), ratio: NO_TIME, seconds };
+/// Record of a variant before it is timed.
+fn untimed(variant: &Variant<'_>, own_error: f64) -> VariantRecord {
+    let part =
+        |part: &&str| PartTime { part: (*part).to_owned(), seconds: Vec::new(), ratio: NO_TIME };
     VariantRecord {
-        variant: variant.name,
-        setting: variant.setting,
+        variant: variant.name.clone(),
+        setting: variant.setting.clone(),
         known_defect: variant.known_defect.map(Into::into),
         is_reference: variant.is_reference,
         error: variant.error,
-        is_below_reference,
-        seconds,
+        is_below_reference: variant.error.value() < TIMES_REFERENCE * own_error,
+        seconds: Vec::new(),
         time_s: NO_TIME,
         ratio: NO_TIME,
         standing: VariantStanding::Dominated,
-        also: variant.also.into_iter().map(|(name, x)| (name.to_owned(), x)).collect(),
-        parts: parts.names.into_iter().zip(parts.seconds).map(part).collect(),
+        also: variant.also.iter().map(|(name, x)| ((*name).to_owned(), *x)).collect(),
+        parts: variant.work.parts().iter().map(part).collect(),
         is_without: variant.is_without,
     }
 }
@@ -195,19 +181,106 @@ pub fn figure(outcome: &mut SceneOutcome, seed: u64) {
             part.ratio = ratio(&part.seconds, &first.seconds);
         }
     }
-    let reference_error = outcome.reference_error;
-    let places: Vec<FrontPoint> =
-        rows.iter().map(|row| FrontPoint::of(row, reference_error)).collect();
-    for (row, standing) in rows.iter_mut().zip(pareto::standings(&places)) {
-        row.standing = standing;
-    }
+    let standings = pareto::standings(&places(&rows, outcome.reference_error));
+    rows.iter_mut().zip(standings).for_each(|(row, standing)| row.standing = standing);
     outcome.rows = rows;
+}
+
+fn places(rows: &[VariantRecord], reference_error: f64) -> Vec<FrontPoint> {
+    rows.iter().map(|row| FrontPoint::of(row, reference_error)).collect()
+}
+
+/// Takes the times of the axis that process number `process` (from 0) measured: those of the first
+/// one in place of the axis' own, those of others beside them, of as many rounds each. Errors stay;
+/// faults are added.
+///
+/// # Errors
+/// [`StudyError::Unlike`] where the process has not measured the same variants on the same scenes.
+pub fn join(
+    axis: &mut AxisRecord,
+    other: &AxisRecord,
+    process: u32,
+    seed: u64,
+) -> Result<(), StudyError> {
+    for scene in &mut axis.scenes {
+        let same =
+            other.scenes.iter().find(|o| (&o.scene, &o.subject) == (&scene.scene, &scene.subject));
+        let unlike = |found: String| StudyError::Unlike {
+            axis: axis.axis.clone(),
+            place: scene.place(),
+            process: process + 1,
+            found,
+        };
+        let same = same.ok_or_else(|| unlike("nothing".into()))?;
+        if let Some(found) = difference(scene, same, process) {
+            return Err(unlike(found));
+        }
+        for (row, same) in scene.rows.iter_mut().zip(&same.rows) {
+            take(&mut row.seconds, &same.seconds, process);
+            for (part, same) in row.parts.iter_mut().zip(&same.parts) {
+                take(&mut part.seconds, &same.seconds, process);
+            }
+        }
+        let new = |fault: &&String| !scene.faults.contains(fault);
+        let faults: Vec<String> = same.faults.iter().filter(new).cloned().collect();
+        scene.faults.extend(faults);
+        scene.processes = process + 1;
+        figure(scene, seed);
+    }
+    Ok(())
+}
+
+fn take(seconds: &mut Vec<f64>, other: &[f64], process: u32) {
+    if process == 0 {
+        seconds.clear();
+    }
+    seconds.extend(other);
+}
+
+/// First difference from the outcome that it is merged into.
+fn difference(scene: &SceneOutcome, other: &SceneOutcome, process: u32) -> Option<String> {
+    let names = |of: &SceneOutcome| {
+        let each = of.rows.iter().map(|row| (row.variant.clone(), row.parts.len()));
+        each.collect::<Vec<_>>()
+    };
+    if names(scene) != names(other) {
+        return Some(format!("other variants: {:?}", names(other)));
+    }
+    if scene.timed != other.timed {
+        return Some(format!("timed {}", other.timed));
+    }
+    let rounds = |of: &SceneOutcome, processes: u32| {
+        of.rows.first().map_or(0, |row| row.seconds.len()) / processes.max(1) as usize
+    };
+    (process > 0 && rounds(scene, process) != rounds(other, 1))
+        .then(|| format!("{} rounds", rounds(other, 1)))
+}
+
+/// Impossible results, in words: a front with a member that another beats, a reference variant of an
+/// exact oracle that is wrong.
+fn faults(outcome: &SceneOutcome) -> Vec<String> {
+    let standings: Vec<VariantStanding> = outcome.rows.iter().map(|row| row.standing).collect();
+    let of_front = pareto::fault(&places(&outcome.rows, outcome.reference_error), &standings);
+    let references = outcome.rows.iter().filter(|row| row.is_reference);
+    let wrong = references.filter_map(|row| match row.error {
+        ErrorOf::Counted { wrong, trials } if wrong > 0 => {
+            Some(format!("{} is the reference and wrong in {wrong} of {trials}", row.variant))
+        }
+        _ => None,
+    });
+    of_front.into_iter().chain(wrong).collect()
+}
+
+/// A variant whose answers changed between judging and timing: its time and its error would be
+/// those of two different programs.
+fn inconsistency(variant: &str, judged: u64, timed: u64) -> Option<String> {
+    (judged != timed).then(|| format!("answers of {variant} differ between timing and judging"))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::test_records::{axis, row};
+    use crate::accuracy::record::made_up::{axis, row};
 
     #[test]
     fn the_cheapest_is_found_round_by_round() {
@@ -221,5 +294,53 @@ mod tests {
         assert_eq!(cheapest(&outcome, 0), 1);
         assert_eq!(cheapest(&outcome, 2), 2);
         assert_eq!((repeats(1.0), repeats(0.001), repeats(0.0)), (1, 4, 1000));
+    }
+
+    fn measured(times: [f64; 2]) -> AxisRecord {
+        axis(vec![row("exact", times[0], 0), row("fast", times[1], 9)])
+    }
+
+    #[test]
+    fn figures_are_over_processes_and_errors_stay() {
+        let mut judged = measured([100.0, 1.0]);
+        judged.scenes[0].rows[1].error = ErrorOf::Rmse { rmse: 0.5 };
+        for (process, times) in [[2.0, 1.0], [8.0, 1.0]].into_iter().enumerate() {
+            let mut other = measured(times);
+            other.scenes[0].faults.push("it lies".into());
+            join(&mut judged, &other, process as u32, 1).unwrap();
+        }
+        let scene = &judged.scenes[0];
+        assert_eq!((scene.processes, &*scene.faults), (2, &["it lies".to_owned()][..]));
+        let [exact, fast] = &scene.rows[..] else { panic!() };
+        assert_eq!((exact.seconds.len(), fast.error.value()), (6, 0.5));
+        assert!((exact.ratio.median - 4.0).abs() < 1e-9, "{:?}", exact.ratio);
+        assert!(exact.ratio.high > 8.0, "of two processes alone: {:?}", exact.ratio);
+    }
+
+    #[test]
+    fn processes_with_other_results_are_refused() {
+        let refused = |judged: &mut AxisRecord, other: &AxisRecord, process| {
+            join(judged, other, process, 1).unwrap_err().to_string()
+        };
+        let [mut judged, mut other] = [(); 2].map(|()| measured([1.0, 1.0]));
+        other.scenes[0].rows.pop();
+        assert!(refused(&mut judged, &other, 0).contains("other variants"));
+        other.scenes.clear();
+        let nothing = "process 1 measured nothing, which differs from what was judged";
+        let error = refused(&mut judged, &other, 0);
+        assert_eq!(error, format!("triangle-test on kitchen: {nothing}"));
+        join(&mut judged, &measured([1.0, 1.0]), 0, 1).unwrap();
+        let mut fewer = measured([1.0, 1.0]);
+        fewer.scenes[0].timed = "100 rays".into();
+        assert!(refused(&mut judged, &fewer, 1).contains("timed 100 rays"));
+        let mut shorter = measured([1.0, 1.0]);
+        shorter.scenes[0].rows[0].seconds.pop();
+        assert!(refused(&mut judged, &shorter, 1).contains("2 rounds"));
+    }
+
+    #[test]
+    fn a_variant_with_false_answers_is_caught() {
+        assert_eq!(inconsistency("fast", 7, 7), None);
+        assert!(inconsistency("fast", 7, 8).unwrap().contains("answers of fast differ"));
     }
 }

@@ -6,13 +6,10 @@
 //! so that a frame is loaded and its right answers are found once. All answers of all frames are
 //! checked.
 
-pub mod figures;
-pub mod lane;
 pub mod measure;
-pub mod plot;
 pub mod quality;
 pub mod record;
-pub mod table;
+pub mod report;
 pub mod verdict;
 
 use accel_core::params::ParamKind;
@@ -22,7 +19,6 @@ use measurement::plan::Plan;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::select;
 use measurement::settings::MeasuringSettings;
-use measurement::settings::Precision;
 
 /// Width and height of the image, unless it is said: of a quick run, and of another.
 const SIZE: [u32; 2] = [48, 256];
@@ -87,11 +83,6 @@ impl<'r> Animate<'r> {
         threads.dedup();
         let (scene, rounds) = (scene.into(), rounds as usize);
         Ok(Self { scene, frames: [first, last], plan, rounds, threads })
-    }
-
-    /// Arithmetic of primitives and rays.
-    pub fn precision(&self) -> Precision {
-        self.plan.precision
     }
 }
 

@@ -3,8 +3,8 @@
 use presentation::numbers;
 use statistics::estimate::Estimate;
 
-use crate::animate::figures::Totals;
-use crate::animate::record::{AnimationRecord, LaneRecord};
+use crate::animate::record::{AnimationRecord, LaneRecord, Totals};
+use crate::run::costs::{Cost, envelope};
 
 /// A row and its times.
 type TimedLane<'a> = (&'a LaneRecord, Totals);
@@ -43,35 +43,22 @@ const RAYS: [f64; 2] = [1.0, 1e9];
 fn by_rays(rows: &[TimedLane<'_>]) -> Option<String> {
     let is_line = |(lane, _): &&TimedLane<'_>| !lane.settings.contains("build=lazy");
     let rows: Vec<&TimedLane<'_>> = rows.iter().filter(is_line).collect();
-    let fastest = |rays: f64| {
-        let rows = rows.iter().copied();
-        rows.min_by(|a, b| a.1.seconds_of(rays).total_cmp(&b.1.seconds_of(rays)))
+    let cost = |(_, totals): &&TimedLane<'_>| {
+        let build_s = totals.seconds_of(0.0);
+        Cost { build_s, ray_s: totals.seconds_of(1.0) - build_s }
     };
-    let mut rays = RAYS[0];
-    let mut current = fastest(rays)?;
-    let mut parts = Vec::new();
-    // each row's seconds are a line over the rays: the next row is the one whose line is met first
-    while rays < RAYS[1] {
-        let meets = |row: &TimedLane<'_>| {
-            let slope = |row: &TimedLane<'_>| row.1.seconds_of(1.0) - row.1.seconds_of(0.0);
-            let (ahead, gains) =
-                (row.1.seconds_of(0.0) - current.1.seconds_of(0.0), slope(current) - slope(row));
-            (gains > 0.0).then(|| ahead / gains).filter(|&at| at > rays)
-        };
-        let next = rows.iter().filter_map(|&row| Some((meets(row)?, row)));
-        let Some((at, row)) =
-            next.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(at, _)| *at < RAYS[1])
-        else {
-            break;
-        };
-        parts.push(format!("{} up to {}", current.0.label(), numbers::short(at)));
-        (rays, current) = (at, row);
-    }
-    parts.push(if parts.is_empty() {
-        format!("{} for any number", current.0.label())
-    } else {
-        format!("{} beyond", current.0.label())
+    let mut segments = envelope(&rows.iter().map(cost).collect::<Vec<_>>());
+    segments.retain(|segment| segment.from < RAYS[1]);
+    let first = segments.iter().rposition(|segment| segment.from <= RAYS[0])?;
+    let from: Vec<f64> = segments.iter().skip(first).map(|segment| segment.from).collect();
+    let rows = segments.iter().skip(first).filter_map(|segment| rows.get(segment.index));
+    let ends = from.iter().skip(1).map(Some).chain([None]);
+    let parts = rows.zip(ends).map(|((lane, _), end)| match end {
+        Some(end) => format!("{} up to {}", lane.label(), numbers::short(*end)),
+        None if from.len() == 1 => format!("{} for any number", lane.label()),
+        None => format!("{} beyond", lane.label()),
     });
+    let parts: Vec<String> = parts.collect();
     Some(format!("The fastest by rays per frame: {}.", parts.join(", ")))
 }
 

@@ -9,7 +9,6 @@
 //! other scenes) and the measured time.
 
 pub mod model;
-pub mod test_time;
 
 use accel_core::query::tracer::Tracer;
 use renderer::work::CountingTracer;

@@ -6,7 +6,6 @@
 //! as factors.
 
 pub mod craft;
-mod notes;
 pub mod steps;
 pub mod table;
 

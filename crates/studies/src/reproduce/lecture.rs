@@ -5,8 +5,7 @@
 //! same machine; beside the ratios stands the rank correlation, and a sentence says who won then
 //! and who wins now. [`SecondsTable`] has the seconds as the slides lay them out.
 
-use serde::Deserialize;
-
+use crate::reproduce::published::Figure;
 use measurement::record::{RowRecord, SceneRecord, Verdict};
 use presentation::numbers::short;
 use statistics::estimate::{Estimate, rank_correlation};
@@ -27,29 +26,19 @@ pub const STRUCTURES: [(&str, &str); 5] = [
 /// Structure newer than the lecture, measured with the others.
 pub const MODERN: &str = "obvhs-cwbvh";
 
-/// Seconds of a structure on a scene in the lecture.
-#[derive(Debug, Clone, PartialEq, Deserialize)]
-pub struct PublishedTimes {
-    structure: String,
-    scene: String,
-    /// One of [`SYMBOLS`].
-    counter: String,
-    value: f64,
-}
-
-/// All times of the lecture.
+/// All times of the lecture: seconds of structures on scenes, whose counters are [`SYMBOLS`].
 ///
 /// # Errors
 /// When the embedded file is damaged; names the line.
-pub fn published() -> Result<Vec<PublishedTimes>, csv::Error> {
+pub fn published() -> Result<Vec<Figure>, csv::Error> {
     csv::Reader::from_reader(TABLES.as_bytes()).deserialize().collect()
 }
 
 /// Seconds that the lecture has in the table of that symbol.
-fn seconds(all: &[PublishedTimes], structure: &str, scene: &str, symbol: &str) -> Option<f64> {
+fn seconds(all: &[Figure], structure: &str, scene: &str, symbol: &str) -> Option<f64> {
     let is_asked =
-        |t: &&PublishedTimes| t.structure == structure && t.scene == scene && t.counter == symbol;
-    all.iter().find(is_asked).map(|time| time.value)
+        |t: &&Figure| t.structure == structure && t.scene == scene && t.counter == symbol;
+    all.iter().find(is_asked)?.value.parse().ok()
 }
 
 /// A time as the lecture has it and as measured, both divided by uniform D=1's.
@@ -73,7 +62,7 @@ pub struct SecondsTable {
 
 impl SecondsTable {
     /// One of the slides' tables.
-    pub fn published(times: &[PublishedTimes], scenes: &[&str], symbol: &'static str) -> Self {
+    pub fn published(times: &[Figure], scenes: &[&str], symbol: &'static str) -> Self {
         let line = |(name, _): (&str, &str)| {
             let seconds = |scene: &&str| seconds(times, name, scene, symbol);
             (name.to_owned(), scenes.iter().map(seconds).collect())
@@ -122,7 +111,7 @@ pub struct Comparison {
 impl Comparison {
     /// Puts the lecture's times beside a measured scene. Rows of the record stand in the order of
     /// [`STRUCTURES`], then [`MODERN`].
-    pub fn new(scene: &SceneRecord, published: &[PublishedTimes]) -> Self {
+    pub fn new(scene: &SceneRecord, published: &[Figure]) -> Self {
         let names = STRUCTURES.iter().map(|(name, _)| Some(*name)).chain([None]);
         let lines = names.zip(&scene.rows).map(|(lecture, row)| {
             let then = |symbol| {
@@ -141,7 +130,7 @@ impl Comparison {
         Self { scene: scene.name.clone(), lines: lines.collect() }
     }
 
-    fn then(published: &[PublishedTimes], scene: &str, name: &str, symbol: &str) -> Option<f64> {
+    fn then(published: &[Figure], scene: &str, name: &str, symbol: &str) -> Option<f64> {
         let seconds = |name| seconds(published, name, scene, symbol);
         Some(seconds(name)? / seconds(STRUCTURES[0].0)?)
     }

@@ -4,35 +4,30 @@
 //! the counters mean was found by experiment; `results/published/README.md` has the rules.
 //! Everything is computed in f64 on coordinates as SPD prints them. Nothing is tuned per scene.
 
-use published::{Figure, table};
+use published::{Count, Figure, PaperCounters, Setting, table};
 use rayon::prelude::*;
-use setting::{Count, PaperCounters, Setting};
 use verdict::{Verdict, judge};
 
-mod adaptive;
-mod grids;
-mod hug;
 pub mod lecture;
-mod octrees;
 pub mod published;
-mod setting;
+mod settings;
 pub mod verdict;
 
-pub use setting::{PublishedScene, ReproduceError};
+pub use published::{PublishedScene, ReproduceError};
 
 /// The structures of both tables as the paper names them, one line each.
 static STRUCTURES: &[(&str, Count)] = &[
-    ("invariants", |scene, _| Ok(scene.invariants(&grids::count_uniform(scene, None)?))),
-    ("uniform", grids::uniform),
-    ("recursive", grids::recursive),
-    ("hug", hug::counters),
-    ("adaptive", adaptive::counters),
-    ("adaptive-orphan", adaptive::counters),
-    (octrees::COLUMNS[0], octrees::counters),
-    (octrees::COLUMNS[1], octrees::counters),
-    (octrees::COLUMNS[2], octrees::counters),
-    (octrees::COLUMNS[3], octrees::counters),
-    (octrees::COLUMNS[4], octrees::counters),
+    ("invariants", |scene, _| Ok(scene.invariants(&settings::count_uniform(scene, None)?))),
+    ("uniform", settings::uniform),
+    ("recursive", settings::recursive),
+    ("hug", settings::hug),
+    ("adaptive", settings::adaptive),
+    ("adaptive-orphan", settings::adaptive),
+    (settings::OCTREES[0], settings::octree),
+    (settings::OCTREES[1], settings::octree),
+    (settings::OCTREES[2], settings::octree),
+    (settings::OCTREES[3], settings::octree),
+    (settings::OCTREES[4], settings::octree),
 ];
 
 /// One figure, published and ours.

@@ -14,8 +14,8 @@ use measurement::record::{
     SceneRecord, Verdict,
 };
 
-use crate::run::break_even::{count_interval, envelope};
 use crate::run::costs::{Cost, Profile, all_rays_s, profiles, reference};
+use crate::run::costs::{count_interval, envelope};
 use crate::run::kind_tables::kinds_of;
 use crate::run::leads::{Ranking, TimedRow, lead};
 use crate::run::time_to_image::TimesToImage;

@@ -6,7 +6,6 @@ use presentation::table::{Cell, Table};
 use statistics::series::FEWEST_ROUNDS;
 
 use crate::run::columns::RATIO;
-use crate::run::lines::{Line, Lines};
 
 /// Heads of figures with an interval, and the same of ranges.
 const HEADS: [(&str, &str, &str); 5] = [
@@ -58,7 +57,7 @@ impl Few {
     }
 
     /// The table with heads, cells and notes that claim no more than that.
-    pub fn table(self, mut table: Table) -> Table {
+    fn table(self, mut table: Table) -> Table {
         for head in &mut table.header {
             if let Some((_, range, alone)) = HEADS.iter().find(|(of, ..)| of == head) {
                 *head = if self.rounds == 1 { alone } else { range };
@@ -70,12 +69,6 @@ impl Few {
         table
     }
 
-    pub fn lines(self, lines: Lines) -> Lines {
-        let own = lines.lines.into_iter();
-        let lines_of = own.map(|line| Line { text: self.text(&line.text), ..line });
-        Lines { lines: lines_of.collect(), ..lines }
-    }
-
     /// A page likewise, which says so below its title.
     pub fn page(self, html: &str) -> String {
         let heading = format!("</h1><p class=\"notes\">{}</p>", self.heading());
@@ -84,7 +77,7 @@ impl Few {
     }
 
     /// A text without words of certainty; of one round without brackets around one figure.
-    pub fn text(self, text: &str) -> String {
+    fn text(self, text: &str) -> String {
         let mut text = text.to_owned();
         for (of, instead) in WORDS {
             text = text.replace(of, instead);
@@ -107,6 +100,14 @@ impl Few {
             }
         }
         short + rest
+    }
+}
+
+/// The table as a run may show it.
+pub fn table(run: &RunRecord, table: Table) -> Table {
+    match Few::of(run) {
+        Some(few) => few.table(table),
+        None => table,
     }
 }
 

@@ -1,6 +1,5 @@
 //! The record of a run as conclusions, tables, Markdown and CSV.
 
-pub mod break_even;
 pub mod columns;
 pub mod conclusions;
 pub mod costs;
@@ -8,8 +7,7 @@ pub mod few;
 pub mod kind_tables;
 pub mod leads;
 pub mod lines;
-pub mod markdown;
+pub mod output;
 pub mod tables;
-pub mod text;
 pub mod time_to_image;
 pub mod view;

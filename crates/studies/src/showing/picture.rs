@@ -6,11 +6,11 @@ use accel_core::structure::StructureStats;
 use presentation::drawing::{Classes, Color, Drawing, Font, Item, PLAIN, Paint, color, wrapped};
 use presentation::svg_plot::palette::{BEST, GREY, INK, MARK};
 
-use super::outline::Line;
-use super::plane::Plane;
-use super::projection::Projection;
 use super::ray_path::PathThrough;
+use super::sections::Line;
 use super::sections::{Body, Section};
+use super::view::Plane;
+use super::view::Projection;
 
 /// Room around and between.
 const MARGIN: f64 = 18.0;

@@ -8,8 +8,8 @@ use accel_core::query::tracer::Tracer;
 use accel_core::{Aabb, Hit, Ray, Scalar};
 use scene_loading::Scene;
 
-use super::outline::{Line, outline_of};
-use super::plane::Plane;
+use super::sections::{Line, outline_of};
+use super::view::Plane;
 
 /// A cell that a ray enters.
 #[derive(Debug, Clone, Copy, PartialEq)]

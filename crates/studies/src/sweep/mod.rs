@@ -7,10 +7,8 @@
 //! ratios are taken to.
 
 pub mod judgement;
-pub mod plot;
-mod rules;
+pub mod report;
 pub mod sizes;
-pub mod table;
 pub mod values;
 
 use accel_core::params::{ParamKind, ParamSpec};
@@ -92,8 +90,8 @@ impl<'r> Sweep<'r> {
         let line = lines.of(Row::of(swept.entry, &swept.settings)?);
         line.value.get_or_insert_with(|| swept.parameter.default.to_owned());
         line.is_default = true;
-        if rules::apply_to(swept.entry, swept.parameter) {
-            for (rule, settings) in rules::settings(&swept.settings) {
+        if values::rules_apply_to(swept.entry, swept.parameter) {
+            for (rule, settings) in values::rule_settings(&swept.settings) {
                 lines.of(Row::of(swept.entry, &settings)?).rules.push(rule);
             }
         }
@@ -176,7 +174,7 @@ impl<'r, 't> SweptParameter<'r, 't> {
     }
 
     fn abscissa(&self, values: &[String]) -> Abscissa {
-        if rules::apply_to(self.entry, self.parameter) {
+        if values::rules_apply_to(self.entry, self.parameter) {
             return Abscissa::CellsPerPrimitive;
         }
         match self.parameter.kind {

@@ -9,20 +9,17 @@ use std::collections::BTreeMap;
 
 use crate::accuracy::pareto::{FrontPoint, standings};
 use crate::accuracy::record::VariantStanding;
-use crate::image_error::{ConvergedImage, edge_rmse, edges, rmse};
+use crate::images::{ConvergedImage, edge_rmse, edges, rmse};
 use accel_core::query::region::FrustumWork;
 use accel_core::query::tracer::Tracer;
-use equal_error::{SampledImage, at_error};
 use measurement::rounds::interleaved::{Visit, interleaved};
 use measurement::system::clock::{Clock, timed};
-use record::{ImageMeasurement, ImageRecord, Outcome, RowName};
+use record::{ImageMeasurement, ImageRecord, Outcome, RowName, SampledImage, at_error};
 use renderer::tracers::{DrawnImage, Frame, Refusal, Structures, TracerInfo, beam, cone, whitted};
 use renderer::{EffectPlan, Image, RenderSettings, render_plan};
 use scene_loading::{SampleWishes, Scene, Shape};
 use statistics::series::Series;
 
-mod columns;
-pub mod equal_error;
 pub mod queries;
 pub mod record;
 pub mod report;
@@ -78,7 +75,7 @@ pub struct ComparisonInput<'a> {
     /// Structures that cones and beams query.
     pub structures: Structures<'a>,
     /// Size, depth and seed.
-    pub frame: SampledReference,
+    pub frame: RenderSettings,
     /// Numbers of samples per pixel, in rising order.
     pub samples: &'a [u32],
     /// The tracers to compare, by name.
@@ -100,17 +97,19 @@ pub fn compare(
     let ComparisonInput { scene, frame, .. } = *question;
     if is_asked(&whitted::INFO) {
         for &samples in question.samples {
-            let plan = frame.plan(scene, samples, frame.seed);
+            let plan = sampled_plan(scene, frame, samples);
             rows.push((whitted::INFO.name, "", Some(samples)));
-            makers.push(Box::new(move || Ok(ImageWithCounts::by_samples(question, &plan))));
+            makers.push(Box::new(move || {
+                let rendered = render_plan(scene, question.sampler, &plan);
+                Ok((rendered.image, BTreeMap::from([("rays", rendered.counts.total())])))
+            }));
         }
     }
     let size = Frame { resolution: frame.resolution, max_depth: frame.max_depth };
     for way in drawing_methods(is_asked) {
         rows.push((way.info.name, way.settings, None));
-        makers.push(Box::new(move || {
-            (way.draw)(scene, size, question.structures).map(ImageWithCounts::from)
-        }));
+        makers
+            .push(Box::new(move || (way.draw)(scene, size, question.structures).map(with_counts)));
     }
     let mut made: Vec<Option<Result<ImageWithCounts, Refusal>>> =
         rows.iter().map(|_| None).collect();
@@ -129,7 +128,7 @@ pub fn compare(
         let (tracer, settings, samples) = row;
         let outcome = match made? {
             Err(refusal) => Outcome::Refused { refused: refusal.to_string(), what: refusal.what },
-            Ok(ImageWithCounts { image, counts }) => {
+            Ok((image, counts)) => {
                 let error = rmse(&image, &reference.image);
                 Outcome::Made(ImageMeasurement {
                     seconds,
@@ -153,27 +152,14 @@ pub fn compare(
 }
 
 /// An image and what was counted.
-struct ImageWithCounts {
-    image: Image,
-    counts: BTreeMap<&'static str, u64>,
-}
+type ImageWithCounts = (Image, BTreeMap<&'static str, u64>);
 
-impl ImageWithCounts {
-    fn by_samples(question: &ComparisonInput<'_>, plan: &renderer::EffectPlan) -> Self {
-        let rendered = render_plan(question.scene, question.sampler, plan);
-        let counts = BTreeMap::from([("rays", rendered.counts.total())]);
-        Self { image: rendered.image, counts }
-    }
-}
-
-impl From<DrawnImage> for ImageWithCounts {
-    fn from(drawn: DrawnImage) -> Self {
-        let FrustumWork { queries, found, tests, .. } = drawn.work;
-        let mut counts =
-            BTreeMap::from([("queries", queries), ("candidates", found), ("hull tests", tests)]);
-        counts.extend(drawn.counts);
-        Self { image: drawn.image, counts }
-    }
+fn with_counts(drawn: DrawnImage) -> ImageWithCounts {
+    let FrustumWork { queries, found, tests, .. } = drawn.work;
+    let mut counts =
+        BTreeMap::from([("queries", queries), ("candidates", found), ("hull tests", tests)]);
+    counts.extend(drawn.counts);
+    (drawn.image, counts)
 }
 
 /// Finds the Pareto front, and what samples take for the errors of the others.
@@ -241,40 +227,26 @@ pub fn without(mut scene: Scene, kinds: &[String]) -> Scene {
 pub fn converged(
     scene: &Scene,
     tracer: &dyn Tracer<f32>,
-    frame: SampledReference,
+    frame: RenderSettings,
     samples: u32,
 ) -> ConvergedImage {
-    let image = |seed| frame.image(scene, tracer, samples, seed);
-    let first = image(frame.seed ^ 0x5265_6665_7265_6e63);
-    ConvergedImage::of(&first, &image(frame.seed ^ 0x6552_6665_7265_6e63))
+    let [first, second] = [0x5265_6665_7265_6e63, 0x6552_6665_7265_6e63].map(|other| {
+        let frame = RenderSettings { seed: frame.seed ^ other, ..frame };
+        render_plan(scene, tracer, &sampled_plan(scene, frame, samples)).image
+    });
+    ConvergedImage::of(&first, &second)
 }
 
-/// An image by samples: size, depth, and the seed of its patterns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SampledReference {
-    /// Width and height in pixels.
-    pub resolution: [u32; 2],
-    pub max_depth: u32,
-    pub seed: u64,
-}
-
-impl SampledReference {
-    /// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a
-    /// light with an extent has one sample of each for every eye ray.
-    pub fn plan(&self, scene: &Scene, samples: u32, seed: u64) -> EffectPlan {
-        let samples = SampleWishes { supersamples: Some(samples), ..SampleWishes::ONE_OF_EACH };
-        let (resolution, max_depth) = (self.resolution, self.max_depth);
-        EffectPlan::of(scene, &RenderSettings { resolution, max_depth, samples, seed })
-    }
-
-    fn image(&self, scene: &Scene, tracer: &dyn Tracer<f32>, samples: u32, seed: u64) -> Image {
-        render_plan(scene, tracer, &self.plan(scene, samples, seed)).image
-    }
+/// The plan of an image with that many eye rays per pixel; what has a lens, a shutter or a light
+/// with an extent has one sample of each for every eye ray.
+pub fn sampled_plan(scene: &Scene, frame: RenderSettings, samples: u32) -> EffectPlan {
+    let samples = SampleWishes { supersamples: Some(samples), ..SampleWishes::ONE_OF_EACH };
+    EffectPlan::of(scene, &RenderSettings { samples, ..frame })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::equal_error::AtError;
+    use super::record::AtError;
     use super::*;
 
     fn row(samples: Option<u32>, seconds: f64, error: f64) -> ImageRecord {

@@ -1,23 +1,24 @@
 //! All answers of a tracer to the rays of a round, asked in every way there is: together, counted,
-//! alone, and among nearly parallel ones, with which a structure may share work.
+//! alone, and among nearly parallel ones, with which a structure may share work. A digest stands for
+//! them.
 
 use accel_core::primitives::PrimSet;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::registry::Buildable;
 use accel_core::{Hit, MISS, Ray, Scalar, Vec3, Vector};
 use glam::DVec3;
-
-use super::digest::Digest;
-use super::draw::{point, unit};
-use super::model::Model;
-use super::round::NearbyPrimitives;
+use renderer::Geometry;
 use statistics::random::Random;
+
+use crate::verify::draw::{point, unit};
+use crate::verify::round::NearbyPrimitives;
 
 /// One ray in so many is asked in the other ways as well.
 const REPEATED: usize = 8;
 
 /// The answers to all rays, asked in all ways.
 #[derive(Debug, Clone)]
-pub(super) struct Answers<S: Scalar> {
+pub(super) struct Answers<S: Buildable> {
     pub(super) closest: Vec<Hit<S>>,
     pub(super) blocked: Vec<bool>,
     again: Vec<Repeated<S>>,
@@ -32,7 +33,7 @@ pub(super) struct Repeated<S: Scalar> {
     pub(super) blocked: Vec<bool>,
 }
 
-impl<S: Scalar> Answers<S> {
+impl<S: Buildable> Answers<S> {
     pub(super) fn of(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Self {
         let (closest, blocked) = together(tracer, rays);
         let some: Vec<Ray<S>> = rays.iter().copied().step_by(REPEATED).collect();
@@ -56,10 +57,10 @@ impl<S: Scalar> Answers<S> {
     }
 
     /// By brute force over the primitives near each ray alone.
-    pub(super) fn near(model: &Model<S>, rays: &[Ray<S>], near: &NearbyPrimitives) -> Self {
+    pub(super) fn near(model: &Geometry<S>, rays: &[Ray<S>], near: &NearbyPrimitives) -> Self {
         let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
-            Model::Triangles(set) => nearest(set, ray, ids),
-            Model::Mixed(set) => nearest(set, ray, ids),
+            Geometry::Triangles(set) => nearest(set, ray, ids),
+            Geometry::Mixed(set) => nearest(set, ray, ids),
         };
         let ids = near.of.iter().map(|&i| near.lists.get(i).map_or(&[][..], Vec::as_slice));
         let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
@@ -188,6 +189,46 @@ fn beside<S: Scalar>(random: &mut Random, ray: &Ray<S>, apart: f64) -> Ray<S> {
     Ray { origin: off(ray.origin), direction: off(ray.direction), ..*ray }
 }
 
+/// The answers of one round, in order; or those of several, in any.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Digest(pub u64);
+
+impl Digest {
+    /// Digest of one round; its number distinguishes equal answers to other rays.
+    pub fn of_round(self, number: u64) -> Self {
+        Self(mixed(self.0 ^ mixed(number)))
+    }
+
+    /// Goes on with a closest hit. Zeros of both signs are the same parameter.
+    pub fn hit<S: Scalar>(&mut self, hit: &Hit<S>) {
+        let t = if hit.is_hit() { (hit.t.to_f64() + 0.0).to_bits() } else { 0 };
+        self.word(t);
+        self.word(u64::from(hit.id));
+    }
+
+    /// Goes on with an occlusion.
+    pub fn blocked(&mut self, blocked: bool) {
+        self.word(u64::from(blocked));
+    }
+
+    /// Goes on with any word.
+    pub fn word(&mut self, word: u64) {
+        self.0 = mixed(self.0.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ word);
+    }
+
+    /// Puts rounds together; their order does not matter.
+    pub fn add(&mut self, other: Self) {
+        self.0 = self.0.wrapping_add(other.0);
+    }
+}
+
+/// The finalizer of SplitMix64.
+fn mixed(x: u64) -> u64 {
+    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ (x >> 31)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,5 +254,27 @@ mod tests {
             assert!(group.iter().any(|other| other != ray));
         }
         assert!(lanes.iter().all(|&n| n > 20), "{lanes:?}");
+    }
+
+    fn of(hits: &[(f32, u32)]) -> Digest {
+        let mut digest = Digest::default();
+        hits.iter().for_each(|&(t, id)| digest.hit(&Hit { t, id }));
+        digest
+    }
+
+    #[test]
+    fn digests_depend_on_every_bit_but_not_on_the_order_of_rounds() {
+        let hits = [(1.0, 3), (2.0, 4)];
+        assert_eq!(of(&hits), of(&hits));
+        let next = 2.0_f32.next_up();
+        for other in [[(1.0, 3), (next, 4)], [(1.0, 3), (2.0, 5)], [(2.0, 4), (1.0, 3)]] {
+            assert_ne!(of(&hits), of(&other), "{other:?}");
+        }
+        assert_eq!(of(&[(0.0, 1)]), of(&[(-0.0, 1)]));
+        let mut sums = [Digest::default(); 3];
+        for (sum, order) in sums.iter_mut().zip([[0, 1], [1, 0], [0, 0]]) {
+            order.into_iter().for_each(|number| sum.add(of(&hits).of_round(number)));
+        }
+        assert!(sums[0] == sums[1] && sums[0] != sums[2]);
     }
 }

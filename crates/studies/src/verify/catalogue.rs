@@ -4,8 +4,8 @@ use accel_core::primitives::PrimitiveError;
 use renderer::ray_offset::OffsetRule;
 
 use super::cases::{
-    cells, copies, crossings, crowds, edge_on, extreme_components, geometry, intervals, motion,
-    nested_planes, normals, polygons, ray, secondary, shadow_rays, shapes, shells, symmetry,
+    cells, crossings, crowds, edge_on, geometry, intervals, motion, nested_planes, normals,
+    polygons, ray, secondary, shadow_rays, shapes, symmetry,
 };
 use super::round::Round;
 use measurement::plan::error::PlanError;
@@ -84,7 +84,7 @@ pub static GROUPS: &[Group] = &[
             "origins on faces, edges and corners of the scene's box"),
         case!("R8", intervals::intervals, "all tests",
             "intervals below 0, of one ulp, of one number; chains of hits: each once, in order"),
-        case!("R9", extreme_components::extreme_components, "exact",
+        case!("R9", ray::extreme_components, "exact",
             "one or two components that are denormal or huge, also in the plane of a flat scene"),
     ] },
     Group { name: "geometry", cases: &[
@@ -178,7 +178,7 @@ pub static GROUPS: &[Group] = &[
             "shadow rays where a ball touches its plane"),
         case!("S4", by default secondary::to_a_light_on_a_surface, "closed form",
             "shadow rays to a light on a triangle"),
-        case!("S7", by default shells::shells, "counting, closed form",
+        case!("S7", by default secondary::shells, "counting, closed form",
             "shells a few ulps apart: none skipped, none met twice"),
     ] },
     Group { name: "reported", cases: &[
@@ -204,7 +204,7 @@ pub static GROUPS: &[Group] = &[
                 "uniform-grid time-segments=8", "kd-tree time-segments=5",
                 "octree time-segments=2", "irregular-grid time-segments=4",
             ]),
-        case!("Q8", copies::copies, "exact",
+        case!("Q8", crowds::copies, "exact",
             "copies of an object: mirrored, sheared, of sizes 1 to 10^-6, far away, in one place"),
         case!("Q9", shadow_rays::glass, "all tests",
             "shadow rays through transmissive primitives, equal to opaque ones, before and behind them"),

@@ -11,11 +11,10 @@ use accel_core::structures::Entry;
 use rayon::prelude::*;
 
 use super::catalogue::{Case, CatalogueEntry, Draw};
-use super::judge::{Judge, Mismatch, RoundVerdict};
-use super::replay::Replay;
+use super::judge::{Judge, RoundVerdict};
 use super::report::{Line, StopReason, SubjectCounts};
 use super::round::{FEWEST_RAYS, MOST_RAYS, Round};
-use super::subject::Subject;
+use super::subject::{Replay, Subject};
 use measurement::plan::error::PlanError;
 use measurement::settings::Precision;
 use measurement::system::clock::Clock;
@@ -81,7 +80,13 @@ impl CheckPlan<'_> {
                 watch.progress.step(Duration::ZERO);
                 of_round
             })
-            .reduce(|| vec![SubjectCounts::default(); subjects.len()], added);
+            .reduce(
+                || vec![SubjectCounts::default(); subjects.len()],
+                |mut all, more| {
+                    all.iter_mut().zip(more).for_each(|(counts, more)| counts.add(more));
+                    all
+                },
+            );
         let complete = tallies.iter().map(|tally| tally.rounds).min().unwrap_or_default();
         let told = |(tally, subject): (SubjectCounts, &Subject<'_>)| {
             let replay = |round: u64, ray| Replay {
@@ -180,14 +185,6 @@ impl Drawing<'_> {
     }
 }
 
-/// The tallies of two sets of rounds.
-fn added(mut all: Vec<SubjectCounts>, more: Vec<SubjectCounts>) -> Vec<SubjectCounts> {
-    for (tally, more) in all.iter_mut().zip(more) {
-        tally.add(more);
-    }
-    all
-}
-
 #[derive(Debug)]
 pub struct ReplayOutcome {
     /// The ray and what was expected of it.
@@ -224,21 +221,18 @@ fn replay_round<S: Buildable>(
         return Ok(None);
     };
     let (wrong, refused) = match Judge::new(&round)?.judge(subject) {
-        RoundVerdict::Asked(all, _) => (of_ray(all, replay.ray), None),
+        RoundVerdict::Asked(all, _) => {
+            let of_ray = all.into_iter().find(|m| m.ray == replay.ray && m.is_wrong);
+            (of_ray.map(|m| m.what), None)
+        }
         RoundVerdict::Refused(why) => (None, Some(why)),
         RoundVerdict::NotAsked => (None, Some("has no such primitives".to_owned())),
     };
-    let question = format!("ray {}\nexpected: {expected:?}", ray_text(ray));
-    Ok(Some(ReplayOutcome { question, wrong, refused }))
-}
-
-fn of_ray(all: Vec<Mismatch>, ray: usize) -> Option<String> {
-    all.into_iter().find(|m| m.ray == ray && m.is_wrong).map(|m| m.what)
-}
-
-fn ray_text<S: Buildable>(ray: &Ray<S>) -> String {
     let Ray { origin, direction, t_min, t_max, .. } = ray;
-    format!("from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]")
+    let question = format!(
+        "ray from {origin:?} along {direction:?} in [{t_min:?}, {t_max:?}]\nexpected: {expected:?}"
+    );
+    Ok(Some(ReplayOutcome { question, wrong, refused }))
 }
 
 #[cfg(test)]

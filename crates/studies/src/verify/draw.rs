@@ -3,7 +3,7 @@
 
 use glam::{DVec3, dvec3};
 
-use super::model::Corners;
+use super::round::Corners;
 use statistics::random::Random;
 
 /// Uniform in [0, 1), with 24 bits.

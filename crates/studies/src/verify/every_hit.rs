@@ -4,20 +4,21 @@
 use std::cmp::Ordering;
 
 use accel_core::primitives::PrimSet;
+use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
+use renderer::Geometry;
 
-use super::model::Model;
-use super::round::{OracleAnswer, Round};
+use super::round::{OracleAnswer, Round, magnitude};
 
 /// A line meets a convex surface twice; more hits of one primitive are a fault, and enough of one.
 const MOST_OF_ONE: usize = 8;
 
 /// All hits within the ray's interval, by parameter and id.
-pub fn every_hit<S: Scalar>(model: &Model<S>, ray: &Ray<S>) -> Vec<Hit<S>> {
+pub fn every_hit<S: Buildable>(model: &Geometry<S>, ray: &Ray<S>) -> Vec<Hit<S>> {
     match model {
-        Model::Triangles(set) => hits_of(set, ray),
-        Model::Mixed(set) => hits_of(set, ray),
+        Geometry::Triangles(set) => hits_of(set, ray),
+        Geometry::Mixed(set) => hits_of(set, ray),
     }
 }
 
@@ -54,7 +55,7 @@ pub fn first_within<S: Scalar>(hits: &[Hit<S>], t_min: S, t_max: S) -> OracleAns
 /// Adds the ray, and again with its interval begun just after each of its hits (`hits`, sorted):
 /// every hit must be found once and in order, of equal ones that of the lowest id; then nothing.
 /// A structure that answers each link so answers the chain so. No more than `most` links.
-pub fn push_chain<S: Scalar>(round: &mut Round<S>, ray: Ray<S>, hits: &[Hit<S>], most: usize) {
+pub fn push_chain<S: Buildable>(round: &mut Round<S>, ray: Ray<S>, hits: &[Hit<S>], most: usize) {
     let mut link = ray;
     for _ in 0..most {
         round.push(link, first_within(hits, link.t_min, link.t_max));
@@ -95,11 +96,18 @@ pub fn is_out_of_its_box<S: Scalar>(triangle: &[[S; 3]; 3], ray: &Ray<S>, t: S) 
 const PADDING: f64 = 64.0;
 
 /// Says which of these hits lies outside the padded box of its primitive, if one does.
-pub fn outside_box<S: Scalar>(model: &Model<S>, ray: &Ray<S>, hits: &[Hit<S>]) -> Option<String> {
-    let pad = PADDING * S::EPSILON.to_f64() * model.magnitude();
+pub fn outside_box<S: Buildable>(
+    model: &Geometry<S>,
+    ray: &Ray<S>,
+    hits: &[Hit<S>],
+) -> Option<String> {
+    let pad = PADDING * S::EPSILON.to_f64() * magnitude(model);
     hits.iter().find_map(|hit| {
         let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * hit.t.to_f64();
-        let bounds = model.bounds(hit.id);
+        let bounds = match model {
+            Geometry::Triangles(set) => set.bounds(hit.id),
+            Geometry::Mixed(set) => set.bounds(hit.id),
+        };
         let (low, high) = (bounds.min.to_dvec3() - pad, bounds.max.to_dvec3() + pad);
         let is_within = low.cmple(p).all() && p.cmple(high).all();
         let told = || format!("primitive {} is hit at {p}, out of its padded box", hit.id);
@@ -123,13 +131,13 @@ fn is_outside(corners: &[f64; 3], x: f64, slack: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::model::ray;
+    use crate::verify::round::{mixed_model, ray};
     use glam::dvec3;
 
     #[test]
     fn both_sides_of_a_ball_and_both_of_equal_triangles() {
         let corners = [DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0];
-        let model = Model::<f32>::mixed(|set| {
+        let model = mixed_model::<f32>(|set| {
             set.sphere(dvec3(1.0, 1.0, 0.0), 0.5)?;
             set.triangle(corners)?;
             set.triangle(corners)

@@ -8,14 +8,13 @@ use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
+use renderer::Geometry;
 
+use super::answers::Digest;
 use super::answers::{Answers, Repeated, closest};
-use super::digest::Digest;
-use super::metamorphic::{Invariant, MetamorphicPair};
 use super::mismatch::OwnTestJudge;
 pub use super::mismatch::{Difference, Mismatch};
-use super::model::Model;
-use super::round::{OracleAnswer, Round};
+use super::round::{Invariant, MetamorphicPair, OracleAnswer, Round, corners_of, model_of};
 use super::subject::{Subject, with_brute_force};
 use measurement::plan::rows::Row;
 use measurement::rays::exactness::Exactness;
@@ -40,8 +39,7 @@ pub(super) fn brute_force_answers<S: Buildable>(
 }
 
 /// A round with the answers of brute force.
-#[derive(Debug)]
-pub struct Judge<'a, S: Scalar> {
+pub struct Judge<'a, S: Buildable> {
     round: &'a Round<S>,
     reference: Answers<S>,
     pairs: Vec<Vec<Hit<S>>>,
@@ -148,10 +146,10 @@ impl<'a, S: Buildable> Judge<'a, S> {
 
     /// Judges answers by another primitive test than ours; none where there are no exact triangles.
     fn by_oracle(&self, answers: &Answers<S>, pairs: &[Vec<Hit<S>>]) -> Option<RoundVerdict> {
-        let exact = |model: &Model<S>| Model::<f64>::triangles(&model.corners()?).ok();
+        let exact = |model: &Geometry<S>| model_of::<f64>(&corners_of(model)?).ok();
         let model = exact(&self.round.model)?;
         let judge = OwnTestJudge::new(&model);
-        let of_pairs: Option<Vec<Model<f64>>> =
+        let of_pairs: Option<Vec<Geometry<f64>>> =
             self.round.pairs.iter().map(|pair| exact(&pair.model)).collect();
         let of_pairs = of_pairs?;
         let pair_judges: Vec<_> = of_pairs.iter().map(OwnTestJudge::new).collect();
@@ -177,11 +175,8 @@ impl<'a, S: Buildable> Judge<'a, S> {
             let all = hits.chain(occlusions).chain(paired);
             let all = all.filter_map(|(found, words)| Some((found?, words)));
             let ((difference, is_wrong), words) = all.max_by_key(|((_, is_wrong), _)| *is_wrong)?;
-            Some(if is_wrong {
-                Mismatch::wrong(i, Some(difference), words)
-            } else {
-                Mismatch::tolerated(i, difference)
-            })
+            let what = if is_wrong { words } else { String::new() };
+            Some(Mismatch { ray: i, difference: Some(difference), is_wrong, what })
         };
         let different = self.round.rays.iter().enumerate().filter_map(different).collect();
         Some(RoundVerdict::Asked(different, self.digest(answers, pairs)))
@@ -280,7 +275,7 @@ impl<'a, S: Buildable> Judge<'a, S> {
 
 /// Returns whether the answer to the pair is that to the round. Where renumbering changed which of
 /// two equal hits has the lowest id, only brute force knows which is right.
-fn is_kept<S: Scalar>(
+fn is_kept<S: Buildable>(
     pair: &MetamorphicPair<S>,
     hit: &Hit<S>,
     said: &Hit<S>,

@@ -9,8 +9,8 @@ use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar};
+use renderer::Geometry;
 
-use super::model::Model;
 use super::subject::brute_force_entry;
 use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::answers::oracle::{Opinion, Oracle};
@@ -76,11 +76,6 @@ impl Mismatch {
     pub fn wrong(ray: usize, difference: Option<Difference>, what: String) -> Self {
         Self { ray, difference, is_wrong: true, what }
     }
-
-    /// A difference that is none of the structure's faults.
-    pub fn tolerated(ray: usize, difference: Difference) -> Self {
-        Self { ray, difference: Some(difference), is_wrong: false, what: String::new() }
-    }
 }
 
 /// Primitives up to which the oracle tests all of them; above, it asks a structure.
@@ -91,12 +86,12 @@ type Judgement = (Difference, bool);
 
 /// An oracle over a scene, built when the first answer differs by more than last bits.
 pub(super) struct OwnTestJudge<'a> {
-    exact: &'a Model<f64>,
+    exact: &'a Geometry<f64>,
     oracle: OnceCell<Option<Oracle<'a>>>,
 }
 
 impl<'a> OwnTestJudge<'a> {
-    pub(super) fn new(exact: &'a Model<f64>) -> Self {
+    pub(super) fn new(exact: &'a Geometry<f64>) -> Self {
         Self { exact, oracle: OnceCell::new() }
     }
 

@@ -4,25 +4,20 @@
 //! The way of a check: [`catalogue`] (one line per case) -> a case draws a [`round::Round`] from a
 //! seed: a scene, rays, and what its oracle expects of them -> [`judge`] asks a
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
-//! [`replay::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
+//! [`subject::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
 
 mod answers;
 pub mod cases;
 pub mod catalogue;
 pub mod check;
 pub mod closed_form;
-pub mod digest;
 mod double_double;
 pub mod draw;
 pub mod every_hit;
 pub mod exact;
 pub mod judge;
 pub mod meshes;
-pub mod metamorphic;
 mod mismatch;
-pub mod model;
-mod polygons;
-pub mod replay;
 pub mod report;
 mod reproducer;
 pub mod round;

@@ -4,10 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use super::digest::Digest;
+use super::answers::Digest;
 use super::judge::{Difference, Mismatch, RoundVerdict};
-use super::replay::{Replay, precision_name};
-use super::subject::{CONTROL, Subject};
+use super::subject::{CONTROL, Replay, Subject};
 use measurement::answers::arbiter::EDGE_ULPS;
 use measurement::settings::Precision;
 use presentation::column::{self, Column, Unit, Value};
@@ -127,7 +126,7 @@ impl Line {
         Self {
             group,
             case,
-            precision: precision_name(precision),
+            precision: precision.name(),
             structure: subject.label(),
             known_defect: subject.known_defect(),
             trials: tally.trials,

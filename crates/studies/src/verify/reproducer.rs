@@ -6,7 +6,6 @@ use std::fmt::Write;
 use accel_core::Hit;
 use glam::DVec3;
 
-use super::replay::precision_name;
 use super::shrink::ReducedFailure;
 use measurement::rays::exactness::rounding;
 use measurement::rays::text::{hexadecimal, line};
@@ -18,7 +17,7 @@ const PROGRAM: &str = include_str!("reproducer.c");
 impl ReducedFailure {
     /// A name for its files: letters, digits and hyphens.
     pub fn name(&self) -> String {
-        let precision = precision_name(self.replay.precision);
+        let precision = self.replay.precision.name();
         let name = format!("{} {} {precision}", self.replay.subject, self.replay.case);
         let plain = |c: char| if c.is_ascii_alphanumeric() { c } else { '-' };
         name.chars().map(plain).collect()

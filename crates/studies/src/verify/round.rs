@@ -1,10 +1,47 @@
-//! A round drawn by a case from a seed: a scene, rays, and the expected answers.
+//! A round drawn by a case from a seed: a scene, rays, the expected answers, and metamorphic tests of
+//! them: the scene scaled, mirrored or renumbered, which must not change the answers.
 
-use accel_core::{Hit, Ray, Scalar};
+use accel_core::primitives::{MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet};
+use accel_core::registry::Buildable;
+use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
+use renderer::Geometry;
 
-use super::metamorphic::MetamorphicPair;
-use super::model::Model;
+pub type Corners = [DVec3; 3];
+
+/// Triangles with the watertight test; the coordinates are rounded to `S`.
+pub fn model_of<S: Buildable>(corners: &[Corners]) -> Result<Geometry<S>, PrimitiveError> {
+    let rounded = corners.iter().map(|t| t.map(|p| p.to_array().map(S::from_f64))).collect();
+    Ok(Geometry::Triangles(TriangleSet::new(rounded, |_| false)?))
+}
+
+/// The primitives of any kind that `add` puts into a builder.
+pub fn mixed_model<S: Buildable>(
+    add: impl FnOnce(&mut MixedSetBuilder<S>) -> Result<(), PrimitiveError>,
+) -> Result<Geometry<S>, PrimitiveError> {
+    let mut builder = MixedSetBuilder::default();
+    add(&mut builder)?;
+    Ok(Geometry::Mixed(builder.finish()))
+}
+
+pub(super) fn magnitude<S: Buildable>(model: &Geometry<S>) -> f64 {
+    match model {
+        Geometry::Triangles(set) => set.magnitude().to_f64(),
+        Geometry::Mixed(set) => set.magnitude().to_f64(),
+    }
+}
+
+/// The corners of its triangles, which f64 holds exactly; none where it has other primitives.
+pub(super) fn corners_of<S: Buildable>(model: &Geometry<S>) -> Option<Vec<Corners>> {
+    let Geometry::Triangles(set) = model else { return None };
+    let exact = |point: &[S; 3]| DVec3::from_array(point.map(S::to_f64));
+    Some(set.triangles().iter().map(|triangle| triangle.each_ref().map(exact)).collect())
+}
+
+/// A ray with the interval [0, infinity], rounded to `S`.
+pub fn ray<S: Scalar>(origin: DVec3, direction: DVec3) -> Ray<S> {
+    Ray::from_dvec3(origin, direction)
+}
 
 /// The fewest rays that a round is drawn with, when so many are asked for: few, so that there are
 /// many scenes.
@@ -60,9 +97,8 @@ pub struct NearbyPrimitives {
     pub of: Vec<usize>,
 }
 
-#[derive(Debug)]
-pub struct Round<S: Scalar> {
-    pub model: Model<S>,
+pub struct Round<S: Buildable> {
+    pub model: Geometry<S>,
     pub rays: Vec<Ray<S>>,
     pub expected: Vec<OracleAnswer>,
     /// True if each is blocked, where that is known otherwise than by its closest hit; or empty.
@@ -72,7 +108,7 @@ pub struct Round<S: Scalar> {
     /// Index of the light that each ray runs to.
     pub light_of: Vec<u32>,
     /// The frame before: structures are built over it, and then taken to the scene.
-    pub before: Option<Model<S>>,
+    pub before: Option<Geometry<S>>,
     /// Structures are built by each of these numbers of threads; by those there are where it is
     /// empty.
     pub threads: &'static [usize],
@@ -82,8 +118,8 @@ pub struct Round<S: Scalar> {
     pub near: Option<NearbyPrimitives>,
 }
 
-impl<S: Scalar> Round<S> {
-    pub fn new(model: Model<S>) -> Self {
+impl<S: Buildable> Round<S> {
+    pub fn new(model: Geometry<S>) -> Self {
         Self {
             model,
             rays: Vec::new(),
@@ -107,5 +143,121 @@ impl<S: Scalar> Round<S> {
     pub fn push(&mut self, ray: Ray<S>, expected: OracleAnswer) {
         self.rays.push(ray);
         self.expected.push(expected);
+    }
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Invariant {
+    /// The parameter of the hit, to the last bit, and the primitive.
+    Bits,
+    /// The primitive, where the oracle says which it is: sums are made in another order.
+    Ids,
+}
+
+/// The same scene and rays, told differently.
+pub struct MetamorphicPair<S: Buildable> {
+    pub name: String,
+    pub same: Invariant,
+    pub model: Geometry<S>,
+    /// The rays, in the order of the round.
+    pub rays: Vec<Ray<S>>,
+    /// A parameter of the round is this much that of the pair: a power of two.
+    pub factor: f64,
+    /// For each id of the pair, that of the round; empty when they are the same.
+    pub ids: Vec<u32>,
+}
+
+impl<S: Buildable> MetamorphicPair<S> {
+    /// A pair with the same parameters, to the last bit, and the same ids.
+    pub fn new(name: impl Into<String>, model: Geometry<S>, rays: Vec<Ray<S>>) -> Self {
+        let (same, name) = (Invariant::Bits, name.into());
+        Self { name, same, model, rays, factor: 1.0, ids: Vec::new() }
+    }
+
+    /// The answer of the pair, told as one of the round.
+    pub fn told_back(&self, hit: Hit<S>) -> Hit<S> {
+        let t = S::from_f64(hit.t.to_f64() * self.factor);
+        let id =
+            if hit.is_hit() { *self.ids.get(hit.id as usize).unwrap_or(&hit.id) } else { hit.id };
+        Hit { t, id }
+    }
+}
+
+/// The round in other guises, made from the triangles of its scene.
+impl<S: Buildable> Round<S> {
+    /// Everything by `2^exponent`: `t` keeps its bits.
+    pub fn scaled(&self, triangles: &[Corners], exponent: i32) -> Option<MetamorphicPair<S>> {
+        let by = 2.0_f64.powi(exponent);
+        self.moved(triangles, format!("scaled by 2^{exponent}"), 1.0, |p| p * by, |d| d * by)
+    }
+
+    /// Directions alone by `2^exponent`: `t` becomes `2^-exponent` times as large.
+    pub fn with_direction_scaled(
+        &self,
+        triangles: &[Corners],
+        exponent: i32,
+    ) -> Option<MetamorphicPair<S>> {
+        let by = 2.0_f64.powi(exponent);
+        self.moved(triangles, format!("direction by 2^{exponent}"), by, |p| p, |d| d * by)
+    }
+
+    /// The axes whose bit is set in `mask`, mirrored.
+    pub fn mirrored(&self, triangles: &[Corners], mask: u8) -> Option<MetamorphicPair<S>> {
+        let sign =
+            DVec3::from_array([0, 1, 2].map(|k| if mask >> k & 1 == 1 { -1.0 } else { 1.0 }));
+        self.moved(triangles, format!("mirrored {mask:03b}"), 1.0, |p| p * sign, |d| d * sign)
+    }
+
+    /// The axes in another order, the `order`-th of six, and mirrored as well.
+    pub fn permuted(
+        &self,
+        triangles: &[Corners],
+        order: usize,
+        mask: u8,
+    ) -> Option<MetamorphicPair<S>> {
+        const ORDERS: [[usize; 3]; 6] =
+            [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let axes = ORDERS.get(order)?;
+        let moved = |p: DVec3| {
+            let at = |k: usize| if mask >> k & 1 == 1 { -p[axes[k]] } else { p[axes[k]] };
+            DVec3::from_array([0, 1, 2].map(at))
+        };
+        let pair = self.moved(
+            triangles,
+            format!("axes {axes:?}, mirrored {mask:03b}"),
+            1.0,
+            moved,
+            moved,
+        )?;
+        let same = if order == 0 { Invariant::Bits } else { Invariant::Ids };
+        Some(MetamorphicPair { same, ..pair })
+    }
+
+    /// The triangles in another order: `order[new] = old`.
+    pub fn renumbered(&self, triangles: &[Corners], order: Vec<u32>) -> Option<MetamorphicPair<S>> {
+        let moved = order.iter().filter_map(|&old| triangles.get(old as usize).copied());
+        let model = model_of(&moved.collect::<Vec<_>>()).ok()?;
+        let pair = MetamorphicPair::new("renumbered", model, self.rays.to_vec());
+        Some(MetamorphicPair { ids: order, ..pair })
+    }
+
+    /// `None` when the numbers do not fit.
+    fn moved(
+        &self,
+        triangles: &[Corners],
+        name: String,
+        factor: f64,
+        point: impl Fn(DVec3) -> DVec3,
+        direction: impl Fn(DVec3) -> DVec3,
+    ) -> Option<MetamorphicPair<S>> {
+        let triangles: Vec<Corners> = triangles.iter().map(|t| t.map(&point)).collect();
+        let told = |r: &Ray<S>| {
+            let moved = ray(point(r.origin.to_dvec3()), direction(r.direction.to_dvec3()));
+            let by = |t: S| S::from_f64(t.to_f64() / factor);
+            Ray { t_min: by(r.t_min), t_max: by(r.t_max), ..moved }
+        };
+        let model = model_of(&triangles).ok()?;
+        let rays = self.rays.iter().map(told).collect();
+        Some(MetamorphicPair { factor, ..MetamorphicPair::new(name, model, rays) })
     }
 }

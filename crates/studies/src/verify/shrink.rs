@@ -7,16 +7,14 @@
 use std::cell::Cell;
 
 use accel_core::registry::Buildable;
-use accel_core::{Hit, Ray, Scalar, Vector};
+use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 
 use super::catalogue::Case;
 use super::check::Drawing;
 use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
-use super::model::{Corners, Model};
-use super::replay::Replay;
-use super::round::{OracleAnswer, Round};
-use super::subject::Subject;
+use super::round::{Corners, OracleAnswer, Round, corners_of, model_of};
+use super::subject::{Replay, Subject};
 use measurement::settings::Precision;
 
 /// Trials, each of a build and a few rays, and triangles and rays of all trials together.
@@ -71,7 +69,7 @@ fn reduced<S: Buildable>(
         scenes.iter().filter_map(|(model, rays)| Some((model, vec![*rays.get(replay.ray)?])));
     let all = scenes.iter().map(|(model, rays)| (model, rays.clone()));
     let (mut triangles, mut rays, first) = alone.chain(all).find_map(|(model, rays)| {
-        let triangles = model.corners()?;
+        let triangles = corners_of(model)?;
         let first = search.failure(&triangles, &rays)?;
         Some((triangles, rays, first))
     })?;
@@ -233,8 +231,8 @@ fn wrong<S: Buildable>(
     }
 }
 
-fn round_of<S: Scalar>(triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Round<S>> {
-    let mut round = Round::new(Model::triangles(triangles).ok()?);
+fn round_of<S: Buildable>(triangles: &[Corners], rays: &[Ray<f64>]) -> Option<Round<S>> {
+    let mut round = Round::new(model_of(triangles).ok()?);
     for ray in rays {
         let (t_min, t_max) = (S::from_f64(ray.t_min), S::from_f64(ray.t_max));
         let ray = Ray { t_min, t_max, ..Ray::from_dvec3(ray.origin, ray.direction) };

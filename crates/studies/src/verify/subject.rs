@@ -1,4 +1,7 @@
-//! Subject of a check: a structure, or the negative control.
+//! Subject of a check: a structure, or the negative control; and the line that names one trial of it:
+//! `G1 f32 seed=1 round=17 rays=500 ray=233 uniform-grid density=4`.
+
+use std::fmt;
 
 use accel_core::occluders::{self, OccluderRegistry};
 use accel_core::params::config::Settings;
@@ -8,11 +11,13 @@ use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure};
 use accel_core::structures::brute_force::BruteForce;
 use accel_core::structures::{Entry, find};
-use accel_core::update::moved;
-
-use super::model::Model;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{Row, select};
+use measurement::settings::Precision;
+use measurement::settings::choice::Choice;
+use renderer::Geometry;
+
+use crate::verify::round::MOST_RAYS;
 
 pub const CONTROL: &str = "moeller-trumbore";
 
@@ -121,7 +126,7 @@ impl<'r> Subject<'r> {
     /// Builds over `model` and hands the tracer to `ask`; `None` where it has no such primitives.
     pub fn over<S: Buildable, R>(
         &self,
-        model: &Model<S>,
+        model: &Geometry<S>,
         ask: impl FnOnce(&dyn Tracer<S>) -> R,
     ) -> Result<Option<R>, BuildError> {
         match self {
@@ -130,7 +135,7 @@ impl<'r> Subject<'r> {
                 Ok(Some(ask(&*tracer)))
             }
             Self::Control => {
-                let Model::Triangles(set) = model else { return Ok(None) };
+                let Geometry::Triangles(set) = model else { return Ok(None) };
                 let settings = Settings::<()>::of(&brute_force_entry()?.defaults());
                 let leaky = set.tested_by::<MoellerTrumbore>();
                 let tracer = BruteForce::<S>::build(leaky, &settings)?;
@@ -144,17 +149,13 @@ impl<'r> Subject<'r> {
     /// `ask`.
     pub fn taken_over<S: Buildable, R>(
         &self,
-        before: &Model<S>,
-        model: &Model<S>,
+        before: &Geometry<S>,
+        model: &Geometry<S>,
         ask: impl FnOnce(&dyn Tracer<S>) -> R,
     ) -> Result<Option<R>, BuildError> {
         let Self::Structure(row) = self else { return Ok(None) };
         let kept = row.entry.build(before.prims(), &row.params)?.released();
-        let moved = match (before, model) {
-            (Model::Triangles(before), Model::Triangles(now)) => moved(before, now),
-            (Model::Mixed(before), Model::Mixed(now)) => moved(before, now),
-            _ => None,
-        };
+        let moved = model.moved_since(before);
         let (Some(kept), Some(moved)) = (kept, moved) else { return self.over(model, ask) };
         let before = PreviousFrame { kept, moved: &moved };
         Ok(Some(ask(&*row.entry.update(model.prims(), &row.params, before)?)))
@@ -177,4 +178,68 @@ pub fn with_brute_force<S: Buildable, R>(
 pub(super) fn brute_force_entry() -> Result<&'static Entry, BuildError> {
     find("brute-force")
         .ok_or(BuildError::NoPrimitives { structure: "brute-force (not in the registry)" })
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Replay {
+    pub case: String,
+    pub precision: Precision,
+    pub seed: u64,
+    pub round: u64,
+    /// Rays that the round was drawn with.
+    pub rays: usize,
+    /// Index of the ray, or of the trial of a part.
+    pub ray: usize,
+    pub subject: String,
+}
+
+impl fmt::Display for Replay {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { case, seed, round, rays, ray, subject, .. } = self;
+        let precision = self.precision.name();
+        write!(f, "{case} {precision} seed={seed} round={round} rays={rays} ray={ray} {subject}")
+    }
+}
+
+impl Replay {
+    pub fn parse(line: &str) -> Result<Self, PlanError> {
+        Self::read(line).ok_or_else(|| PlanError::Malformed {
+            text: line.to_owned(),
+            expected: "CASE f32|f64 seed=N round=N rays=N ray=N STRUCTURE [PARAM=VALUE ...]",
+        })
+    }
+
+    fn read(line: &str) -> Option<Self> {
+        let mut words = line.split_whitespace();
+        let case = words.next()?.to_owned();
+        let precision = Precision::typed(words.next()?)?;
+        let mut number = |name: &str| -> Option<u64> {
+            words.next()?.strip_prefix(name)?.strip_prefix('=')?.parse().ok()
+        };
+        let (seed, round) = (number("seed")?, number("round")?);
+        let rays = usize::try_from(number("rays")?).ok().filter(|n| *n <= MOST_RAYS)?;
+        let ray = usize::try_from(number("ray")?).ok()?;
+        let subject = words.collect::<Vec<_>>().join(" ");
+        (!subject.is_empty()).then_some(Self { case, precision, seed, round, rays, ray, subject })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_come_back_and_others_are_refused() {
+        let line = "G1 f32 seed=1 round=17 rays=500 ray=233 uniform-grid density=4";
+        assert_eq!(Replay::parse(line).unwrap().to_string(), line);
+        for bad in [
+            "",
+            "G1 f16 seed=1 round=1 rays=1 ray=1 x",
+            "G1 f32 seed=-1 round=1 rays=1 ray=1 x",
+            "G1 f32 seed=1 round=1 rays=1 ray=1",
+            "G1 f32 seed=1 round=1 ray=1 x",
+        ] {
+            assert!(matches!(Replay::parse(bad), Err(PlanError::Malformed { .. })), "{bad}");
+        }
+    }
 }

@@ -237,7 +237,7 @@ fn normal(outline: &[DVec3], centre: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verify::model::ray;
+    use crate::verify::round::ray;
     use glam::dvec3;
 
     fn hit(t: f64, id: u32) -> Hit<f64> {

@@ -9,8 +9,8 @@ use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
 use presentation::page::tables;
 use presentation::table::{Cell, Style, Table, words};
-use studies::run::break_even::{BreakEven, break_even};
 use studies::run::conclusions::least_time;
+use studies::run::costs::{BreakEven, break_even};
 use studies::run::costs::{Profile, lead_for};
 use studies::run::lines::{count, names, seconds};
 

@@ -11,7 +11,7 @@ use presentation::numbers::{milliseconds, ratio, short};
 use presentation::page::tables;
 use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
-use studies::accuracy::{plot, summary, tables as axis_tables};
+use studies::accuracy::{report, summary};
 use studies::tracer_comparison::record::{Outcome, TracersRecord};
 use studies::tracer_comparison::report::error_over_time;
 
@@ -36,22 +36,22 @@ pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
 /// What to take, then each axis as a plot and as tables.
 pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(run) = &material.accuracy else { return SectionOutcome::Missing };
-    page.html.list(axis_tables::facts(run));
+    page.html.list(report::facts(run));
     tables::write(&mut page.html, &summary::advice(run), look());
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
         for scene in &axis.scenes {
             let name = format!("accuracy-{}-{}", axis.axis, scene.scene);
-            page.plot(&name, plot::panel(axis, scene));
+            page.plot(&name, report::panel(axis, scene));
         }
         page.html.open("details", &[]);
         page.html.element("summary", &[], &format!("{}: scene by scene", axis.axis));
         for scene in &axis.scenes {
-            tables::write(&mut page.html, &axis_tables::table(axis, scene), look());
+            tables::write(&mut page.html, &report::table(axis, scene), look());
         }
         page.html.close();
     }
-    page.html.list(axis_tables::GLOSSARY.iter().map(|line| (*line).to_owned()));
+    page.html.list(report::GLOSSARY.iter().map(|line| (*line).to_owned()));
     SectionOutcome::Yes
 }
 

@@ -11,7 +11,7 @@ use glam::Vec3;
 use renderer::RayKind;
 use statistics::random::Random;
 
-use super::prelude::*;
+use crate::accuracy::axis::*;
 use crate::verify::draw::{point, unit};
 
 pub static AXIS: Axis = Axis {

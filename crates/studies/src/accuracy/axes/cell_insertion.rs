@@ -17,7 +17,7 @@ use glam::DVec3;
 use measurement::plan::rows::Row;
 use statistics::random::Random;
 
-use super::prelude::*;
+use crate::accuracy::axis::*;
 
 pub static AXIS: Axis = Axis {
     name: "cell-insertion",

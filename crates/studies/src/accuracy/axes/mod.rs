@@ -1,22 +1,18 @@
-//! The axes, one per file, and the list of them.
+//! The axes of accuracy, and the list of them.
 
-pub mod box_test;
-pub mod cell_insertion;
-pub mod cone_and_beam;
-pub mod effects;
-pub mod light_buffer;
-pub mod mailbox;
-pub mod precision;
-mod prelude;
-pub mod primitive_tests;
-pub mod ray_offset;
+mod box_test;
+mod cell_insertion;
+mod compared_answers;
+mod images;
+mod primitive_tests;
+mod ray_offset;
 mod refracted_shift;
-pub mod right_answers;
-pub mod secondary_rays;
+mod right_answers;
+mod secondary_rays;
 mod shadow_terminator;
 mod smallest_offset;
-pub mod time_segments;
-pub mod triangle_aims;
+mod time_segments;
+mod triangle_aims;
 pub mod voxel_traversal;
 
 use crate::accuracy::axis::Axis;
@@ -30,16 +26,16 @@ pub static AXES: &[&Axis] = &[
     &voxel_traversal::AXIS,
     &primitive_tests::SPHERES,
     &ray_offset::AXIS,
-    &mailbox::AXIS,
-    &light_buffer::AXIS,
-    &precision::AXIS,
-    &cone_and_beam::AXIS,
-    &effects::SOFT_SHADOWS,
-    &effects::GLOSS,
-    &effects::MOTION,
-    &effects::FOCUS,
+    &compared_answers::MAILBOX,
+    &compared_answers::LIGHT_BUFFER,
+    &compared_answers::PRECISION,
+    &images::CONE_AND_BEAM,
+    &images::SOFT_SHADOWS,
+    &images::GLOSS,
+    &images::MOTION,
+    &images::FOCUS,
     &time_segments::AXIS,
-    &effects::AXIS,
+    &images::GATING,
     &right_answers::AXIS,
 ];
 

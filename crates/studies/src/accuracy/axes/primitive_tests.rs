@@ -15,8 +15,8 @@ use renderer::RaySettings;
 use scene_loading::Scene;
 use statistics::estimate::median;
 
-use super::prelude::*;
 use super::triangle_aims::{AimedRay, SharedFeatures, triangles};
+use crate::accuracy::axis::*;
 use crate::accuracy::stage::{PreparedScene, StagedStructure};
 use crate::verify::draw::{direction, unit};
 

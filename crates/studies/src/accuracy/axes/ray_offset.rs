@@ -12,11 +12,11 @@ use measurement::plan::ray_overrides::RULES;
 use renderer::Geometry;
 use scene_loading::Scene;
 
-use super::prelude::*;
 use super::refracted_shift::GlassEntries;
 use super::secondary_rays::{GAP, SecondaryRays, SecondaryWork, height};
 use super::shadow_terminator::LitPoints;
 use super::smallest_offset::SmallestOffsets;
+use crate::accuracy::axis::*;
 
 pub static AXIS: Axis = Axis {
     name: "ray-offset",
@@ -47,8 +47,8 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         let work = here.work(rule, here.outward());
         let [self_hits, leaks] = judged(&here, &work);
         let [far, _] = judged(&there, &there.work(rule, there.outward()));
-        let mut tally = TrialCounts::default();
-        tally.add_all(self_hits.wrong() + leaks.wrong(), here.departures.len() as u64);
+        let wrong = self_hits.wrong() + leaks.wrong();
+        let error = ErrorOf::Counted { wrong, trials: here.departures.len() as u64 };
         let mut also = vec![
             ("self-hits in 10^6", self_hits.error().value()),
             ("leaks in 10^6", leaks.error().value()),
@@ -57,7 +57,6 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
         also.extend(smallest.columns(&here, &work));
         also.extend(glass.columns(&here, rule));
         also.extend(lit.columns(&here, rule));
-        let error = tally.error();
         variants.push(Variant { error, also, ..work.variant(name, stage.limits.timed_rays) });
     }
     let rays = here.departures.len();

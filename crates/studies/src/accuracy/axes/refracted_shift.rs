@@ -12,8 +12,8 @@ use renderer::Geometry;
 use renderer::ray_offset::OffsetRule;
 use renderer::surface::{SurfacePoint, refract};
 
-use super::prelude::*;
 use super::secondary_rays::{Columns, Departure, GAP, RayPurpose, SecondaryRays, Ways, quantile};
+use crate::accuracy::axis::*;
 
 const INDEX: f64 = 1.5;
 

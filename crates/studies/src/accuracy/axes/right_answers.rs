@@ -14,10 +14,10 @@ use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::SurfacePoint;
 use renderer::{Geometry, RayKind};
 
-use super::prelude::*;
 use super::secondary_rays::{GAP, SecondaryRays, height};
 use super::triangle_aims::{KnownHit, judged, known_hits};
-use crate::accuracy::parts::OFFSET_RAYS;
+use crate::accuracy::axis::*;
+use crate::accuracy::cost_tables::OFFSET_RAYS;
 
 pub static AXIS: Axis = Axis {
     name: "right-answers",

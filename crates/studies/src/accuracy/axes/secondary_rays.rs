@@ -5,15 +5,14 @@ use accel_core::query::tracer::Tracer;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
 use measurement::plan::ray_overrides::RULES;
-use measurement::rays::batches::Answers;
+use measurement::rays::batches::{Answers, trace};
 use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::{SurfacePoint, Surfaces};
 use renderer::{Geometry, RayKind};
 use scene_loading::{Scene, Shape};
 use statistics::random::Random;
 
-use super::prelude::*;
-use crate::accuracy::stage::fingerprint;
+use crate::accuracy::axis::*;
 use crate::verify::draw::direction;
 
 /// How near something may stand, in diagonals of the scene, and still be met.
@@ -114,16 +113,19 @@ impl<'a> SecondaryRays<'a> {
 
     /// The rays of a rule, made and traced.
     pub fn work(&self, rule: OffsetRule, ways: Ways<'a>) -> SecondaryWork<'_> {
-        let mut work = SecondaryWork {
-            offset: RayOffset::new(rule, self.magnitude),
-            tracer: &*self.tracer,
-            rays: Vec::with_capacity(ways.len()),
-            answers: vec![Answers::new(RayKind::Diffuse, ways.len())],
-            ways,
-        };
-        work.prepare();
-        work.run();
-        work
+        let offset = RayOffset::new(rule, self.magnitude);
+        let rays: Vec<Ray<f32>> = ways.iter().map(|way| made(offset, way)).collect();
+        let mut hits = vec![Hit::NONE; rays.len()];
+        self.tracer.closest_hits(&rays, &mut hits);
+        SecondaryWork { ways, offset, tracer: &*self.tracer, rays, hits }
+    }
+}
+
+/// A ray from a surface.
+fn made(offset: RayOffset, (point, purpose): &(SurfacePoint<'_>, RayPurpose)) -> Ray<f32> {
+    match *purpose {
+        RayPurpose::Along(direction) => offset.along(point, direction),
+        RayPurpose::To(target) => offset.to(point, target),
     }
 }
 
@@ -133,49 +135,32 @@ pub struct SecondaryWork<'a> {
     offset: RayOffset,
     tracer: &'a dyn Tracer<f32>,
     rays: Vec<Ray<f32>>,
-    answers: Vec<Answers<f32>>,
+    hits: Vec<Hit<f32>>,
 }
 
 impl<'a> SecondaryWork<'a> {
     /// The left surface point, the ray and its answer.
     pub fn outcomes(&self) -> impl Iterator<Item = (&SurfacePoint<'a>, &Ray<f32>, &Hit<f32>)> {
-        let hits = match self.answers.first() {
-            Some(Answers::Hits(hits)) => hits.as_slice(),
-            _ => &[],
-        };
-        self.ways.iter().zip(&self.rays).zip(hits).map(|(((point, _), ray), hit)| (point, ray, hit))
+        let outcomes = self.ways.iter().zip(&self.rays).zip(&self.hits);
+        outcomes.map(|(((point, _), ray), hit)| (point, ray, hit))
     }
 
     /// A row for the rule of that name: the work is timed with at most `most` rays.
-    pub fn variant(mut self, name: &str, most: usize) -> Variant<'a> {
-        self.ways.truncate(most);
-        self.answers = vec![Answers::new(RayKind::Diffuse, self.ways.len())];
+    pub fn variant(self, name: &str, most: usize) -> Variant<'a> {
+        let Self { mut ways, offset, tracer, mut rays, .. } = self;
+        ways.truncate(most);
+        let answers = vec![Answers::new(RayKind::Diffuse, ways.len())];
+        let work = Replay::answered_by(answers, move |_, answers| {
+            rays.clear();
+            rays.extend(ways.iter().map(|way| made(offset, way)));
+            trace(tracer, &rays, answers);
+        });
         let is_reference = RULES.contains(&(name, OffsetRule::default()));
         let setting = format!("run --set rays.offset={name}");
-        let error = TrialCounts::default().error();
-        Variant { is_reference, ..Variant::new(name, setting, error, self) }
-    }
-}
-
-impl Work for SecondaryWork<'_> {
-    fn prepare(&mut self) {
-        self.answers.iter_mut().for_each(Answers::clear);
-    }
-
-    fn run(&mut self) {
-        self.rays.clear();
-        let offset = self.offset;
-        self.rays.extend(self.ways.iter().map(|(point, way)| match *way {
-            RayPurpose::Along(direction) => offset.along(point, direction),
-            RayPurpose::To(target) => offset.to(point, target),
-        }));
-        if let Some(Answers::Hits(hits)) = self.answers.first_mut() {
-            self.tracer.closest_hits(&self.rays, hits);
+        Variant {
+            is_reference,
+            ..Variant::new(name, setting, TrialCounts::default().error(), work)
         }
-    }
-
-    fn fingerprint(&self) -> u64 {
-        fingerprint(&self.answers)
     }
 }
 

@@ -15,8 +15,8 @@ use measurement::rounds::scene_run::light_positions;
 use renderer::ray_offset::OffsetRule;
 use scene_loading::{Scene, Shape};
 
-use super::prelude::in_a_million;
 use super::secondary_rays::{Columns, Departure, RayPurpose, SecondaryRays, SecondaryWork, Ways};
+use crate::accuracy::record::in_a_million;
 
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]

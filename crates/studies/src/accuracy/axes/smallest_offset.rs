@@ -7,16 +7,15 @@
 //! diagonals away, where the same ray does not meet them in double precision.
 
 use accel_core::primitives::{PrimSet, PrimsRef};
-use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
 use glam::DVec3;
 use renderer::Geometry;
 use renderer::surface::RefinedHit;
 
-use super::prelude::in_a_million;
 use super::secondary_rays::{
     Columns, Departure, GAP, SecondaryRays, SecondaryWork, height, quantile,
 };
+use crate::accuracy::record::in_a_million;
 
 /// The least offset that is tried, in epsilons of the primitive's largest coordinate. It stands for
 /// any less than it with which a ray is safe that is not without.
@@ -29,8 +28,9 @@ const HALVINGS: u32 = 6;
 pub struct SmallestOffsets<'a> {
     needed: Vec<f64>,
     hits: Vec<RefinedHit>,
-    own: BareTests<'a, f32>,
-    exact: BareTests<'a, f64>,
+    /// The primitives, whose own tests are asked without a structure, in both precisions.
+    own: PrimsRef<'a, f32>,
+    exact: PrimsRef<'a, f64>,
 }
 
 impl<'a> SmallestOffsets<'a> {
@@ -40,27 +40,25 @@ impl<'a> SmallestOffsets<'a> {
         geometry: &'a Geometry<f32>,
         double: &'a Geometry<f64>,
     ) -> Self {
-        let own = BareTests(geometry.prims());
+        let own = geometry.prims();
         let departures = &secondary.departures;
         let hits: Vec<RefinedHit> = departures.iter().map(|d| secondary.point(d).refined).collect();
         let smallest =
-            |(d, refined): (&Departure, &RefinedHit)| own.smallest_offset(d.id, refined, d.out);
+            |(d, refined): (&Departure, &RefinedHit)| smallest_offset(own, d.id, refined, d.out);
         let needed = departures.iter().zip(&hits).map(smallest).collect();
-        Self { needed, hits, own, exact: BareTests(double.prims()) }
+        Self { needed, hits, own, exact: double.prims() }
     }
 
     /// How loose a rule is: the offsets of its outward rays over the smallest.
     pub fn columns(&self, secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> Columns {
-        let ids = secondary.departures.iter().map(|d| d.id);
-        let chosen: Vec<ChosenOffset> = ids
-            .zip(work.outcomes())
-            .map(|(id, (point, ray, hit))| ChosenOffset {
-                offset: height(point, ray),
-                is_self_hit: self.own.is_hit(id, ray),
-                is_false: hit.id != id && self.exact.refutes(hit, ray, GAP * secondary.diagonal),
-            })
-            .collect();
-        let found = OffsetComparison::of(&self.needed, &chosen);
+        let mut found = OffsetComparison::default();
+        let ids = secondary.departures.iter().map(|d| d.id).zip(&self.needed);
+        for ((id, needed), (point, ray, hit)) in ids.zip(work.outcomes()) {
+            found.add(*needed, height(point, ray), is_hit(self.own, id, ray));
+            let is_false = hit.id != id && refutes(self.exact, hit, ray, GAP * secondary.diagonal);
+            found.false_hits += u64::from(is_false);
+        }
+        found.ratios.sort_by(f64::total_cmp);
         let rays = self.needed.len() as u64;
         vec![
             ("found again by their own test in 10^6", in_a_million(found.self_hits, rays)),
@@ -90,82 +88,61 @@ fn unit(refined: &RefinedHit) -> f64 {
     f64::from(f32::EPSILON) * refined.magnitude
 }
 
-/// Offset that a rule chose for a ray.
-#[derive(Debug, Clone, Copy)]
-struct ChosenOffset {
-    /// Height over the surface of the first point that counts, world units.
-    offset: f64,
-    is_self_hit: bool,
-    /// True if it hits another primitive where none is.
-    is_false: bool,
-}
-
 /// A rule's offsets against the smallest ones.
 #[derive(Debug, Default)]
 struct OffsetComparison {
     self_hits: u64,
+    /// Hits of another primitive where none is.
     false_hits: u64,
-    /// Chosen over smallest, where one is needed; rising.
+    /// Chosen over smallest, where one is needed.
     ratios: Vec<f64>,
 }
 
 impl OffsetComparison {
-    fn of(needed: &[f64], chosen: &[ChosenOffset]) -> Self {
-        let mut found = Self::default();
-        for (needed, chosen) in needed.iter().zip(chosen) {
-            found.self_hits += u64::from(chosen.is_self_hit);
-            found.false_hits += u64::from(chosen.is_false);
-            if *needed > 0.0 {
-                found.ratios.push(chosen.offset / needed);
-            }
-        }
-        found.ratios.sort_by(f64::total_cmp);
-        found
-    }
-}
-
-/// The primitives' own tests, without a structure.
-struct BareTests<'a, S: Scalar>(PrimsRef<'a, S>);
-
-impl<S: Buildable> BareTests<'_, S> {
-    fn is_hit(&self, id: u32, ray: &Ray<S>) -> bool {
-        fn asked<S: Scalar, P: PrimSet<S>>(set: &P, id: u32, ray: &Ray<S>) -> bool {
-            set.intersect(id, ray, &set.setup(ray), ray.t_max).is_some()
-        }
-        match self.0 {
-            PrimsRef::Watertight(set) => asked(set, id, ray),
-            PrimsRef::Mixed(set) => asked(set, id, ray),
+    /// Adds a ray: the offset needed and the one chosen, the height over the surface of its first
+    /// point that counts, world units.
+    fn add(&mut self, needed: f64, chosen: f64, is_self_hit: bool) {
+        self.self_hits += u64::from(is_self_hit);
+        if needed > 0.0 {
+            self.ratios.push(chosen / needed);
         }
     }
 }
 
-impl BareTests<'_, f64> {
-    /// Returns whether a hit no farther than `near` is not there.
-    fn refutes(&self, hit: &Hit<f32>, ray: &Ray<f32>, near: f64) -> bool {
-        hit.is_hit() && f64::from(hit.t) <= near && !self.is_hit(hit.id, &ray.widened())
+/// Asks the primitive's own test.
+fn is_hit<S: Scalar>(prims: PrimsRef<'_, S>, id: u32, ray: &Ray<S>) -> bool {
+    fn asked<S: Scalar, P: PrimSet<S>>(set: &P, id: u32, ray: &Ray<S>) -> bool {
+        set.intersect(id, ray, &set.setup(ray), ray.t_max).is_some()
+    }
+    match prims {
+        PrimsRef::Watertight(set) => asked(set, id, ray),
+        PrimsRef::Mixed(set) => asked(set, id, ray),
     }
 }
 
-impl BareTests<'_, f32> {
-    /// World units; 0 where the refined point itself, rounded, is safe.
-    fn smallest_offset(&self, id: u32, refined: &RefinedHit, out: DVec3) -> f64 {
-        let is_hit = |offset| self.is_hit(id, &lifted(refined, offset, out));
-        let least = LEAST * unit(refined);
-        let mut safe = least * f64::from(1 << 24);
-        // from above: whatever rounding does below, nothing larger is hit
-        while safe > least && !is_hit(safe / 2.0) {
-            safe /= 2.0;
-        }
-        if safe <= least {
-            return if is_hit(0.0) { least } else { 0.0 };
-        }
-        let mut hit = safe / 2.0;
-        for _ in 0..HALVINGS {
-            let middle = (hit + safe) / 2.0;
-            *(if is_hit(middle) { &mut hit } else { &mut safe }) = middle;
-        }
-        safe
+/// Returns whether a hit no farther than `near` is not there.
+fn refutes(exact: PrimsRef<'_, f64>, hit: &Hit<f32>, ray: &Ray<f32>, near: f64) -> bool {
+    hit.is_hit() && f64::from(hit.t) <= near && !is_hit(exact, hit.id, &ray.widened())
+}
+
+/// World units; 0 where the refined point itself, rounded, is safe.
+fn smallest_offset(own: PrimsRef<'_, f32>, id: u32, refined: &RefinedHit, out: DVec3) -> f64 {
+    let is_hit = |offset| is_hit(own, id, &lifted(refined, offset, out));
+    let least = LEAST * unit(refined);
+    let mut safe = least * f64::from(1 << 24);
+    // from above: whatever rounding does below, nothing larger is hit
+    while safe > least && !is_hit(safe / 2.0) {
+        safe /= 2.0;
     }
+    if safe <= least {
+        return if is_hit(0.0) { least } else { 0.0 };
+    }
+    let mut hit = safe / 2.0;
+    for _ in 0..HALVINGS {
+        let middle = (hit + safe) / 2.0;
+        *(if is_hit(middle) { &mut hit } else { &mut safe }) = middle;
+    }
+    safe
 }
 
 /// A ray that starts so far over the refined hit, rounded.
@@ -185,7 +162,7 @@ mod tests {
     use statistics::random::Random;
 
     /// Slanted triangles far from the origin, and rays off them.
-    fn drawn(ask: impl FnOnce(&BareTests<'_, f32>, &[(u32, RefinedHit, DVec3)])) {
+    fn drawn(ask: impl FnOnce(PrimsRef<'_, f32>, &[(u32, RefinedHit, DVec3)])) {
         let mut random = Random::new(3, "smallest offsets");
         let mut scene = Scene::new("slanted");
         let material = scene.push_material(Material::default());
@@ -205,24 +182,20 @@ mod tests {
             }
         }
         let geometry = Geometry::<f32>::of(&scene).unwrap();
-        ask(&BareTests(geometry.prims()), &rays);
+        ask(geometry.prims(), &rays);
     }
 
     /// A planted rule: so many times the smallest offset.
     fn planted(times: f64) -> OffsetComparison {
         let mut found = OffsetComparison::default();
         drawn(|own, rays| {
-            let needed: Vec<f64> = rays
-                .iter()
-                .map(|(id, refined, out)| own.smallest_offset(*id, refined, *out))
-                .collect();
-            assert!(needed.iter().filter(|n| **n > 0.0).count() > rays.len() / 10);
-            let chosen = rays.iter().zip(&needed).map(|((id, refined, out), needed)| {
-                let offset = needed * times;
-                let is_self_hit = own.is_hit(*id, &lifted(refined, offset, *out));
-                ChosenOffset { offset, is_self_hit, is_false: false }
-            });
-            found = OffsetComparison::of(&needed, &chosen.collect::<Vec<_>>());
+            for (id, refined, out) in rays {
+                let needed = smallest_offset(own, *id, refined, *out);
+                let is_self_hit = is_hit(own, *id, &lifted(refined, needed * times, *out));
+                found.add(needed, needed * times, is_self_hit);
+            }
+            assert!(found.ratios.len() > rays.len() / 10);
+            found.ratios.sort_by(f64::total_cmp);
         });
         found
     }
@@ -256,14 +229,14 @@ mod tests {
         let material = scene.push_material(Material::default());
         scene.push_triangle(material, [DVec3::ZERO, DVec3::X, DVec3::Y]);
         let geometry = Geometry::<f64>::of(&scene).unwrap();
-        let exact = BareTests(geometry.prims());
+        let exact = geometry.prims();
         let ray = |z: f32| Ray::<f32>::new(glam::vec3(0.2, 0.2, z), glam::Vec3::Z);
         let hit = Hit { t: 1e-3, id: 0 };
-        assert!(!exact.refutes(&hit, &ray(-1e-3), 0.1));
+        assert!(!refutes(exact, &hit, &ray(-1e-3), 0.1));
         // planted: from above, where the ray leaves
-        assert!(exact.refutes(&hit, &ray(1e-3), 0.1));
+        assert!(refutes(exact, &hit, &ray(1e-3), 0.1));
         assert!(
-            !exact.refutes(&hit, &ray(1e-3), 1e-4) && !exact.refutes(&Hit::NONE, &ray(1e-3), 0.1)
+            !refutes(exact, &hit, &ray(1e-3), 1e-4) && !refutes(exact, &Hit::NONE, &ray(1e-3), 0.1)
         );
     }
 
@@ -273,7 +246,7 @@ mod tests {
         let material = scene.push_material(Material::default());
         scene.push_sphere(material, dvec3(30.0, -7.0, 11.0), 2.0);
         let geometry = Geometry::<f32>::of(&scene).unwrap();
-        let own = BareTests(geometry.prims());
+        let own = geometry.prims();
         let mut random = Random::new(5, "balls");
         let mut needs = 0;
         for _ in 0..2000 {
@@ -282,7 +255,7 @@ mod tests {
                 Surfaces::new(&scene, false).at(0, dvec3(30.0, -7.0, 11.0) + n * 2.0).refined;
             let any = direction(&mut random);
             let out = if any.dot(n) < 0.0 { -any } else { any };
-            let smallest = own.smallest_offset(0, &refined, out);
+            let smallest = smallest_offset(own, 0, &refined, out);
             assert!(smallest < 4.0 * unit(&refined), "{smallest}");
             needs += u32::from(smallest > 0.0);
         }

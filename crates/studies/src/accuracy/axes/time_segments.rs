@@ -17,8 +17,7 @@ use renderer::Geometry;
 use scene_loading::{Scene, Shape};
 use statistics::random::Random;
 
-use super::prelude::*;
-use crate::accuracy::stage::compare;
+use crate::accuracy::axis::*;
 use crate::verify::draw::unit;
 
 pub static AXIS: Axis = Axis {

@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3};
 use robust::{Coord3D, orient3d};
 use statistics::random::Random;
 
-use super::prelude::*;
+use crate::accuracy::axis::*;
 use crate::verify::draw::{point, unit};
 use crate::verify::exact::{ExactRay, Soup};
 

@@ -12,7 +12,7 @@ use accel_core::{Aabb, Ray, Vector};
 use glam::{DVec3, Vec3};
 use renderer::RayKind;
 
-use super::prelude::*;
+use crate::accuracy::axis::*;
 use crate::accuracy::integer_ray::IntegerRay;
 use crate::verify::draw::point;
 

@@ -4,25 +4,26 @@
 //! as those of a run are. What is asked is the same at each size: the primary rays of one image,
 //! and the shadow rays of what they hit. Before a size is loaded, a [`measurement::rounds::trial`]
 //! builds each row in a separate process, which finds its peak memory and keeps the time and
-//! memory limits.
+//! memory limits, there and at all smaller sizes.
 
-pub mod admission;
 pub mod quantities;
 pub mod table;
-pub mod targets;
 
 use std::time::Duration;
 
 use accel_core::occluders;
 use accel_core::structures::Entry;
-
-use crate::sweep::sizes::targets::Sizes;
 use measurement::plan::error::PlanError;
+use measurement::plan::measured_row::MeasuredRow;
 use measurement::plan::{Plan, time_within};
 use measurement::record::scale::{ScaleRecord, SizeRecord};
-use measurement::rounds::trial::BuildLimits;
+use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict};
+use measurement::rounds::scene_run::{SceneInput, unmeasured};
+use measurement::rounds::trial::{BuildLimits, TrialBuild, TrialOutcome};
 use measurement::scenes::SceneSource;
-use measurement::settings::{MeasuringSettings, RunSettings};
+use measurement::settings::{MeasuringSettings, RunSettings, quantity};
+
+use crate::sweep::values::Range;
 
 /// Width and height of the image.
 const SIZE: u32 = 256;
@@ -107,7 +108,7 @@ impl<'r> SizeSweep<'r> {
 fn sizes_of(args: &SizeSettings, scenes: &dyn SceneSource) -> Result<Vec<SizeRecord>, PlanError> {
     let sizes = scenes.sizes(&args.scene)?;
     let mut found: Vec<SizeRecord> = Vec::new();
-    for asked in args.sizes.targets() {
+    for asked in args.sizes.0.iter().copied() {
         let (name, primitives) = sizes.nearest(asked);
         let off = primitives.max(1) as f64 / asked as f64;
         if off.max(off.recip()) > FAR {
@@ -138,4 +139,121 @@ fn measuring(args: &MeasuringSettings) -> MeasuringSettings {
         args.size.get_or_insert(SIZE);
     }
     args
+}
+
+const EXPECTED: &str = "expected FROM..TO, like 1e3..1e7, or counts with commas: 1k,20k,1M";
+
+/// Numbers of primitives that sizes are asked for with, ascending, each once.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Sizes(Vec<u64>);
+
+impl Sizes {
+    /// Counts with commas; or a range with one for each factor of ten, or as near to that as equal
+    /// ratios between its ends allow.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let count = |text: &str| {
+            let count = quantity::parse(text.trim()).filter(|n| *n > 0);
+            count.ok_or_else(|| format!("'{text}' is not a count above 0; {EXPECTED}"))
+        };
+        if let Some((from, to)) = text.split_once("..") {
+            let (from, to) = (count(from)?, count(to)?);
+            if from >= to {
+                return Err(format!("{from} is not below {to}; {EXPECTED}"));
+            }
+            let (from, to) = (from as f64, to as f64);
+            let steps = (to / from).log10().round().max(1.0) as usize + 1;
+            let texts = Range { from, to, steps }.whole_numbers();
+            return Ok(Self(texts.iter().filter_map(|n| n.parse().ok()).collect()));
+        }
+        let mut list = text.split(',').map(count).collect::<Result<Vec<u64>, _>>()?;
+        list.sort_unstable();
+        list.dedup();
+        Ok(Self(list))
+    }
+}
+
+/// The outcome of each row's trial on a scene; empty where the plan has no limits.
+pub fn trials(
+    plan: &Plan<'_>,
+    finished: &[SceneRecord],
+    scene: &str,
+    equipment: &SceneInput<'_>,
+) -> Vec<TrialOutcome> {
+    let outcome = |row: &MeasuredRow<'_>| {
+        let trial = TrialBuild {
+            scene: scene.to_owned(),
+            view: plan.scenes.first().map(|known| known.view()).unwrap_or_default(),
+            row: row.label(),
+            threads: plan.threads,
+            precision: plan.precision,
+            limits: plan.build_limits?,
+        };
+        equipment.progress.message(format!("{scene}: trial build of {}", trial.row));
+        Some(match earlier(finished, &trial.row) {
+            Some(reason) => TrialOutcome::OverLimit(reason),
+            None => equipment.world.trial_build(&trial),
+        })
+    };
+    plan.rows.iter().filter_map(outcome).collect()
+}
+
+/// Why a row is not tried again: it was over a limit at a smaller size.
+fn earlier(finished: &[SceneRecord], label: &str) -> Option<String> {
+    finished.iter().find_map(|scene| {
+        let over = |row: &&RowRecord| row.verdict == Verdict::OverLimit && row.label() == label;
+        let reason = scene.rows.iter().find(over)?.error.as_deref().unwrap_or_default();
+        Some(format!("not tried: over a limit at {} already: {reason}", scene.name))
+    })
+}
+
+/// The record of a size where no row is left to measure: it is not even loaded.
+pub fn without_rows(
+    plan: &Plan<'_>,
+    run: &RunRecord,
+    scene: &str,
+    trials: &[TrialOutcome],
+) -> Option<SceneRecord> {
+    let reasons = trials.iter().map(|outcome| match outcome {
+        TrialOutcome::OverLimit(reason) => Some(reason.clone()),
+        TrialOutcome::Ended { .. } | TrialOutcome::Died(_) => None,
+    });
+    let reasons: Vec<String> = reasons.collect::<Option<_>>()?;
+    if reasons.is_empty() {
+        return None;
+    }
+    let size = run.scale.as_ref().and_then(|scale| scale.size(scene));
+    let rows = plan.rows.iter().zip(reasons).enumerate().map(|(i, (row, reason))| RowRecord {
+        is_reference: i == plan.baseline,
+        ..unmeasured(row, Verdict::OverLimit, Some(reason))
+    });
+    Some(SceneRecord {
+        name: scene.to_owned(),
+        source: "not loaded: every row is over a limit".into(),
+        primitives: size.map_or(0, |size| size.primitives),
+        rows: rows.collect(),
+        ..SceneRecord::default()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_and_lists() {
+        let targets = |text| Sizes::parse(text).unwrap().0;
+        assert_eq!(targets("1e3..1e6"), [1000, 10_000, 100_000, 1_000_000]);
+        assert_eq!(targets("1k..50k"), [1000, 7071, 50_000], "equal ratios");
+        assert_eq!(targets("1000..2k"), [1000, 2000], "both ends at least");
+        assert_eq!(targets("10M,1k,1e3"), [1000, 10_000_000]);
+        assert_eq!(targets("64"), [64]);
+    }
+
+    #[test]
+    fn invalid_sizes_are_errors_that_show_valid_ones() {
+        for bad in ["", "..", "1e3..", "1e6..1e3", "5..5", "0,1", "-1", "1.5", "1k;2k", "x..1e3"] {
+            let error = Sizes::parse(bad).unwrap_err();
+            assert!(error.contains("1e3..1e7"), "{bad}: {error}");
+        }
+    }
 }

@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 
 use crate::run::columns::{self as run, RATIO, RowOf};
-use crate::run::markdown;
+use crate::run::output;
 use crate::run::tables::{scene_notes, scene_title};
 use crate::sweep::sizes::quantities::{QUANTITIES, Quantity, points, rows, trace_s_per_ray};
 use measurement::record::scale::{SizeRecord, SlopeRecord};
@@ -38,7 +38,7 @@ pub fn write_slopes(out: &mut dyn Write, run: &RunRecord, screen: Screen) -> io:
 pub fn to_markdown(run: &RunRecord) -> String {
     let sizes = run.scenes.iter().map(|scene| size_table(run, scene));
     let tables: Vec<Table> = std::iter::once(slope_table(run)).chain(sizes).collect();
-    markdown::document("rtbench sweep", run, &tables, GLOSSARY)
+    output::document("rtbench sweep", run, &tables, GLOSSARY)
 }
 
 /// The columns of a size: its own, and those of a run.

@@ -3,7 +3,7 @@
 
 use accel_core::historical::bounds_rule::{BoundsOf, BoundsRule};
 
-use super::prelude::*;
+use super::*;
 
 pub fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let near = 1.0 + 1e-5;
@@ -88,8 +88,8 @@ pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Roun
     let mut triangles = soup(random, 150, 0.3);
     let same: Corners = one_of(random, &triangles);
     triangles.extend(std::iter::repeat_n(same, 1000));
-    let model = Model::<S>::triangles(&triangles)?;
-    let Model::Triangles(set) = &model else { return Ok(Round::new(model)) };
+    let model = model_of::<S>(&triangles)?;
+    let Geometry::Triangles(set) = &model else { return Ok(Round::new(model)) };
     let Ok(boxes) = BoundsOf::new(set, BoundsRule::Padded) else { return Ok(Round::new(model)) };
     let (low, size) = (boxes.scene().min.to_array(), boxes.scene().size().to_array());
     soup_round(random, rays, &triangles, |random| {
@@ -127,9 +127,7 @@ pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
         let d = with(DVec3::splat(zero), random.below(3), sign);
         (lattice_point(random) - d * random.below(2 * LATTICE as usize) as f64, d)
     })?;
-    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
-    let pair = original.mirrored(random.below(8) as u8);
-    round.pairs.extend(pair);
+    round.pairs.extend(round.mirrored(&triangles, random.below(8) as u8));
     Ok(round)
 }
 

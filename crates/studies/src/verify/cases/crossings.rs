@@ -17,7 +17,7 @@
 
 use robust::{Coord, orient2d};
 
-use super::prelude::*;
+use super::*;
 use crate::verify::meshes::{Cubes, cube, torus};
 
 /// Links of a chain that are asked.
@@ -41,7 +41,7 @@ pub fn crossings<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
             cubes.all().flat_map(cube).collect()
         }
     };
-    let mut round = Round::new(Model::<S>::triangles(&mesh)?);
+    let mut round = Round::new(model_of::<S>(&mesh)?);
     while round.rays.len() < rays {
         let target = match random.below(3) {
             0 => point_within(random, &mesh),
@@ -77,8 +77,8 @@ fn bumped(p: DVec3) -> DVec3 {
 }
 
 /// Number of these triangles that contain the origin of the plane across the ray, moved a little.
-fn crossed<S: Scalar>(model: &Model<S>, ray: &Ray<S>, hits: &[Hit<S>]) -> usize {
-    let Model::Triangles(set) = model else { return 0 };
+fn crossed<S: Buildable>(model: &Geometry<S>, ray: &Ray<S>, hits: &[Hit<S>]) -> usize {
+    let Geometry::Triangles(set) = model else { return 0 };
     let hit = hits.iter().filter_map(|hit| set.triangles().get(hit.id as usize));
     hit.filter(|triangle| holds_moved_origin(triangle.each_ref().map(|p| sheared(ray, p)))).count()
 }
@@ -136,7 +136,7 @@ mod tests {
     #[test]
     fn a_lost_triangle_breaks_the_parity_of_crossings() {
         let mesh = torus(20, 8);
-        let model = Model::<f32>::triangles(&mesh).unwrap();
+        let model = model_of::<f32>(&mesh).unwrap();
         let mut crossings = 0;
         let random = &mut Random::new(1, "crossings");
         for _ in 0..300 {

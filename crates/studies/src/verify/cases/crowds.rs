@@ -1,14 +1,18 @@
 //! Sets of one kind: points alone, equal triangles, a fan around one vertex, denormal coordinates
-//! among ordinary ones, and so many triangles that several threads build.
+//! among ordinary ones, so many triangles that several threads build; and copies of an object:
+//! mirrored, sheared, a millionth of its size, one replaced by another.
 
-use super::prelude::*;
+use accel_core::primitives::Instance;
+use glam::{DAffine3, DQuat};
+
+use super::*;
 use crate::verify::exact::on_mesh;
 
 pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let many = one_of(random, &[1, 2, 40, 300]);
     let places: Vec<DVec3> = (0..1 + many / 4).map(|_| point(random)).collect();
     let points: Vec<Corners> = (0..many).map(|_| [one_of(random, &places); 3]).collect();
-    let mut round = Round::new(Model::<S>::triangles(&points)?);
+    let mut round = Round::new(model_of::<S>(&points)?);
     while round.rays.len() < rays {
         let target = one_of(random, &places);
         let (origin, along) = toward(random, target, 2.0);
@@ -26,7 +30,7 @@ pub fn equal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mut all = others.clone();
     all.extend(std::iter::repeat_n(one[0], 100_000));
     let exact = Soup::new(&all[..4]);
-    let mut round = Round::new(Model::triangles(&all)?);
+    let mut round = Round::new(model_of(&all)?);
     for _ in 0..rays {
         let target = point_within(random, &all[..4]);
         let (origin, along) = toward(random, target, 2.0);
@@ -54,7 +58,7 @@ pub fn fan<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
         (0..MANY).map(|i| [vertex, rim[i], rim[(i + 1) % MANY]]).collect();
     random.shuffle(&mut triangles);
     let mesh = Soup::new(&triangles);
-    let mut round = Round::new(Model::<S>::triangles(&triangles)?);
+    let mut round = Round::new(model_of::<S>(&triangles)?);
     while round.rays.len() < rays {
         let aim = random.below(4);
         let (origin, along) = match aim {
@@ -94,7 +98,7 @@ pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S
     let triangles: Vec<Corners> =
         soup(random, 80, 0.8).iter().map(|t| t.map(|p| tiny(random, p))).collect();
     let exact = Soup::new(&triangles);
-    let mut round = Round::new(Model::triangles(&triangles)?);
+    let mut round = Round::new(model_of(&triangles)?);
     while round.rays.len() < rays {
         let target = within_or_on_edge(random, &triangles);
         let away = 1.0 + unit(random);
@@ -108,12 +112,72 @@ pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S
     Ok(round)
 }
 
-/// Enough for three parts.
-const TRIANGLES: usize = 13_000;
-
 pub fn threads<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
-    let triangles = soup(random, TRIANGLES, 0.05);
+    // enough for three parts
+    let triangles = soup(random, 13_000, 0.05);
     let mut round = aimed_round(random, rays, &triangles, 2.0)?;
     round.threads = &[1, 3];
     Ok(round)
+}
+
+/// Triangles of the object.
+const TRIANGLES: usize = 24;
+
+pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
+    let object = soup(random, TRIANGLES, 0.5);
+    let far = one_of(random, &[3.0, 3.0, 1e3, 1e5]);
+    let (mut all, mut claims): (Vec<Corners>, Vec<Instance>) = (Vec::new(), Vec::new());
+    for copy in 0..12 {
+        let placement = match claims.last() {
+            Some(last) if copy == 7 => last.placement,
+            _ => placement(random, far),
+        };
+        let first = all.len() as u32;
+        claims.push(Instance { object: 0, first, count: TRIANGLES as u32, placement });
+        // what a set holds is what the copy is: rounded in its place
+        let placed =
+            |p: DVec3| DVec3::from_array(placement.transform_point3(p).to_array().map(held::<S>));
+        all.extend(object.iter().map(|t| t.map(placed)));
+    }
+    let model = match model_of::<S>(&all)? {
+        Geometry::Triangles(set) => Geometry::Triangles(set.with_instances(&claims)),
+        mixed => mixed,
+    };
+    let exact = Soup::new(&all);
+    let mut round = Round::new(model);
+    while round.rays.len() < rays {
+        let copy = random.below(claims.len());
+        let own = &all[copy * TRIANGLES..(copy + 1) * TRIANGLES];
+        let size = own[0][0].distance(own[TRIANGLES / 2][0]);
+        let target = within_or_on_edge(random, own);
+        let away = one_of(random, &[2.0 * size, 3.0, far]);
+        let (origin, along) = toward(random, target, away);
+        let ray = ray(origin, along);
+        if ray.is_traceable() {
+            let expected = expected_in(&exact, &ray);
+            round.push(ray, expected);
+        }
+    }
+    Ok(round)
+}
+
+fn held<S: Scalar>(x: f64) -> f64 {
+    S::from_f64(x).to_f64()
+}
+
+fn placement(random: &mut Random, far: f64) -> DAffine3 {
+    let size = one_of(random, &[1.0, 1.0, 1e-1, 1e-3, 1e-6]);
+    let mut stretch = DVec3::splat(size);
+    let mut shear = DVec3::ZERO;
+    match random.below(4) {
+        0 => stretch *= dvec3(1.0, -1.0, 1.0),
+        1 => stretch *= dvec3(1.0, 0.2 + unit(random), -2.0),
+        2 => shear = point(random) * size,
+        _ => {}
+    }
+    let turn = DQuat::from_axis_angle(direction(random), unit(random) * 6.0);
+    let mut place =
+        DAffine3::from_scale_rotation_translation(stretch, turn, single(point(random) * far));
+    place.matrix3.x_axis += shear;
+    place
 }

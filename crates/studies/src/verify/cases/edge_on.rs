@@ -1,6 +1,6 @@
 //! Rays in the plane of triangles, or nearly: what they meet is left to rounding.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::every_hit::{is_beside_it, is_out_of_its_box};
 
 /// Rays within a plane of triangles at any slant: the triangles are lines to them, one behind the
@@ -17,7 +17,7 @@ pub fn tilted_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
     let size = one_of(random, &[1.0, 0.1, 7.3]);
     let place = |p: DVec3| at + (x * p.x + y * p.y) * size;
     let triangles: Vec<Corners> = flat(random, side).iter().map(|t| t.map(place)).collect();
-    let mut round = Round::new(Model::triangles(&triangles)?);
+    let mut round = Round::new(model_of(&triangles)?);
     let (far, largest) = (f64::from(side), largest(&triangles));
     for _ in 0..rays {
         let mut corner = || {
@@ -38,7 +38,7 @@ pub fn tilted_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
             continue;
         }
         let mut hits = every_hit(&round.model, &ray);
-        if let Model::Triangles(set) = &round.model {
+        if let Geometry::Triangles(set) = &round.model {
             hits.retain(|hit| {
                 set.triangles().get(hit.id as usize).is_some_and(|t| !is_beside_it(t, &ray, hit.t))
             });
@@ -80,7 +80,7 @@ pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S>
     let triangles: Vec<Corners> = (0..many).map(|_| sliver(random, spread)).collect();
     let exact = Soup::new(&triangles);
     let largest = largest(&triangles);
-    let mut round = Round::new(Model::<S>::triangles(&triangles)?);
+    let mut round = Round::new(model_of::<S>(&triangles)?);
     for _ in 0..rays {
         let triangle: Corners = one_of(random, &triangles);
         let [a, b, c] = triangle;
@@ -118,9 +118,9 @@ fn sliver(random: &mut Random, spread: f64) -> Corners {
 }
 
 /// Answer of the exact oracle; otherwise the first hit that lies on its triangle.
-fn expected<S: Scalar>(model: &Model<S>, exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
+fn expected<S: Buildable>(model: &Geometry<S>, exact: &Soup, ray: &Ray<S>) -> OracleAnswer {
     let hits = every_hit(model, ray);
-    let Model::Triangles(set) = model else { return OracleAnswer::Anything };
+    let Geometry::Triangles(set) = model else { return OracleAnswer::Anything };
     let is_lawful = |id: u32, t| {
         set.triangles().get(id as usize).is_some_and(|own| !is_out_of_its_box(own, ray, t))
     };

@@ -1,8 +1,8 @@
 //! Awkward primitives.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::exact::{ExactRay, on_mesh};
-use crate::verify::metamorphic::MetamorphicPair;
+use crate::verify::round::MetamorphicPair;
 
 pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     around_mesh(random, rays, DVec3::ZERO)
@@ -33,7 +33,7 @@ pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResul
     let phase = unit(random) * 6.0;
     let mesh = sheet(side, |x, y| (x * 7.3 + phase).sin() * (y * 5.1).cos() * 0.2);
     let exact = Soup::new(&mesh);
-    let mut round = Round::new(Model::triangles(&mesh)?);
+    let mut round = Round::new(model_of(&mesh)?);
     let far = f64::from(side);
     for _ in 0..rays {
         let target = on_edge(random, &mesh);
@@ -89,7 +89,7 @@ pub fn degenerate<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
     triangles.extend_from_slice(&clean);
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let ids = (first..triangles.len() as u32).collect();
-    let (model, rays) = (Model::triangles(&clean)?, round.rays.clone());
+    let (model, rays) = (model_of(&clean)?, round.rays.clone());
     let pair = MetamorphicPair::new("without them", model, rays);
     round.pairs.push(MetamorphicPair { ids, ..pair });
     Ok(round)
@@ -102,8 +102,7 @@ pub fn coplanar<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
     let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
     random.shuffle(&mut order);
-    let pair = OriginalScene { triangles: &triangles, rays: &round.rays }.renumbered(order);
-    round.pairs.extend(pair);
+    round.pairs.extend(round.renumbered(&triangles, order));
     Ok(round)
 }
 
@@ -133,9 +132,11 @@ pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> RoundR
     let along = normal.any_orthonormal_vector();
     let side = normal.cross(along);
     let triangle = [-along - side, along - side, side].map(|p| single(p * size));
-    let mut round = Round::new(Model::triangles(&[triangle])?);
-    let soup = Soup::new(&[triangle]);
-    for _ in 0..rays {
+    let oracle = |soup: &Soup, ray: &Ray<S>| {
+        let meetings = ExactRay::new(ray)?.meetings(soup, 0.0, 0.0);
+        meetings.is_empty().then_some(OracleAnswer::Miss)
+    };
+    exact_round(random, rays, &[triangle], oracle, |random| {
         let tilt = one_of(random, &[0.1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6]);
         let turn = unit(random) * std::f64::consts::TAU;
         let heading = along * turn.cos() + side * turn.sin();
@@ -150,13 +151,8 @@ pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> RoundR
         let d = heading + normal * (tilt * one_of(random, &[1.0, -1.0]));
         let crossing = crossing * size;
         let back = size * (3.0 + crossing.length() / size);
-        let ray: Ray<S> = ray(single(crossing - d * back), single(d));
-        let is_missed = |exact: ExactRay| exact.meetings(&soup, 0.0, 0.0).is_empty();
-        if ExactRay::new(&ray).is_some_and(is_missed) {
-            round.push(ray, OracleAnswer::Miss);
-        }
-    }
-    Ok(round)
+        (single(crossing - d * back), single(d))
+    })
 }
 
 pub fn tiny_or_huge<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -165,7 +161,7 @@ pub fn tiny_or_huge<S: Buildable>(random: &mut Random, rays: usize) -> RoundResu
     let unscaled = soup(random, 100, 0.4);
     let triangles: Vec<Corners> = unscaled.iter().map(|t| t.map(|p| p * scale)).collect();
     let exact = Soup::new(&unscaled);
-    let mut round = Round::new(Model::triangles(&triangles)?);
+    let mut round = Round::new(model_of(&triangles)?);
     for _ in 0..rays {
         let target = point_within(random, &unscaled);
         let (origin, along) = toward(random, target, 2.0);

@@ -5,7 +5,7 @@
 //! line are found by testing each primitive alone; what each interval holds of them follows.
 //! Adapters of libraries clamp intervals.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::exact::{ExactRay, LineCrossing};
 use crate::verify::subject::with_brute_force;
 
@@ -57,9 +57,9 @@ fn interval<S: Scalar>(random: &mut Random, hits: &[Hit<S>]) -> [S; 2] {
 }
 
 /// A scene, and triangles to aim at.
-pub(super) fn scene<S: Scalar>(
+pub(super) fn scene<S: Buildable>(
     random: &mut Random,
-) -> Result<(Model<S>, Vec<Corners>), PrimitiveError> {
+) -> Result<(Geometry<S>, Vec<Corners>), PrimitiveError> {
     let triangles = match random.below(4) {
         0 => icosphere(2, DVec3::ZERO),
         1 => soup(random, 150, 0.4),
@@ -72,7 +72,7 @@ pub(super) fn scene<S: Scalar>(
         }
         _ => {
             let triangles = soup(random, 60, 0.5);
-            let model = Model::mixed(|set| {
+            let model = mixed_model(|set| {
                 for &triangle in &triangles {
                     set.triangle(triangle)?;
                     set.sphere(point(random), 0.05 + 0.4 * unit(random))?;
@@ -82,7 +82,7 @@ pub(super) fn scene<S: Scalar>(
             return Ok((model, triangles));
         }
     };
-    Ok((Model::triangles(&triangles)?, triangles))
+    Ok((model_of(&triangles)?, triangles))
 }
 
 /// Epsilons of the distance to the farthest corner by which rounding may move a ray, and of a
@@ -94,7 +94,7 @@ const SHIFT: f64 = 16.0;
 /// within `[0, t]`, `[t, infinity]` and `[t, t]`.
 pub fn far_intervals<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (model, triangles) = scene::<S>(random)?;
-    let soup = matches!(model, Model::Triangles(_)).then(|| Soup::new(&triangles));
+    let soup = matches!(model, Geometry::Triangles(_)).then(|| Soup::new(&triangles));
     let endless = S::from_f64(1e30);
     let mut round = Round::new(model);
     let lines: Vec<Ray<S>> = (0..rays.div_ceil(4))

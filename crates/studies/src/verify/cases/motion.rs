@@ -1,6 +1,6 @@
 //! What moves: triangles between frames, and while rays with a time are traced.
 
-use super::prelude::*;
+use super::*;
 
 /// Structures are taken from one frame to the next, and not built anew.
 pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -27,7 +27,7 @@ pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         let target: DVec3 = within_or_on_edge(random, &after);
         toward(random, target, 2.0)
     })?;
-    round.before = Some(Model::triangles(&before)?);
+    round.before = Some(model_of(&before)?);
     Ok(round)
 }
 
@@ -48,7 +48,7 @@ pub fn moving<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
             (way / exposure).as_vec3().as_dvec3()
         })
         .collect();
-    let mut round = Round::new(Model::mixed(|set| {
+    let mut round = Round::new(mixed_model(|set| {
         triangles.iter().zip(&ways).try_for_each(|(triangle, way)| {
             set.triangle(*triangle)?;
             set.last_moves(*way, exposure)

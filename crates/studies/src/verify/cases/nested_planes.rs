@@ -5,7 +5,7 @@
 //! whole numbers, and its direction leaves those planes by 10^-45 to 10^-3, or not at all. Rounding
 //! may then put it on either side of a plane, and a parent and its child may disagree.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::meshes::{Cubes, cube};
 
 /// Cubes along a side of the largest checkerboard, and of the largest block: of that only the
@@ -22,7 +22,7 @@ pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
     let part = unit(random).powf(1.5);
     let cubes = Cubes { side: 2 + ((most - 1.0) * part) as i32, is_solid };
     let triangles: Vec<_> = cubes.all().flat_map(cube).collect();
-    let mut round = Round::new(Model::triangles(&triangles)?);
+    let mut round = Round::new(model_of(&triangles)?);
     let columns = Columns::new(cubes);
     let mut near = NearbyPrimitives { lists: columns.lists(), of: Vec::new() };
     for _ in 0..rays {
@@ -64,11 +64,7 @@ impl AxisRay {
     }
 
     fn placed(&self, along: f64, [next, last]: [f64; 2]) -> DVec3 {
-        match self.axis {
-            0 => dvec3(along, next, last),
-            1 => dvec3(last, along, next),
-            _ => dvec3(next, last, along),
-        }
+        DVec3::from(turned([along, next, last], 3 - self.axis))
     }
 
     fn origin(&self, side: i32) -> DVec3 {
@@ -89,7 +85,7 @@ impl AxisRay {
             for last in [self.at[1] - 1, self.at[1]] {
                 let Some(depth) = (0..side).find(|&depth| {
                     let along = if self.sign > 0.0 { depth } else { side - 1 - depth };
-                    cubes.has(self.cube([along, next, last]))
+                    cubes.has(turned([along, next, last], 3 - self.axis))
                 }) else {
                     continue;
                 };
@@ -116,14 +112,6 @@ impl AxisRay {
             OracleAnswer::Anything
         } else {
             OracleAnswer::Miss
-        }
-    }
-
-    fn cube(&self, [along, next, last]: [i32; 3]) -> [i32; 3] {
-        match self.axis {
-            0 => [along, next, last],
-            1 => [last, along, next],
-            _ => [next, last, along],
         }
     }
 }

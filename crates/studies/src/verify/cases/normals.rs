@@ -2,9 +2,9 @@
 
 use scene_loading::{Cone, Material, Scene};
 
-use super::prelude::*;
 use super::secondary::from_hits;
-use crate::verify::polygons::{placed, tangled};
+use super::*;
+use crate::verify::meshes::{placed, tangled};
 
 /// A shape whose normals are known.
 enum KnownNormals {

@@ -1,8 +1,8 @@
 //! Polygons that share edges and vertices, seen from above, edge-on and from within.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::every_hit::outside_box;
-use crate::verify::polygons::{body, placed, tangled, tiling, wound};
+use crate::verify::meshes::{body, placed, tangled, tiling, wound};
 use crate::verify::surface::{Outlines, Surface};
 
 /// Links of a chain that are asked.
@@ -89,7 +89,7 @@ fn surface_round<S: Buildable>(
 ) -> RoundResult<S> {
     let surface = Surface::new(outlines);
     let magnitude = surface.magnitude();
-    let model = Model::mixed(|set| {
+    let model = mixed_model(|set| {
         wound(random, outlines).iter().try_for_each(|outline| set.polygon(outline))
     })?;
     let mut round = Round::new(model);

@@ -2,7 +2,7 @@
 
 use accel_core::primitives::{Primitives, TriangleSet};
 
-use super::prelude::*;
+use super::*;
 
 /// Glass before and behind opaque primitives, and in the same place.
 pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -16,9 +16,9 @@ pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let model = match random.below(2) {
         0 => {
             let rounded = triangles.iter().map(|t| t.map(|p| p.to_array().map(S::from_f64)));
-            Model::Triangles(TriangleSet::new(rounded.collect(), is_glass)?)
+            Geometry::Triangles(TriangleSet::new(rounded.collect(), is_glass)?)
         }
-        _ => Model::mixed(|set| {
+        _ => mixed_model(|set| {
             for (triangle, id) in triangles.iter().zip(0..) {
                 match random.below(3) {
                     0 => set.sphere(point(random), 0.05 + 0.2 * unit(random))?,
@@ -42,8 +42,8 @@ pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
         }
         let hits = every_hit(&round.model, &ray);
         let is_opaque = |id: u32| match &round.model {
-            Model::Triangles(set) => set.is_opaque(id),
-            Model::Mixed(set) => set.is_opaque(id),
+            Geometry::Triangles(set) => set.is_opaque(id),
+            Geometry::Mixed(set) => set.is_opaque(id),
         };
         let is_blocked = hits.iter().any(|hit| is_opaque(hit.id));
         round.push(ray, first_within(&hits, ray.t_min, ray.t_max));
@@ -63,12 +63,12 @@ pub fn lights<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
     };
     let has_balls = random.below(2) == 0;
     let mut round = Round::new(if has_balls {
-        Model::mixed(|set| {
+        mixed_model(|set| {
             triangles.iter().try_for_each(|t| set.triangle(*t))?;
             (0..6).try_for_each(|_| set.sphere(point(random), 0.05 + 0.3 * unit(random)))
         })?
     } else {
-        Model::<S>::triangles(&triangles)?
+        model_of::<S>(&triangles)?
     });
     round.lights = (0..LIGHTS).map(|_| light(random, &triangles)).collect();
     while round.rays.len() < rays {

@@ -3,35 +3,31 @@
 use accel_core::primitives::Cone;
 use glam::DQuat;
 
-use super::prelude::*;
+use super::*;
 use crate::verify::closed_form::{ConeShape, first_of};
 use crate::verify::every_hit::outside_box;
 
 pub fn small_far_sphere<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     const RADIUS: f64 = 0.1;
-    let model = Model::mixed(|set| set.sphere(DVec3::ZERO, RADIUS))?;
+    let model = mixed_model(|set| set.sphere(DVec3::ZERO, RADIUS))?;
     let mut round = Round::new(model);
     for _ in 0..rays {
         let far = one_of(random, &[1e2, 1e3, 1e4, 1e5, 1e6]);
         let offset: f64 = one_of(random, &[0.095, 0.105]);
         let (axis, sign) = (random.below(3), one_of(random, &[1.0, -1.0]));
-        let turned = |v: DVec3| match axis {
-            0 => v,
-            1 => dvec3(v.z, v.x, v.y),
-            _ => dvec3(v.y, v.z, v.x),
-        };
         let depth = (RADIUS * RADIUS - offset * offset).max(0.0).sqrt();
         let hit = OracleAnswer::hit_at(far - depth, far * 4.0 * f64::from(f32::EPSILON));
         let expected = if offset < RADIUS { hit } else { OracleAnswer::Miss };
-        let ray = ray(turned(dvec3(-sign * far, offset, 0.0)), turned(dvec3(sign, 0.0, 0.0)));
-        round.push(ray, expected);
+        let [origin, along] = [[-sign * far, offset, 0.0], [sign, 0.0, 0.0]]
+            .map(|v| DVec3::from(turned(v, 3 - axis)));
+        round.push(ray(origin, along), expected);
     }
     Ok(round)
 }
 
 pub fn spheres_within<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let radius: f64 = one_of(random, &[1.0, 1e6]);
-    let model = Model::mixed(|set| set.sphere(DVec3::ZERO, radius))?;
+    let model = mixed_model(|set| set.sphere(DVec3::ZERO, radius))?;
     let mut round = Round::new(model);
     for _ in 0..rays {
         let toward = direction(random);
@@ -72,7 +68,7 @@ fn around_cone<S: Buildable>(random: &mut Random, rays: usize, is_split: bool) -
     );
     let apex = single(base + axis * height);
     let shape = ConeShape { base: (base, radii[0]), apex: (apex, radii[1]) };
-    let model = Model::mixed(|set| {
+    let model = mixed_model(|set| {
         let middle = ((base + apex) / 2.0, (radii[0] + radii[1]) / 2.0);
         if !is_split {
             return set.cone(Cone::new(base, radii[0], apex, radii[1]));
@@ -80,7 +76,7 @@ fn around_cone<S: Buildable>(random: &mut Random, rays: usize, is_split: bool) -
         set.cone(Cone::new(base, radii[0], middle.0, middle.1))?;
         set.cone(Cone::new(middle.0, middle.1, apex, radii[1]))
     })?;
-    let magnitude = model.magnitude();
+    let magnitude = magnitude(&model);
     let mut round = Round::new(model);
     let across = axis.any_orthonormal_vector();
     for _ in 0..rays {
@@ -138,10 +134,10 @@ fn cone_rays<S: Buildable>(
     let away = direction(random) * size * one_of(random, &[0.0, 0.0, 1.0, 10.0]);
     let many = 1 + random.below(6);
     let shapes: Vec<ConeShape> = (0..many).map(|_| shape(random, length, radius, away)).collect();
-    let model = Model::mixed(|set| {
+    let model = mixed_model(|set| {
         shapes.iter().try_for_each(|s| set.cone(Cone::new(s.base.0, s.base.1, s.apex.0, s.apex.1)))
     })?;
-    let magnitude = model.magnitude();
+    let magnitude = magnitude(&model);
     let mut round = Round::new(model);
     while round.rays.len() < rays {
         let shape: ConeShape = one_of(random, &shapes);

@@ -5,7 +5,7 @@
 //! underflow, overflow and absolute lengths in the program: answers must keep their bits. Another
 //! order of the axes changes the order of sums: ids must stay.
 
-use super::prelude::*;
+use super::*;
 use crate::verify::meshes::torus;
 
 /// Loose triangles, some far larger than others, and rays at them.
@@ -21,7 +21,6 @@ fn scene<S: Buildable>(
 
 pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
-    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     // a magnitude of up to 2 and rays of up to 4 stay within what is served
     let (down, up): (&[i32], &[i32]) = match S::NAME {
         "f32" => (&[-27, -20, -8], &[1, 13, 28]),
@@ -29,15 +28,14 @@ pub fn scaled<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         _ => (&[-200, -27, -1], &[1, 28, 200]),
     };
     let exponents = [one_of(random, down), one_of(random, up)];
-    round.pairs = exponents.into_iter().filter_map(|e| original.scaled(e)).collect();
+    round.pairs = exponents.into_iter().filter_map(|e| round.scaled(&triangles, e)).collect();
     Ok(round)
 }
 
 pub fn turned<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let (triangles, mut round) = scene::<S>(random, rays)?;
-    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
-    let mirrored = original.permuted(0, 1 + random.below(7) as u8);
-    let permuted = original.permuted(1 + random.below(5), random.below(8) as u8);
+    let mirrored = round.permuted(&triangles, 0, 1 + random.below(7) as u8);
+    let permuted = round.permuted(&triangles, 1 + random.below(5), random.below(8) as u8);
     round.pairs = [mirrored, permuted].into_iter().flatten().collect();
     Ok(round)
 }
@@ -60,7 +58,6 @@ pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> RoundRe
         }
     };
     let mut round: Round<S> = aimed_round(random, rays, &triangles, 2.0)?;
-    let original = OriginalScene { triangles: &triangles, rays: &round.rays };
     // what lies within the served exponents is refused on neither side
     let own = largest(&triangles).log2().floor() as i32;
     let [low, high] = S::SCENE_EXPONENTS.map(|e| e - own);
@@ -70,6 +67,6 @@ pub fn scaled_densely<S: Buildable>(random: &mut Random, rays: usize) -> RoundRe
         let [from, to] = [edge(i), edge(i + 1)];
         from + random.below((to - from) as usize) as i32
     };
-    round.pairs = (0..parts).map(one_of_part).filter_map(|e| original.scaled(e)).collect();
+    round.pairs = (0..parts).map(one_of_part).filter_map(|e| round.scaled(&triangles, e)).collect();
     Ok(round)
 }

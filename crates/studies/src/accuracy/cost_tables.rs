@@ -1,17 +1,17 @@
-//! Tables of work that is timed part by part: what each variant takes for each kind of ray, over
-//! the first variant, and what each step adds where variants build on one another.
+//! Tables of what variants cost: for each kind of ray, over the first variant; what each step adds,
+//! where variants build on one another; and the price of each effect.
 
 use std::collections::BTreeSet;
 
-use presentation::numbers::{ratio, short};
+use presentation::numbers::{interval, ratio, short};
 use presentation::table::{Cell, Table, dash};
 use renderer::RayKind;
 use statistics::estimate::Estimate;
 use statistics::series::{Series, geometric_mean_of};
 
-use crate::accuracy::record::{AxisRecord, SceneOutcome, VariantRecord};
+use crate::accuracy::record::{AccuracyRecord, AxisRecord, SceneOutcome, VariantRecord};
 
-/// The part of rays that no kind stands for; see `axes/right_work.rs`.
+/// The part of rays that no kind stands for, as the axis `right-answers` has it.
 pub const OFFSET_RAYS: &str = "leaving surfaces";
 
 /// A name that table heads can have.
@@ -20,29 +20,19 @@ fn head(part: &str) -> &'static str {
     kind.unwrap_or(if part == OFFSET_RAYS { OFFSET_RAYS } else { "other" })
 }
 
-/// The parts of an outcome's variants, in order.
-fn names(scene: &SceneOutcome) -> Vec<&str> {
-    let first = scene.rows.first().map_or(&[][..], |row| &row.parts);
-    first.iter().map(|part| part.part.as_str()).collect()
-}
-
-/// Subjects of an axis, in the order in which they were measured.
-fn subjects(axis: &AxisRecord) -> Vec<&str> {
-    let mut seen = BTreeSet::new();
-    axis.scenes.iter().map(|s| s.subject.as_str()).filter(|s| seen.insert(*s)).collect()
-}
-
 /// Times of the variants of an axis by kind of ray, over all scenes; one table per subject, none if
 /// work is timed as a whole.
 pub fn over_scenes(axis: &AxisRecord, seed: u64) -> Vec<Table> {
-    subjects(axis).into_iter().filter_map(|subject| of_subject(axis, subject, seed)).collect()
+    let mut seen = BTreeSet::new();
+    let subjects = axis.scenes.iter().map(|s| s.subject.as_str()).filter(|s| seen.insert(*s));
+    subjects.filter_map(|subject| of_subject(axis, subject, seed)).collect()
 }
 
 fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
     let scenes: Vec<&SceneOutcome> = axis.scenes.iter().filter(|s| s.subject == subject).collect();
     let first = scenes.first()?;
-    let parts = names(first);
-    let leading = first.rows.first().filter(|_| !parts.is_empty())?;
+    let leading = first.rows.first().filter(|row| !row.parts.is_empty())?;
+    let parts: Vec<&str> = leading.parts.iter().map(|part| part.part.as_str()).collect();
     let rows = first.rows.iter().map(|row| {
         let of_part = |part: &&str| {
             let groups: Vec<Series> =
@@ -107,17 +97,95 @@ pub fn steps(axis: &AxisRecord, scene: &SceneOutcome, seed: u64) -> Option<Table
 }
 
 /// A ratio as what is more than 1.
-pub(super) fn more(e: &Estimate) -> String {
+fn more(e: &Estimate) -> String {
     let percent = |x: f64| format!("{:+.1}", (x - 1.0) * 100.0);
     let mark = if e.holds(1.0) { " =" } else { "" };
     format!("{}% [{}, {}]{mark}", percent(e.median), percent(e.low), percent(e.high))
 }
 
+/// The error whose removal has a price: a hundredth of the range of colours.
+const UNIT: f64 = 0.01;
+const MICROSECONDS: f64 = 1e6;
+
+/// Seconds a pixel that a variant of an effect adds to the image without it, and its price: those
+/// for each 0.01 of error removed, none where it removes none. `None` without rounds or pixels.
+fn price(
+    scene: &SceneOutcome,
+    without: &VariantRecord,
+    row: &VariantRecord,
+    seed: u64,
+) -> Option<(Estimate, Option<Estimate>)> {
+    let added = scene.differences(&row.seconds, &without.seconds).estimate_of_differences(seed)?;
+    let added = added.map(|s| s / f64::from(scene.pixels));
+    let units = (without.error.value() - row.error.value()) / UNIT;
+    let price = (units > 0.0).then(|| added.map(|s| s / units));
+    (scene.pixels > 0).then_some((added, price))
+}
+
+/// Cost of each effect in scenes that need it, against the error without it; `None` where none was
+/// measured. The price rises with the number of samples: the first ones remove the most.
+pub fn effects(run: &AccuracyRecord) -> Option<Table> {
+    let mut rows = Vec::new();
+    for axis in &run.axes {
+        for scene in &axis.scenes {
+            // of images, the one that others are compared with is the one without effects
+            let is_without = |row: &VariantRecord| row.is_without || row.is_reference;
+            let of_image = scene.rows.iter().filter(|_| scene.pixels > 0);
+            let Some(without) = of_image.clone().find(|row| is_without(row)) else { continue };
+            let with = of_image.filter(|row| !is_without(row));
+            rows.extend(with.filter_map(|row| cells(&axis.axis, scene, without, row, run.seed)));
+        }
+    }
+    let notes = vec![
+        "error: root mean square difference of colours (0 to 1) to the finely sampled image; added: \
+         time beyond that of the image without the effect, in the same rounds; price: added time \
+         per 0.01 of error removed; - if no error is removed."
+            .to_owned(),
+        "effect-gating: effects that the scene does not use, left out or simulated: they remove \
+         no error, so any added time is wasted."
+            .to_owned(),
+    ];
+    (!rows.is_empty()).then(|| Table {
+        title: "effects: the price of each in scenes that use it".into(),
+        header: vec![
+            "effect",
+            "scene",
+            "variant",
+            "error without",
+            "error with",
+            "added us per pixel [95%]",
+            "price us per pixel [95%]",
+        ],
+        rows,
+        notes,
+    })
+}
+
+fn cells(
+    effect: &str,
+    scene: &SceneOutcome,
+    without: &VariantRecord,
+    row: &VariantRecord,
+    seed: u64,
+) -> Option<Vec<Cell>> {
+    let (added, price) = price(scene, without, row, seed)?;
+    let in_microseconds = |e: &Estimate| interval(&e.map(|s| s * MICROSECONDS));
+    Some(vec![
+        effect.to_owned().into(),
+        scene.scene.clone().into(),
+        row.variant.clone().into(),
+        format!("{:.2e}", without.error.value()).into(),
+        format!("{:.2e}", row.error.value()).into(),
+        in_microseconds(&added).into(),
+        price.map_or_else(dash, |e| in_microseconds(&e).into()),
+    ])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::record::PartTime;
-    use crate::accuracy::test_records::{axis, row};
+    use crate::accuracy::record::made_up::{axis, row};
+    use crate::accuracy::record::{ErrorOf, PartTime};
 
     #[test]
     fn parts_are_compared_with_those_of_the_first_variant() {
@@ -150,5 +218,29 @@ mod tests {
         let texts: Vec<&str> = table.rows[2].iter().map(|cell| cell.text.as_str()).collect();
         assert_eq!(texts[..3], ["right", "+50.0% [+50.0, +50.0]", "+65.0% [+65.0, +65.0]"]);
         assert_eq!(texts[4].parse::<f64>().unwrap(), 20.0);
+    }
+
+    fn image(seconds: f64, rmse: f64) -> VariantRecord {
+        VariantRecord { error: ErrorOf::Rmse { rmse }, ..row("image", seconds, 0) }
+    }
+
+    fn price_of(pixels: u32, with: f64) -> Option<(Estimate, Option<Estimate>)> {
+        let mut scene = axis(vec![image(1.0, 0.05), image(3.0, with)]).scenes.remove(0);
+        scene.pixels = pixels;
+        price(&scene, &scene.rows[0], &scene.rows[1], 1)
+    }
+
+    #[test]
+    fn a_price_is_time_added_for_error_removed() {
+        let (added, price) = price_of(100, 0.01).unwrap();
+        assert!((added.median - 0.02).abs() < 1e-12);
+        assert!((price.unwrap().median - 0.005).abs() < 1e-12, "{price:?}");
+    }
+
+    #[test]
+    fn effects_that_remove_no_error_have_no_price() {
+        let price = |rmse| price_of(100, rmse).unwrap().1;
+        assert!(price(0.05).is_none() && price(0.06).is_none());
+        assert!(price_of(0, 0.01).is_none());
     }
 }

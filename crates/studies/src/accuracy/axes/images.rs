@@ -1,18 +1,18 @@
-//! Sampled effects: error against the number of samples. What a scene does not call for is put on:
-//! a radius to its lights, a roughness to its mirrors, a velocity to every other primitive, an
-//! aperture to its eye, each in parts of the scene's size.
+//! Axes of images. Sampled effects: error against the number of samples. What a scene does not call
+//! for is put on: a radius to its lights, a roughness to its mirrors, a velocity to every other
+//! primitive, an aperture to its eye, each in parts of the scene's size. Effects left out or simulated.
+//! Cones and beams against rays per pixel.
 
 use glam::DVec3;
+use measurement::plan::rows::Row;
+use renderer::tracers::{Frame, Structures};
 use renderer::{EffectPlan, Gating, Geometry, RenderSettings, render_plan};
 use scene_loading::{Light, SampleWishes, Scene};
 
-use super::prelude::*;
-use crate::accuracy::sampled::{RepeatedImage, SampledEffect};
-use crate::image_error::rmse;
-
-const METRIC: &str = "root mean square difference of colours to the reference";
-const REFERENCE: &str = "mean of two images of many samples with other seeds; its error is half their \
-                         distance";
+use crate::accuracy::axis::*;
+use crate::accuracy::sampled::{ImageCheck, RepeatedImage, SampledEffect, SamplingPlan};
+use crate::images::rmse;
+use crate::tracer_comparison::drawing_methods;
 
 pub static SOFT_SHADOWS: Axis = Axis {
     summary: "shadow rays per hit and light",
@@ -37,7 +37,7 @@ pub static FOCUS: Axis = Axis {
     ..sampled("focus", "render --samples focal", |stage| BLURRED.measure(stage))
 };
 
-/// Shared definition of the axes of this file.
+/// What axes of sampled images have in common.
 const fn sampled(
     name: &'static str,
     setting: &'static str,
@@ -47,8 +47,9 @@ const fn sampled(
         name,
         summary: "",
         paper: "Cook, Porter, Carpenter 1984",
-        metric: METRIC,
-        reference: REFERENCE,
+        metric: "root mean square difference of colours to the reference",
+        reference: "mean of two images of many samples with other seeds; its error is half their \
+                    distance",
         scenes: &["balls:3", "teapot", "pavilion"],
         setting,
         measure: Measure::Whole(measure),
@@ -146,11 +147,12 @@ impl EffectSetup {
             option: self.option,
             without: Some((&without, &*of_still)),
         };
-        sampled.measured(stage)
+        let ImageCheck { variants, said, .. } = sampled.judged(stage)?;
+        Ok(timed(stage, said, variants))
     }
 }
 
-pub static AXIS: Axis = Axis {
+pub static GATING: Axis = Axis {
     name: "effect-gating",
     summary: "effects that the scene does not use: left out, those of the eye simulated, all simulated",
     paper: "none",
@@ -158,7 +160,7 @@ pub static AXIS: Axis = Axis {
     reference: "the image without them",
     scenes: &["balls:3", "teapot", "pavilion"],
     setting: "renderer::EffectPlan::gated",
-    measure: Measure::Whole(measure),
+    measure: Measure::Whole(gatings),
 };
 
 const VARIANTS: [(&str, Gating); 3] = [
@@ -170,7 +172,7 @@ const VARIANTS: [(&str, Gating); 3] = [
 /// Pixels of the image, an axis, in a full run and in a quick one.
 const SIZE: [u32; 2] = [96, 24];
 
-fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+fn gatings(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let built = stage.built(TRACER)?;
     let size = SIZE[usize::from(stage.limits.quick)];
     let settings = RenderSettings {
@@ -192,5 +194,55 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let timed_image = format!("the image of {size} x {size} pixels, one thread");
     let said =
         SceneOutcome { pixels: size * size, ..SceneOutcome::new(timed_image, "the same image") };
+    Ok(timed(stage, said, variants))
+}
+
+/// Structure that gives cones and beams their candidates.
+const THROUGH: &str = "uniform-grid";
+const DEPTH: u32 = 3;
+
+/// `rtbench compare-tracers` asks the same of one scene at more sizes and with more samples.
+pub static CONE_AND_BEAM: Axis = Axis {
+    summary: "an image by cones or beams instead of rays, and rays per pixel",
+    paper: "Amanatides 1984; Heckbert, Hanrahan 1984; Whitted 1980",
+    scenes: &["tetra:4", "balls:3", "pavilion"],
+    ..sampled("cone-and-beam", "compare-tracers; render --samples supersamples", cones_and_beams)
+};
+
+fn cones_and_beams(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
+    let scene = stage.scene();
+    let tracer = stage.over(TRACER, &stage.prepared.geometry)?;
+    let double = Geometry::<f64>::of(scene)?;
+    let rays = stage.over(TRACER, &double)?;
+    let frusta = Row::parse(accel_core::structures::frustum_queries::REGISTRY, THROUGH)?;
+    let queries = frusta.entry.build(double.prims(), &frusta.params);
+    let queries = queries.map_err(|e| stage.refused(e))?;
+    let sampled = SampledEffect {
+        scene,
+        tracer: &*tracer,
+        max_depth: DEPTH,
+        wish: |samples, n| samples.supersamples = Some(n),
+        option: "supersamples",
+        without: None,
+    };
+    let ImageCheck { mut variants, mut said, reference } = sampled.judged(stage)?;
+    let frame =
+        Frame { resolution: [SamplingPlan::new(stage.limits.quick).size; 2], max_depth: DEPTH };
+    for way in drawing_methods(|_| true) {
+        let over = Structures { rays: &*rays, frusta: &*queries };
+        let draw = move || (way.draw)(scene, frame, over);
+        let image = match draw() {
+            Ok(drawn) => drawn.image,
+            Err(refusal) => {
+                said.judged.push_str(&format!("; no {}: {}", way.label(), refusal.what));
+                continue;
+            }
+        };
+        let error = ErrorOf::Rmse { rmse: rmse(&image, &reference.image) };
+        let setting = format!("compare-tracers --tracers {}", way.info.name);
+        // what is refused was found before
+        let work = RepeatedImage::new(move || draw().ok().map(|drawn| drawn.image));
+        variants.push(Variant::new(way.label(), setting, error, work));
+    }
     Ok(timed(stage, said, variants))
 }

@@ -1,15 +1,17 @@
-//! Tables of an animation, one per number of threads, rows with the most frames per second first;
-//! and its CSV.
+//! An animation as tables, one per number of threads, rows with the most frames per second first; its
+//! CSV; and plots over its frames.
 
-use crate::animate::record::{AnimationRecord, LaneRecord};
-use crate::animate::verdict;
-use measurement::record::Verdict;
+use measurement::record::{Verdict, WorkRecord};
 use presentation::csv::{number, written};
 use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
+use presentation::svg_plot::{Axis, Plot, Point, Scale, Series, figure};
 use presentation::table::{Cell, Style, Table, dash};
-use statistics::estimate::median;
+use statistics::estimate::{Estimate, estimate, median};
+
+use crate::animate::record::{AnimationRecord, FrameRecord, LaneFrame, LaneRecord};
+use crate::animate::verdict;
 
 /// Columns of most weight.
 pub const FIRST: [&str; 5] = ["frames/s", "verdict", "update ms", "trace ms", "worst ms"];
@@ -69,8 +71,8 @@ fn table(run: &AnimationRecord, threads: usize) -> Table {
 
 fn title(run: &AnimationRecord, threads: usize) -> String {
     let (first, last) = (run.frames.first(), run.frames.last());
-    let number = |frame: Option<&crate::animate::record::FrameRecord>| frame.map_or(0, |f| f.frame);
-    let mean = |of: fn(&crate::animate::record::FrameRecord) -> Option<u64>| {
+    let number = |frame: Option<&FrameRecord>| frame.map_or(0, |f| f.frame);
+    let mean = |of: fn(&FrameRecord) -> Option<u64>| {
         let all: Vec<f64> = run.frames.iter().filter_map(of).map(|n| n as f64).collect();
         let sum: f64 = all.iter().sum();
         (sum / all.len().max(1) as f64).round()
@@ -106,17 +108,11 @@ fn of_times(run: &AnimationRecord, lane: &LaneRecord) -> Vec<Cell> {
 /// Memory at its most, work and quality on average.
 fn of_structure(lane: &LaneRecord) -> Vec<Cell> {
     let bytes = lane.frames.iter().map(|frame| frame.bytes).max();
-    let a_ray = |of: fn(&measurement::record::WorkRecord) -> u64| {
-        let works = || lane.updates().iter().filter_map(|frame| frame.work.as_ref());
-        let sum =
-            |of: &dyn Fn(&measurement::record::WorkRecord) -> u64| works().map(of).sum::<u64>();
-        let rays = sum(&|work| work.rays);
-        match rays {
-            0 => dash(),
-            rays => format!("{:.2}", sum(&of) as f64 / rays as f64).into(),
-        }
-    };
-    let mean = |of: fn(&crate::animate::record::LaneFrame) -> Option<f64>| {
+    let works: Vec<&WorkRecord> = lane.updates().iter().filter_map(|f| f.work.as_ref()).collect();
+    let sum = |of: fn(&WorkRecord) -> u64| works.iter().map(|work| of(work)).sum::<u64>() as f64;
+    let rays = sum(|work| work.rays);
+    let a_ray = |of| if rays > 0.0 { format!("{:.2}", sum(of) / rays).into() } else { dash() };
+    let mean = |of: fn(&LaneFrame) -> Option<f64>| {
         let all: Vec<f64> = lane.updates().iter().filter_map(of).collect();
         (!all.is_empty()).then(|| all.iter().sum::<f64>() / all.len() as f64)
     };
@@ -200,8 +196,9 @@ pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
                 let of = run.frames.iter().find(|f| f.frame == frame.frame);
                 let count = |n: Option<u64>| n.map(|n| n.to_string()).unwrap_or_default();
                 let shown = |samples: &[f64]| number(median(samples).filter(|_| lane.is_timed()));
-                let a_ray = |of: fn(&measurement::record::WorkRecord) -> u64| {
-                    number(frame.work.as_ref().map(|w| of(w) as f64 / w.rays.max(1) as f64))
+                let [n_it, n_ts, ..] = match &frame.work {
+                    Some(work) => work.per_ray().map(Some),
+                    None => [None; 4],
                 };
                 writer.write_record([
                     run.scene.clone(),
@@ -218,8 +215,8 @@ pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
                     shown(&frame.trace_s),
                     lane.stride.to_string(),
                     frame.bytes.to_string(),
-                    a_ray(|work| work.intersection_tests),
-                    a_ray(|work| work.traversal_steps),
+                    number(n_it),
+                    number(n_ts),
                     number(frame.expected_cost),
                     number(frame.overlap),
                     lane.mismatches.to_string(),
@@ -227,5 +224,96 @@ pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
             }
         }
         Ok(())
+    })
+}
+
+/// Quantity plotted for a frame.
+struct Quantity {
+    title: &'static str,
+    label: &'static str,
+    scale: Scale,
+    of: FrameValue,
+}
+
+type FrameValue = fn(&LaneRecord, &LaneFrame) -> Option<Estimate>;
+
+const fn in_milliseconds(title: &'static str, of: FrameValue) -> Quantity {
+    Quantity { title, label: "milliseconds", scale: Scale::Log, of }
+}
+
+fn measured(samples: &[f64]) -> Option<Estimate> {
+    let ms: Vec<f64> = samples.iter().map(|s| s * 1e3).collect();
+    estimate(&ms, 1)
+}
+
+const QUANTITIES: [Quantity; 4] = [
+    in_milliseconds("update and rays", |_, frame| {
+        let both = frame.update_s.iter().zip(&frame.trace_s).map(|(a, b)| a + b);
+        measured(&both.collect::<Vec<_>>())
+    }),
+    in_milliseconds("update", |_, frame| measured(&frame.update_s)),
+    in_milliseconds("rays", |_, frame| measured(&frame.trace_s)),
+    Quantity {
+        title: "expected cost (surface-area heuristic)",
+        label: "times that of the first frame",
+        scale: Scale::FromZero,
+        of: |lane, frame| {
+            let first = lane.frames.first()?.expected_cost?;
+            Some(Estimate::exactly(frame.expected_cost? / first))
+        },
+    },
+];
+
+/// The rows with the most frames per second, so that curves can be distinguished.
+const MOST_ROWS: usize = 8;
+
+pub fn to_svg(run: &AnimationRecord) -> String {
+    let rate = |lane: &LaneRecord| {
+        lane.totals(run).and_then(|totals| totals.frames_per_second(run.seed)).map(|e| e.median)
+    };
+    let of_one = run.lanes.iter().filter(|lane| lane.threads == 1);
+    let mut lanes: Vec<(&LaneRecord, f64)> =
+        of_one.filter_map(|lane| Some((lane, rate(lane)?))).collect();
+    lanes.sort_by(|a, b| b.1.total_cmp(&a.1));
+    let left_out = lanes.len().saturating_sub(MOST_ROWS);
+    lanes.truncate(MOST_ROWS);
+    let subtitle = match left_out {
+        0 => "medians with 95% intervals; one thread".to_owned(),
+        n => format!(
+            "medians with 95% intervals; one thread; the {MOST_ROWS} rows with the most frames per second of {}",
+            n + MOST_ROWS
+        ),
+    };
+    let panels: Vec<Plot> =
+        QUANTITIES.iter().filter_map(|q| panel(run, &lanes, q, &subtitle)).collect();
+    figure(&panels)
+}
+
+fn panel(
+    run: &AnimationRecord,
+    lanes: &[(&LaneRecord, f64)],
+    quantity: &Quantity,
+    subtitle: &str,
+) -> Option<Plot> {
+    let series: Vec<Series> = lanes
+        .iter()
+        .map(|(lane, _)| {
+            let point = |frame: &LaneFrame| {
+                let of = (quantity.of)(lane, frame)?;
+                Some(Point { x: f64::from(frame.frame), y: of.median, low: of.low, high: of.high })
+            };
+            let points: Vec<Point> = lane.frames.iter().filter_map(point).collect();
+            // a row has its colour in all panels, also where it has no points
+            let none = if points.is_empty() { " (not known)" } else { "" };
+            Series { name: lane.label() + none, points, is_joined: true }
+        })
+        .collect();
+    series.iter().any(|series| !series.points.is_empty()).then(|| Plot {
+        title: format!("{}: {}", run.scene, quantity.title),
+        subtitle: subtitle.to_owned(),
+        x: Axis { label: "frame".into(), scale: Scale::Linear },
+        y: Axis { label: quantity.label.into(), scale: quantity.scale.clone() },
+        series,
+        ..Plot::default()
     })
 }

@@ -1,22 +1,28 @@
-//! A run in Markdown and CSV.
+//! A run on the terminal, in Markdown and CSV.
 
-use std::fmt::Write;
+use std::fmt::{Display, Write as _};
+use std::io::{self, Write};
 
-use crate::run::few::Few;
+use measurement::rays::order::Orders;
+use measurement::record::query::{self, Query};
+use measurement::record::{RunRecord, SceneRecord, Settings};
+use measurement::settings::Lights;
+use presentation::csv::written;
+use presentation::fitted::wrapped;
+use presentation::json::FormatError;
+use presentation::markdown::{code, escaped, push_table};
+use presentation::table::{Style, Table};
+use presentation::text::painted;
+
+use crate::run::few::{self, Few};
 use crate::run::lines::{self, Line, Lines};
 use crate::run::tables::GLOSSARY;
 use crate::run::time_to_image::TimesToImage;
+use crate::run::view::View;
 use crate::run::{columns, kind_tables, tables};
-use measurement::rays::order::Orders;
-use measurement::record::{RunRecord, Settings};
-use measurement::settings::Lights;
-use presentation::csv::written;
-use presentation::json::FormatError;
-use presentation::markdown::{code, escaped, push_table};
-use presentation::table::Table;
 
 /// The whole run: where and how it was measured, one table per scene, the summary, the symbols.
-pub fn to_string(run: &RunRecord) -> String {
+pub fn to_markdown(run: &RunRecord) -> String {
     let by_kind = run.settings.by_kind;
     let mut all: Vec<Table> = Vec::new();
     for scene in &run.scenes {
@@ -29,15 +35,11 @@ pub fn to_string(run: &RunRecord) -> String {
         all.extend(by_kind.then(|| kind_tables::summary_table(run, false)));
         all.extend(by_kind.then(|| kind_tables::picture_table(run)));
     }
-    let Some(few) = Few::of(run) else {
-        return with_answers("rtbench results", run, &all, GLOSSARY, &answers(run));
-    };
-    let all: Vec<Table> = all.into_iter().map(|table| few.table(table)).collect();
-    let glossary = GLOSSARY.iter().map(|text| few.text(text));
-    let glossary: Vec<String> = std::iter::once(few.heading()).chain(glossary).collect();
-    let glossary: Vec<&str> = glossary.iter().map(String::as_str).collect();
-    let answers = few.text(&answers(run));
-    with_answers("rtbench results", run, &all, &glossary, &answers)
+    let all: Vec<Table> = all.into_iter().map(|table| few::table(run, table)).collect();
+    let glossary = GLOSSARY.iter().map(|text| few::text(run, text));
+    let glossary: Vec<String> =
+        Few::of(run).map(Few::heading).into_iter().chain(glossary).collect();
+    with_answers("rtbench results", run, &all, &glossary, &few::text(run, &answers(run)))
 }
 
 /// Conclusions of the run, one list per scene, that of all scenes first.
@@ -67,7 +69,7 @@ fn with_answers(
     title: &str,
     run: &RunRecord,
     tables: &[Table],
-    glossary: &[&str],
+    glossary: &[impl Display],
     answers: &str,
 ) -> String {
     let mut text = format!("# {title}\n\n");
@@ -159,4 +161,95 @@ pub fn to_csv(run: &RunRecord) -> Result<String, FormatError> {
         }
         Ok(())
     })
+}
+
+/// Prints the block of a scene, and where there are several what it says of this one.
+pub fn write_scene(
+    out: &mut dyn Write,
+    run: &RunRecord,
+    scene: &SceneRecord,
+    view: &View,
+) -> io::Result<()> {
+    let is_first = run.scenes.first().is_some_and(|first| first.name == scene.name);
+    if let Some(few) = Few::of(run).filter(|_| is_first) {
+        view.screen.write_notes(out, &[&few.heading()])?;
+        writeln!(out)?;
+    }
+    write(out, run, scene_table(run, scene, view), view)?;
+    if run.settings.by_kind {
+        let rows = view.rows(&scene.rows);
+        write(out, run, kind_tables::scene_table(run, scene, rows, view.indents()), view)?;
+    }
+    if run.planned.len() > 1 && !scene.rows.is_empty() {
+        write_lines(out, run, lines::of_scene(scene), view)?;
+        writeln!(out)?;
+    }
+    columns::foreign_table(scene).map_or(Ok(()), |table| write(out, run, table, view))
+}
+
+/// The table of a scene with what is shown of it; what is the same below all of them stands at the
+/// end.
+fn scene_table(run: &RunRecord, scene: &SceneRecord, view: &View) -> Table {
+    let table = tables::scene_table(run, scene, view.rows(&scene.rows), view.indents());
+    let mut table = view.shown(&table).0;
+    table.notes.retain(|note| note != query::NOTE);
+    table
+}
+
+/// Prints the means where there are several scenes, what the symbols mean, and the answers.
+pub fn write_end(out: &mut dyn Write, run: &RunRecord, view: &View) -> io::Result<()> {
+    let mut heads: Vec<&str> = Vec::new();
+    let mut left_out: Vec<&str> = Vec::new();
+    if let Some(scene) = run.scenes.first() {
+        let (table, others) = view.shown(&tables::scene_table(run, scene, &scene.rows, false));
+        heads.extend(table.header);
+        left_out.extend(others);
+    }
+    if run.scenes.len() > 1 {
+        let rows = view.summary(&run.summary);
+        let mut table = view.shown(&tables::summary_table(run, rows, view.indents())).0;
+        table.notes.retain(|note| note != query::NOTE);
+        write(out, run, table, view)?;
+    }
+    if run.settings.by_kind {
+        if run.scenes.len() > 1 {
+            write(out, run, kind_tables::summary_table(run, view.indents()), view)?;
+        }
+        write(out, run, kind_tables::picture_table(run), view)?;
+    }
+    let mut notes: Vec<String> = Vec::new();
+    let batch = run.scenes.iter().flat_map(|s| &s.rows).any(|row| row.query == Query::Batch);
+    notes.extend(batch.then(|| query::NOTE.to_owned()));
+    notes.extend(tables::glossary_of(&heads).map(|text| few::text(run, text)));
+    if !left_out.is_empty() {
+        notes.push(format!("Columns left out: {}; --columns chooses.", left_out.join(", ")));
+    }
+    let notes: Vec<&str> = notes.iter().map(String::as_str).collect();
+    view.screen.write_notes(out, &notes)?;
+    if let Some(lines) = lines::of_run(run) {
+        writeln!(out)?;
+        write_lines(out, run, lines, view)?;
+        let note = few::text(run, lines::NOTE);
+        view.screen.write_notes(out, &[&note])?;
+    }
+    Ok(())
+}
+
+fn write(out: &mut dyn Write, run: &RunRecord, table: Table, view: &View) -> io::Result<()> {
+    view.screen.write_table(out, &few::table(run, table))
+}
+
+/// A question a line, the answers below one another.
+fn write_lines(out: &mut dyn Write, run: &RunRecord, lines: Lines, view: &View) -> io::Result<()> {
+    let heads = lines.lines.iter().map(|line| line.head.chars().count());
+    let indent = heads.max().unwrap_or(0) + 4;
+    for part in wrapped(&lines.title, view.screen.width, 2) {
+        writeln!(out, "{}", painted(&part, Style::Best, view.screen.colors))?;
+    }
+    for Line { head, text } in &lines.lines {
+        let text = few::text(run, text);
+        let text = format!("  {head:<width$}  {text}", width = indent - 4);
+        view.screen.write_item(out, &text, indent)?;
+    }
+    Ok(())
 }

@@ -1,6 +1,10 @@
-//! How far an image is from the one it should be, and the converged images to compare with.
+//! Images of the studies: planned within the memory limit; how far one is from the one it should be;
+//! and the converged images to compare with.
 
-use renderer::Image;
+use measurement::plan::error::PlanError;
+use renderer::effects::plan::MOST_SAMPLES_PER_PIXEL;
+use renderer::{EffectPlan, Image, RenderSettings};
+use scene_loading::Scene;
 
 /// An error must be this many times that of a reference to be significantly different.
 pub const TIMES_REFERENCE: f64 = 10.0;
@@ -70,6 +74,18 @@ pub fn edges(image: &Image) -> Vec<bool> {
             || (y + 1 < h && differs(i, i + w))
     };
     (0..w * h).map(is_edge).collect()
+}
+
+/// The effect plan, unless its samples would fill the memory.
+pub fn plan_of(scene: &Scene, settings: &RenderSettings) -> Result<EffectPlan, PlanError> {
+    let plan = EffectPlan::of(scene, settings);
+    if plan.samples_per_pixel() > MOST_SAMPLES_PER_PIXEL {
+        return Err(PlanError::Malformed {
+            text: format!("{} eye x glossy x shadow samples per pixel", plan.samples_per_pixel()),
+            expected: "at most 4194304 of them",
+        });
+    }
+    Ok(plan)
 }
 
 #[cfg(test)]
