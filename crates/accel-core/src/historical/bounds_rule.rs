@@ -114,7 +114,7 @@ impl<'a, S: Scalar> BoundsOf<'a, S> {
         collect(self.prims.len(), |id| self.of(id as u32))
     }
 
-    /// [`Primitives::bounds`].
+    /// The box of primitive `id`, as the set has it.
     #[inline(always)]
     pub(crate) fn tight(&self, id: u32) -> Aabb<S> {
         match self.triangles {

@@ -26,39 +26,16 @@ pub(crate) fn length<S: Scalar>(blocks: &[TriangleBlock<S>]) -> usize {
     (blocks.iter().take_while(|block| block.has_next()).count() + 1).min(blocks.len())
 }
 
-/// The corners of the triangles of a set.
-#[derive(Clone, Copy)]
-struct Corners<'a, S: Scalar> {
-    prims: &'a dyn Primitives<S>,
-    triangles: Option<&'a [[[S; 3]; 3]]>,
-}
-
-impl<'a, S: Scalar> Corners<'a, S> {
-    fn new(prims: &'a dyn Primitives<S>) -> Self {
-        Self { prims, triangles: prims.triangles() }
-    }
-
-    #[inline(always)]
-    fn of(&self, id: u32) -> Option<[[S; 3]; 3]> {
-        match self.triangles {
-            Some(triangles) => Some(triangles[id as usize]),
-            None => self.asked(id),
-        }
-    }
-
-    /// Those of a set that says them one by one: kept out of the loops, whose registers are few.
-    #[cold]
-    #[inline(never)]
-    fn asked(&self, id: u32) -> Option<[[S; 3]; 3]> {
-        Some(self.prims.corners_in_block(id)?.map(|p| p.to_array()))
-    }
-
-    /// Makes an empty block that of these primitives.
-    #[inline(always)]
-    fn fill(&self, ids: &[u32], more: bool, into: &mut TriangleBlock<S>) {
-        let moves_as_one = self.triangles.is_some() || self.prims.move_as_one(ids);
-        into.fill(ids.iter().filter_map(|&id| Some((id, self.of(id)?))), more, moves_as_one);
-    }
+/// Makes an empty block that of these primitives.
+#[inline(always)]
+fn fill<S: Scalar>(
+    prims: &dyn Primitives<S>,
+    ids: &[u32],
+    more: bool,
+    into: &mut TriangleBlock<S>,
+) {
+    let corners = |&id| Some((id, prims.corners_in_block(id)?.map(|p| p.to_array())));
+    into.fill(ids.iter().filter_map(corners), more, prims.move_as_one(ids));
 }
 
 /// Adds the blocks of a list, in its order.
@@ -78,10 +55,9 @@ pub(crate) fn set_list<S: Scalar>(
     ids: &[u32],
     into: &mut [TriangleBlock<S>],
 ) {
-    let corners = Corners::new(prims);
     for (block, (part, more)) in into.iter_mut().zip(parts::<S>(ids)) {
         *block = TriangleBlock::empty();
-        corners.fill(part, more, block);
+        fill(prims, part, more, block);
     }
 }
 
@@ -97,7 +73,6 @@ pub(crate) fn refresh<S: Scalar>(
     blocks: &mut [TriangleBlock<S>],
     moved: &MovedIds,
 ) {
-    let corners = Corners::new(prims);
     for block in blocks {
         let (ids, n) = block.ids();
         if !ids[..n].iter().any(|&id| moved.has(id)) {
@@ -105,7 +80,7 @@ pub(crate) fn refresh<S: Scalar>(
         }
         let more = block.has_next();
         *block = TriangleBlock::empty();
-        corners.fill(&ids[..n], more, block);
+        fill(prims, &ids[..n], more, block);
     }
 }
 
@@ -119,7 +94,21 @@ pub(crate) fn of_lists<S: Scalar>(
     let number: usize = lists.iter().map(|list| number_of::<S>(list.len())).sum();
     let mut all = Vec::with_capacity(empty + number);
     all.resize(empty, TriangleBlock::empty());
-    write(&Corners::new(prims), lists, &mut all.spare_capacity_mut()[..number]);
+    let into = &mut all.spare_capacity_mut()[..number];
+    // what is known to be triangles is copied without a call for each
+    match prims.triangles() {
+        Some(triangles) => {
+            let fill = |ids: &[u32], more, into: &mut TriangleBlock<S>| {
+                into.fill(ids.iter().map(|&id| (id, triangles[id as usize])), more, true);
+            };
+            let prefetch = |id: u32| prefetch_triangle(&triangles[id as usize]);
+            write(&(fill, prefetch), lists, into);
+        }
+        None => {
+            let fill = |ids: &[u32], more, into: &mut _| fill(prims, ids, more, into);
+            write(&(fill, |_| ()), lists, into);
+        }
+    }
     // SAFETY: `write` has written each of them
     unsafe { all.set_len(empty + number) };
     all
@@ -139,21 +128,21 @@ pub(crate) fn ids_of_list<S: Scalar>(blocks: &[TriangleBlock<S>], into: &mut Vec
 /// The triangles of a list are asked for so many lists before it is written.
 const AHEAD: usize = 4;
 
-/// Writes the blocks of the lists, of which there are as many.
+/// Writes the blocks of the lists, of which there are as many: makes each that of ids, and asks for
+/// the memory of those that follow soon.
 fn write<S: Scalar>(
-    corners: &Corners<S>,
+    by: &(impl Fn(&[u32], bool, &mut TriangleBlock<S>) + Sync, impl Fn(u32) + Sync),
     lists: &[&[u32]],
     into: &mut [MaybeUninit<TriangleBlock<S>>],
 ) {
+    let (fill, prefetch) = by;
     if lists.len() < 512 {
         let (blocks, mut written) = (into.len(), 0);
         let (mut slots, mut soon) = (into.iter_mut(), lists.iter().skip(AHEAD));
         for list in lists {
-            if let (Some(ids), Some(triangles)) = (soon.next(), corners.triangles) {
-                ids.iter().for_each(|&id| prefetch_triangle(&triangles[id as usize]));
-            }
+            soon.next().into_iter().copied().flatten().for_each(|&id| prefetch(id));
             for ((part, more), slot) in parts::<S>(list).zip(&mut slots) {
-                corners.fill(part, more, slot.write(TriangleBlock::empty()));
+                fill(part, more, slot.write(TriangleBlock::empty()));
                 written += 1;
             }
         }
@@ -163,5 +152,5 @@ fn write<S: Scalar>(
     let (before, after) = lists.split_at(lists.len() / 2);
     let middle = before.iter().map(|list| number_of::<S>(list.len())).sum();
     let (low, high) = into.split_at_mut(middle);
-    rayon::join(|| write(corners, before, low), || write(corners, after, high));
+    rayon::join(|| write(by, before, low), || write(by, after, high));
 }

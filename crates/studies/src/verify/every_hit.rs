@@ -3,7 +3,7 @@
 
 use std::cmp::Ordering;
 
-use accel_core::primitives::PrimSet;
+use accel_core::primitives::Primitives;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;

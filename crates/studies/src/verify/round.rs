@@ -1,7 +1,7 @@
 //! A round drawn by a case from a seed: a scene, rays, the expected answers, and metamorphic tests of
 //! them: the scene scaled, mirrored or renumbered, which must not change the answers.
 
-use accel_core::primitives::{MixedSetBuilder, PrimSet, PrimitiveError, TriangleSet};
+use accel_core::primitives::{MixedSetBuilder, PrimitiveError, TriangleSet};
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;

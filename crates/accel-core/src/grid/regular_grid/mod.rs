@@ -13,7 +13,7 @@ use crate::grid::cell_lists::TooManyReferences;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal, Traversal};
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::ResolutionRule;
-use crate::grid::voxel_traversal::GridFrame;
+use crate::grid::voxel_traversal::{GridFrame, IndexedCell};
 use crate::grid::voxel_traversal_lanes::MOST_CELLS;
 use crate::memory::{CountedItem, Limits};
 use crate::params::config::{Config, Settings};
@@ -125,10 +125,15 @@ impl<S: Scalar, G: CellStorage> RegularGrid<S, G> {
         &self.frame
     }
 
-    /// The parameter at which the traversal of a ray starts.
+    /// The grid as its rays go side by side: one type, whatever the set and the counters.
     #[inline(always)]
-    fn start(&self, ray: &Ray<S>) -> S {
-        if self.from_origin { S::ZERO } else { ray.t_min }
+    fn with_blocks<'a>(
+        &'a self,
+        blocks: &'a ListBlocks<S>,
+    ) -> BlockGrid<'a, S, Self, impl Fn(usize) -> &'a [u32]> {
+        let frame = &self.frame;
+        let list = move |index| self.storage.list(&IndexedCell { frame, index });
+        BlockGrid { grid: self, frame, from_origin: self.from_origin, list, blocks }
     }
 
     /// The ids in the cell of those coordinates.
@@ -176,7 +181,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
 
     #[inline(always)]
     fn traverse<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
-        let t_start = self.start(ray);
+        let t_start = if self.from_origin { S::ZERO } else { ray.t_min };
         match self.traversal {
             Traversal::TNext => {
                 if let Some(traversal) = self.frame.traversal_from(ray, t_start) {
@@ -223,8 +228,8 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         batch: RayBatch<'_, S>,
     ) -> C {
         if let Some(blocks) = blocks {
-            let grid = BlockGrid { grid: self, blocks };
-            batch::answer::<LaneDriver, NoCounters, _, _, _>(&grid, prims, batch);
+            let grid = &self.with_blocks(blocks);
+            batch::answer::<LaneDriver, NoCounters, _, _, _>(grid, prims, batch);
         }
         C::default()
     }

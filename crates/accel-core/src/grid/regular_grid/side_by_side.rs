@@ -5,32 +5,39 @@ use std::ops::ControlFlow;
 use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::{LANES, RayLanes};
 use crate::geometry::scalar::Scalar;
-use crate::grid::regular_grid::{CellStorage, RegularGrid};
-use crate::grid::voxel_traversal::{IndexedCell, VoxelTraversal};
+use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::grid::voxel_traversal_lanes::TraversalLanes;
 use crate::query::batch::Traverse;
 use crate::query::kernel::ListBlocks;
 use crate::query::side_by_side::{LaneTraversal, RAYS};
 use crate::query::sink::Sink;
-use crate::structure::traverse_by_blocks;
+use crate::structure::{Structure, traverse_by_blocks};
 
-/// The grid, and the blocks of its lists.
-pub(super) struct BlockGrid<'a, S: Scalar, G> {
-    pub(super) grid: &'a RegularGrid<S, G>,
+/// The grid, where its traversals start, its lists by the indices of cells, and their blocks.
+pub(super) struct BlockGrid<'a, S: Scalar, T, L> {
+    pub(super) grid: &'a T,
+    pub(super) frame: &'a GridFrame<S>,
+    pub(super) from_origin: bool,
+    pub(super) list: L,
     pub(super) blocks: &'a ListBlocks<S>,
 }
 
 /// Eight rays that are to begin; none where the grid is not met.
 pub(crate) struct StartStates<S: Scalar>([Option<VoxelTraversal<S>>; LANES]);
 
-impl<S: Scalar, G: CellStorage> Traverse<S> for &BlockGrid<'_, S, G> {
+impl<S: Scalar, T: Structure<S>, L> Traverse<S> for &BlockGrid<'_, S, T, L> {
     #[inline(always)]
     fn traverse_one<K: Sink<S>>(&self, ray: &Ray<S>, sink: &mut K) {
         traverse_by_blocks(self.grid, self.blocks, ray, sink);
     }
 }
 
-impl<S: Scalar, G: CellStorage> LaneTraversal<S> for BlockGrid<'_, S, G> {
+impl<'a, S, T, L> LaneTraversal<S> for BlockGrid<'a, S, T, L>
+where
+    S: Scalar,
+    T: Structure<S>,
+    L: Fn(usize) -> &'a [u32],
+{
     type Eight = StartStates<S>;
     type State = TraversalLanes<S>;
 
@@ -44,7 +51,8 @@ impl<S: Scalar, G: CellStorage> LaneTraversal<S> for BlockGrid<'_, S, G> {
         let mut beginnings = [const { None }; LANES];
         for (lane, beginning) in beginnings.iter_mut().enumerate() {
             let ray = rays.ray(lane);
-            *beginning = self.grid.frame.traversal_from(&ray, self.grid.start(&ray));
+            let start = if self.from_origin { S::ZERO } else { ray.t_min };
+            *beginning = self.frame.traversal_from(&ray, start);
         }
         StartStates(beginnings)
     }
@@ -69,10 +77,9 @@ impl<S: Scalar, G: CellStorage> LaneTraversal<S> for BlockGrid<'_, S, G> {
     #[inline(always)]
     fn arrive(&self, state: &mut TraversalLanes<S>) -> [u32; RAYS] {
         let mut lists = [0; RAYS];
-        let RegularGrid { frame, storage, .. } = self.grid;
         for (group, lists) in lists.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
             for (list, index) in lists.iter_mut().zip(state.indices(group)) {
-                *list = self.blocks.number(storage.list(&IndexedCell { frame, index }));
+                *list = self.blocks.number((self.list)(index));
             }
         }
         lists
@@ -90,6 +97,6 @@ impl<S: Scalar, G: CellStorage> LaneTraversal<S> for BlockGrid<'_, S, G> {
 
     #[inline(always)]
     fn leave(&self, state: &mut TraversalLanes<S>, t_max: &[S; RAYS]) -> u32 {
-        state.leave(t_max, &self.grid.frame)
+        state.leave(t_max, self.frame)
     }
 }
