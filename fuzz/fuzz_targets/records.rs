@@ -12,7 +12,7 @@ use measurement::record::{RunRecord, file};
 use measurement::settings::shard::ShardRecord;
 use measurement::system::progress::Progress;
 use rtbench::comparison::{ComparisonSettings, NamedRun, compare, csv, tables};
-use rtbench::exports::measures;
+use rtbench::measures;
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{Evidence, Instructions, Times, judge};
 use rtbench::replan::{Restriction, restrict};

@@ -79,6 +79,16 @@ impl Html {
         self.close();
     }
 
+    /// Terms and their descriptions.
+    pub fn definitions<'t>(&mut self, of: impl IntoIterator<Item = (&'t str, impl AsRef<str>)>) {
+        self.open("dl", &[]);
+        for (term, description) in of {
+            self.element("dt", &[], term);
+            self.element("dd", &[], description.as_ref());
+        }
+        self.close();
+    }
+
     /// A list with an item of mixed content for each.
     pub fn items<T>(
         &mut self,

@@ -7,13 +7,12 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
-use crate::exports::occupied::PlannedOutput;
-use crate::exports::outputs::{OutputError, Outputs};
+use crate::outputs::{OutputError, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::system::child_process::{CopyError, ProgramCopy};
 use measurement::system::clock::Clock;
-use measurement::system::created::CreatedFiles;
-use measurement::system::program_copy::{CopyError, ProgramCopy};
+use measurement::system::files::CreatedFiles;
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use measurement::system::{machine, world};

@@ -1,10 +1,6 @@
 //! Scenes with the camera, lights and permissions that the command line gives them.
 
-use serde_json::{Map, Value};
-
-use measurement::scenes::{
-    KnownScene, LoadError, SceneSizes, SceneSource, SetThreshold, ViewOptions,
-};
+use measurement::scenes::{KnownScene, LoadError, SceneSet, SceneSizes, SceneSource, ViewOptions};
 
 /// A source whose scenes get the view of the command line instead of their own.
 pub struct GivenView<'a> {
@@ -43,15 +39,7 @@ impl SceneSource for GivenView<'_> {
         self.source.sizes(name)
     }
 
-    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
+    fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
         self.source.sets()
-    }
-
-    fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
-        self.source.run_options(set, quick)
-    }
-
-    fn check_thresholds(&self, set: &str) -> Result<Vec<SetThreshold>, LoadError> {
-        self.source.check_thresholds(set)
     }
 }

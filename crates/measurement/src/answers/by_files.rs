@@ -10,7 +10,7 @@ use crate::plan::Plan;
 use crate::rays::batches::{Answers, BatchSet};
 use crate::rays::exactness::Exactness;
 use crate::record::{ForeignRecord, RowRecord, Verdict};
-use crate::rounds::error::MeasureError;
+use crate::rounds::MeasureError;
 use crate::rounds::scene_run::lights_asked;
 use crate::rounds::scope::Scope;
 use crate::scenes::LoadedScene;

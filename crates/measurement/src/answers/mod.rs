@@ -3,7 +3,6 @@
 pub mod arbiter;
 pub mod by_files;
 pub mod check;
-pub mod fault;
 pub mod judge;
 pub mod oracle;
 mod own_test;

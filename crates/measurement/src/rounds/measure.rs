@@ -11,8 +11,8 @@ use renderer::{RayKind, render};
 
 use crate::answers::check::{RowCheck, stride_for};
 use crate::answers::judge::judge;
+use crate::plan::Plan;
 use crate::plan::measured_row::{BuiltRow, MeasuredRow};
-use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
 use crate::rounds::interleaved::{Visit, interleaved, round_order};
@@ -93,11 +93,10 @@ impl Schedule {
         let plan = scope.plan;
         let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
         let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
-        let (at_least, deadline) = match plan.rounds {
+        let (at_least, deadline) = match plan.processes {
+            0 | 1 => (plan.rounds.at_least(), deadline),
             // fresh processes time the rows; here they are asked once
-            _ if plan.processes > 1 => (1, None),
-            Rounds::Fixed(n) => (n, deadline),
-            Rounds::Budget { at_least, .. } => (at_least, deadline),
+            _ => (1, None),
         };
         let first_round = plan.process.first_round;
         Self { baseline, strides, rows, first_round, at_least, deadline }

@@ -6,9 +6,8 @@
 
 mod axis;
 pub mod bars;
-pub mod palette;
 mod panel;
-pub(crate) mod pen;
+pub mod pen;
 mod plot;
 
 use std::fmt::Write;
@@ -216,7 +215,7 @@ mod tests {
         }
         let all = texts(&svg).join(" ");
         assert!(all.contains("a: wide-bvh with settings that are long"), "{all}");
-        let frame = tree.descendants().find(|n| n.attribute("stroke") == Some(palette::INK));
+        let frame = tree.descendants().find(|n| n.attribute("stroke") == Some(pen::INK));
         assert!(frame.is_some());
     }
 

@@ -8,10 +8,9 @@ use renderer::RaySettings;
 
 use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS};
+use crate::error::{Error, FAILURE, SUCCESS};
 use crate::gate::against::{AgainstError, own_program};
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::scenes::KnownScene;
 use measurement::system::child_process::{ChildError, answer, arguments};
 use measurement::system::files::write_text;

@@ -6,16 +6,15 @@ use measurement::journal;
 use measurement::journal::lines::Manifest;
 use measurement::plan::Plan;
 use measurement::record::{RunRecord, file};
-use measurement::system::created::CreatedFiles;
+use measurement::system::files::CreatedFiles;
 use presentation::json;
 use presentation::json::FormatError;
 use studies::run::markdown;
 
 use crate::args::ExportArgs;
 use crate::context::Context;
-use crate::exports::measures::{self, Select};
-use crate::exports::occupied::{OccupiedError, PlannedOutput};
-use crate::exports::outputs::{OutputError, Outputs};
+use crate::measures::{self, Select};
+use crate::outputs::{OccupiedError, OutputError, Outputs, PlannedOutput};
 
 /// The text of what is finished so far.
 type Format = fn(&RunRecord) -> Result<String, FormatError>;

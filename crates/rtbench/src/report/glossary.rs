@@ -3,7 +3,7 @@
 use crate::report::material::Material;
 use crate::report::page::{Page, SectionOutcome};
 use presentation::html::Html;
-use presentation::page::tables::TableStyle;
+use presentation::page::TableStyle;
 
 /// Symbols and words of the tables' heads.
 pub static MEANINGS: &[(&str, &str)] = &[
@@ -60,12 +60,7 @@ pub fn numbered(numbers: &[usize]) -> TableStyle<'_> {
 /// The list, and the papers.
 pub fn glossary(_: &Material, page: &mut Page) -> SectionOutcome {
     let html = &mut page.html;
-    html.open("dl", &[]);
-    for (symbol, meaning) in MEANINGS {
-        html.element("dt", &[], symbol);
-        html.element("dd", &[], meaning);
-    }
-    html.close();
+    html.definitions(MEANINGS.iter().copied());
     html.paragraph(
         "Times are medians over rounds; each round visits every row once, in seeded random order, \
          so that what disturbs a round disturbs all rows alike. Intervals are 95% bootstrap \

@@ -8,11 +8,9 @@ pub mod material;
 pub mod page;
 mod plots;
 mod sections;
-mod side_by_side;
 
 pub use material::ReportError;
-pub use page::utc;
-pub use page::{Page, SectionOutcome, file_name};
+pub use page::{Page, SectionOutcome, file_name, utc};
 
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
@@ -118,8 +116,8 @@ fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
         std::mem::take(&mut page.html).finish()
     };
     let part = |id: &str, title, body| ReportSection { id: id.to_owned(), title, body };
-    let answers = body(page, &mut |page| side_by_side::answers(runs, page));
-    let beside = body(page, &mut |page| side_by_side::write(runs, page));
+    let answers = body(page, &mut |page| sections::run::answers(runs, page));
+    let beside = body(page, &mut |page| sections::run::side_by_side(runs, page));
     let mut top = vec![part("headlines", "Answers", answers)];
     top.push(part("side-by-side", "Side by side", beside));
     let names: Vec<(String, String)> = (1..)

@@ -5,7 +5,7 @@ use accel_core::registry::Buildable;
 use measurement::answers::arbiter::Arbiter;
 use measurement::answers::reference::{Reference, Stage};
 use measurement::rays::batches::BatchSet;
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::rounds::interleaved::round_order;
 use measurement::rounds::scene_run::lights_asked;
 use measurement::rounds::scope::Scope;

@@ -7,7 +7,7 @@ use crate::report::page::{Page, SectionOutcome};
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
-use presentation::page::tables;
+use presentation::page::write_table;
 use presentation::table::{Cell, Style, Table, words};
 use studies::run::break_even::{BreakEven, break_even};
 use studies::run::conclusions::least_time;
@@ -36,8 +36,8 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
             &format!("build-against-rays-{}", scene.name),
             plots::scatter(&material.run, scene, profiles),
         );
-        tables::write(&mut page.html, &reigns(&scene.name, profiles, seed), look());
-        tables::write(&mut page.html, &decades(&scene.name, profiles, seed), look());
+        write_table(&mut page.html, &reigns(&scene.name, profiles, seed), look());
+        write_table(&mut page.html, &decades(&scene.name, profiles, seed), look());
         matrix(&mut page.html, &scene.name, profiles);
     }
     SectionOutcome::Yes

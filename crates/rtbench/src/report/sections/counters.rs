@@ -6,7 +6,7 @@ use crate::report::glossary::look;
 use crate::report::material::{Material, ReproducedFigure};
 use crate::report::page::{Page, SectionOutcome};
 use presentation::numbers::short;
-use presentation::page::tables;
+use presentation::page::write_table;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
 use presentation::table::{Table, words};
 
@@ -25,11 +25,11 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
          the same then and now.",
     );
     page.plot("counters-1999", plot(rows));
-    tables::write(&mut page.html, &verdicts(rows), look());
+    write_table(&mut page.html, &verdicts(rows), look());
     for counter in DRAWN {
         let table = best(rows, counter);
         if !table.rows.is_empty() {
-            tables::write(&mut page.html, &table, look());
+            write_table(&mut page.html, &table, look());
         }
     }
     SectionOutcome::Yes

@@ -8,7 +8,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
-use presentation::page::tables;
+use presentation::page::write_table;
 use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
 use studies::accuracy::{plot, summary, tables as axis_tables};
@@ -37,7 +37,7 @@ pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
 pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(run) = &material.accuracy else { return SectionOutcome::Missing };
     page.html.list(axis_tables::facts(run));
-    tables::write(&mut page.html, &summary::advice(run), look());
+    write_table(&mut page.html, &summary::advice(run), look());
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
         for scene in &axis.scenes {
@@ -47,7 +47,7 @@ pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
         page.html.open("details", &[]);
         page.html.element("summary", &[], &format!("{}: scene by scene", axis.axis));
         for scene in &axis.scenes {
-            tables::write(&mut page.html, &axis_tables::table(axis, scene), look());
+            write_table(&mut page.html, &axis_tables::table(axis, scene), look());
         }
         page.html.close();
     }
@@ -122,7 +122,7 @@ pub fn lecture(material: &Material, page: &mut Page) -> SectionOutcome {
         rows: lines.collect(),
         notes: Vec::new(),
     };
-    tables::write(&mut page.html, &table, look());
+    write_table(&mut page.html, &table, look());
     SectionOutcome::Yes
 }
 
@@ -133,7 +133,7 @@ pub fn tracers(material: &Material, page: &mut Page) -> SectionOutcome {
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
         page.plot(&format!("tracers-{}", record.scene), error_over_time(record));
-        tables::write(&mut page.html, &tracer_table(record), look());
+        write_table(&mut page.html, &tracer_table(record), look());
     }
     SectionOutcome::Yes
 }

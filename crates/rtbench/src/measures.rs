@@ -6,8 +6,7 @@
 
 use measurement::plan::Plan;
 use measurement::rays::order::batch_name;
-use measurement::record::metrics::{METRICS, Reading};
-use measurement::record::ratios::series;
+use measurement::record::metrics::{METRICS, Reading, series};
 use measurement::record::{RowRecord, RunRecord, reference};
 use presentation::json;
 use presentation::json::FormatError;
