@@ -61,6 +61,13 @@ impl Html {
         self.open("div", &attributes);
     }
 
+    /// A section with its heading, opened.
+    pub fn open_section(&mut self, id: &str, title: &str) {
+        let heading = format!("{id}-title");
+        self.open("section", &[("id", id), ("aria-labelledby", &heading)]);
+        self.element("h2", &[("id", &heading)], title);
+    }
+
     pub fn paragraph(&mut self, text: &str) {
         self.element("p", &[], text);
         self.out.push('\n');

@@ -23,7 +23,7 @@ use measurement::record::file::RecordError;
 use measurement::record::merge::MergeError;
 use measurement::rounds::MeasureError;
 use measurement::scenes::LoadError;
-use measurement::system::child_process::CopyError;
+use measurement::system::child_process::{ChildError, CopyError};
 use measurement::system::files::WriteError;
 use plugins::PluginError;
 use plugins::files::FileError;
@@ -93,7 +93,7 @@ macro_rules! other {
 other! {
     FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
     RecordError, MergeError, ReportError, HistoryError, CopyError, ReproduceError,
-    CallgrindError, AgainstError, UnsavedImage,
+    CallgrindError, ChildError, AgainstError, UnsavedImage,
 }
 
 impl From<MeasureError> for Error {

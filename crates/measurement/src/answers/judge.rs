@@ -12,9 +12,9 @@ use accel_core::{Hit, Ray, Scalar};
 use rayon::prelude::*;
 
 use crate::answers::oracle::Opinion;
+use crate::answers::reference::Stage;
 use crate::rays::batches::{Answers, Batch, BatchSet};
 use crate::rays::exactness::{Exactness, is_apart};
-use crate::rounds::scope::Scope;
 
 /// Largest part of answers whose hit is lost, invented or elsewhere at an edge that rounding
 /// explains. A ray from a surface is moved through it, so that a structure that ignores `t_min` in
@@ -39,7 +39,7 @@ pub struct BatchVerdict {
 
 /// Compares the answers to a batch of `set` with those expected.
 pub fn judge<S: Buildable>(
-    scope: &Scope<'_, '_, S>,
+    stage: &Stage<'_, S>,
     set: &BatchSet<'_, S>,
     batch: &Batch<'_, S>,
     answers: &Answers<S>,
@@ -47,7 +47,7 @@ pub fn judge<S: Buildable>(
 ) -> BatchVerdict {
     let mut judged = BatchVerdict { compared: batch.rays.len(), ..BatchVerdict::default() };
     let (mut first, mut apart, mut first_apart) = (None, 0, None);
-    let arbiter = scope.stage.arbiter;
+    let arbiter = stage.arbiter;
     let decide = |ray: &usize| arbiter.opinion((batch, set.stride), *ray, answers, exactness);
     let differing: Vec<usize> = batch.wrong(answers, exactness).collect();
     for rays in differing.chunks(ENOUGH_WRONG) {
@@ -81,7 +81,7 @@ pub fn judge<S: Buildable>(
         let example = format!("{kind} ray {ray}: {said}, expected {expected}");
         match (exactness, batch.rays.get(first)) {
             (Exactness::OwnTest | Exactness::OurTest, Some(ray)) => {
-                let primitives = scope.stage.geometry.len();
+                let primitives = stage.geometry.len();
                 let fault = fault_name(ray, first, answers, &batch.expected, primitives);
                 format!("{fault}: {example}")
             }

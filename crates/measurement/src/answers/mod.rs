@@ -1,7 +1,6 @@
 //! Correctness of answers: brute force, the row asked first, the check of each row.
 
 pub mod arbiter;
-pub mod by_files;
 pub mod check;
 pub mod judge;
 pub mod oracle;

@@ -35,3 +35,10 @@ pub enum MeasureError {
     #[error("scene {scene}: {source}; this is a defect of rtbench")]
     Panicked { scene: String, source: CaughtPanic },
 }
+
+impl MeasureError {
+    /// What could not be built over the scene of that name.
+    pub fn of_build(scene: &str) -> impl Fn(BuildError) -> Self + Copy {
+        move |source| Self::Build { scene: scene.to_owned(), source }
+    }
+}

@@ -4,7 +4,6 @@
 //! (The library that is in our dependency tree, `plotters` 0.3.7, has no marks with labels that
 //! keep clear of each other, and saw its last release in 2024.)
 
-mod axis;
 pub mod bars;
 mod panel;
 pub mod pen;

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use accel_core::query::region::Frustum;
 use accel_core::query::tracer::Tracer;
-use accel_core::structure::BuildError;
 use accel_core::structures::frustum_queries;
 use accel_core::{Hit, Ray};
 use glam::DVec2;
@@ -73,7 +72,7 @@ pub fn run(
         plan_of(&scene, frame.plan(&scene, n, frame.seed).settings())?;
     }
     let rounds = choice(args.rounds, 5, 3);
-    let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
+    let build = MeasureError::of_build(&scene.name);
     let single = Geometry::<f32>::of(&scene)?;
     let double = Geometry::<f64>::of(&scene)?;
     let (threads, clock) = (usize::from(args.threads), context.clock);

@@ -12,7 +12,6 @@ use crate::commands::run_state::{
 };
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
-use crate::gate::against::AgainstError;
 use crate::outputs::Outputs;
 use measurement::journal::lines::Line;
 use measurement::plan::Plan;
@@ -218,10 +217,9 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         let Err(error) = joined else { return };
         // a missing A/A floor is not fatal
         self.failures += usize::from(own.processes > 1);
-        let error = AgainstError::New(error);
         self.progress.suspend(|| match own.processes {
             1 => context.warn(&error),
-            _ => context.error(Error::from(error)),
+            _ => context.error(&error),
         });
     }
 

@@ -14,8 +14,7 @@ use crate::commands::render::one_scene;
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::foreign_row::merged;
-use measurement::answers::by_files::{check, foreign_row, rays};
+use crate::foreign_row::{check, foreign_row, merged, rays};
 use measurement::plan::Plan;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Row};
@@ -129,7 +128,7 @@ pub fn check_hits(
         by_kind.push((kind, own));
     }
     let pools = Pools::new(machine::threads())?;
-    let judged = check(&plan, &loaded, &geometry, (&pools, context.clock), &by_kind)?;
+    let judged = check(&plan, &loaded, &geometry, &pools, &by_kind)?;
     for ((kind, n), place) in asked().zip(0..) {
         let is = judged.iter().find(|(own, _)| *own == kind).map_or(0, |(_, j)| j.compared as u64);
         if is != n {
@@ -237,7 +236,7 @@ fn traced<S: Buildable>(
     let mut file = about.header(Content::Hits);
     for row in rows {
         let answers = answers::<S>(geometry.prims(), row, &by_kind)
-            .map_err(|source| MeasureError::Build { scene: loaded.scene.name.clone(), source })?;
+            .map_err(MeasureError::of_build(&loaded.scene.name))?;
         let label = line(&row.label()).into_owned();
         let all = answers.iter().flat_map(|answers| (0..answers.len()).map(move |i| (answers, i)));
         for (number, (answers, i)) in all.enumerate() {

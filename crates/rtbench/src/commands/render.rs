@@ -79,7 +79,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
             let image = || render_watched(&loaded.scene, &*tracer, &plan, &row_done).image;
             Ok((table, output.is_some().then(image)))
         })
-        .map_err(|source| MeasureError::Build { scene: name.to_owned(), source });
+        .map_err(MeasureError::of_build(name));
     progress.finish();
     let (table, image) = ended?;
     let took = context.clock.now().saturating_sub(started).as_secs_f64();

@@ -11,14 +11,13 @@ use regex_lite::Regex;
 use crate::args::{Color, CompareArgs, CompareFormat, HistoryArgs, MergeArgs, ReportArgs};
 use crate::commands::measuring::{PlanResults, exit_code, warn_of};
 use crate::commands::render::scene_pictures;
-use crate::commands::run_outputs;
+use crate::commands::run_outputs::{self, Measure};
 use crate::comparison::{
     self, CompareError, Comparison, ComparisonSettings, NamedRun, default_metrics, renamed, tables,
 };
 use crate::context::Context;
 use crate::error::{Error, SUCCESS};
 use crate::history::{History, site, visits};
-use crate::measures::{self, Measure};
 use crate::outputs::{OutputError, refuse_files};
 use crate::report::material::Material;
 use crate::report::{is_page, page};
@@ -149,10 +148,10 @@ pub fn merge(context: &mut Context<'_>, args: &MergeArgs, color: Color) -> Resul
     run_outputs::refuse_occupied(context, &args.exports, None)?;
     let mut record = merge::merge(parts, args.mixed_machines)?;
     if let Some(select) = &args.exports.export_select
-        && measures::costs(&record, Some(select)).is_empty()
-        && measures::rates(&record, Some(select)).is_empty()
+        && run_outputs::costs(&record, Some(select)).is_empty()
+        && run_outputs::rates(&record, Some(select)).is_empty()
     {
-        let example = measures::costs(&record, None).first().map(Measure::series);
+        let example = run_outputs::costs(&record, None).first().map(Measure::series);
         let (select, example) = (select.as_str().to_owned(), example.unwrap_or_default());
         return Err(OutputError::NothingSelected(select, example).into());
     }

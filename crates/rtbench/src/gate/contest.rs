@@ -20,7 +20,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use serde::{Deserialize, Serialize};
 
 use crate::comparison::pairing::RowPair;
-use crate::gate::against::{Contest, Program, is_look};
+use crate::gate::against::{AgainstError, Contest, Program, is_look};
 use measurement::record::{FloorRecord, RunRecord};
 use measurement::rounds::interleaved::round_order;
 use measurement::system::child_process::{ChildError, arguments, ended_early, without_samples};
@@ -87,7 +87,7 @@ impl Contest {
         clock: &dyn Clock,
         progress: &Progress,
         undecided: &dyn Fn(&[PairedTimes]) -> BTreeSet<Key>,
-    ) -> Result<Vec<PairedTimes>, (usize, ChildError)> {
+    ) -> Result<Vec<PairedTimes>, AgainstError> {
         let laps = laps(&self.like);
         let mut all: Vec<PairedTimes> = Vec::new();
         let mut like = self.like.clone();
@@ -121,14 +121,14 @@ impl Contest {
         like: &RunRecord,
         laps: u32,
         all: &mut Vec<PairedTimes>,
-    ) -> Result<(), (usize, ChildError)> {
+    ) -> Result<(), AgainstError> {
         let Some(scene) = like.scenes.first() else { return Ok(()) };
         let mut runners: Vec<Option<Runner>> = vec![None, None, None];
         for place in order(self.pace.seed, "start", process) {
             let program: &Program = &self.programs[place];
             let asked = self.as_named_by(place, like);
             let runner = Runner::start(program, &asked, self.allow_outside);
-            runners[place] = Some(runner.map_err(|error| (place, error))?);
+            runners[place] = Some(runner.map_err(AgainstError::of(place))?);
         }
         let rows: Vec<String> = scene.rows.iter().map(|row| row.label()).collect();
         let old = self.as_named_by(0, like);
@@ -141,7 +141,7 @@ impl Contest {
                 for place in order(self.pace.seed, &rows[row], first) {
                     let name = if place == 0 { &old_rows[row] } else { &rows[row] };
                     if let Some(runner) = &mut runners[place] {
-                        seen[place] = runner.lap(name).map_err(|error| (place, error))?;
+                        seen[place] = runner.lap(name).map_err(AgainstError::of(place))?;
                     }
                 }
                 // the first lap finds neither memory nor caches
@@ -162,7 +162,7 @@ impl Contest {
             }
         }
         for (place, runner) in runners.into_iter().enumerate() {
-            runner.map_or(Ok(()), Runner::end).map_err(|error| (place, error))?;
+            runner.map_or(Ok(()), Runner::end).map_err(AgainstError::of(place))?;
         }
         Ok(())
     }

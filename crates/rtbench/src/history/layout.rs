@@ -26,13 +26,6 @@ pub fn start_page(title: &str, intro: &str, up: &[(&str, String)]) -> Html {
     html
 }
 
-/// A part of a page, opened.
-pub fn section(html: &mut Html, id: &str, title: &str) {
-    let heading = format!("{id}-title");
-    html.open("section", &[("id", id), ("aria-labelledby", &heading)]);
-    html.element("h2", &[("id", &heading)], title);
-}
-
 /// The path from a page one folder down.
 pub fn from_below(path: &str) -> String {
     format!("../{path}")

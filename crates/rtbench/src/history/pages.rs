@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::history::layout::{
     INDEX, Names, PageKey, anchor, bench_name, change_cell, class_of, day, from_below, in_words,
-    page_of, section, start_page, verdict,
+    page_of, start_page, verdict,
 };
 use crate::history::lines::{Change, History, Key, Line, Quantity};
 use crate::report::{file_name, utc};
@@ -35,7 +35,7 @@ pub fn index_page(history: &History, names: &Names) -> String {
     index_changes(&mut html, history, names);
     scenes(&mut html, history, names);
     runs(&mut html, history);
-    section(&mut html, "machines", "Machines");
+    html.open_section("machines", "Machines");
     html.open("ol", &[]);
     for bench in &history.benches {
         html.element("li", &[], &bench.words);
@@ -50,7 +50,7 @@ type ChangedLine<'a> = (&'a Key, &'a Line, &'a Change);
 
 /// Commit by commit, the newest first.
 fn index_changes(html: &mut Html, history: &History, names: &Names) {
-    section(html, "changes", "Changes");
+    html.open_section("changes", "Changes");
     let mut by_visit: BTreeMap<Reverse<usize>, Vec<ChangedLine<'_>>> = BTreeMap::new();
     for found in history.changes() {
         let (_, line, change) = found;
@@ -113,7 +113,7 @@ fn table_of(
 }
 
 fn scenes(html: &mut Html, history: &History, names: &Names) {
-    section(html, "scenes", "Scenes");
+    html.open_section("scenes", "Scenes");
     let (mut rows, mut links) = (Vec::new(), Vec::new());
     for (scene, path) in names.scenes() {
         let of = |key: &Key| key.scene == *scene;
@@ -129,7 +129,7 @@ fn scenes(html: &mut Html, history: &History, names: &Names) {
 
 /// Every run, the newest first; each can be linked.
 fn runs(html: &mut Html, history: &History) {
-    section(html, "runs", "Runs");
+    html.open_section("runs", "Runs");
     let all = history.visits.iter().zip(&history.bench_of).enumerate().rev();
     let (mut rows, mut ids) = (Vec::new(), Vec::new());
     for (place, (visit, bench)) in all {
@@ -151,7 +151,7 @@ fn runs(html: &mut Html, history: &History) {
 }
 
 fn method(html: &mut Html) {
-    section(html, "method", "How changes are found");
+    html.open_section("method", "How changes are found");
     html.paragraph(
         "By E-divisive on the logarithms of the ratios: a series is divided where both sides \
          differ most, by the distances of their values, as long as a permutation test finds the \
@@ -182,7 +182,7 @@ pub fn row_page(history: &History, names: &Names, own: &PageKey) -> String {
     let mut html = start_page(&title, intro, &up);
     siblings(&mut html, names, own);
     for (key, lines) in rows {
-        section(&mut html, &anchor(&key.settings), &label(structure, &key.settings));
+        html.open_section(&anchor(&key.settings), &label(structure, &key.settings));
         row_changes(&mut html, history, lines);
         figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
         let (table, links) = points(history, lines);

@@ -161,9 +161,7 @@ fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> V
 }
 
 fn write(html: &mut Html, ReportSection { id, title, body }: &ReportSection) {
-    let heading = format!("{id}-title");
-    html.open("section", &[("id", id), ("aria-labelledby", &heading)]);
-    html.element("h2", &[("id", &heading)], title);
+    html.open_section(id, title);
     html.markup(body);
     html.close();
 }

@@ -1,7 +1,9 @@
 //! Page that sections write to, and a moment as people write it there.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use measurement::system::progress::Progress;
-use presentation::html::Html;
+use presentation::html::{Attribute, Html};
 use presentation::page::figure;
 use presentation::svg_plot::Drawing;
 use scene_loading::source_hash::sha256_of_bytes;
@@ -37,6 +39,12 @@ impl Page {
     pub(super) fn anchor(&self, name: &str) -> String {
         file_name(&format!("{}{name}", self.prefix))
     }
+}
+
+/// An image within the page, of a kind by its media type.
+pub(super) fn image(html: &mut Html, kind: &str, bytes: &[u8], alt: &str, more: &[Attribute<'_>]) {
+    let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+    html.void("img", &[&[("src", &*source), ("alt", alt)], more].concat());
 }
 
 /// The most bytes of a file's name, without its extension: systems take 255.

@@ -127,7 +127,7 @@ impl<'p> Lane<'p> {
             let threads = self.record.threads;
             let timed = || built.timed(on.scope.clock, batch, &mut answers, threads);
             seconds += self.pool.install(timed);
-            let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
+            let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
             self.note(on, judged.wrong, judged.example);
         }
         seconds
@@ -146,7 +146,7 @@ impl<'p> Lane<'p> {
         let mut all = WorkCounters::default();
         for batch in &asked.batches {
             let (answers, work) = on.scope.pools.helper.install(|| count(built, batch));
-            let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
+            let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
             self.note(on, judged.wrong, judged.example);
             all += work;
         }

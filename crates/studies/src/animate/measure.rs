@@ -73,7 +73,7 @@ fn visit_all<S: Buildable>(
 ) -> Result<FrameRecord, StudyError> {
     let plan = &animate.plan;
     let arbiter = Arbiter::new(&frame.geometry, &frame.exact)
-        .map_err(|source| MeasureError::Build { scene: frame.scene.name.clone(), source })?;
+        .map_err(MeasureError::of_build(&frame.scene.name))?;
     let stage = Stage { scene: &frame.scene, geometry: &frame.geometry, arbiter: &arbiter };
     let Reference { rays, answers, record: mut judged } = stage.reference(plan, pools)?;
     let lights = lights_asked(&frame.scene, &plan.settings);

@@ -7,20 +7,17 @@
 
 use std::collections::BTreeSet;
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-
 use crate::comparison::pairing::row_like;
 use crate::report::glossary::{look, numbered};
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome};
+use crate::report::page::{Page, SectionOutcome, image};
 use crate::report::plots;
 use measurement::record::{RowRecord, SceneRecord, Verdict, reference};
 use presentation::html::Html;
-use presentation::numbers::{ratio, short};
+use presentation::numbers::ratio;
 use presentation::page::write_table;
-use presentation::svg_plot::bars::{Bar, BarChart, BarRow, Column};
-use presentation::svg_plot::{Axis, Ring, Scale};
+use presentation::svg_plot::Ring;
+use presentation::svg_plot::bars::{BarChart, BarRow};
 use presentation::table::{Cell, Style, Table, dash};
 use studies::run::lines::{self, Line, Lines, names};
 use studies::run::tables::{scene_table, summary_table};
@@ -154,10 +151,9 @@ pub fn scenes(material: &Material, page: &mut Page) -> SectionOutcome {
 }
 
 fn picture(html: &mut Html, scene: &SceneRecord, png: &[u8]) {
-    let source = format!("data:image/png;base64,{}", STANDARD.encode(png));
-    let text = format!("the scene {}", scene.name);
     html.open("figure", &[("class", "picture scene")]);
-    html.void("img", &[("src", &source), ("alt", &text), ("width", "256"), ("height", "256")]);
+    let text = format!("the scene {}", scene.name);
+    image(html, "png", png, &text, &[("width", "256"), ("height", "256")]);
     html.element("figcaption", &[], &format!("{}: {} primitives", scene.name, scene.primitives));
     html.close();
 }
@@ -218,11 +214,6 @@ fn in_runs<'r>(row: &RowRecord, of: &[Option<&'r SceneRecord>]) -> Vec<Option<&'
 }
 
 fn chart(scene: &str, rows: &[&RowRecord], of: &[Option<&SceneRecord>]) -> BarChart {
-    let bar = |row: &RowRecord| match row.ratio {
-        _ if !row.verdict.is_timed() => Bar::Words(row.verdict.name().to_owned()),
-        Some(e) => Bar::Of(e, short(e.median), Ring::None),
-        None => Bar::Words("-".to_owned()),
-    };
     let drawn = rows.iter().take(DRAWN).flat_map(|row| {
         let own = in_runs(row, of).into_iter().enumerate();
         own.filter_map(|(run, own)| Some((run, own?))).enumerate().map(|(i, (run, own))| BarRow {
@@ -231,16 +222,13 @@ fn chart(scene: &str, rows: &[&RowRecord], of: &[Option<&SceneRecord>]) -> BarCh
                 _ => format!("run {}", run + 1),
             },
             color: run,
-            bars: vec![bar(own)],
+            bars: vec![plots::bar(own.verdict, own.ratio, |_| Ring::None)],
         })
     });
     BarChart {
         title: format!("{scene}: trace time over the reference's, run by run"),
         subtitle: format!("medians with 95% intervals; the {DRAWN} fastest rows of the first run"),
-        columns: vec![Column {
-            axis: Axis { label: "trace time, ratio".to_owned(), scale: Scale::Log },
-            base: 1.0,
-        }],
+        columns: vec![plots::column("trace time, ratio")],
         rows: drawn.collect(),
     }
 }

@@ -3,9 +3,7 @@
 
 use crate::report::glossary::look;
 use crate::report::material::{LectureRow, Material};
-use crate::report::page::{Page, SectionOutcome};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use crate::report::page::{Page, SectionOutcome, image};
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
 use presentation::page::write_table;
@@ -22,11 +20,10 @@ pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
     let html = &mut page.html;
     for sweep in &material.sweeps {
         html.element("h3", &[], &sweep.name);
-        let source = format!("data:image/svg+xml;base64,{}", STANDARD.encode(&sweep.svg));
         let text = format!("plot of times over the values of a parameter, {}", sweep.name);
         html.open("figure", &[]);
         html.open_scroll(&text);
-        html.void("img", &[("src", &source), ("alt", &text), ("class", "plot")]);
+        image(html, "svg+xml", &sweep.svg, &text, &[("class", "plot")]);
         html.close();
         html.close();
     }
@@ -76,10 +73,8 @@ pub fn heat_maps(material: &Material, page: &mut Page) -> SectionOutcome {
         let caption = known.map_or(map.name.as_str(), |(_, caption)| caption);
         let text = format!("{}: {caption}", map.scene);
         let [width, height] = map.size.map(|n| n.to_string());
-        let source = format!("data:image/png;base64,{}", STANDARD.encode(&map.png));
         html.open("figure", &[("class", "picture")]);
-        let size = [("width", &*width), ("height", &*height)];
-        html.void("img", &[("src", &source), ("alt", &text), size[0], size[1]]);
+        image(html, "png", &map.png, &text, &[("width", &width), ("height", &height)]);
         html.element("figcaption", &[], &text);
         html.close();
     }

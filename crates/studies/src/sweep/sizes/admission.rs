@@ -3,7 +3,7 @@
 use measurement::plan::Plan;
 use measurement::plan::measured_row::MeasuredRow;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict};
-use measurement::rounds::scene_run::{SceneInput, unmeasured};
+use measurement::rounds::scene_run::SceneInput;
 use measurement::rounds::trial::{TrialBuild, TrialOutcome};
 
 /// The outcome of each row's trial on a scene; empty where the plan has no limits.
@@ -58,7 +58,7 @@ pub fn without_rows(
     let size = run.scale.as_ref().and_then(|scale| scale.size(scene));
     let rows = plan.rows.iter().zip(reasons).enumerate().map(|(i, (row, reason))| RowRecord {
         is_reference: i == plan.baseline,
-        ..unmeasured(row, Verdict::OverLimit, Some(reason))
+        ..row.unmeasured(Verdict::OverLimit, Some(reason))
     });
     Some(SceneRecord {
         name: scene.to_owned(),
