@@ -16,9 +16,8 @@ use measurement::system::files::CreatedFiles;
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use measurement::system::{machine, world};
-use presentation::fitted::wrapped;
 use presentation::outside::{self, Annotation};
-use presentation::text::Screen;
+use presentation::text::{Screen, wrapped};
 use scene_loading::Scene;
 
 /// The outside world as a command sees it.

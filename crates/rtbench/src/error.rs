@@ -9,10 +9,9 @@ use renderer::GeometryError;
 use crate::baselines::BaselineError;
 use crate::comparison::CompareError;
 use crate::comparison::pairing::{MissingRow, in_words};
-use crate::foreign_row::ForeignRowError;
 use crate::gate::against::AgainstError;
 use crate::history::HistoryError;
-use crate::outputs::{OccupiedError, OutputError};
+use crate::outputs::OutputError;
 use crate::replan::ReplanError;
 use crate::report::ReportError;
 use measurement::callgrind::CallgrindError;
@@ -91,7 +90,7 @@ macro_rules! other {
 }
 
 other! {
-    FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
+    FileError, RayTextError, WriteError, FormatError, JournalError,
     RecordError, MergeError, ReportError, HistoryError, CopyError, ReproduceError,
     CallgrindError, ChildError, AgainstError, UnsavedImage,
 }

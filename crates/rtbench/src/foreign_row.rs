@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::error::Error;
 use accel_core::{Hit, MISS, Ray};
 use measurement::answers::arbiter::Arbiter;
 use measurement::answers::judge::{BatchVerdict, judge};
@@ -30,13 +31,13 @@ pub type HitsByKind = Vec<(RayKind, Vec<Hit<f32>>)>;
 /// The rays of a plan's kinds, as a run issues them.
 ///
 /// # Errors
-/// [`MeasureError`] for a scene without usable geometry, or one that no structure answers for.
+/// [`Error`] for a scene without usable geometry, or one that no structure answers for.
 pub fn rays(
     plan: &Plan<'_>,
     loaded: &LoadedScene,
     geometry: &Geometry<f32>,
     pools: &Pools,
-) -> Result<RaysByKind, MeasureError> {
+) -> Result<RaysByKind, Error> {
     with_reference(plan, loaded, geometry, pools, |reference, _| {
         let of = |kind: &RayKind| (*kind, reference.rays.rays(*kind).to_vec());
         plan.kinds.iter().map(of).collect()
@@ -54,7 +55,7 @@ pub fn check(
     geometry: &Geometry<f32>,
     pools: &Pools,
     said: &HitsByKind,
-) -> Result<Vec<(RayKind, BatchVerdict)>, MeasureError> {
+) -> Result<Vec<(RayKind, BatchVerdict)>, Error> {
     with_reference(plan, loaded, geometry, pools, |Reference { rays, answers, .. }, stage| {
         let all = BatchSet::new(&rays, answers, &lights_asked(stage.scene, &plan.settings));
         let judged = all.batches.iter().map(|batch| {
@@ -113,7 +114,7 @@ fn with_reference<T>(
     geometry: &Geometry<f32>,
     pools: &Pools,
     then: impl FnOnce(Reference<f32>, &Stage<'_, f32>) -> T,
-) -> Result<T, MeasureError> {
+) -> Result<T, Error> {
     let scene = &loaded.scene;
     let exact = Geometry::<f64>::of(scene)?;
     let built = Arbiter::new(geometry, &exact);
@@ -136,6 +137,12 @@ pub enum ForeignRowError {
     OtherRays { path: PathBuf, what: String },
     #[error("{}: scene {scene} has a row '{name}'; choose another --name, or replace a foreign row with --overwrite", path.display())]
     Taken { path: PathBuf, scene: String, name: String },
+}
+
+impl From<ForeignRowError> for Error {
+    fn from(error: ForeignRowError) -> Self {
+        Self::Other(Box::new(error))
+    }
 }
 
 /// The results in a folder with a foreign row more, of the scene that is called `name` here and has

@@ -28,8 +28,6 @@ pub enum OutputError {
     #[error(transparent)]
     Write(#[from] WriteError),
     #[error(transparent)]
-    Occupied(#[from] OccupiedError),
-    #[error(transparent)]
     Format(#[from] FormatError),
     #[error("{}: two outputs would be written to this file; choose another file for one of them", .0.display())]
     SameFile(PathBuf),
@@ -40,6 +38,36 @@ pub enum OutputError {
          like '{1}'"
     )]
     NothingSelected(String, String),
+    #[error(
+        "{}: holds results of `{there}`; this would be `{here}`, which differs in {differences}; name \
+         another folder, or replace them with --overwrite",
+        folder.display()
+    )]
+    OtherPlan { folder: PathBuf, there: String, here: String, differences: String },
+    #[error(
+        "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; resume with \
+         `rtbench run --resume {}`, or start again with --overwrite",
+        folder.display(), folder.display()
+    )]
+    SamePlan { folder: PathBuf, there: String, finished: usize, scenes: usize },
+    #[error(
+        "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or \
+         use --overwrite",
+        path.display()
+    )]
+    Results { path: PathBuf, there: String, here: String },
+    #[error(
+        "{}: exists, and does not name its run; name another folder, or replace it with \
+         --overwrite",
+        path.display()
+    )]
+    Unknown { path: PathBuf },
+    #[error("{}: exists; name another file, or replace it with --overwrite", path.display())]
+    File { path: PathBuf },
+    #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
+    Journal { path: PathBuf, source: LineError },
+    #[error(transparent)]
+    Record(#[from] RecordError),
 }
 
 /// Makes a file's text of what is finished so far.
@@ -189,50 +217,14 @@ fn identity(path: &Path) -> Option<PathBuf> {
     path.canonicalize().ok()
 }
 
-/// Why nothing is written to a folder.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum OccupiedError {
-    #[error(
-        "{}: holds results of `{there}`; this would be `{here}`, which differs in {differences}; name \
-         another folder, or replace them with --overwrite",
-        folder.display()
-    )]
-    OtherPlan { folder: PathBuf, there: String, here: String, differences: String },
-    #[error(
-        "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; resume with \
-         `rtbench run --resume {}`, or start again with --overwrite",
-        folder.display(), folder.display()
-    )]
-    SamePlan { folder: PathBuf, there: String, finished: usize, scenes: usize },
-    #[error(
-        "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or \
-         use --overwrite",
-        path.display()
-    )]
-    Results { path: PathBuf, there: String, here: String },
-    #[error(
-        "{}: exists, and does not name its run; name another folder, or replace it with \
-         --overwrite",
-        path.display()
-    )]
-    Unknown { path: PathBuf },
-    #[error("{}: exists; name another file, or replace it with --overwrite", path.display())]
-    File { path: PathBuf },
-    #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
-    Journal { path: PathBuf, source: LineError },
-    #[error(transparent)]
-    Record(#[from] RecordError),
-}
-
 /// Refuses files that are there and hold something. What is no file, a pipe or a device, is written
 /// to.
-pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OccupiedError> {
+pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OutputError> {
     let holds_something = |path: &PathBuf| {
         path.as_os_str() != "-" && fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0)
     };
     let found = paths.into_iter().find(holds_something);
-    found.map_or(Ok(()), |path| Err(OccupiedError::File { path }))
+    found.map_or(Ok(()), |path| Err(OutputError::File { path }))
 }
 
 pub struct PlannedOutput<'a> {
@@ -248,7 +240,7 @@ pub struct PlannedOutput<'a> {
 impl PlannedOutput<'_> {
     /// Refuses a folder that holds something else, or anything that is not a file where a file is
     /// expected.
-    pub fn check(&self, folder: &Path) -> Result<(), OccupiedError> {
+    pub fn check(&self, folder: &Path) -> Result<(), OutputError> {
         let journal = self.manifest.map(|_| journal::NAME);
         let absent = [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory];
         let mut sizes = Vec::new();
@@ -268,12 +260,12 @@ impl PlannedOutput<'_> {
         let mut found = self.names.iter().zip(sizes).filter(|(_, size)| *size > 0);
         match found.next() {
             Some((name, _)) if Some(name) == self.names.first() => self.check_record(folder, name),
-            Some((name, _)) => Err(OccupiedError::Unknown { path: folder.join(name) }),
+            Some((name, _)) => Err(OutputError::Unknown { path: folder.join(name) }),
             None => Ok(()),
         }
     }
 
-    fn check_journal(&self, folder: &Path, here: &Manifest) -> Result<(), OccupiedError> {
+    fn check_journal(&self, folder: &Path, here: &Manifest) -> Result<(), OutputError> {
         let path = folder.join(journal::NAME);
         if !path.exists() {
             return Ok(());
@@ -282,22 +274,22 @@ impl PlannedOutput<'_> {
             Ok(found) if found.finished.is_empty() => return Ok(()),
             Ok(found) => found,
             Err(LineError::Empty) => return Ok(()),
-            Err(source) => return Err(OccupiedError::Journal { path, source }),
+            Err(source) => return Err(OutputError::Journal { path, source }),
         };
         let folder = folder.to_owned();
         let there = found.manifest.command_line.join(" ");
         let differences = found.manifest.differences(here);
         if differences.is_empty() {
             let (finished, scenes) = (found.finished.len(), found.manifest.scenes.len());
-            return Err(OccupiedError::SamePlan { folder, there, finished, scenes });
+            return Err(OutputError::SamePlan { folder, there, finished, scenes });
         }
         let names = differences.iter().filter_map(|text| Some(text.split_once(':')?.0));
         let differences = names.collect::<Vec<_>>().join(", ");
         let here = here.command_line.join(" ");
-        Err(OccupiedError::OtherPlan { folder, there, here, differences })
+        Err(OutputError::OtherPlan { folder, there, here, differences })
     }
 
-    fn check_record(&self, folder: &Path, name: &str) -> Result<(), OccupiedError> {
+    fn check_record(&self, folder: &Path, name: &str) -> Result<(), OutputError> {
         /// Records of all commands say so much.
         #[derive(Deserialize)]
         struct Record {
@@ -307,13 +299,13 @@ impl PlannedOutput<'_> {
         }
         let path = folder.join(name);
         let Ok(record) = serde_json::from_slice::<Record>(&file::bytes(&path)?) else {
-            return Err(OccupiedError::Unknown { path });
+            return Err(OutputError::Unknown { path });
         };
         if record.scenes.is_some_and(|scenes| scenes.is_empty()) {
             return Ok(());
         }
         let (there, here) = (record.command_line.join(" "), self.command_line.join(" "));
-        Err(OccupiedError::Results { path, there, here })
+        Err(OutputError::Results { path, there, here })
     }
 }
 

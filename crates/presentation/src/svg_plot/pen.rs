@@ -3,9 +3,9 @@
 
 use std::fmt::Write;
 
-use crate::fitted::wrapped;
 use crate::html::escaped;
 use crate::svg_plot::plot::{Ring, WIDTH};
+use crate::text::wrapped;
 
 /// A page that is read in the dark replaces these colours by others: see [`IN_THE_DARK`].
 pub const INK: &str = "#222222";

@@ -13,7 +13,7 @@ use serde::Serialize;
 
 use crate::args::ExportArgs;
 use crate::context::Context;
-use crate::outputs::{OccupiedError, OutputError, Outputs, PlannedOutput};
+use crate::outputs::{OutputError, Outputs, PlannedOutput};
 use measurement::journal;
 use measurement::journal::lines::Manifest;
 use measurement::plan::Plan;
@@ -55,7 +55,7 @@ pub fn refuse_occupied(
     context: &Context<'_>,
     args: &ExportArgs,
     manifest: Option<&Manifest>,
-) -> Result<(), OccupiedError> {
+) -> Result<(), OutputError> {
     let Some(folder) = &args.output else { return Ok(()) };
     let names = IN_FOLDER.map(|(name, _)| name);
     let (command_line, overwrite) = (&*context.command_line, context.overwrite);

@@ -1,5 +1,7 @@
 //! The stages that need no statistics: answers, exact counters, instruction counts.
 
+use std::fmt::Display;
+
 use crate::comparison::entry::exact_ratio;
 use crate::comparison::pairing::RowPair;
 use crate::gate::evidence::{Evidence, Finding, GateOutcome, Instructions, Stage};
@@ -27,8 +29,8 @@ fn judge_answers(evidence: &Evidence<'_>) -> Vec<Finding> {
 
 fn answers_of(row: &RowPair<'_>) -> (GateOutcome, String) {
     let [base, now] = row.rows;
-    let was_and_is = |was: &str, is: &str| format!("was {was}, is {is}");
-    let verdicts = || was_and_is(base.verdict.name(), now.verdict.name());
+    let was_and_is = |was: &dyn Display, is: &dyn Display| format!("was {was}, is {is}");
+    let verdicts = || was_and_is(&base.verdict.name(), &now.verdict.name());
     match now.verdict {
         Verdict::Wrong => {
             let (wrong, rays) = (now.mismatches, now.checked_rays);
@@ -46,17 +48,15 @@ fn answers_of(row: &RowPair<'_>) -> (GateOutcome, String) {
         _ => {}
     }
     if now.mismatches > base.mismatches && now.checked_rays == base.checked_rays {
-        let (was, is) = (base.mismatches.to_string(), now.mismatches.to_string());
-        let note = format!("wrong hits by design: {}", was_and_is(&was, &is));
-        return (GateOutcome::Regression, note);
+        let change = was_and_is(&base.mismatches, &now.mismatches);
+        return (GateOutcome::Regression, format!("wrong hits by design: {change}"));
     }
     if now.verdict != base.verdict {
         return (GateOutcome::Improved, verdicts());
     }
     if base.checked_rays != now.checked_rays {
-        let (was, is) = (base.checked_rays.to_string(), now.checked_rays.to_string());
-        let note = format!("other rays were checked: {}", was_and_is(&was, &is));
-        return (GateOutcome::NotJudged, note);
+        let change = was_and_is(&base.checked_rays, &now.checked_rays);
+        return (GateOutcome::NotJudged, format!("other rays were checked: {change}"));
     }
     match (&base.answers_sha256, &now.answers_sha256) {
         (Some(was), Some(is)) if was == is => (GateOutcome::Unchanged, String::new()),

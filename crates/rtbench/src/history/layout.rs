@@ -4,9 +4,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::history::lines::{Change, History, Key, Line, Quantity};
-use crate::report::{file_name, utc};
+use crate::report::file_name;
 use presentation::html::Html;
-use presentation::numbers::ratio;
+use presentation::numbers::{ratio, utc};
 use presentation::table::{Cell, Style};
 use statistics::estimate::Estimate;
 

@@ -10,10 +10,10 @@ use crate::history::layout::{
     page_of, start_page, verdict,
 };
 use crate::history::lines::{Change, History, Key, Line, Quantity};
-use crate::report::{file_name, utc};
+use crate::report::file_name;
 use measurement::record::label;
 use presentation::html::Html;
-use presentation::numbers::{ratio, short};
+use presentation::numbers::{ratio, short, utc};
 use presentation::page::{TableStyle, figure, finished, write_table};
 use presentation::svg_plot::{Axis, Mark, Plot, Point as PlotPoint, Ring, Scale, Series};
 use presentation::table::{Cell, Table, dash, words};
@@ -221,8 +221,8 @@ fn row_changes(html: &mut Html, history: &History, lines: &[Line]) {
     html.items(&[], around, |html, (line, change, [before, after])| {
         html.element("strong", &[("class", class_of(&change.times))], verdict(&change.times));
         html.text(&format!(" {}. ", in_words(history, line, change)));
-        let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
-        let command = format!("git bisect start {} {}", id(after.visit), id(before.visit));
+        let command =
+            format!("git bisect start {} {}", history.id(after.visit), history.id(before.visit));
         html.element("code", &[], &command);
     });
 }
@@ -242,14 +242,13 @@ fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
         low: point.ratio.low,
         high: point.ratio.high,
     };
-    let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
     let marks = lines.iter().flat_map(|line| {
         line.changes.iter().filter_map(move |change| {
             let [_, after] = line.around(change)?;
             Some(Mark {
                 hover: String::new(),
                 point: place(&after),
-                label: format!("{} {} x", id(after.visit), short(change.times.median)),
+                label: format!("{} {} x", history.id(after.visit), short(change.times.median)),
                 ring: Ring::AsGood,
                 is_in_series: true,
             })
@@ -265,7 +264,7 @@ fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
         subtitle: "ratio to the reference, medians with 95% intervals; ringed: changes".to_owned(),
         x: Axis {
             label: "commits, oldest first".to_owned(),
-            scale: Scale::Words(shown.iter().map(|visit| id(*visit)).collect()),
+            scale: Scale::Words(shown.iter().map(|visit| history.id(*visit)).collect()),
         },
         y: Axis { label: "ratio".to_owned(), scale: Scale::Linear },
         series: series.collect(),

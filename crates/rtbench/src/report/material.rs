@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use crate::report::page::utc;
 use measurement::record::file::{self, RecordError};
 use measurement::record::{RunRecord, SceneRecord};
+use presentation::numbers::utc;
 use scene_loading::source_hash::sha256_of_bytes;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;

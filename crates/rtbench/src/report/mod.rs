@@ -3,14 +3,13 @@
 //! A section is a function and a line in [`SECTIONS`]. One that the folder has nothing for is left
 //! out; the end of the page names the command that makes it.
 
-mod glossary;
 pub mod material;
 pub mod page;
 mod plots;
 mod sections;
 
 pub use material::ReportError;
-pub use page::{Page, SectionOutcome, file_name, utc};
+pub use page::{Page, SectionOutcome, file_name};
 
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
@@ -48,7 +47,7 @@ pub static SECTIONS: &[Section] = &[
     section("sweeps", "Parameters over their values", "rtbench sweep SCENE -s STRUCTURE -p PARAM --values A..B -o DIR/sweep-PARAM", sections::studies::sweeps),
     section("warnings", "Warnings and outliers", BY_RUN, sections::machine::write_warnings),
     section("machine", "How to repeat it", BY_RUN, sections::machine::write),
-    section("glossary", "What the symbols mean", BY_RUN, glossary::glossary),
+    section("glossary", "What the symbols mean", BY_RUN, page::glossary),
 ];
 
 const fn section(

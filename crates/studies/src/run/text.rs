@@ -8,9 +8,8 @@ use crate::run::view::View;
 use crate::run::{columns, kind_tables, tables};
 use measurement::record::query::{self, Query};
 use measurement::record::{RunRecord, SceneRecord};
-use presentation::fitted::wrapped;
 use presentation::table::{Style, Table};
-use presentation::text::painted;
+use presentation::text::{painted, wrapped};
 
 /// Prints the block of a scene, and where there are several what it says of this one.
 pub fn write_scene(

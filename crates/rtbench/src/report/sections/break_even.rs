@@ -1,9 +1,8 @@
 //! Build against trace: who wins for how many rays, and from how many rays on each structure is
 //! worth it against each other.
 
-use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome};
+use crate::report::page::{Page, SectionOutcome, look};
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};

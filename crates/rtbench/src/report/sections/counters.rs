@@ -2,9 +2,8 @@
 //!
 //! The figures and the verdicts are those of `rtbench reproduce havran1999`.
 
-use crate::report::glossary::look;
 use crate::report::material::{Material, ReproducedFigure};
-use crate::report::page::{Page, SectionOutcome};
+use crate::report::page::{Page, SectionOutcome, look};
 use presentation::numbers::short;
 use presentation::page::write_table;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};

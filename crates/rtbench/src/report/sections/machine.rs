@@ -1,12 +1,11 @@
 //! Data needed to repeat the run: machine, compiler, settings, commands, scenes, raw data. And the
 //! caveats of its times: warnings, and outliers, which are counted and never dropped.
 
-use crate::report::glossary::look;
 use crate::report::material::{DataFile, Material};
-use crate::report::page::{Page, SectionOutcome, utc};
+use crate::report::page::{Page, SectionOutcome, look};
 use measurement::record::{Outliers, RunRecord, SceneRecord, reference};
 use presentation::html::Html;
-use presentation::numbers::mebibytes;
+use presentation::numbers::{mebibytes, utc};
 use presentation::page::write_table;
 use presentation::table::{Table, words};
 

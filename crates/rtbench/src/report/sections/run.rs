@@ -8,9 +8,8 @@
 use std::collections::BTreeSet;
 
 use crate::comparison::pairing::row_like;
-use crate::report::glossary::{look, numbered};
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome, image};
+use crate::report::page::{Page, SectionOutcome, image, look, numbered};
 use crate::report::plots;
 use measurement::record::{RowRecord, SceneRecord, Verdict, reference};
 use presentation::html::Html;

@@ -1,9 +1,8 @@
 //! Sections from what studies left in the folder: sweeps, accuracy, tracers, costs, published
 //! times.
 
-use crate::report::glossary::look;
 use crate::report::material::{LectureRow, Material};
-use crate::report::page::{Page, SectionOutcome, image};
+use crate::report::page::{Page, SectionOutcome, image, look};
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
 use presentation::page::write_table;
