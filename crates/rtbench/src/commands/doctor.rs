@@ -16,9 +16,9 @@ use measurement::system::machine::{boost, kibibytes, line, value};
 use measurement::system::memory::huge_pages_in;
 use measurement::system::noise::Noise;
 use measurement::system::world;
-use presentation::text::{wrapped, Screen, painted};
 use presentation::json;
 use presentation::table::Style;
+use presentation::text::{Screen, painted, wrapped};
 
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
     let noise = Noise::measured(context.clock);
