@@ -11,8 +11,8 @@ use measurement::record::metrics::METRICS;
 use measurement::record::{RunRecord, file};
 use measurement::settings::shard::ShardRecord;
 use measurement::system::progress::Progress;
-use rtbench::comparison::{ComparisonSettings, NamedRun, compare, csv, tables};
-use rtbench::exports::measures;
+use rtbench::commands::run_outputs;
+use rtbench::comparison::{ComparisonSettings, NamedRun, compare, tables};
 use rtbench::gate::thresholds::Thresholds;
 use rtbench::gate::{Evidence, Instructions, Times, judge};
 use rtbench::replan::{Restriction, restrict};
@@ -45,7 +45,7 @@ fn compared(record: &RunRecord) {
     let named = |letter| NamedRun { letter, path: "results.json", run: record };
     if let Ok(comparison) = compare(named("A"), named("B"), &choice) {
         let all = [comparison];
-        let _ = csv::to_string(&all);
+        let _ = tables::to_csv(&all);
         let _ = tables::to_markdown(&all);
     }
 }
@@ -53,9 +53,9 @@ fn compared(record: &RunRecord) {
 fn exported(record: &RunRecord) {
     let _ = studies::run::output::to_csv(record);
     let _ = studies::run::output::to_markdown(record);
-    let _ = measures::smaller(record, None);
-    let _ = measures::bigger(record, None);
-    let _ = measures::bencher(record, None);
+    let _ = run_outputs::smaller(record, None);
+    let _ = run_outputs::bigger(record, None);
+    let _ = run_outputs::bencher(record, None);
     let view = View::fastest_first();
     for scene in &record.scenes {
         let _ = studies::run::output::write_scene(&mut std::io::sink(), record, scene, &view);

@@ -4,8 +4,7 @@ use std::fmt::Debug;
 use std::path::PathBuf;
 
 use scene_loading::procedural::{SpecError, generators};
-pub use scene_loading::scene_set::SetThreshold;
-use serde_json::{Map, Value};
+pub use scene_loading::scene_set::{SceneSet, SetThreshold};
 
 pub use scene_loading::{
     LoadError, LoadedScene, SceneCatalogue, SceneRef, SceneSizes, ViewOptions,
@@ -35,7 +34,9 @@ pub trait KnownScene: Debug + Send + Sync {
     }
 
     /// Brings what it needs to this machine; the path, or none when it needs nothing.
-    fn fetch(&self) -> Result<Option<PathBuf>, LoadError>;
+    fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
+        Ok(None)
+    }
 }
 
 pub trait SceneSource {
@@ -51,7 +52,9 @@ pub trait SceneSource {
     ///
     /// # Errors
     /// [`LoadError`] when the catalogue is damaged.
-    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError>;
+    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
+        Ok(Vec::new())
+    }
 
     /// The sizes of a scene.
     ///
@@ -61,27 +64,20 @@ pub trait SceneSource {
         Err(LoadError::NoSizes { name: name.to_owned(), valid: "none".to_owned() })
     }
 
-    /// Every set: name and scenes.
+    /// Every set.
     ///
     /// # Errors
     /// [`LoadError`] when the catalogue is damaged.
-    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError>;
-
-    /// The options of a run of that set, by their long names, or those of a quick one; none where
-    /// it has none of its own.
-    ///
-    /// # Errors
-    /// [`LoadError`] when the catalogue is damaged.
-    fn run_options(&self, _set: &str, _quick: bool) -> Result<Map<String, Value>, LoadError> {
-        Ok(Map::new())
+    fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
+        Ok(Vec::new())
     }
 
-    /// The thresholds that a set has for `rtbench check`.
+    /// The set of that name; none where there is none.
     ///
     /// # Errors
-    /// [`LoadError`] when the catalogue is damaged.
-    fn check_thresholds(&self, _set: &str) -> Result<Vec<SetThreshold>, LoadError> {
-        Ok(Vec::new())
+    /// As [`SceneSource::sets`].
+    fn set(&self, name: &str) -> Result<Option<SceneSet>, LoadError> {
+        Ok(self.sets()?.into_iter().find(|set| set.name == name))
     }
 }
 
@@ -108,25 +104,8 @@ impl SceneSource for InstalledScenes {
         SceneCatalogue::open(None)?.sizes(name)
     }
 
-    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
-        let catalogue = SceneCatalogue::open(None)?;
-        Ok(catalogue.sets().map(|s| (s.name.clone(), s.scenes.clone())).collect())
-    }
-
-    fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
-        let catalogue = SceneCatalogue::open(None)?;
-        let found = catalogue.sets().find(|s| s.name == set);
-        let mut options = found.map(|s| s.run.clone()).unwrap_or_default();
-        if let Some(set) = found.filter(|_| quick) {
-            options.extend(set.quick.clone());
-        }
-        Ok(options)
-    }
-
-    fn check_thresholds(&self, set: &str) -> Result<Vec<SetThreshold>, LoadError> {
-        let catalogue = SceneCatalogue::open(None)?;
-        let found = catalogue.sets().find(|s| s.name == set);
-        Ok(found.map(|s| s.check.clone()).unwrap_or_default())
+    fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
+        Ok(SceneCatalogue::open(None)?.sets().cloned().collect())
     }
 }
 

@@ -21,7 +21,6 @@ pub mod library;
 #[cfg(unix)]
 mod memory_watch;
 mod near_rays;
-mod plugin;
 mod registry;
 #[cfg_attr(not(unix), path = "no_remote.rs")]
 mod remote;

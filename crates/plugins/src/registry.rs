@@ -17,9 +17,8 @@ use accel_core::structures::{COMMON, Entry, PreparedStructure};
 use crate::description::{Description, leak};
 use crate::instance::PluginScalar;
 use crate::library::{Library, PluginError};
-use crate::plugin::Plugin;
 use crate::remote::Remote;
-use crate::tracer::PluginTracer;
+use crate::tracer::{Plugin, PluginTracer};
 use crate::wire::Launch;
 
 /// Settings for running plugins.

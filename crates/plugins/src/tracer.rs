@@ -1,5 +1,7 @@
-//! A plugin as a tracer of rtbench: in a separate process, or in this one.
+//! A plugin of this process with the processes of its rows, and a row of it as a tracer of rtbench: in
+//! a separate process, or in this one.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use accel_core::geometry::far_ray;
@@ -7,16 +9,56 @@ use accel_core::memory::{MemoryLimit, OutOfMemory};
 use accel_core::primitives::{Primitives, TriangleSet};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{Foreign, Origin, ShadowCount, ShadowRule, Tracer};
-use accel_core::structure::{BuildError, StructureStats};
+use accel_core::structure::{BuildError, StructureInfo, StructureStats};
 use accel_core::{Hit, Ray};
 
 use crate::abi;
+use crate::description::Description;
 use crate::instance::{Instance, PluginScalar, Stats};
+use crate::library::Library;
 use crate::near_rays::NearRays;
-use crate::plugin::Plugin;
 use crate::remote::Remote;
 use crate::stopwatch::CallTime;
-use crate::wire::{BuildReply, Order};
+use crate::wire::{BuildReply, Launch, Order};
+
+/// A plugin of this process.
+pub(crate) struct Plugin {
+    pub(crate) info: &'static StructureInfo,
+    pub(crate) description: Description,
+    pub(crate) origin: Origin,
+    pub(crate) library: Option<Arc<Library>>,
+    pub(crate) launch: Launch,
+    /// Processes that wait, by the rows that they are of.
+    pub(crate) waiting: Mutex<BTreeMap<String, Remote>>,
+}
+
+impl Plugin {
+    fn waiting(&self) -> MutexGuard<'_, BTreeMap<String, Remote>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The process of a row: the one that waits for it, or a new one.
+    fn process(&self, row: &str) -> Result<Remote, String> {
+        let found = self.waiting().remove(row);
+        match found {
+            Some(remote) => match remote.failure().map(str::to_owned) {
+                Some(_) if self.launch.restarts => Remote::start(&self.launch),
+                Some(how) => {
+                    // in a run a row that ended its process is not tried again
+                    self.keep(row, remote);
+                    Err(how)
+                }
+                None => Ok(remote),
+            },
+            None => Remote::start(&self.launch),
+        }
+    }
+
+    /// Keeps a process for the next time that its row is built.
+    fn keep(&self, row: &str, remote: Remote) {
+        self.waiting().insert(row.to_owned(), remote);
+    }
+}
 
 /// Where a structure is.
 enum Host<'a, S: PluginScalar> {

@@ -61,6 +61,13 @@ impl Html {
         self.open("div", &attributes);
     }
 
+    /// A section with its heading, opened.
+    pub fn open_section(&mut self, id: &str, title: &str) {
+        let heading = format!("{id}-title");
+        self.open("section", &[("id", id), ("aria-labelledby", &heading)]);
+        self.element("h2", &[("id", &heading)], title);
+    }
+
     pub fn paragraph(&mut self, text: &str) {
         self.element("p", &[], text);
         self.out.push('\n');
@@ -75,6 +82,16 @@ impl Html {
         self.open("ul", &[]);
         for item in items {
             self.element("li", &[], &item);
+        }
+        self.close();
+    }
+
+    /// Terms and their descriptions.
+    pub fn definitions<'t>(&mut self, of: impl IntoIterator<Item = (&'t str, impl AsRef<str>)>) {
+        self.open("dl", &[]);
+        for (term, description) in of {
+            self.element("dt", &[], term);
+            self.element("dd", &[], description.as_ref());
         }
         self.close();
     }

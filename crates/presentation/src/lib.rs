@@ -16,7 +16,6 @@
 pub mod column;
 pub mod csv;
 pub mod drawing;
-pub mod fitted;
 pub mod html;
 pub mod json;
 pub mod markdown;

@@ -60,24 +60,16 @@ impl BaselineError {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Baseline {
-    #[serde(flatten)]
+    /// Read by itself: records of earlier schemas are read, too.
+    #[serde(flatten, skip_deserializing)]
     pub record: RunRecord,
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub instructions: Option<Counts>,
     /// The share of the time in which some thread waited for a processor, where that is known.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_pressure: Option<f64>,
-}
-
-/// Data of a baseline file beside its record.
-#[derive(Deserialize)]
-struct BaselineMeta {
-    #[serde(default)]
-    instructions: Option<Counts>,
-    #[serde(default)]
-    cpu_pressure: Option<f64>,
 }
 
 #[derive(Debug, Clone)]
@@ -178,9 +170,9 @@ pub fn read(path: &Path) -> Result<Baseline, BaselineError> {
     let path = file::path_of(path);
     let text = file::bytes(&path)?;
     let record = file::record(&path, &text)?;
-    let BaselineMeta { instructions, cpu_pressure } = serde_json::from_slice(&text)
+    let baseline: Baseline = serde_json::from_slice(&text)
         .map_err(|e| BaselineError::Counts { path, message: e.to_string() })?;
-    Ok(Baseline { record, instructions, cpu_pressure })
+    Ok(Baseline { record, ..baseline })
 }
 
 fn is_name(text: &str) -> bool {

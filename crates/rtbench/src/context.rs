@@ -7,19 +7,17 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
-use crate::exports::occupied::PlannedOutput;
-use crate::exports::outputs::{OutputError, Outputs};
+use crate::outputs::{OutputError, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
+use measurement::system::child_process::{CopyError, ProgramCopy};
 use measurement::system::clock::Clock;
-use measurement::system::created::CreatedFiles;
-use measurement::system::program_copy::{CopyError, ProgramCopy};
+use measurement::system::files::CreatedFiles;
 use measurement::system::progress::Progress;
 use measurement::system::world::World;
 use measurement::system::{machine, world};
-use presentation::fitted::wrapped;
 use presentation::outside::{self, Annotation};
-use presentation::text::Screen;
+use presentation::text::{Screen, wrapped};
 use scene_loading::Scene;
 
 /// The outside world as a command sees it.

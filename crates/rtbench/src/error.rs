@@ -4,36 +4,32 @@ use std::io;
 use std::path::PathBuf;
 
 use accel_core::query::cells::NoCells;
-use presentation::drawing::ImageError;
+use renderer::GeometryError;
 
+use crate::baselines::BaselineError;
+use crate::comparison::CompareError;
+use crate::comparison::pairing::{MissingRow, in_words};
+use crate::gate::against::AgainstError;
+use crate::history::HistoryError;
+use crate::outputs::OutputError;
+use crate::replan::ReplanError;
+use crate::report::ReportError;
 use measurement::callgrind::CallgrindError;
 use measurement::journal::JournalError;
 use measurement::plan::error::PlanError;
 use measurement::rays::text::RayTextError;
 use measurement::record::file::RecordError;
 use measurement::record::merge::MergeError;
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::scenes::LoadError;
-use measurement::system::created::WriteError;
-use measurement::system::program_copy::CopyError;
+use measurement::system::child_process::{ChildError, CopyError};
+use measurement::system::files::WriteError;
 use plugins::PluginError;
 use plugins::files::FileError;
+use presentation::drawing::ImageError;
 use presentation::json::FormatError;
-use renderer::GeometryError;
 use studies::error::{StudyError, UnsavedImage};
 use studies::reproduce::ReproduceError;
-
-use crate::baselines::BaselineError;
-use crate::comparison::CompareError;
-use crate::comparison::pairing::{MissingRow, in_words};
-use crate::exit_code::{FAILURE, NOTHING_COMPARED, USAGE};
-use crate::exports::occupied::OccupiedError;
-use crate::exports::outputs::OutputError;
-use crate::foreign_row::ForeignRowError;
-use crate::gate::against::AgainstError;
-use crate::history::HistoryError;
-use crate::replan::ReplanError;
-use crate::report::ReportError;
 
 /// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
@@ -94,9 +90,9 @@ macro_rules! other {
 }
 
 other! {
-    FileError, RayTextError, ForeignRowError, WriteError, OccupiedError, FormatError, JournalError,
+    FileError, RayTextError, WriteError, FormatError, JournalError,
     RecordError, MergeError, ReportError, HistoryError, CopyError, ReproduceError,
-    CallgrindError, AgainstError, UnsavedImage,
+    CallgrindError, ChildError, AgainstError, UnsavedImage,
 }
 
 impl From<MeasureError> for Error {
@@ -162,3 +158,19 @@ impl Error {
         matches!(self, Self::Output(e) if e.kind() == io::ErrorKind::BrokenPipe)
     }
 }
+
+pub const SUCCESS: u8 = 0;
+pub const FAILURE: u8 = 1;
+/// The command line makes no sense.
+pub const USAGE: u8 = 2;
+/// Something got worse than a baseline.
+pub const REGRESSION: u8 = 3;
+/// A structure gave wrong hits.
+pub const WRONG_HITS: u8 = 4;
+/// Something was inconclusive, or a row was missing, and `--strict` was given; or `verify` ran out
+/// of time before it had asked everything.
+pub const INCONCLUSIVE: u8 = 5;
+/// No row was in both, or none that `check` asks about was built.
+pub const NOTHING_COMPARED: u8 = 6;
+/// SIGINT (Ctrl-C) ended the run; other signals as shells count them, 128 and their number.
+pub const INTERRUPTED: u8 = 130;

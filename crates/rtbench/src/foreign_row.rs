@@ -1,13 +1,128 @@
-//! A program outside as a row of a run's results: `rtbench rays check --into`.
+//! Programs outside: the rays of a scene for them, what is to be said of their answers, and their row
+//! in the results of a run (`rtbench rays check --into`).
 
 use std::path::{Path, PathBuf};
 
+use crate::error::Error;
+use accel_core::{Hit, MISS, Ray};
+use measurement::answers::arbiter::Arbiter;
+use measurement::answers::judge::{BatchVerdict, judge};
+use measurement::answers::reference::{Reference, Stage};
+use measurement::plan::Plan;
+use measurement::rays::batches::{Answers, BatchSet};
+use measurement::rays::exactness::Exactness;
 use measurement::rays::order::{distinct, kind_of};
 use measurement::record::file::{self, RecordError};
-use measurement::record::{RowRecord, RunRecord, SceneRecord};
+use measurement::record::{ForeignRecord, RowRecord, RunRecord, SceneRecord, Verdict};
+use measurement::rounds::MeasureError;
+use measurement::rounds::scene_run::lights_asked;
+use measurement::scenes::LoadedScene;
 use measurement::settings::Lights;
+use measurement::system::pools::Pools;
 use plugins::files::FileSubject;
-use renderer::RayKind;
+use renderer::{Geometry, RayKind};
+use statistics::estimate::Estimate;
+
+pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
+
+/// Answers by kind: the closest hit; for shadow rays any hit if blocked, else a miss.
+pub type HitsByKind = Vec<(RayKind, Vec<Hit<f32>>)>;
+
+/// The rays of a plan's kinds, as a run issues them.
+///
+/// # Errors
+/// [`Error`] for a scene without usable geometry, or one that no structure answers for.
+pub fn rays(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    geometry: &Geometry<f32>,
+    pools: &Pools,
+) -> Result<RaysByKind, Error> {
+    with_reference(plan, loaded, geometry, pools, |reference, _| {
+        let of = |kind: &RayKind| (*kind, reference.rays.rays(*kind).to_vec());
+        plan.kinds.iter().map(of).collect()
+    })
+}
+
+/// Judges the answers to these rays as those of a plugin with its own triangle test; one
+/// [`BatchVerdict`] for each kind that has rays.
+///
+/// # Errors
+/// As [`rays`].
+pub fn check(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    geometry: &Geometry<f32>,
+    pools: &Pools,
+    said: &HitsByKind,
+) -> Result<Vec<(RayKind, BatchVerdict)>, Error> {
+    with_reference(plan, loaded, geometry, pools, |Reference { rays, answers, .. }, stage| {
+        let all = BatchSet::new(&rays, answers, &lights_asked(stage.scene, &plan.settings));
+        let judged = all.batches.iter().map(|batch| {
+            let own = said.iter().find(|(kind, _)| *kind == batch.kind);
+            let hits = own.map(|(_, hits)| hits.as_slice()).unwrap_or_default();
+            let answers = answers_of(batch.kind, hits, &batch.rays);
+            (batch.kind, judge(stage, &all, batch, &answers, Exactness::OwnTest))
+        });
+        judged.collect()
+    })
+}
+
+fn answers_of(kind: RayKind, hits: &[Hit<f32>], rays: &[Ray<f32>]) -> Answers<f32> {
+    if kind.is_occlusion() {
+        return Answers::Blocked(hits.iter().map(Hit::is_hit).collect());
+    }
+    let own = |(hit, ray): (&Hit<f32>, &Ray<f32>)| {
+        if hit.is_hit() { *hit } else { Hit { t: ray.t_max, id: MISS } }
+    };
+    Answers::Hits(hits.iter().zip(rays).map(own).collect())
+}
+
+/// The row of a program whose answers were judged, with the seconds that it reports, unless some
+/// are wrong. There are no samples, no ratio and no interval: it was not in the rounds of the run.
+pub fn foreign_row(
+    name: &str,
+    hits_sha256: String,
+    [trace_s, build_s]: [Option<f64>; 2],
+    judged: &[(RayKind, BatchVerdict)],
+) -> RowRecord {
+    let sum = |of: fn(&BatchVerdict) -> usize| -> u64 {
+        judged.iter().map(|(_, judged)| of(judged) as u64).sum()
+    };
+    let mismatches = sum(|judged| judged.wrong);
+    let verdict = if mismatches > 0 { Verdict::Wrong } else { Verdict::Ok };
+    let reported = |s: Option<f64>| s.filter(|_| verdict.is_timed()).map(Estimate::exactly);
+    let of_kind =
+        |(kind, judged): &(RayKind, BatchVerdict)| (kind.name().to_owned(), judged.compared as u64);
+    RowRecord {
+        checked_rays: sum(|judged| judged.compared),
+        mismatches,
+        example: judged.iter().find_map(|(_, judged)| judged.example.clone()),
+        rays: sum(|judged| judged.compared),
+        rays_by_kind: judged.iter().map(of_kind).collect(),
+        trace_s: reported(trace_s),
+        build_s: reported(build_s),
+        foreign: Some(ForeignRecord { hits_sha256, edge_mismatches: sum(|judged| judged.edges) }),
+        ..RowRecord::unmeasured(name.to_owned(), String::new(), verdict)
+    }
+}
+
+/// Applies `then` to the rays and their answers.
+fn with_reference<T>(
+    plan: &Plan<'_>,
+    loaded: &LoadedScene,
+    geometry: &Geometry<f32>,
+    pools: &Pools,
+    then: impl FnOnce(Reference<f32>, &Stage<'_, f32>) -> T,
+) -> Result<T, Error> {
+    let scene = &loaded.scene;
+    let exact = Geometry::<f64>::of(scene)?;
+    let built = Arbiter::new(geometry, &exact);
+    let arbiter = built.map_err(MeasureError::of_build(&scene.name))?;
+    let stage = Stage { scene, geometry, arbiter: &arbiter };
+    let reference = stage.reference(plan, pools)?;
+    Ok(then(reference, &stage))
+}
 
 /// Why results take no foreign row.
 #[derive(Debug, thiserror::Error)]
@@ -22,6 +137,12 @@ pub enum ForeignRowError {
     OtherRays { path: PathBuf, what: String },
     #[error("{}: scene {scene} has a row '{name}'; choose another --name, or replace a foreign row with --overwrite", path.display())]
     Taken { path: PathBuf, scene: String, name: String },
+}
+
+impl From<ForeignRowError> for Error {
+    fn from(error: ForeignRowError) -> Self {
+        Self::Other(Box::new(error))
+    }
 }
 
 /// The results in a folder with a foreign row more, of the scene that is called `name` here and has

@@ -3,7 +3,7 @@
 //! The way of a run: [`args`] (syntax) -> [`measurement::settings`] -> [`measurement::plan`]
 //! (validated) -> [`measurement::rounds`]: what is right, is each row right, rounds in seeded
 //! random order -> [`measurement::record`] -> the journal, tables ([`studies::run`]) and
-//! [`exports`]. A sweep is such a run whose rows are the values of one parameter, or whose scenes
+//! [`outputs`]. A sweep is such a run whose rows are the values of one parameter, or whose scenes
 //! are the sizes of one scene. [`comparison`] puts records side by side, the [`gate`] compares a
 //! run with an earlier one, a [`report`] is made of a folder of them.
 
@@ -22,28 +22,22 @@
 
 pub mod args;
 pub mod baselines;
+mod command_line;
 pub mod commands;
 #[allow(clippy::indexing_slicing)]
 pub mod comparison;
 pub mod context;
 pub mod error;
-pub mod exit_code;
-pub mod exports;
 pub mod foreign_row;
 pub mod gate;
-pub mod git;
-mod given_view;
 pub mod history;
 mod measure;
+pub mod outputs;
 pub mod plugin_rows;
 pub mod program;
-mod recorded_command;
 pub mod replan;
 pub mod report;
-pub mod schema;
 pub mod set_options;
-pub mod set_thresholds;
-mod usage;
 
 use std::ffi::OsString;
 use std::io::{self, Write};
@@ -56,16 +50,12 @@ use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
 use crate::args::{Cli, Command, GeneratedText, RaysAction};
-use crate::commands::named_files::{files_of_folder, files_read, named_files};
+use crate::command_line::{GivenView, files_of_folder, files_read, named_files, recorded, usage};
 use crate::context::{Context, Environment, Terminal, Verbosity};
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::occupied;
-use crate::exports::outputs::refuse_shared;
-use crate::given_view::GivenView;
+use crate::error::{Error, FAILURE, SUCCESS};
+use crate::outputs::refuse_shared;
 use crate::plugin_rows::Plugins;
 use crate::set_options::{added_by_set, join};
-use crate::usage::usage;
 use measurement::plan::error::PlanError;
 use measurement::scenes::{InstalledScenes, LoadError};
 use measurement::system::clock::SystemClock;
@@ -191,7 +181,7 @@ fn run_guarded(
     };
     let mut own = Context {
         scenes: &scenes,
-        command_line: recorded_command::recorded(&command_line, folder),
+        command_line: recorded(&command_line, folder),
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
@@ -215,7 +205,7 @@ fn refuse_files(cli: &Cli) -> Result<(), Error> {
     let named = named_files(&cli.command);
     let all = [files_of_folder(&cli.command), named.clone()].concat();
     refuse_shared(&all, &files_read(&cli.command))?;
-    if cli.overwrite { Ok(()) } else { Ok(occupied::refuse_files(named)?) }
+    if cli.overwrite { Ok(()) } else { Ok(outputs::refuse_files(named)?) }
 }
 
 /// Does what the command line says, with the plugins that it names.
@@ -243,8 +233,8 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Animate(args) => {
             commands::animate::run(context, args, cli.color, &cli.view.options())
         }
-        Command::Explain(args) => commands::explain::run(context, args, cli.color),
-        Command::Compare(args) => commands::compare::run(context, args, cli.color),
+        Command::Explain(args) => commands::sweep::explain(context, args, cli.color),
+        Command::Compare(args) => commands::results::compare(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Show(args) => commands::show::run(context, args, cli.color).map(|()| SUCCESS),
@@ -252,19 +242,19 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
         Command::Scenes(args) => commands::scenes::run(context, &args.action),
         Command::Rays(args) => match &args.action {
-            RaysAction::Export(args) => commands::by_files::export(context, args).map(|()| SUCCESS),
-            RaysAction::Trace(args) => commands::trace::run(context, args).map(|()| SUCCESS),
-            RaysAction::Check(args) => commands::by_files::check_hits(context, args, cli.color),
+            RaysAction::Export(args) => commands::rays::export(context, args).map(|()| SUCCESS),
+            RaysAction::Trace(args) => commands::rays::trace_rays(context, args).map(|()| SUCCESS),
+            RaysAction::Check(args) => commands::rays::check_hits(context, args, cli.color),
         },
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
-        Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
-        Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
+        Command::Report(args) => commands::results::report(context, args).map(|()| SUCCESS),
+        Command::History(args) => commands::results::history(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
         Command::Check(args) => commands::check::run(context, args, cli.color),
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),
-        Command::Merge(args) => commands::merge::run(context, args, cli.color),
+        Command::Merge(args) => commands::results::merge(context, args, cli.color),
         Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Generate(args) => match &args.text {
             GeneratedText::Schema(args) => commands::generate::schema(context, args),

@@ -2,7 +2,7 @@
 
 use std::process::ExitCode;
 
-use measurement::system::huge_pages::HugePageHeap;
+use measurement::system::memory::HugePageHeap;
 
 #[global_allocator]
 static HEAP: HugePageHeap = HugePageHeap;

@@ -15,8 +15,7 @@ use measurement::system::world::World;
 use studies::run::conclusions::conclude;
 
 use crate::commands::measuring::{begin, measure_one};
-use crate::commands::row_deaths::RowJournal;
-use crate::commands::run_state::Budget;
+use crate::commands::run_state::{Budget, RowJournal};
 use crate::error::Error;
 use crate::program;
 

@@ -1,7 +1,8 @@
-//! Options that a set file has for runs of its set (`scenes/sets/*.json`, `run` and `quick`), added
-//! to a command line that does not give them.
+//! What a set file (`scenes/sets/*.json`) has for commands over its set: options of runs (`run` and
+//! `quick`), added to a command line that does not give them, and thresholds of `check` for rows and
+//! kinds of rays.
 //!
-//! They become arguments, read by the very parser of the command line. So what is valid there is
+//! Options become arguments, read by the very parser of the command line. So what is valid there is
 //! valid here, and a run's journal and record hold what it was really asked for.
 
 use std::ffi::OsString;
@@ -10,9 +11,12 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Command, CommandFactory};
 use serde_json::Value;
 
-use crate::args::Cli;
+use crate::args::{Cli, percent};
+use crate::context::Context;
+use crate::gate::thresholds::{RowThreshold, quantity_named};
 use measurement::plan::error::PlanError;
-use measurement::scenes::{LoadError, SceneSource};
+use measurement::plan::measured_row::select;
+use measurement::scenes::{SceneSet, SceneSource, SetThreshold};
 use measurement::settings::choice;
 
 /// Options that a set file may not have: scenes are the set's own, output files the user's, and
@@ -59,9 +63,12 @@ pub fn added_by_set(
         (None, [only]) => only,
         _ => return Ok(Vec::new()),
     };
-    let options = scenes.run_options(set, is_typed(run, "quick"))?;
+    let own = scenes.set(set)?;
+    let quick = own.iter().filter(|_| is_typed(run, "quick")).flat_map(|own| own.quick.clone());
+    let mut options = own.as_ref().map(|own| own.run.clone()).unwrap_or_default();
+    options.extend(quick);
     if options.is_empty() && is_typed(run, "as_set") {
-        let has = |set: &str| Ok(!scenes.run_options(set, false)?.is_empty());
+        let has = |set: &SceneSet| !set.run.is_empty();
         return Err(without("set with options of its own", set, scenes, has)?);
     }
     let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
@@ -162,30 +169,87 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
 }
 
 /// The error that a set lacks something, with the names of those that have it.
-pub fn without(
+fn without(
     what: &'static str,
     set: &str,
     scenes: &dyn SceneSource,
-    has: impl Fn(&str) -> Result<bool, LoadError>,
+    has: impl Fn(&SceneSet) -> bool,
 ) -> Result<PlanError, PlanError> {
-    let mut valid = Vec::new();
-    for (name, _) in scenes.sets()? {
-        if has(&name)? {
-            valid.push(name);
-        }
-    }
+    let sets = scenes.sets()?;
+    let mut valid: Vec<&str> = sets.iter().filter(|set| has(set)).map(|set| &*set.name).collect();
     if valid.is_empty() {
-        valid.push("none".to_owned());
+        valid.push("none");
     }
-    Ok(PlanError::unknown(what, set, valid.iter().map(String::as_str)))
+    Ok(PlanError::unknown(what, set, valid))
+}
+
+/// The thresholds of the set that a check names: by `--as`, or as its only scene.
+pub fn thresholds_of_check(
+    context: &Context<'_>,
+    as_set: Option<&str>,
+    scenes: &[String],
+) -> Result<Vec<RowThreshold>, PlanError> {
+    let set = match (as_set, scenes) {
+        (Some(set), _) => set,
+        (None, [only]) => only,
+        _ => return Ok(Vec::new()),
+    };
+    let entries = context.scenes.set(set)?.map(|set| set.check).unwrap_or_default();
+    if entries.is_empty() && as_set.is_some() {
+        let has = |set: &SceneSet| !set.check.is_empty();
+        return Err(without("set with thresholds of its own", set, context.scenes, has)?);
+    }
+    let read = |(entry, own): (usize, &SetThreshold)| {
+        let place = format!("scenes/sets/{set}.json: check, entry {entry}");
+        threshold(context, own).map_err(|why| PlanError::Invalid(format!("{place}: {why}")))
+    };
+    (1..).zip(&entries).map(read).collect()
+}
+
+/// Reads an entry, or describes its fault.
+fn threshold(context: &Context<'_>, entry: &SetThreshold) -> Result<RowThreshold, String> {
+    let row = entry.row.as_deref().map(|text| row(context, text)).transpose()?;
+    let of = entry.of.as_deref().map(quantity_named).transpose()?;
+    let read = |name: &str, text: &Option<String>| {
+        let read = text.as_deref().map(percent).transpose();
+        read.map_err(|why| format!("{name}: {why}"))
+    };
+    let time = read("time-threshold", &entry.time_threshold)?;
+    let instructions = read("instruction-threshold", &entry.instruction_threshold)?;
+    if time.is_none() && instructions.is_none() {
+        return Err("expected a time-threshold or an instruction-threshold".into());
+    }
+    if row.is_none() && of.is_none() {
+        return Err("expected a row or a quantity (of); -t is the threshold of all".into());
+    }
+    let threshold = RowThreshold { row, of, time, instructions };
+    match threshold.kind() {
+        Some(kind) if instructions.is_some() => Err(format!(
+            "instruction-threshold: instructions of {kind} rays are not counted separately"
+        )),
+        _ => Ok(threshold),
+    }
+}
+
+/// A structure, or the label of a row.
+fn row(context: &Context<'_>, text: &str) -> Result<String, String> {
+    let named = [text.to_owned()];
+    let (structures, occluders) = select(context.registry, context.occluders, &named, &[])
+        .map_err(|error| error.to_string())?;
+    if !text.contains([':', ' ']) {
+        return Ok(text.to_owned());
+    }
+    let labels = structures.iter().map(|row| row.label());
+    let mut labels = labels.chain(occluders.iter().map(|row| row.label()));
+    labels.next().ok_or_else(|| format!("{text}: no row"))
 }
 
 #[cfg(test)]
 mod tests {
-    use serde_json::{Map, json};
+    use serde_json::json;
 
     use super::*;
-    use measurement::scenes::{InstalledScenes, KnownScene};
+    use measurement::scenes::{InstalledScenes, KnownScene, LoadError};
 
     struct SingleSet(Value);
 
@@ -194,21 +258,13 @@ mod tests {
             Ok(Vec::new())
         }
 
-        fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
-            Ok(Vec::new())
-        }
-
-        fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
-            Ok(vec![("own".into(), Vec::new()), ("plain".into(), Vec::new())])
-        }
-
-        fn run_options(&self, set: &str, quick: bool) -> Result<Map<String, Value>, LoadError> {
-            let mut options = Map::new();
-            if set == "own" {
-                options.extend(self.0.as_object().unwrap().clone());
-                options.extend(quick.then(|| ("size".to_owned(), json!(64))));
-            }
-            Ok(options)
+        fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
+            let set = |name, run: &Value, quick: Value| {
+                let set =
+                    json!({"name": name, "title": "", "scenes": [], "run": run, "quick": quick});
+                serde_json::from_value(set).unwrap()
+            };
+            Ok(vec![set("own", &self.0, json!({"size": 64})), set("plain", &json!({}), json!({}))])
         }
     }
 
@@ -280,7 +336,7 @@ mod tests {
     #[test]
     fn the_sets_that_the_program_carries_are_valid() {
         let mut with_options = Vec::new();
-        for (set, _) in InstalledScenes.sets().unwrap() {
+        for SceneSet { name: set, .. } in InstalledScenes.sets().unwrap() {
             for quick in ["", "--quick"] {
                 let words = ["rtbench", "run", &set, quick];
                 let words = words.into_iter().filter(|word| !word.is_empty());

@@ -18,7 +18,6 @@ pub mod change_points;
 pub mod estimate;
 pub mod mann_whitney;
 pub mod normal;
-pub mod outliers;
 pub mod power_law;
 pub mod product_of_medians;
 pub mod random;

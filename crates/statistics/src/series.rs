@@ -294,7 +294,7 @@ pub fn two_levels(series: &Series) -> Option<TwoLevels> {
     let gap = |place: &usize| processes[*place].0 / processes[*place - 1].0;
     let cut = (1..processes.len()).max_by(|a, b| gap(a).total_cmp(&gap(b)))?;
     let (below, above) = processes.split_at(cut);
-    let quartile = |rounds: &[f64], part: f64| crate::outliers::quantile(rounds, part);
+    let quartile = |rounds: &[f64], part: f64| crate::estimate::quantile(rounds, part);
     let top = below.iter().map(|(_, rounds)| quartile(rounds, 0.75)).fold(0.0, f64::max);
     let bottom =
         above.iter().map(|(_, rounds)| quartile(rounds, 0.25)).fold(f64::INFINITY, f64::min);

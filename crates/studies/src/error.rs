@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use measurement::plan::error::PlanError;
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use renderer::{GeometryError, ImageError};
 
 /// Why a study ended early.

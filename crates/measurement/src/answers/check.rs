@@ -10,8 +10,7 @@ use scene_loading::source_hash::sha256_of_bytes;
 use crate::answers::judge::judge;
 use crate::plan::measured_row::{BuiltRow, MeasuredRow, sum};
 use crate::rays::batches::{Answers, Batch, BatchSet};
-use crate::record::query::Query;
-use crate::record::{PluginRecord, StatsRecord, Verdict, WorkRecord};
+use crate::record::{PluginRecord, RowRecord, StatsRecord, Verdict, WorkRecord};
 use crate::rounds::scope::Scope;
 use crate::system::clock::Clock;
 
@@ -20,25 +19,13 @@ const PILOT_RAYS: (usize, usize) = (16, 1024);
 /// Seconds after which a pilot has seen enough of a kind.
 const PILOT_SECONDS: f64 = 0.000_3;
 
-/// Results of checking a row's answers before it is timed.
+/// A row as far as it is known before it is timed.
 #[derive(Debug)]
 pub struct RowCheck {
-    pub verdict: Verdict,
-    pub stats: StatsRecord,
-    /// Its way to answer the rays of a batch: one by one or together.
-    pub query: Query,
-    /// The work of the counted rays; none where nothing counts it.
-    pub work: Option<WorkRecord>,
-    pub checked_rays: usize,
-    /// Number of these answered wrongly.
-    pub mismatches: usize,
-    /// The first wrong answer, in words.
-    pub example: Option<String>,
-    /// SHA-256 of all answers compared, kind by kind: equal where every answer is.
-    pub answers_sha256: String,
+    /// Without times; of a row that cannot be measured nothing but the verdict and its reason.
+    pub record: RowRecord,
     /// Seconds that one thread needs for all rays, estimated.
     pub full_pass_s: f64,
-    pub plugin: Option<PluginRecord>,
 }
 
 /// Builds a row, asks it all rays (or a sample where that takes too long) and compares.
@@ -80,8 +67,8 @@ pub fn check<S: Buildable>(
             answered.extend(timed_path.bytes());
             let (counted_path, counted) = count(&built, batch);
             work += counted;
-            let timed = judge(scope, set, batch, &timed_path, built.exactness());
-            let counted = judge(scope, set, batch, &counted_path, built.exactness());
+            let timed = judge(scope.stage, set, batch, &timed_path, built.exactness());
+            let counted = judge(scope.stage, set, batch, &counted_path, built.exactness());
             checked_rays += timed.compared;
             mismatches += timed.wrong.max(counted.wrong);
             edges += timed.edges.max(counted.edges);
@@ -97,21 +84,19 @@ pub fn check<S: Buildable>(
         (_, Some(_)) => Verdict::WrongAsShipped,
         (_, None) => Verdict::Wrong,
     };
-    Ok(RowCheck {
-        verdict,
-        stats,
+    let has_counters = built.foreign().is_none_or(Foreign::has_counters);
+    let record = RowRecord {
         query: built.query(),
-        work: built
-            .foreign()
-            .is_none_or(Foreign::has_counters)
-            .then(|| WorkRecord::of(set.total(), &work)),
-        checked_rays,
-        mismatches,
+        stats: Some(stats),
+        work: has_counters.then(|| WorkRecord::of(set.total(), &work)),
+        checked_rays: checked_rays as u64,
+        mismatches: mismatches as u64,
+        answers_sha256: Some(sha256_of_bytes(&answered)),
         example: example(examples, built.foreign().is_some()),
-        answers_sha256: sha256_of_bytes(&answered),
-        full_pass_s,
         plugin: built.foreign().map(|f| PluginRecord::new(f, edges as u64)),
-    })
+        ..row.unmeasured(verdict, None)
+    };
+    Ok(RowCheck { record, full_pass_s })
 }
 
 /// Examples of wrong answers: the first one; for a plugin, whose author must find the cause, the

@@ -13,7 +13,7 @@ use crate::plan::rows::Row;
 use crate::plan::{Limits, Plan};
 use crate::rays::batches::{Answers, answer};
 use crate::record::OracleRecord;
-use crate::rounds::error::MeasureError;
+use crate::rounds::MeasureError;
 use crate::system::panics::caught;
 use crate::system::pools::Pools;
 use statistics::random::Random;

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::plan::Plan;
 use crate::plan::measured_row::MeasuredRow;
 use crate::rays::batches::{BatchSet, answer};
-use crate::rounds::error::MeasureError;
+use crate::rounds::MeasureError;
 use crate::rounds::scene_run::lights_asked;
 use crate::scenes::LoadedScene;
 use crate::settings::Precision;

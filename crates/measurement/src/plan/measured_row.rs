@@ -16,6 +16,7 @@ use crate::plan::rows::{self, Row};
 use crate::rays::batches::{Answers, Batch, CHUNK, trace, trace_chunked};
 use crate::rays::exactness::Exactness;
 use crate::record::query::Query;
+use crate::record::{AnsweredRays, RowRecord, Verdict};
 use crate::system::clock::{Clock, timed};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -73,6 +74,19 @@ impl MeasuredRow<'_> {
     /// Returns whether it answers rays of one kind only.
     pub fn is_occluder(&self) -> bool {
         matches!(self, Self::Occluder(_))
+    }
+
+    /// The record of a row of which there is nothing but a verdict.
+    pub fn unmeasured(&self, verdict: Verdict, error: Option<String>) -> RowRecord {
+        RowRecord {
+            answers: match self {
+                Self::Structure(_) => AnsweredRays::AllRays,
+                Self::Occluder(_) => AnsweredRays::ShadowRays,
+            },
+            known_defect: self.known_defect().map(Into::into),
+            error,
+            ..RowRecord::unmeasured(self.structure().into(), self.settings(), verdict)
+        }
     }
 
     /// Reads its settings. What is left is the build, which alone is timed.

@@ -25,7 +25,7 @@ use crate::rounds::trial::BuildLimits;
 use crate::scenes::{KnownScene, SceneSource, ViewOptions};
 use crate::settings::shard::PlannedPart;
 use crate::settings::{Lights, MeasuringSettings, Precision, RunSettings, quantity};
-use crate::system::memory_limit;
+use crate::system::machine;
 use renderer::{RayKind, RaySettings, ShadowRays};
 
 /// The set that runs when no scene is named.
@@ -51,6 +51,22 @@ pub enum Rounds {
         /// Smallest number of rounds.
         at_least: usize,
     },
+}
+
+impl Rounds {
+    pub fn at_least(self) -> usize {
+        match self {
+            Self::Fixed(n) | Self::Budget { at_least: n, .. } => n,
+        }
+    }
+
+    /// Time for the whole run, if it has a budget.
+    pub fn budget(self) -> Option<Duration> {
+        match self {
+            Self::Fixed(_) => None,
+            Self::Budget { total, .. } => Some(total),
+        }
+    }
 }
 
 /// Limits of a pass over the rays.
@@ -226,7 +242,7 @@ impl<'r> Plan<'r> {
         time_within("pass-limit", args.pass_limit)?;
         time_within("time-budget", args.time_budget)?;
         within("size", args.size.unwrap_or(1).into(), MeasuringSettings::LARGEST_SIZE.into())?;
-        let memory = memory_limit::of(args.max_memory);
+        let memory = machine::memory_limit(args.max_memory);
         let limited = |row: Row<'r>| Row { params: row.params.within(memory), ..row };
         let at_least = if args.quick { 3 } else { 5 };
         let rounds = match (args.rounds, args.time_budget) {

@@ -1,43 +1,37 @@
 //! The record of a run: everything that tables, CSV and plots are made from, and what JSON holds.
 
-pub mod conclusion;
 pub mod file;
-pub mod floor;
 #[cfg(any(test, feature = "testing"))]
 #[allow(clippy::unwrap_used)]
 pub mod made_up;
 pub mod merge;
 pub mod metrics;
-mod older;
+pub mod processes;
 pub mod query;
-pub mod ratios;
 pub mod reference;
 mod row;
 pub mod scale;
 mod scene;
 pub mod settings;
 pub mod summary;
-pub mod surroundings;
 pub mod warning;
 pub mod warnings;
-mod work;
 
 use serde::{Deserialize, Serialize};
 
 use crate::settings::shard::ShardRecord;
 
-pub use conclusion::{Conclusion, Defective, LeastTime, NextRow, Question};
-pub use floor::FloorRecord;
+pub use processes::FloorRecord;
 pub use row::{
-    AnsweredRays, ForeignRecord, Outliers, PluginRecord, RowRecord, Sample, Verdict, label,
-    with_query,
+    AnsweredRays, ForeignRecord, Outliers, PluginRecord, RowRecord, Sample, StatsRecord, Verdict,
+    WorkRecord, label, with_query,
 };
 pub use scale::ScaleRecord;
-pub use scene::{OracleRecord, SceneRecord, SummaryRow};
-pub use settings::Settings;
-pub use surroundings::{Compiler, Load, Machine, Ticks, Tool};
+pub use scene::{
+    Conclusion, Defective, LeastTime, NextRow, OracleRecord, Question, SceneRecord, SummaryRow,
+};
+pub use settings::{Compiler, Load, Machine, Settings, Ticks, Tool};
 pub use warning::Warning;
-pub use work::{StatsRecord, WorkRecord};
 
 /// Version of this schema; raised when a field changes its meaning or goes away.
 pub const SCHEMA_VERSION: u32 = 2;

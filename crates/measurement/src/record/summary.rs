@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::record::metrics::{build_ratios, kind_ratios, trace_ratios};
 use crate::record::query::Query;
-use crate::record::ratios::{build_ratios, kind_ratios, trace_ratios};
 use crate::record::{RowRecord, SceneRecord, Settings, SummaryRow, Verdict, reference};
 use statistics::series::{Series, geometric_mean_of};
 

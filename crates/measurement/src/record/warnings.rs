@@ -9,9 +9,8 @@ use std::collections::BTreeMap;
 use crate::record::reference::elsewhere;
 use crate::record::warning::{QUIET_SPREAD, SPARE, STEADY, SWAP_BYTES};
 use crate::record::{Load, RunRecord, SceneRecord, Warning};
-use statistics::estimate::median;
+use statistics::estimate::{median, quantile};
 use statistics::mann_whitney;
-use statistics::outliers::quantile;
 use statistics::series::FEWEST_ROUNDS;
 
 /// Shortest time that others' work is judged over: ticks of a processor, a second on Linux.

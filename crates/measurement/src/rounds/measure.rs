@@ -11,8 +11,8 @@ use renderer::{RayKind, render};
 
 use crate::answers::check::{RowCheck, stride_for};
 use crate::answers::judge::judge;
+use crate::plan::Plan;
 use crate::plan::measured_row::{BuiltRow, MeasuredRow};
-use crate::plan::{Plan, Rounds};
 use crate::rays::batches::{Answers, BatchSet};
 use crate::record::Sample;
 use crate::rounds::interleaved::{Visit, interleaved, round_order};
@@ -46,12 +46,11 @@ struct Subsample<'a, S: Buildable> {
 /// Seconds by kind of ray and order.
 type Seconds = BTreeMap<String, f64>;
 
-/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, none
-/// for rows that were not built. The row `baseline` is the reference. The result has one entry
+/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan. The row `baseline` is the reference. The result has one entry
 /// for each row too. `log` is told what each row does for the first time.
 pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
-    checked: &[Option<RowCheck>],
+    checked: &[RowCheck],
     baseline: usize,
     deadline: Option<Duration>,
     log: &dyn RowLog,
@@ -86,18 +85,17 @@ struct RoundTimes {
 impl Schedule {
     fn of<S: Buildable>(
         scope: &Scope<'_, '_, S>,
-        checked: &[Option<RowCheck>],
+        checked: &[RowCheck],
         baseline: usize,
         deadline: Option<Duration>,
     ) -> Self {
         let plan = scope.plan;
         let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
         let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
-        let (at_least, deadline) = match plan.rounds {
+        let (at_least, deadline) = match plan.processes {
+            0 | 1 => (plan.rounds.at_least(), deadline),
             // fresh processes time the rows; here they are asked once
-            _ if plan.processes > 1 => (1, None),
-            Rounds::Fixed(n) => (n, deadline),
-            Rounds::Budget { at_least, .. } => (at_least, deadline),
+            _ => (1, None),
         };
         let first_round = plan.process.first_round;
         Self { baseline, strides, rows, first_round, at_least, deadline }
@@ -162,7 +160,7 @@ impl Schedule {
     fn images<S: Buildable>(
         &self,
         scope: &Scope<'_, '_, S>,
-        checked: &[Option<RowCheck>],
+        checked: &[RowCheck],
         measured: &mut RoundTimes,
         log: &dyn RowLog,
     ) {
@@ -171,11 +169,10 @@ impl Schedule {
         for i in round_order(plan.seed, scene, rounds, self.rows.len()) {
             let row = self.rows[i];
             let (planned, out) = (&plan.rows[row], &mut measured.timed[row]);
-            let is_cheap = checked[row].as_ref().is_some_and(|c| {
-                let seconds = c.full_pass_s / plan.threads as f64;
-                // an image would be timed with the way to its process and back
-                seconds <= plan.limits.render_pass && c.plugin.is_none()
-            });
+            let RowCheck { record, full_pass_s } = &checked[row];
+            let seconds = full_pass_s / plan.threads as f64;
+            // an image would be timed with the way to its process and back
+            let is_cheap = seconds <= plan.limits.render_pass && record.plugin.is_none();
             let is_whole = measured.interrupted.is_none();
             if is_whole && is_cheap && !planned.is_sampled() && out.failed.is_none() {
                 log.row_begins(&planned.label());
@@ -214,7 +211,7 @@ impl RoundTimes {
 /// Builds and asks rows as somebody else says, until no more is wanted; see [`measure`].
 pub fn measure_laps<S: Buildable>(
     scope: &Scope<'_, '_, S>,
-    checked: &[Option<RowCheck>],
+    checked: &[RowCheck],
     baseline: usize,
     laps: &dyn Laps,
 ) {
@@ -255,11 +252,11 @@ fn thinned<'a, S: Buildable>(
 fn strides(
     plan: &Plan<'_>,
     scene: &str,
-    checked: &[Option<RowCheck>],
+    checked: &[RowCheck],
     baseline: usize,
 ) -> Vec<Option<usize>> {
-    let own = |(row, checked): (&MeasuredRow<'_>, &Option<RowCheck>)| {
-        let checked = checked.as_ref().filter(|c| c.verdict.is_timed())?;
+    let own = |(row, checked): (&MeasuredRow<'_>, &RowCheck)| {
+        checked.record.verdict.is_timed().then_some(())?;
         let limits = &plan.limits;
         let cap = if row.is_sampled() { limits.sampled_pass } else { limits.timed_pass };
         let by_cost = || stride_for(checked.full_pass_s / plan.threads as f64, cap);
@@ -333,7 +330,7 @@ impl<S: Buildable> Subsample<'_, S> {
             answers.poison(&batch.expected);
             let took = built.timed(scope.clock, batch, answers, scope.plan.threads);
             seconds.insert(batch.name(), took);
-            mismatches += judge(scope, &self.set, batch, answers, built.exactness()).wrong;
+            mismatches += judge(scope.stage, &self.set, batch, answers, built.exactness()).wrong;
         }
         (seconds, mismatches)
     }

@@ -6,9 +6,9 @@ use crate::answers::reference::{Reference, Stage};
 use crate::plan::measured_row::MeasuredRow;
 use crate::plan::{Plan, default_rank};
 use crate::rays::batches::BatchSet;
-use crate::record::ratios::{builds_by_round, seconds_of};
-use crate::record::{AnsweredRays, RowRecord, SceneRecord, Verdict};
-use crate::rounds::error::MeasureError;
+use crate::record::metrics::{builds_by_round, seconds_of};
+use crate::record::{RowRecord, SceneRecord, Verdict};
+use crate::rounds::MeasureError;
 use crate::rounds::measure::{RowTimes, measure, measure_laps};
 use crate::rounds::scope::{Laps, RowLog, Scope};
 use crate::rounds::trial::TrialOutcome;
@@ -56,8 +56,8 @@ pub fn run_scene<S: Buildable>(
     progress.message(format!("{}: rays and oracle", scene.name));
     let exact = Geometry::<f64>::of(scene)?;
     let geometry = Geometry::<S>::of(scene)?;
-    let arbiter = Arbiter::new(&geometry, &exact)
-        .map_err(|source| MeasureError::Build { scene: scene.name.clone(), source })?;
+    let built = Arbiter::new(&geometry, &exact);
+    let arbiter = built.map_err(MeasureError::of_build(&scene.name))?;
     let stage = Stage { scene, geometry: &geometry, arbiter: &arbiter };
     let Reference { rays, answers, record: judged } = stage.reference(plan, equipment.pools)?;
     let lights = lights_asked(scene, &plan.settings);
@@ -72,14 +72,13 @@ pub fn run_scene<S: Buildable>(
         clock: equipment.clock,
         progress,
     };
-    let mut row_checks = check_rows(&scope, equipment);
+    let mut checked = check_rows(&scope, equipment);
     let amended = arbiter.amended(&all);
     let scope = Scope { all: amended.as_ref().unwrap_or(&all), ..scope };
     if amended.is_some() {
         // rows that answered like the one that was contradicted passed
-        row_checks = check_rows(&scope, equipment);
+        checked = check_rows(&scope, equipment);
     }
-    let (checked, refused): (Vec<_>, Vec<_>) = row_checks.into_iter().unzip();
     progress.message(format!("{}: timing", scene.name));
     let baseline = baseline(plan, &checked);
     let timed = match equipment.laps {
@@ -93,9 +92,8 @@ pub fn run_scene<S: Buildable>(
         .rows
         .iter()
         .zip(checked)
-        .zip(refused)
         .zip(timed)
-        .map(|(((row, checked), refused), timed)| row_record(&all, row, checked, refused, timed))
+        .map(|((row, checked), timed)| row_record(&all, row, checked.record, timed))
         .collect();
     if let Some(reference) = rows.get_mut(baseline) {
         reference.is_reference = true;
@@ -127,28 +125,27 @@ pub fn run_scene<S: Buildable>(
     })
 }
 
-/// Checks each row of the plan, or says why it was not.
-fn check_rows<S: Buildable>(
-    scope: &Scope<'_, '_, S>,
-    equipment: &SceneInput<'_>,
-) -> Vec<(Option<RowCheck>, Option<Refusal>)> {
+/// Checks each row of the plan, or says why it cannot be measured.
+fn check_rows<S: Buildable>(scope: &Scope<'_, '_, S>, equipment: &SceneInput<'_>) -> Vec<RowCheck> {
     let check_row = |(i, row): (usize, &MeasuredRow<'_>)| {
+        let refused = |verdict, reason| RowCheck {
+            record: row.unmeasured(verdict, Some(reason)),
+            full_pass_s: 0.0,
+        };
         match equipment.trials.get(i) {
             Some(TrialOutcome::OverLimit(reason)) => {
-                return (None, Some((Verdict::OverLimit, reason.clone())));
+                return refused(Verdict::OverLimit, reason.clone());
             }
-            Some(TrialOutcome::Died(reason)) => {
-                return (None, Some((Verdict::Panicked, reason.clone())));
-            }
+            Some(TrialOutcome::Died(reason)) => return refused(Verdict::Panicked, reason.clone()),
             Some(TrialOutcome::Ended { .. }) | None => {}
         }
         let (scene, label) = (&scope.stage.scene.name, row.label());
         scope.progress.message(format!("{scene}: checking {label}"));
         equipment.log.row_begins(&label);
         let checked = match caught(|| check(scope, row)) {
-            Ok(Ok(checked)) => (Some(checked), None),
-            Ok(Err(error)) => (None, Some((verdict_of(&error), error.to_string()))),
-            Err(panicked) => (None, Some((Verdict::Panicked, panicked.to_string()))),
+            Ok(Ok(checked)) => checked,
+            Ok(Err(error)) => refused(verdict_of(&error), error.to_string()),
+            Err(panicked) => refused(Verdict::Panicked, panicked.to_string()),
         };
         scope.progress.step(scope.clock.now());
         checked
@@ -180,9 +177,6 @@ fn by_kind<S: Buildable>(
     asked.map(|b| (b.name(), b.rays.len() as u64)).collect()
 }
 
-/// Why there is nothing to show of a row: what is said of it, and what happened.
-type Refusal = (Verdict, String);
-
 fn verdict_of(error: &BuildError) -> Verdict {
     match error {
         BuildError::Died(_) => Verdict::Panicked,
@@ -191,61 +185,33 @@ fn verdict_of(error: &BuildError) -> Verdict {
     }
 }
 
+/// The record of a checked row with its times.
 fn row_record<S: Buildable>(
     all: &BatchSet<'_, S>,
     row: &MeasuredRow<'_>,
-    checked: Option<RowCheck>,
-    refused: Option<Refusal>,
+    mut record: RowRecord,
     timed: RowTimes,
 ) -> RowRecord {
     // one that panics once is not trusted any more
-    let refused = timed.failed.map(|reason| (Verdict::Panicked, reason)).or(refused);
-    let (mut verdict, error) = match (refused, &checked) {
-        (Some((verdict, reason)), _) => (verdict, Some(reason)),
-        (None, Some(checked)) => (checked.verdict, None),
-        (None, None) => (Verdict::NotBuilt, None),
-    };
+    if timed.failed.is_some() {
+        (record.verdict, record.error) = (Verdict::Panicked, timed.failed);
+    }
     // Answers are compared in every round again: a structure may be wrong only sometimes.
-    let mut mismatches = checked.as_ref().map_or(0, |c| c.mismatches) as u64;
-    mismatches = mismatches.max(timed.mismatches as u64);
-    if verdict == Verdict::Ok && mismatches > 0 {
-        let is_known = row.known_defect().is_some();
-        verdict = if is_known { Verdict::WrongAsShipped } else { Verdict::Wrong };
+    record.mismatches = record.mismatches.max(timed.mismatches as u64);
+    if record.verdict == Verdict::Ok && record.mismatches > 0 {
+        let is_known = record.known_defect.is_some();
+        record.verdict = if is_known { Verdict::WrongAsShipped } else { Verdict::Wrong };
     }
-    let samples = if verdict.is_timed() { timed.samples } else { Vec::new() };
-    let stride = timed.stride.max(1);
-    let rays_by_kind: BTreeMap<String, u64> = if samples.is_empty() {
-        BTreeMap::new()
-    } else {
+    record.stride = timed.stride.max(1) as u64;
+    if record.verdict.is_timed() {
+        (record.samples, record.render_s) = (timed.samples, timed.render_s);
+    }
+    if !record.samples.is_empty() {
         let asked = by_kind(all, |kind| row.answers(kind)).into_iter();
-        asked.map(|(kind, n)| (kind, n.div_ceil(stride as u64))).collect()
-    };
-    RowRecord {
-        stats: checked.as_ref().map(|c| c.stats.clone()),
-        work: checked.as_ref().and_then(|c| c.work.clone()),
-        checked_rays: checked.as_ref().map_or(0, |c| c.checked_rays) as u64,
-        mismatches,
-        answers_sha256: checked.as_ref().map(|c| c.answers_sha256.clone()),
-        example: checked.as_ref().and_then(|c| c.example.clone()),
-        stride: stride as u64,
-        rays: rays_by_kind.values().sum(),
-        rays_by_kind,
-        plugin: checked.as_ref().and_then(|c| c.plugin.clone()),
-        query: checked.as_ref().map(|c| c.query).unwrap_or_default(),
-        render_s: timed.render_s.filter(|_| verdict.is_timed()),
-        samples,
-        ..unmeasured(row, verdict, error)
+        record.rays_by_kind = asked.map(|(kind, n)| (kind, n.div_ceil(record.stride))).collect();
     }
-}
-
-/// The record of a row of which there is nothing but a verdict.
-pub fn unmeasured(row: &MeasuredRow<'_>, verdict: Verdict, error: Option<String>) -> RowRecord {
-    RowRecord {
-        answers: if row.is_occluder() { AnsweredRays::ShadowRays } else { AnsweredRays::AllRays },
-        known_defect: row.known_defect().map(Into::into),
-        error,
-        ..RowRecord::unmeasured(row.structure().into(), row.settings(), verdict)
-    }
+    record.rays = record.rays_by_kind.values().sum();
+    record
 }
 
 /// Ratios to the baseline, round by round; none where the baseline was not timed.
@@ -270,11 +236,8 @@ fn compare_with_baseline(rows: &mut [RowRecord], baseline: usize, seed: u64) {
 /// first row, of those that are right and answer all rays; others with known defects, and those
 /// that are measured on a sample only, come last. The planned one if there is none, and where the
 /// plan keeps it.
-pub fn baseline(plan: &Plan<'_>, checked: &[Option<RowCheck>]) -> usize {
-    let serves = |row: usize| {
-        let checked = checked.get(row).and_then(Option::as_ref);
-        checked.is_some_and(|checked| checked.verdict.is_timed())
-    };
+fn baseline(plan: &Plan<'_>, checked: &[RowCheck]) -> usize {
+    let serves = |row: usize| checked.get(row).is_some_and(|c| c.record.verdict.is_timed());
     if plan.keeps_baseline || serves(plan.baseline) {
         return plan.baseline;
     }

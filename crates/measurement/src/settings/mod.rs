@@ -83,7 +83,7 @@ pub struct MeasuringSettings {
     /// Width and height of the image; none means that of a full run or of a quick one.
     pub size: Option<u32>,
     /// Most memory of a structure, bytes; none means
-    /// [`memory_limit`](crate::system::memory_limit)'s.
+    /// [`memory_limit`](crate::system::machine::memory_limit)'s.
     pub max_memory: Option<u64>,
 }
 

@@ -1,12 +1,16 @@
-//! What the results were measured on and with, and how long its threads waited for a processor.
+//! What the results were measured on and with, how long its threads waited for a processor, and how
+//! much memory a structure may take.
 
-use crate::record::{Load, Machine, Ticks};
-use crate::system::huge_pages;
-use accel_core::query::batch::has_avx512;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 use std::time::Instant;
+
+use accel_core::memory::MemoryLimit;
+use accel_core::query::batch::has_avx512;
+
+use crate::record::{Load, Machine, Ticks};
+use crate::system::memory;
 
 /// SHA-256 of the program's file, where it can be read.
 pub fn program_sha256() -> Option<String> {
@@ -37,22 +41,22 @@ pub fn machine() -> Machine {
         memory_bytes: kibibytes(&read("/proc/meminfo"), "MemTotal"),
         os: os.join(", "),
         governor: line("/sys/devices/system/cpu/cpu0/cpufreq/scaling_governor"),
-        boost: boost(),
+        boost: boost(Path::new("/")),
         batches_by_avx512: Some(has_avx512()),
-        huge_pages: huge_pages::use_of(&read("/sys/kernel/mm/transparent_hugepage/enabled")),
+        huge_pages: memory::huge_pages_in(&read("/sys/kernel/mm/transparent_hugepage/enabled")),
     }
 }
 
 /// Returns whether the clock may rise above its nominal rate: a file of its own, or Intel's, which
 /// says the opposite.
-fn boost() -> Option<bool> {
-    let of = |path: &str, on: &str| line(path).map(|state| state == on);
-    of("/sys/devices/system/cpu/cpufreq/boost", "1")
-        .or_else(|| of("/sys/devices/system/cpu/intel_pstate/no_turbo", "0"))
+pub fn boost(root: &Path) -> Option<bool> {
+    let of = |path: &str, on: &str| line(root.join(path)).map(|state| state == on);
+    of("sys/devices/system/cpu/cpufreq/boost", "1")
+        .or_else(|| of("sys/devices/system/cpu/intel_pstate/no_turbo", "0"))
 }
 
-/// The only line of a file; none where the file is not there or is empty.
-fn line(path: &str) -> Option<String> {
+/// The text of a small file; none where the file is not there or is empty.
+pub fn line(path: impl AsRef<Path>) -> Option<String> {
     let text = fs::read_to_string(path).ok()?;
     Some(text.trim().to_owned()).filter(|line| !line.is_empty())
 }
@@ -156,6 +160,44 @@ fn waited_us(path: &Path) -> Option<u64> {
     line.split_whitespace().find_map(|word| word.strip_prefix("total="))?.parse().ok()
 }
 
+/// The limit for `asked` bytes. Where nothing is asked, half of what the process may have, which is
+/// the machine's memory or its control group's limit, whichever is less (cgroups(7)).
+pub fn memory_limit(asked: Option<u64>) -> MemoryLimit {
+    let default = || available(Path::new("/")).map(|bytes| bytes / 2);
+    asked.or_else(default).map_or(MemoryLimit::NONE, MemoryLimit::new)
+}
+
+/// Memory available to the process; `None` without a limit.
+fn available(root: &Path) -> Option<u64> {
+    let read = |path: &str| fs::read_to_string(root.join(path)).ok();
+    let machine = read("proc/meminfo").and_then(|text| kibibytes(&text, "MemTotal"));
+    let groups = read("proc/self/cgroup").unwrap_or_default();
+    let of_groups = groups.lines().filter_map(|line| of_group(root, line));
+    machine.into_iter().chain(of_groups).min()
+}
+
+/// The limit of a line `number:controllers:path` of /proc/self/cgroup, and of the groups around
+/// that one.
+fn of_group(root: &Path, line: &str) -> Option<u64> {
+    let mut parts = line.splitn(3, ':').skip(1);
+    let (controllers, path) = (parts.next()?, parts.next()?);
+    let (mount, file) = match controllers {
+        "" => ("sys/fs/cgroup", "memory.max"),
+        _ if controllers.split(',').any(|c| c == "memory") => {
+            ("sys/fs/cgroup/memory", "memory.limit_in_bytes")
+        }
+        _ => return None,
+    };
+    let group = Path::new(path.trim_start_matches('/'));
+    // within a container the own group may be mounted as the outermost one
+    let limits = group.ancestors().filter_map(|group| {
+        let text = fs::read_to_string(root.join(mount).join(group).join(file)).ok()?;
+        // `max` is no number: no limit
+        text.trim().parse::<u64>().ok()
+    });
+    limits.min()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -196,5 +238,36 @@ mod tests {
         fs::write(&path, "nonsense").unwrap();
         assert_eq!(watch.share(), None);
         assert_eq!(PressureWatch::begin(None).share(), None);
+    }
+
+    #[test]
+    fn the_least_of_machine_and_groups_counts() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |path: &str, text: &str| {
+            let path = folder.path().join(path);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        let found = || available(folder.path());
+        assert_eq!(found(), None);
+        write("proc/meminfo", "MemTotal:  1000 kB\nMemFree: 5 kB\n");
+        assert_eq!(found(), Some(1_024_000));
+        write("proc/self/cgroup", "0::/user/own\n");
+        write("sys/fs/cgroup/user/own/memory.max", "max\n");
+        assert_eq!(found(), Some(1_024_000));
+        write("sys/fs/cgroup/user/memory.max", "70000\n");
+        assert_eq!(found(), Some(70_000));
+        // version 1
+        write("proc/self/cgroup", "5:cpu,memory:/job\n3:pids:/\n");
+        write("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "9223372036854771712\n");
+        assert_eq!(found(), Some(1_024_000));
+        write("sys/fs/cgroup/memory/job/memory.limit_in_bytes", "30000\n");
+        assert_eq!(found(), Some(30_000));
+    }
+
+    #[test]
+    fn requested_limits_override_the_default() {
+        assert_eq!(memory_limit(Some(5)), MemoryLimit::new(5));
+        assert_ne!(memory_limit(None), MemoryLimit::new(5));
     }
 }

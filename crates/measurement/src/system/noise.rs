@@ -9,7 +9,7 @@ use std::hint::black_box;
 use serde::Serialize;
 
 use crate::system::clock::Clock;
-use statistics::outliers::quantile;
+use statistics::estimate::quantile;
 
 /// Number of times that the loop is timed.
 const LOOPS: usize = 100;

@@ -2,7 +2,7 @@
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use crate::rounds::error::MeasureError;
+use crate::rounds::MeasureError;
 use crate::system::machine;
 
 /// Two pools, so that checking may use the whole machine whatever is measured.

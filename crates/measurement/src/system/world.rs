@@ -10,28 +10,57 @@ use crate::record::{Compiler, Load, Machine, Tool};
 use crate::rounds::trial::{TrialBuild, TrialOutcome};
 use crate::system::machine;
 
-/// The world as far as results repeat it.
+/// The world as far as results repeat it: unless a test says otherwise, the one that the process
+/// finds.
 pub trait World: Sync {
-    /// Seconds since 1970.
-    fn unix_seconds(&self) -> u64;
     fn tool(&self) -> Tool;
+
     /// Compiler and flags of the program.
     fn compiler(&self) -> Compiler;
-    fn machine(&self) -> Machine;
+
+    /// Seconds since 1970.
+    fn unix_seconds(&self) -> u64 {
+        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
+    }
+
+    fn machine(&self) -> Machine {
+        machine::machine()
+    }
+
     /// Features of x86-64-v3 that the processor has, by rustc's names.
-    fn processor_features(&self) -> Vec<&'static str>;
+    fn processor_features(&self) -> Vec<&'static str> {
+        of_processor()
+    }
+
     /// SHA-256 of the program's file, where it can be read.
-    fn program_sha256(&self) -> Option<String>;
+    fn program_sha256(&self) -> Option<String> {
+        machine::program_sha256()
+    }
+
     /// Largest resident set since the start or [`World::reset_peak_rss`], bytes.
-    fn peak_rss(&self) -> Option<u64>;
+    fn peak_rss(&self) -> Option<u64> {
+        machine::peak_rss()
+    }
+
     /// Begins a new peak where the system lets us.
-    fn reset_peak_rss(&self);
+    fn reset_peak_rss(&self) {
+        let _ = machine::reset_peak_rss();
+    }
+
     /// Builds a row in a separate process.
-    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome;
+    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
+        trial.run()
+    }
+
     /// Load of the machine until now.
-    fn load(&self) -> Load;
+    fn load(&self) -> Load {
+        machine::load()
+    }
+
     /// The folder that has the system's `proc` and `sys`.
-    fn system_root(&self) -> PathBuf;
+    fn system_root(&self) -> PathBuf {
+        "/".into()
+    }
 }
 
 /// The world that the process finds.
@@ -43,48 +72,12 @@ pub struct SystemWorld {
 }
 
 impl World for SystemWorld {
-    fn unix_seconds(&self) -> u64 {
-        SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs())
-    }
-
     fn tool(&self) -> Tool {
         self.tool.clone()
     }
 
     fn compiler(&self) -> Compiler {
         self.compiler.clone()
-    }
-
-    fn machine(&self) -> Machine {
-        machine::machine()
-    }
-
-    fn processor_features(&self) -> Vec<&'static str> {
-        of_processor()
-    }
-
-    fn program_sha256(&self) -> Option<String> {
-        machine::program_sha256()
-    }
-
-    fn peak_rss(&self) -> Option<u64> {
-        machine::peak_rss()
-    }
-
-    fn reset_peak_rss(&self) {
-        let _ = machine::reset_peak_rss();
-    }
-
-    fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
-        trial.run()
-    }
-
-    fn load(&self) -> Load {
-        machine::load()
-    }
-
-    fn system_root(&self) -> PathBuf {
-        "/".into()
     }
 }
 

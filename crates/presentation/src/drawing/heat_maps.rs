@@ -6,8 +6,7 @@
 //! above 0, at most [`DECADES`] decades below.
 
 use crate::drawing::item::{Color, Drawing, Item, Paint, color, wrapped};
-use crate::svg_plot::palette::GREY;
-use crate::svg_plot::pen::{Font, PLAIN};
+use crate::svg_plot::pen::{Font, GREY, PLAIN};
 
 /// Room around and between.
 const MARGIN: f64 = 16.0;
@@ -271,5 +270,27 @@ mod tests {
         let scale = ["<= 1.0", "tests, logarithmic", ">= 62"];
         assert_eq!(texts[..4], ["tests per pixel", "image", "a: mean 4.0", "b: mean 32"]);
         assert_eq!(texts[4..], scale);
+    }
+
+    #[test]
+    fn the_ramp_grows_brighter_and_classes_end_at_powers_of_two() {
+        let gray = |c: Color| {
+            0.2126 * f64::from(c[0]) + 0.7152 * f64::from(c[1]) + 0.0722 * f64::from(c[2])
+        };
+        let all: Vec<f64> = (0..=64).map(|i| gray(ramp(f64::from(i) / 64.0))).collect();
+        assert!(all.windows(2).all(|w| w[0] < w[1]), "{all:?}");
+        let classes = Classes::up_to(100);
+        assert_eq!(classes.count(), 8);
+        assert_eq!(
+            [1, 2, 3, 4, 5, 8, 9, 100, 5000].map(|n| classes.of(n)),
+            [0, 1, 2, 2, 3, 3, 4, 7, 7]
+        );
+        let labels: Vec<_> = (0..5).map(Classes::label).collect();
+        assert_eq!(labels, ["1", "2", "3-4", "5-8", "9-16"]);
+        for n in 1..30 {
+            let classes = Classes::up_to(1 << n);
+            let greys: Vec<f64> = (0..=n).map(|class| gray(classes.color(class))).collect();
+            assert!(greys.windows(2).all(|w| w[0] > w[1]), "{n}: {greys:?}");
+        }
     }
 }

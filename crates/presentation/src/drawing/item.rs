@@ -1,11 +1,23 @@
-//! Elements of drawings.
+//! Elements of drawings; a drawing as SVG, and as the pixels that resvg draws of it, with the letters
+//! of DejaVu Sans.
 
-use crate::svg_plot::pen::{Font, LETTER, PLAIN};
+use std::fmt::Write;
+use std::sync::{Arc, LazyLock};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use image::error::{EncodingError, ImageFormatHint};
+use image::{ImageEncoder, ImageError, ImageFormat};
+use resvg::tiny_skia::{Color as Fill, Pixmap, Transform};
+use resvg::usvg::fontdb::Database;
+use resvg::usvg::{Options, Tree};
+
+use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen, dark_rules, document_of};
 
 /// A colour in sRGB.
 pub type Color = [u8; 3];
 
-/// A colour of [`palette`](crate::svg_plot::palette), `#rrggbb`; black for other texts.
+/// A colour of [`pen`](crate::svg_plot::pen), `#rrggbb`; black for other texts.
 pub fn color(text: &str) -> Color {
     let number = text.strip_prefix('#').and_then(|hex| u32::from_str_radix(hex, 16).ok());
     let [_, r, g, b] = number.unwrap_or(0).to_be_bytes();
@@ -91,4 +103,242 @@ pub fn wrapped(text: &str, width: f64, size: f64) -> Vec<String> {
         }
     }
     lines
+}
+
+/// Pixels of the longest side, at most.
+const MOST: f32 = 32_768.0;
+
+static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
+    let mut fonts = Database::new();
+    fonts.load_font_data(dejavu::sans::regular().to_vec());
+    fonts.load_font_data(dejavu::sans::bold().to_vec());
+    fonts.set_sans_serif_family("DejaVu Sans");
+    Arc::new(fonts)
+});
+
+impl Drawing {
+    /// As SVG.
+    ///
+    /// # Errors
+    /// [`ImageError`] for an image that cannot be encoded.
+    pub fn svg(&self) -> Result<String, ImageError> {
+        let mut pen = Pen::default();
+        let _ = writeln!(
+            pen.out,
+            "<style>@media (prefers-color-scheme: dark){{{}}}</style>",
+            dark_rules("svg")
+        );
+        for item in &self.items {
+            match item {
+                Item::Boxes(boxes, paint) => {
+                    let path = boxes.iter().fold(String::new(), |mut path, &[x, y, w, h]| {
+                        let [x, y, w, h] = [x, y, w, h].map(short);
+                        let _ = write!(path, "M{x} {y}h{w}v{h}h-{w}z");
+                        path
+                    });
+                    if !path.is_empty() {
+                        let _ = writeln!(pen.out, "<path d=\"{path}\"{}/>", painted(paint));
+                    }
+                }
+                Item::Lines { lines, are_closed, paint } => {
+                    let mut path = String::new();
+                    for line in lines {
+                        for (i, &[x, y]) in line.iter().enumerate() {
+                            let letter = if i == 0 { 'M' } else { 'L' };
+                            let _ = write!(path, "{letter}{} {}", short(x), short(y));
+                        }
+                        path.push_str(if *are_closed { "z" } else { "" });
+                    }
+                    if !path.is_empty() {
+                        let _ = writeln!(
+                            pen.out,
+                            "<path d=\"{path}\"{} stroke-linejoin=\"round\" stroke-linecap=\"round\"/>",
+                            painted(paint)
+                        );
+                    }
+                }
+                Item::Disc { at: [x, y], radius, paint } => {
+                    let [x, y, r] = [*x, *y, *radius].map(short);
+                    let paint = painted(paint);
+                    let _ = writeln!(pen.out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\"{paint}/>");
+                }
+                Item::Text([x, y], font, text) => pen.text(*x, *y, *font, text),
+                Item::Image(_, _, pixels) if pixels.is_empty() => {}
+                Item::Image(at, width, pixels) => {
+                    let [x, y, w, h] = at.map(short);
+                    let png = STANDARD.encode(encoded(*width, pixels)?);
+                    let _ = writeln!(
+                        pen.out,
+                        "<image x=\"{x}\" y=\"{y}\" width=\"{w}\" height=\"{h}\" \
+                         style=\"image-rendering:pixelated\" href=\"data:image/png;base64,{png}\"/>"
+                    );
+                }
+            }
+        }
+        Ok(document_of(&pen.out, self.size, &self.alternative))
+    }
+
+    /// As PNG, two pixels for one.
+    ///
+    /// # Errors
+    /// [`ImageError`] for a drawing that is too large.
+    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
+        let (width, pixels) = drawn(&self.svg()?, 2.0)?;
+        encoded(width, &pixels)
+    }
+}
+
+/// A number in as few letters as it needs, to a hundredth.
+fn short(x: f64) -> String {
+    // + 0.0: no "-0"
+    let text = format!("{:.2}", (x * 100.0).round() / 100.0 + 0.0);
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn hex([r, g, b]: Color) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+/// The attributes of a paint.
+fn painted(paint: &Paint) -> String {
+    let mut out = String::new();
+    match paint.fill {
+        Some((color, opacity)) => {
+            let _ = write!(out, " fill=\"{}\"", hex(color));
+            if opacity < 1.0 {
+                let _ = write!(out, " fill-opacity=\"{}\"", short(opacity));
+            }
+        }
+        None => out.push_str(" fill=\"none\""),
+    }
+    if let Some((color, width)) = paint.stroke {
+        let _ = write!(out, " stroke=\"{}\" stroke-width=\"{}\"", hex(color), short(width));
+    }
+    out
+}
+
+/// The pixels of a picture that is so many times as large, and their width.
+fn drawn(svg: &str, scale: f32) -> Result<(u32, Vec<Color>), ImageError> {
+    let failed = |error| {
+        ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::Png), error))
+    };
+    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
+    let tree = Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
+    let size = tree.size();
+    let scale = scale.min(MOST / size.width().max(size.height()));
+    let [width, height] = [size.width(), size.height()].map(|x| (x * scale).ceil() as u32);
+    let mut pixels = Pixmap::new(width, height)
+        .ok_or_else(|| failed(format!("{width} x {height} pixels are too many")))?;
+    pixels.fill(Fill::WHITE);
+    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
+    Ok((width, pixels.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect()))
+}
+
+fn encoded(width: u32, pixels: &[Color]) -> Result<Vec<u8>, ImageError> {
+    let mut bytes = Vec::new();
+    let height = pixels.len() as u32 / width.max(1);
+    image::codecs::png::PngEncoder::new(&mut bytes).write_image(
+        pixels.as_flattened(),
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    )?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::svg_plot::pen::{INK, PAPER};
+
+    /// Lines, a box, a disc, an image, text that must be escaped.
+    fn all_kinds() -> Drawing {
+        let red = [200, 0, 0];
+        let fill = Paint { fill: Some((red, 1.0)), stroke: None };
+        let line = Paint { fill: None, stroke: Some((red, 2.0)) };
+        let items = vec![
+            Item::Boxes(vec![[2.0, 2.0, 10.0, 6.0]], fill),
+            Item::Lines {
+                lines: vec![vec![[20.0, 5.0], [30.0, 5.0]]],
+                are_closed: false,
+                paint: line,
+            },
+            Item::Lines {
+                lines: vec![vec![[2.0, 20.0], [12.0, 20.0], [2.0, 30.0]]],
+                are_closed: true,
+                paint: fill,
+            },
+            Item::Disc { at: [25.0, 25.0], radius: 4.0, paint: fill },
+            Item::Image([40.0, 2.0, 8.0, 4.0], 2, vec![[0, 0, 255], [0, 255, 0]]),
+            Item::Text([40.0, 20.0], PLAIN, "a < b".into()),
+        ];
+        Drawing { size: [80.0, 40.0], alternative: "all & more".into(), items }
+    }
+
+    #[test]
+    fn colors_are_read() {
+        assert_eq!((color(PAPER), color(INK)), ([255; 3], [0x22; 3]));
+        assert_eq!(color("red"), [0; 3]);
+    }
+
+    #[test]
+    fn svg_is_well_formed_and_says_all() {
+        let svg = all_kinds().svg().unwrap();
+        let tree = roxmltree::Document::parse(&svg).unwrap();
+        let count = |name: &str| tree.descendants().filter(|n| n.has_tag_name(name)).count();
+        assert_eq!((count("path"), count("circle"), count("image"), count("text")), (3, 1, 1, 1));
+        assert_eq!(tree.root_element().attribute("aria-label"), Some("all & more"));
+        assert!(svg.contains("prefers-color-scheme: dark") && svg.contains("a &lt; b"));
+        assert!(svg.contains("M2 2h10v6h-10z"), "{svg}");
+    }
+
+    #[test]
+    fn png_has_what_svg_has_at_the_same_places() {
+        let drawing = all_kinds();
+        let (width, pixels) = drawn(&drawing.svg().unwrap(), 2.0).unwrap();
+        assert_eq!((width, pixels.len()), (160, 160 * 80));
+        let at = |x: f64, y: f64| pixels[(2.0 * y) as usize * 160 + (2.0 * x) as usize];
+        let red = [200, 0, 0];
+        for (x, y) in [(2.0, 2.0), (11.5, 7.5), (25.0, 5.0), (4.0, 22.0), (25.0, 25.0)] {
+            assert_eq!(at(x, y), red, "{x} {y}");
+        }
+        for (x, y) in [(1.0, 1.0), (12.5, 5.0), (25.0, 8.0), (11.0, 28.0), (30.0, 30.0)] {
+            assert_eq!(at(x, y), [255; 3], "{x} {y}");
+        }
+        assert_eq!((at(41.0, 3.0), at(46.0, 3.0)), ([0, 0, 255], [0, 255, 0]));
+        let dark = |pixels: &[Color]| {
+            pixels.iter().filter(|p| p[0] < 0x80 && p[0] == p[1] && p[1] == p[2]).count()
+        };
+        assert!(dark(&pixels) > 60, "{}", dark(&pixels));
+        // planted fault: without its text
+        let mut silent = drawing.clone();
+        silent.items.pop();
+        assert_eq!(dark(&drawn(&silent.svg().unwrap(), 2.0).unwrap().1), 0);
+        let png = drawing.png().unwrap();
+        assert_eq!(&png[1..4], b"PNG");
+    }
+
+    #[test]
+    fn drawings_are_moved_as_a_whole() {
+        let mut page = Drawing { size: [200.0, 100.0], ..Drawing::default() };
+        page.add(all_kinds(), [100.0, 50.0]);
+        let (width, pixels) = drawn(&page.svg().unwrap(), 1.0).unwrap();
+        let at = |x: usize, y: usize| pixels[y * width as usize + x];
+        assert_eq!((at(105, 55), at(125, 75), at(5, 5)), ([200, 0, 0], [200, 0, 0], [255; 3]));
+    }
+
+    #[test]
+    fn odd_numbers_can_be_drawn() {
+        let mut drawing = all_kinds();
+        let paint = Paint { fill: Some(([1; 3], 1.0)), stroke: Some(([2; 3], f64::NAN)) };
+        let odd = [f64::NAN, f64::INFINITY, -1e300];
+        drawing.items.push(Item::Boxes(vec![[odd[0], odd[1], odd[2], 1.0]], paint));
+        let lines = vec![odd.map(|x| [x, -x]).to_vec(), Vec::new()];
+        drawing.items.push(Item::Lines { lines, are_closed: true, paint });
+        drawing.items.push(Item::Disc { at: [odd[0], odd[1]], radius: odd[2], paint });
+        drawing.items.push(Item::Image([0.0; 4], 0, Vec::new()));
+        drawing.png().unwrap();
+        assert_eq!(wrapped("ab cde f", 1.0, 12.0), ["ab", "cde", "f"]);
+        assert_eq!(wrapped("ab cde f", 1e3, 12.0), ["ab cde f"]);
+    }
 }

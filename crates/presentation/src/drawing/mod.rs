@@ -2,12 +2,11 @@
 //!
 //! Places are in pixels from the upper left corner, to the right and down. As SVG, text is readable
 //! on light and dark grounds alike: what is drawn in a colour of
-//! [`palette`](crate::svg_plot::palette) follows the reader's choice. As PNG, it is drawn twice as
+//! [`pen`](crate::svg_plot::pen) follows the reader's choice. As PNG, it is drawn twice as
 //! large, on a light ground.
 
 mod heat_maps;
 mod item;
-mod svg;
 
 pub use image::ImageError;
 
@@ -16,6 +15,3 @@ pub use heat_maps::{HeatMap, Panel, heat_maps};
 pub use item::{Color, Drawing, Item, Paint, color, wrapped};
 
 pub use crate::svg_plot::pen::{Font, PLAIN};
-
-#[cfg(test)]
-mod tests;

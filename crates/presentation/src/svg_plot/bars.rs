@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use crate::svg_plot::axis::FittedAxis;
-use crate::svg_plot::palette::{GREY, GRID, INK, MARK, PAPER, style_of};
-use crate::svg_plot::pen::{Font, Format, LETTER, PLAIN, Pen, document_of};
-use crate::svg_plot::plot::{Axis, Ring, Scale};
+use crate::svg_plot::pen::{
+    Font, Format, GREY, GRID, INK, LETTER, MARK, PAPER, PLAIN, Pen, document_of, style_of,
+};
+use crate::svg_plot::plot::{Axis, FittedAxis, Ring, Scale};
 use statistics::estimate::Estimate;
 
 /// Room below the bars: ticks and labels of the axes.

@@ -4,11 +4,9 @@
 //! (The library that is in our dependency tree, `plotters` 0.3.7, has no marks with labels that
 //! keep clear of each other, and saw its last release in 2024.)
 
-mod axis;
 pub mod bars;
-pub mod palette;
 mod panel;
-pub(crate) mod pen;
+pub mod pen;
 mod plot;
 
 use std::fmt::Write;
@@ -216,7 +214,7 @@ mod tests {
         }
         let all = texts(&svg).join(" ");
         assert!(all.contains("a: wide-bvh with settings that are long"), "{all}");
-        let frame = tree.descendants().find(|n| n.attribute("stroke") == Some(palette::INK));
+        let frame = tree.descendants().find(|n| n.attribute("stroke") == Some(pen::INK));
         assert!(frame.is_some());
     }
 

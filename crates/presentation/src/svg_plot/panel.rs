@@ -1,10 +1,10 @@
 //! One panel: frame, ticks, curves, marks with their flags, legend.
 
-use crate::fitted::wrapped;
-use crate::svg_plot::axis::FittedAxis;
-use crate::svg_plot::palette::{BEST, GREY, GRID, INK, MARK, SERIES, style_of};
-use crate::svg_plot::pen::{BOLD_LETTER, Font, Format, LETTER, PLAIN, Pen};
-use crate::svg_plot::plot::{Mark, Plot, Point, Ring, Scale};
+use crate::svg_plot::pen::{
+    BEST, BOLD_LETTER, Font, Format, GREY, GRID, INK, LETTER, MARK, PLAIN, Pen, SERIES, style_of,
+};
+use crate::svg_plot::plot::{FittedAxis, Mark, Plot, Point, Ring, Scale};
+use crate::text::wrapped;
 
 /// Room below the frame.
 const BOTTOM: f64 = 86.0;

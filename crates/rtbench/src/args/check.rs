@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use crate::args::measuring::{PluginArgs, ServeArgs};
-use crate::args::parsers::{choice, percent, scene_name};
+use crate::args::parsers::{choice, percent, scene_name, threads};
 use crate::args::results::FolderArgs;
 use crate::gate::thresholds::Thresholds;
 use clap::{Args, Subcommand};
+use measurement::settings::quantity::duration;
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 
 #[derive(Debug, Clone, Args)]
@@ -53,7 +54,7 @@ pub struct CheckArgs {
           value_parser = clap::value_parser!(u32).range(1..=10_000))]
     pub rounds: Option<u32>,
     /// Keep measuring until this time has elapsed: 60s, 2m
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::quantity::duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time_budget: Option<Duration>,
     /// Count instructions under valgrind [default: if the baseline has counts]
     #[arg(long, overrides_with = "no_instructions", conflicts_with = "plugin")]
@@ -96,7 +97,7 @@ pub struct ThresholdArgs {
     #[arg(long, value_name = "P")]
     pub significance: Option<f64>,
     /// Ignore times shorter than this [default: 200us]
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::quantity::duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     pub shortest: Option<Duration>,
 }
 
@@ -125,7 +126,7 @@ pub struct AgainstArgs {
     pub quick: bool,
     /// Threads that build and trace [default: 1]
     #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+          value_parser = threads())]
     pub threads: Option<u16>,
     /// Floating-point precision of primitives and rays [default: f32]
     #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
@@ -225,11 +226,10 @@ pub struct TrialArgs {
     #[arg(long)]
     pub row: String,
     /// Number of threads that build
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, default_value_t = 1, value_parser = threads())]
     pub threads: u16,
     /// Precision of primitives and rays
-    #[arg(long, value_parser = choice::<Precision>(),
-          default_value = Precision::default().name())]
+    #[arg(long, value_parser = choice::<Precision>(), default_value = Precision::default().name())]
     pub precision: Precision,
 }
 

@@ -1,9 +1,10 @@
 //! Options that commands share: what is measured, plugins, tables, time series.
 
-use crate::args::parsers::choice;
+use crate::args::parsers::{choice, threads};
 use clap::Args;
 use clap::builder::TypedValueParser;
 use measurement::settings::choice::Choice;
+use measurement::settings::quantity::{count, duration};
 use measurement::settings::{MeasuringSettings, Precision};
 use presentation::text::Screen;
 use regex_lite::Regex;
@@ -20,22 +21,19 @@ pub struct MeasuringArgs {
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub rays: Vec<String>,
     /// Rounds; each measures every row once [default: 5, 3 with --quick]
-    #[arg(long, value_name = "N",
-          value_parser = measurement::settings::quantity::count(1..=MeasuringSettings::MOST_ROUNDS))]
+    #[arg(long, value_name = "N", value_parser = count(1..=MeasuringSettings::MOST_ROUNDS))]
     pub rounds: Option<u32>,
     /// Use small images and few rounds, for a first look
     #[arg(long)]
     pub quick: bool,
     /// Number of threads that build and trace
-    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=MeasuringSettings::MOST_THREADS.into()))]
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1, value_parser = threads())]
     pub threads: u16,
     /// Seed of schedules, samples and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Floating-point precision of primitives and rays
-    #[arg(long, value_parser = choice::<Precision>(),
-          default_value = Precision::default().name())]
+    #[arg(long, value_parser = choice::<Precision>(), default_value = Precision::default().name())]
     pub precision: Precision,
     /// Width and height of the image [default: 128, 48 with --quick, unless the set has its own]
     #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=MeasuringSettings::LARGEST_SIZE.into()))]
@@ -64,8 +62,7 @@ pub struct RatioArgs {
     #[command(flatten)]
     pub measuring: MeasuringArgs,
     /// Keep measuring until this time has elapsed, all scenes together: 60s, 1.5m, 2h30m
-    #[arg(long, value_name = "TIME", conflicts_with = "rounds",
-          value_parser = measurement::settings::quantity::duration)]
+    #[arg(long, value_name = "TIME", conflicts_with = "rounds", value_parser = duration)]
     pub time_budget: Option<Duration>,
     /// Reference row of ratios [default: obvhs-cwbvh, else obvhs-cwbvh adapter=robust, else the
     /// first row]
@@ -147,7 +144,7 @@ pub struct PluginArgs {
     pub in_process: bool,
     /// Time limit of a plugin's build, and of each of its calls that answer rays
     #[arg(long, value_name = "TIME", default_value = "60s", requires = "plugin",
-          value_parser = measurement::settings::quantity::duration)]
+          value_parser = duration)]
     pub plugin_limit: Duration,
 }
 

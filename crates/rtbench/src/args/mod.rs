@@ -14,7 +14,6 @@ mod results;
 mod run;
 pub mod show;
 mod studies;
-mod sweep;
 
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs, TrialArgs};
 pub use files::{
@@ -31,13 +30,12 @@ pub use results::{
     BaselineAction, BaselineArgs, CompareArgs, CompareFormat, FolderArgs, HistoryArgs, MergeArgs,
     ReportArgs, SaveArgs,
 };
-pub use run::RunArgs;
+pub use run::{RunArgs, SweepArgs};
 pub use show::ShowArgs;
 pub use studies::{
     AccuracyArgs, AnimateArgs, CompareTracersArgs, ExplainArgs, HavranArgs, Publication,
     ReproduceArgs, VerifyArgs, ZachmannArgs,
 };
-pub use sweep::SweepArgs;
 
 /// The head of options that every command has.
 const GLOBAL: &str = "Every command";

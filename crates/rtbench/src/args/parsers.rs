@@ -1,6 +1,7 @@
 //! Parsers of what is typed.
 
 use clap::builder::{OsStringValueParser, PossibleValue, PossibleValuesParser, TypedValueParser};
+use measurement::settings::MeasuringSettings;
 use measurement::settings::choice::Choice;
 use scene_loading::source_names::name_of_path;
 
@@ -13,6 +14,11 @@ pub(crate) fn scene_name() -> impl TypedValueParser<Value = String> {
 pub(crate) fn choice<T: Choice + Send + Sync>() -> impl TypedValueParser<Value = T> {
     let values = T::ALL.iter().map(|(_, name, help)| PossibleValue::new(*name).help(*help));
     PossibleValuesParser::new(values).try_map(|text| T::typed(&text).ok_or("no such value"))
+}
+
+/// A number of threads.
+pub(crate) fn threads() -> impl TypedValueParser<Value = u16> {
+    clap::value_parser!(u16).range(1..=MeasuringSettings::MOST_THREADS.into())
 }
 
 /// A share as typed: `5%`. There is one way to write it, so that no `5` is taken for 500%.

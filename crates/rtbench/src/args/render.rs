@@ -4,10 +4,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
-use measurement::settings::{choice, quantity};
+use measurement::settings::choice;
+use measurement::settings::quantity::count;
 use scene_loading::SampleWishes;
 
-use crate::args::parsers::scene_name;
+use crate::args::parsers::{scene_name, threads};
 
 /// `--shadows` for shadow rays that the structure answers.
 pub const STRUCTURE_SHADOWS: &str = "structure";
@@ -30,12 +31,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "OCCLUDER", default_value = STRUCTURE_SHADOWS)]
     pub shadows: String,
     /// Width and height of the image
-    #[arg(long, value_name = "PIXELS", default_value_t = 512,
-          value_parser = measurement::settings::quantity::count(1..=16384))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 512, value_parser = count(1..=16384))]
     pub size: u32,
     /// Number of threads [default: all]
-    #[arg(short = 'j', long, value_name = "N",
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(short = 'j', long, value_name = "N", value_parser = threads())]
     pub threads: Option<u16>,
     /// How finely to sample.
     #[command(flatten)]
@@ -51,12 +50,10 @@ pub struct CostArgs {
     #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
     /// Width and height of the image
-    #[arg(long, value_name = "PIXELS", default_value_t = 256,
-          value_parser = measurement::settings::quantity::count(1..=16384))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = count(1..=16384))]
     pub size: u32,
     /// Number of threads that trace
-    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1, value_parser = threads())]
     pub threads: u16,
     /// Draw tests, steps and time of each pixel, structures side by side on one scale: tests.png,
     /// steps.png, time.png
@@ -107,13 +104,13 @@ impl FromStr for EffectSamples {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let (name, count) = text.split_once('=').unwrap_or((text, ""));
+        let (name, number) = text.split_once('=').unwrap_or((text, ""));
         let Some((_, place)) = EFFECTS.iter().find(|(known, _)| *known == name) else {
             let valid = EFFECTS.map(|(name, _)| name);
             let hint = choice::hint(name, valid);
             return Err(format!("unknown effect '{name}'{hint}; valid: {}", valid.join(", ")));
         };
-        let count = quantity::count(1..=65536)(count)?;
+        let count = count(1..=65536)(number)?;
         Ok(Self { place: *place, count })
     }
 }

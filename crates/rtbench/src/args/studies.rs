@@ -1,9 +1,10 @@
 //! Arguments of the studies: `accuracy`, `animate`, `compare-tracers`, `explain`, `reproduce`, `verify`.
 
 use crate::args::measuring::{MeasuringArgs, PluginArgs, RatioArgs};
-use crate::args::parsers::scene_name;
+use crate::args::parsers::{scene_name, threads};
 use clap::{Args, Subcommand};
 use measurement::settings::RunSettings;
+use measurement::settings::quantity::{count, duration};
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -22,17 +23,17 @@ pub struct AccuracyArgs {
     #[arg(long)]
     pub quick: bool,
     /// Rounds; each times every variant of an axis once [default: 15, quick 5]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(3..=1000))]
+    #[arg(long, value_name = "N", value_parser = count(3..=1000))]
     pub rounds: Option<u32>,
     /// Time the variants of each axis in this many fresh processes, one after the other
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = measurement::settings::quantity::count(1..=100))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = count(1..=100))]
     pub processes: u32,
     /// Width and height of the image whose rays are traced; as many extra rays as pixels are timed
     /// [default: 96, quick 32]
-    #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(8..=2048))]
+    #[arg(long, value_name = "PIXELS", value_parser = count(8..=2048))]
     pub size: Option<u32>,
     /// Trials against an exact oracle per variant [default: 100000, quick 10000]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(100..=100_000_000))]
+    #[arg(long, value_name = "N", value_parser = count(100..=100_000_000))]
     pub trials: Option<u32>,
     /// Seed of rays, targets, schedules and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -98,28 +99,26 @@ pub struct CompareTracersArgs {
     #[arg(long, value_name = "KIND", value_delimiter = ',')]
     pub without: Vec<String>,
     /// Samples per pixel [default: 1,2,4,...,1024; with --quick 1,4,16,64,256]
-    #[arg(long, value_name = "N", value_delimiter = ',',
-          value_parser = measurement::settings::quantity::count(1..=65536))]
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = count(1..=65536))]
     pub samples: Vec<u32>,
     /// Samples per pixel of each of the reference's two images [default: 4096; with --quick 1024]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=4_194_304))]
+    #[arg(long, value_name = "N", value_parser = count(1..=4_194_304))]
     pub reference_samples: Option<u32>,
     /// Structure that gives cones and beams their candidates: brute-force, uniform-grid,
     /// hashed-grid, bricked-grid or kd-tree, with settings if any
     #[arg(long, value_name = "STRUCTURE", default_value = "uniform-grid")]
     pub through: String,
     /// Width and height of the images [default: 64; with --quick 32]
-    #[arg(long, value_name = "PIXELS", value_parser = measurement::settings::quantity::count(1..=4096))]
+    #[arg(long, value_name = "PIXELS", value_parser = count(1..=4096))]
     pub size: Option<u32>,
     /// Rounds; each renders every image once [default: 5; with --quick 3]
-    #[arg(long, value_name = "N", value_parser = measurement::settings::quantity::count(1..=10_000))]
+    #[arg(long, value_name = "N", value_parser = count(1..=10_000))]
     pub rounds: Option<u32>,
     /// Use small images and fewer samples, for a first look
     #[arg(long)]
     pub quick: bool,
     /// Number of threads that trace
-    #[arg(short = 'j', long, value_name = "N", default_value_t = 1,
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(short = 'j', long, value_name = "N", default_value_t = 1, value_parser = threads())]
     pub threads: u16,
     /// Seed of samples, schedules and intervals
     #[arg(long, value_name = "N", default_value_t = 1)]
@@ -221,19 +220,17 @@ pub struct VerifyArgs {
     #[arg(long)]
     pub also_tested: bool,
     /// Rays per case and precision; the default takes about 5 minutes of processor time
-    #[arg(long, value_name = "N", default_value_t = 5000,
-          value_parser = measurement::settings::quantity::count(1..=100_000_000))]
+    #[arg(long, value_name = "N", default_value_t = 5000, value_parser = count(1..=100_000_000))]
     pub rays: u32,
     /// Seed of scenes and rays
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Number of threads [default: all]
-    #[arg(short = 'j', long, value_name = "N",
-          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(short = 'j', long, value_name = "N", value_parser = threads())]
     pub threads: Option<u16>,
     /// Stop after this time: results so far are printed and written, marked as incomplete, with
     /// exit code 5 if nothing is wrong; Ctrl-C does the same, with 130
-    #[arg(long, value_name = "TIME", value_parser = measurement::settings::quantity::duration)]
+    #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time_limit: Option<Duration>,
     /// Repeat one trial, given by a line that an earlier run printed
     #[arg(long, value_name = "LINE")]

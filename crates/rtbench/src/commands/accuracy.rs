@@ -8,12 +8,11 @@ use renderer::RaySettings;
 
 use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS};
-use crate::gate::against::{AgainstError, own_program};
-use measurement::rounds::error::MeasureError;
+use crate::error::{Error, FAILURE, SUCCESS};
+use crate::gate::against::own_program;
+use measurement::rounds::MeasureError;
 use measurement::scenes::KnownScene;
-use measurement::system::child_process::{ChildError, answer, arguments};
+use measurement::system::child_process::{answer, arguments};
 use measurement::system::files::write_text;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
@@ -115,8 +114,8 @@ fn in_processes(
     for process in 0..args.processes {
         let mut command = Command::new(program);
         command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
-        let answered: Result<Vec<AxisRecord>, ChildError> = answer(&mut command, &asked);
-        for other in &answered.map_err(AgainstError::New)? {
+        let answered: Vec<AxisRecord> = answer(&mut command, &asked)?;
+        for other in &answered {
             join(axis, other, process, args.seed)?;
         }
     }

@@ -7,11 +7,9 @@ use renderer::Image;
 use scene_loading::{Scene, ViewOptions, animation};
 
 use crate::args::{AnimateArgs, Color};
-use crate::commands::render::structure;
-use crate::commands::scene_pictures::image_of;
+use crate::commands::render::{image_of, structure};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{SUCCESS, WRONG_HITS};
+use crate::error::{Error, SUCCESS, WRONG_HITS};
 use measurement::plan::rows::Row;
 use measurement::settings::Precision;
 use measurement::system::files::write_text;

@@ -14,20 +14,17 @@ use crate::comparison::pairing::{MissingRow, Pairing};
 use crate::comparison::renamed::{self, Renaming};
 use crate::context::Context;
 use crate::error::Error;
-use crate::exports::outputs::Outputs;
-use crate::gate::report::Report;
+use crate::gate::report::{Report, annotations, csv, markdown};
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
-use crate::gate::{
-    Evidence, Finding, Instructions, ROUNDS, Times, export, judge, refuse, wall_clock,
-};
+use crate::gate::{Evidence, Finding, Instructions, ROUNDS, Times, judge, refuse, wall_clock};
+use crate::outputs::Outputs;
 use crate::replan::{self, ReplanError, Restriction};
-use crate::set_thresholds;
+use crate::set_options::thresholds_of_check;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::Plan;
 use measurement::plan::measured_row::select;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, file};
-use measurement::system::created::WriteError;
-use measurement::system::files::write_text;
+use measurement::system::files::{WriteError, write_text};
 use measurement::system::interrupt::undisturbed;
 use measurement::system::machine::PressureWatch;
 use presentation::json;
@@ -41,7 +38,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     if args.takes_turns() {
         default.time = OF_TURNS;
     }
-    default.rows = set_thresholds::of_check(context, args.as_set.as_deref(), &args.scenes)?;
+    default.rows = thresholds_of_check(context, args.as_set.as_deref(), &args.scenes)?;
     let thresholds = args.thresholds.over(default).checked()?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
@@ -75,8 +72,8 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     if let Some(folder) = &args.output {
         let [json_name, csv_name, markdown_name] = NAMES.map(|name| folder.join(name));
         write_text(&json_name, &json::written(&report)?)?;
-        write_text(&csv_name, &export::csv(&report)?)?;
-        write_text(&markdown_name, &export::markdown(&report, args.all))?;
+        write_text(&csv_name, &csv(&report)?)?;
+        write_text(&markdown_name, &markdown(&report, args.all))?;
     }
     tell_github(context, &report)?;
     Ok(report.exit_code(args.strict))
@@ -285,12 +282,12 @@ pub(super) fn confirmed(
 /// Annotations and the job's summary, where there is a GitHub to read them.
 fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> {
     if context.environment.github_actions {
-        context.annotations = export::annotations(report);
+        context.annotations = annotations(report);
     }
     let Some(path) = &context.environment.github_step_summary else { return Ok(()) };
     let append = || -> io::Result<()> {
         let mut file = OpenOptions::new().create(true).append(true).open(path)?;
-        file.write_all(export::markdown(report, false).as_bytes())
+        file.write_all(markdown(report, false).as_bytes())
     };
     Ok(undisturbed(append).map_err(|source| WriteError { path: path.clone(), source })?)
 }

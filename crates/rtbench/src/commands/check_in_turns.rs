@@ -11,7 +11,7 @@ use crate::comparison::pairing::Pairing;
 use crate::context::Context;
 use crate::error::Error;
 use crate::gate::against::TurnPlan;
-use crate::gate::against::{AgainstError, Contest, Program, own_program};
+use crate::gate::against::{Contest, Program, own_program};
 use crate::gate::contest::PairedTimes;
 use crate::gate::report::Report;
 use crate::gate::{Evidence, Instructions, Times, refuse, wall_clock};
@@ -74,14 +74,15 @@ impl Check<'_> {
         let times = Times::Paired { pairs: &[], looks };
         let untimed = Evidence { thresholds, base: &base, now: &now, instructions, times };
         let raced = |context: &Context<'_>, contest: &Contest| {
-            raced(context, &pace, |progress| {
-                let open = |pairs: &[PairedTimes]| {
-                    let times = Times::Paired { pairs, looks };
-                    wall_clock::undecided(&Evidence { times, ..untimed })
-                };
-                let times = contest.times(context.clock, progress, &open);
-                times.map_err(AgainstError::from)
-            })
+            let steps = u64::from(pace.expected());
+            let progress = Progress::new(context.shows_progress(), steps, pace.time_budget);
+            let open = |pairs: &[PairedTimes]| {
+                let times = Times::Paired { pairs, looks };
+                wall_clock::undecided(&Evidence { times, ..untimed })
+            };
+            let pairs = contest.times(context.clock, &progress, &open);
+            progress.finish();
+            pairs
         };
         let pairs = raced(context, &contest)?;
         let evidence = Evidence { times: Times::Paired { pairs: &pairs, looks }, ..untimed };
@@ -128,17 +129,4 @@ impl Check<'_> {
         let new = Program { path: own.to_owned(), plugins: plugins.clone() };
         [old, new, Program { path: copy.to_owned(), plugins }]
     }
-}
-
-/// The times of all turns, with a bar.
-fn raced(
-    context: &Context<'_>,
-    pace: &TurnPlan,
-    times: impl FnOnce(&Progress) -> Result<Vec<PairedTimes>, AgainstError>,
-) -> Result<Vec<PairedTimes>, Error> {
-    let steps = u64::from(pace.expected());
-    let progress = Progress::new(context.shows_progress(), steps, pace.time_budget);
-    let pairs = times(&progress);
-    progress.finish();
-    Ok(pairs?)
 }

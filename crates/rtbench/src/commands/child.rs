@@ -7,12 +7,11 @@ use std::io::{Read, Write};
 use crate::args::{ChildAction, ChildArgs, TrialArgs};
 use crate::commands::accuracy;
 use crate::commands::measuring::{measure_one, measure_scenes};
-use crate::commands::row_deaths::RowJournal;
+use crate::commands::run_state::RowJournal;
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS};
-use crate::exports::outputs::Outputs;
-use crate::gate::lap::Lap;
+use crate::error::{Error, FAILURE, SUCCESS};
+use crate::gate::contest::Lap;
+use crate::outputs::Outputs;
 use crate::replan::{self, Restriction};
 use accel_core::registry::Buildable;
 use measurement::callgrind::counted::count_all;
@@ -28,7 +27,7 @@ use measurement::scenes::LoadedScene;
 use measurement::settings::Precision;
 use measurement::system::pools::{self, Pools};
 use measurement::system::progress::Progress;
-use measurement::system::{machine, memory_layout};
+use measurement::system::{machine, memory};
 use presentation::json::FormatError;
 use renderer::Geometry;
 use serde::de::DeserializeOwned;
@@ -49,7 +48,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     use ChildAction::{Accuracy, Laps, Measure};
     let times = matches!(args.action, Measure { .. } | Laps | Accuracy);
     // until the answer is made, all else lies elsewhere
-    let _held = times.then(memory_layout::draw);
+    let _held = times.then(memory::draw_layout);
     let (answer, failures) = match &args.action {
         ChildAction::Build(build) => return trial_build(context, build).map(|()| SUCCESS),
         ChildAction::Plugin(args) => {

@@ -5,7 +5,6 @@ use std::path::Path;
 
 use accel_core::query::region::Frustum;
 use accel_core::query::tracer::Tracer;
-use accel_core::structure::BuildError;
 use accel_core::structures::frustum_queries;
 use accel_core::{Hit, Ray};
 use glam::DVec2;
@@ -17,11 +16,10 @@ use scene_loading::Scene;
 use crate::args::{Color, CompareTracersArgs};
 use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{SUCCESS, WRONG_HITS};
+use crate::error::{Error, SUCCESS, WRONG_HITS};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::system::files::write_text;
 use measurement::system::machine;
 use measurement::system::pools::pool;
@@ -79,7 +77,7 @@ pub fn run(
         plan_of(&scene, sampled_plan(&scene, frame, n).settings())?;
     }
     let rounds = choice(args.rounds, 5, 3);
-    let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
+    let build = MeasureError::of_build(&scene.name);
     let single = Geometry::<f32>::of(&scene)?;
     let double = Geometry::<f64>::of(&scene)?;
     let (threads, clock) = (usize::from(args.threads), context.clock);

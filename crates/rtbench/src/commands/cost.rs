@@ -1,7 +1,6 @@
 //! `rtbench cost`: the lecture's product with a scene's numbers, predicted and measured; and where
 //! in the image the time goes.
 
-use accel_core::structure::BuildError;
 use renderer::work::pixel_work;
 use renderer::{Geometry, RenderSettings, render_plan};
 use scene_loading::Scene;
@@ -12,9 +11,9 @@ use crate::commands::show::{Format, save};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::rows::Row;
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::system::clock::Clock;
-use measurement::system::created::CreatedFiles;
+use measurement::system::files::CreatedFiles;
 use measurement::system::pools::pool;
 use presentation::drawing::{HeatMap, Panel, heat_maps};
 use presentation::numbers::{milliseconds, short};
@@ -69,8 +68,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
             return Err(Error::NoModel { scenes: calibration.join(", ") });
         };
         let clock = context.clock;
-        let build =
-            |source: BuildError| MeasureError::Build { scene: scene.name().to_owned(), source };
+        let build = MeasureError::of_build(scene.name());
         let rows = pool.install(|| {
             let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
             let seconds_per_test = seconds_per_test(geometry.prims(), clock);
@@ -113,8 +111,8 @@ fn calibrate(
     clock: &dyn Clock,
 ) -> Result<Vec<(CountedWork, f64)>, Error> {
     let geometry = Geometry::<f32>::of(scene)?;
-    let build = |source: BuildError| MeasureError::Build { scene: scene.name.clone(), source };
-    let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;
+    let built = row.entry.build(geometry.prims(), &row.params);
+    let tracer = built.map_err(MeasureError::of_build(&scene.name))?;
     let seconds_per_test = seconds_per_test(geometry.prims(), clock);
     let traced = TracedStructure { tracer: &*tracer, seconds_per_test };
     let factors = factors(scene, settings);

@@ -4,7 +4,6 @@
 //! `unknown`; nothing is guessed.
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -13,14 +12,13 @@ use serde::Serialize;
 use crate::args::{Color, DoctorArgs, Format};
 use crate::context::Context;
 use crate::error::Error;
-use measurement::system::huge_pages::use_of;
-use measurement::system::machine::{kibibytes, value};
+use measurement::system::machine::{boost, kibibytes, line, value};
+use measurement::system::memory::huge_pages_in;
 use measurement::system::noise::Noise;
 use measurement::system::world;
-use presentation::fitted::wrapped;
 use presentation::json;
 use presentation::table::Style;
-use presentation::text::{Screen, painted};
+use presentation::text::{Screen, painted, wrapped};
 
 pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
     let noise = Noise::measured(context.clock);
@@ -106,18 +104,9 @@ struct Check {
 }
 
 /// Shown only where they are off, which is rare.
-const HUGE_PAGES: Check = Check {
-    name: "huge pages",
-    meaning: "a ray that goes through many megabytes waits for translations of addresses in small \
-              pages; figures of machines that have huge pages are better",
-    advice: "echo madvise | sudo tee /sys/kernel/mm/transparent_hugepage/enabled",
-    look: |system| {
-        let state = use_of(&system.read("sys/kernel/mm/transparent_hugepage/enabled")?)?;
-        Some((state != "never", "off".into()))
-    },
-};
+const HUGE_PAGES: &str = "huge pages";
 
-const CHECKS: [Check; 10] = [
+const CHECKS: [Check; 11] = [
     Check {
         name: "governor",
         meaning: "any governor but `performance` changes the clock frequency with the load: the \
@@ -137,8 +126,7 @@ const CHECKS: [Check; 10] = [
         advice: "echo 0 | sudo tee /sys/devices/system/cpu/cpufreq/boost (Intel: echo 1 | sudo tee \
                  /sys/devices/system/cpu/intel_pstate/no_turbo)",
         look: |system| {
-            let no_turbo = system.cpu_file("intel_pstate/no_turbo").map(|v| v == "0");
-            let boosts = no_turbo.or(system.cpu_file("cpufreq/boost").map(|v| v == "1"))?;
+            let boosts = boost(&system.root)?;
             Some((!boosts, on_or_off(boosts)))
         },
     },
@@ -235,28 +223,35 @@ const CHECKS: [Check; 10] = [
                  counters, not seconds",
         look: |system| Some(system.noise.clone()),
     },
+    Check {
+        name: HUGE_PAGES,
+        meaning: "a ray that goes through many megabytes waits for translations of addresses in \
+                  small pages; figures of machines that have huge pages are better",
+        advice: "echo madvise | sudo tee /sys/kernel/mm/transparent_hugepage/enabled",
+        look: |system| {
+            let state = huge_pages_in(&system.read("sys/kernel/mm/transparent_hugepage/enabled")?)?;
+            Some((state != "never", "off".into()))
+        },
+    },
 ];
 
 impl System {
     fn findings(&self) -> Vec<Finding> {
         let finding = |Check { name, meaning, advice, look }: Check| {
-            let found = look(self);
-            let level = match found {
-                None => Level::Unknown,
-                Some((true, _)) => Level::Good,
-                Some((false, _)) => Level::Warning,
+            let (level, value) = match look(self) {
+                None => (Level::Unknown, "the system does not say".to_owned()),
+                Some((true, words)) => (Level::Good, words),
+                Some((false, words)) => (Level::Warning, words),
             };
-            let value = found.map_or("the system does not say".to_owned(), |(_, words)| words);
             let advice = (level == Level::Warning).then_some(advice);
             Finding { name, level, value, meaning, advice }
         };
-        let huge_pages = Some(finding(HUGE_PAGES)).filter(|found| found.level == Level::Warning);
-        CHECKS.into_iter().map(finding).chain(huge_pages).collect()
+        let is_shown = |found: &Finding| found.name != HUGE_PAGES || found.level == Level::Warning;
+        CHECKS.into_iter().map(finding).filter(is_shown).collect()
     }
 
     fn read(&self, path: &str) -> Option<String> {
-        let text = fs::read_to_string(self.root.join(path)).ok()?;
-        Some(text.trim().to_owned()).filter(|text| !text.is_empty())
+        line(self.root.join(path))
     }
 
     fn cpu_file(&self, path: &str) -> Option<String> {
@@ -270,6 +265,8 @@ fn on_or_off(is_on: bool) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     const CPU: &str = "sys/devices/system/cpu";
@@ -317,10 +314,8 @@ mod tests {
             assert_eq!((finding.level, finding.advice), (Level::Good, None), "{finding:?}");
         }
         let busy = of(1, vec!["avx2"]);
-        assert_eq!(
-            busy.last().map(|found| (found.name, &*found.value)),
-            Some(("huge pages", "off"))
-        );
+        let last = busy.last().unwrap();
+        assert_eq!((last.name, &*last.value), (HUGE_PAGES, "off"));
         for finding in busy {
             assert_eq!(finding.level, Level::Warning, "{finding:?}");
             assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");

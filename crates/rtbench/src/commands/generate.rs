@@ -1,4 +1,9 @@
 //! `rtbench generate`: what the program says of itself, for other programs.
+//!
+//! The JSON schemas of what is written, and of scene files (draft 2020-12), stand in the folder
+//! `schema/`. Those of the record and of scene files are made from their types and the descriptions
+//! of these, and a test compares them with the files: `RTBENCH_WRITE_SCHEMA=1 cargo test -p rtbench
+//! --lib generate` writes them anew. Those of the formats of others restate what these say of them.
 
 use clap::CommandFactory;
 use clap_mangen::Man;
@@ -6,16 +11,15 @@ use clap_mangen::Man;
 use crate::args::{Cli, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 use crate::context::Context;
 use crate::error::Error;
-use crate::schema;
 use measurement::plan::error::PlanError;
-use measurement::system::created::WriteError;
+use measurement::system::files::WriteError;
 
 pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error> {
     let text = match args.what {
-        SchemaOf::RunRecord => schema::RUN_RECORD,
-        SchemaOf::GithubActionBenchmark => schema::GITHUB_ACTION_BENCHMARK,
-        SchemaOf::BencherMetricFormat => schema::BENCHER_METRIC_FORMAT,
-        SchemaOf::Scene => schema::SCENE,
+        SchemaOf::RunRecord => RUN_RECORD,
+        SchemaOf::GithubActionBenchmark => GITHUB_ACTION_BENCHMARK,
+        SchemaOf::BencherMetricFormat => BENCHER_METRIC_FORMAT,
+        SchemaOf::Scene => SCENE,
     };
     context.out.write_all(text.as_bytes())?;
     Ok(context.out.flush()?)
@@ -68,4 +72,183 @@ pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
     };
     Man::new(page.clone()).render(context.out)?;
     Ok(context.out.flush()?)
+}
+
+/// Of `results.json`.
+pub const RUN_RECORD: &str = include_str!("../../schema/run-record.schema.json");
+/// Of `--export-github-smaller` and `--export-github-bigger`.
+pub const GITHUB_ACTION_BENCHMARK: &str =
+    include_str!("../../schema/github-action-benchmark.schema.json");
+pub const BENCHER_METRIC_FORMAT: &str =
+    include_str!("../../schema/bencher-metric-format.schema.json");
+
+/// Of JSON scene files, which `scene_loading::scene_file` reads.
+pub const SCENE: &str = include_str!("../../schema/scene.schema.json");
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use scene_loading::scene_file::SceneFile;
+    use schemars::JsonSchema;
+    use schemars::generate::SchemaSettings;
+    use serde_json::Value;
+
+    use measurement::record::RunRecord;
+
+    const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/schema/");
+    /// The chapter on scenes.
+    const PAGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/scenes.md");
+
+    fn schema<T: JsonSchema>(settings: SchemaSettings, file: &str, title: &str) -> Value {
+        let mut schema = settings.into_generator().into_root_schema_for::<T>().to_value();
+        schema["$id"] = format!("https://github.com/rtbench/rtbench/{file}").into();
+        schema["title"] = title.into();
+        schema
+    }
+
+    /// Of the types: file and schema.
+    fn of_types() -> [(&'static str, Value); 2] {
+        let settings = SchemaSettings::draft2020_12;
+        let record = "run-record.schema.json";
+        let title = "Record of a run of rtbench";
+        let record = (record, schema::<RunRecord>(settings().for_serialize(), record, title));
+        let scene = "scene.schema.json";
+        let title = "Scene file of rtbench";
+        let scene = (scene, schema::<SceneFile>(settings().for_deserialize(), scene, title));
+        [record, scene]
+    }
+
+    /// Every property, with its place.
+    fn properties<'s>(place: &str, schema: &'s Value, found: &mut Vec<(String, &'s Value)>) {
+        let below = |key: &str| schema.get(key).and_then(Value::as_object).into_iter().flatten();
+        for (name, property) in below("properties") {
+            let place = format!("{place}.{name}");
+            found.push((place.clone(), property));
+            properties(&place, property, found);
+        }
+        for (name, definition) in below("$defs") {
+            properties(name, definition, found);
+        }
+        for choice in ["oneOf", "anyOf"] {
+            let choices = schema.get(choice).and_then(Value::as_array);
+            choices.into_iter().flatten().for_each(|one| properties(place, one, found));
+        }
+    }
+
+    /// The places of all properties that have no description, of their own or of their type.
+    fn undescribed(schema: &Value) -> Vec<String> {
+        let mut found = Vec::new();
+        properties("root", schema, &mut found);
+        let has_none = |property: &Value| {
+            let described =
+                |one: &Value| one["description"].as_str().is_some_and(|d| !d.is_empty());
+            // a variant with a value is described as a whole, its type where it is defined
+            !described(property)
+                && property.get("$ref").is_none()
+                && property.get("const").is_none()
+        };
+        let none = found.into_iter().filter(|(place, property)| {
+            let is_variant =
+                ["Source.", "ShapeEntry.", "Question."].iter().any(|of| place.starts_with(of));
+            has_none(property) && !is_variant
+        });
+        none.map(|(place, _)| place).collect()
+    }
+
+    #[test]
+    fn the_files_are_those_of_the_types() {
+        for (file, schema) in of_types() {
+            let path = format!("{FOLDER}{file}");
+            let mut expected = serde_json::to_string_pretty(&schema).unwrap();
+            expected.push('\n');
+            if std::env::var_os("RTBENCH_WRITE_SCHEMA").is_some() {
+                std::fs::write(&path, &expected).unwrap();
+            }
+            let found = std::fs::read_to_string(&path).unwrap();
+            let differing = expected.lines().zip(found.lines()).find(|(a, b)| a != b);
+            assert!(
+                expected == found,
+                "schema/{file} is not that of the types; the first difference: {differing:?}; \
+                 write it with RTBENCH_WRITE_SCHEMA=1 cargo test -p rtbench --lib generate"
+            );
+        }
+    }
+
+    #[test]
+    fn every_field_is_described() {
+        for (file, schema) in of_types() {
+            let found = undescribed(&schema);
+            assert!(found.is_empty(), "{file}: fields without a description: {}", found.join(", "));
+        }
+        // planted ones are found
+        for (i, definition, property) in [(0, "Machine", "cpu"), (1, "LightEntry", "position")] {
+            let mut schema = of_types()[i].1.clone();
+            schema["$defs"][definition]["properties"][property]
+                .as_object_mut()
+                .unwrap()
+                .remove("description");
+            assert_eq!(undescribed(&schema), [format!("{definition}.{property}")]);
+        }
+    }
+
+    /// The properties of scene files that a page does not name in backticks.
+    fn undocumented(page: &str) -> BTreeSet<String> {
+        let [_, (_, schema)] = of_types();
+        let mut found = Vec::new();
+        properties("root", &schema, &mut found);
+        let names = found.iter().filter_map(|(place, _)| place.rsplit('.').next());
+        let is_missing = |name: &&str| !page.contains(&format!("`{name}`"));
+        names.filter(is_missing).map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn the_page_on_scene_files_has_every_key() {
+        let page = std::fs::read_to_string(PAGE).unwrap();
+        assert_eq!(undocumented(&page), BTreeSet::new());
+        // a planted gap is found
+        let cut = page.replace("`focal_distance`", "");
+        assert_eq!(undocumented(&cut), BTreeSet::from(["focal_distance".to_owned()]));
+    }
+
+    #[test]
+    fn scene_files_of_the_repository_are_of_the_schema_and_broken_ones_are_not() {
+        let validator = jsonschema::validator_for(&of_types()[1].1).unwrap();
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes");
+        let mut seen = 0;
+        for folder in [folder.to_owned(), format!("{folder}/effects")] {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.extension().is_none_or(|ending| ending != "json") {
+                    continue;
+                }
+                let text = std::fs::read_to_string(&path).unwrap();
+                let scene: Value = serde_json::from_str(&text).unwrap();
+                let error = validator.validate(&scene).err().map(|error| error.to_string());
+                assert_eq!(error, None, "{}", path.display());
+                seen += 1;
+            }
+        }
+        assert!(seen > 15, "{seen}");
+        let scene = serde_json::json!({
+            "name": "a", "title": "t", "why": "w", "source": {"file": "a.ply"},
+            "camera": {"from": [0, 0, 1], "at": [0, 0, 0], "up": [0, 1, 0], "angle": 40},
+            "lights": [{"position": [0, 9, 0], "radius": 1}], "effects": {"shadow": 4}
+        });
+        assert!(validator.is_valid(&scene));
+        type Plant = fn(&mut Value);
+        let plants: [Plant; 6] = [
+            |scene| scene["lihgts"] = Value::Null,
+            |scene| scene["lights"][0]["radius"] = (-1).into(),
+            |scene| scene["effects"]["shadow"] = 0.into(),
+            |scene| scene["camera"]["from"] = serde_json::json!([0, 1]),
+            |scene| scene["source"] = serde_json::json!({"url": "a"}),
+            |scene| drop(scene.as_object_mut().unwrap().remove("title")),
+        ];
+        for (i, plant) in plants.iter().enumerate() {
+            let mut broken = scene.clone();
+            plant(&mut broken);
+            assert!(!validator.is_valid(&broken), "plant {i}");
+        }
+    }
 }

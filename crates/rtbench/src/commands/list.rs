@@ -42,7 +42,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             .scenes
             .sets()?
             .into_iter()
-            .map(|(name, scenes)| json!({"name": name, "scenes": scenes}))
+            .map(|set| json!({"name": set.name, "scenes": set.scenes}))
             .collect(),
         ListSubject::Rays => RayKind::ALL
             .iter()

@@ -7,20 +7,18 @@ use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration;
 
 use crate::commands::processes::Processes;
-use crate::commands::row_deaths::{RowJournal, refuse_deadly, skip_deadly};
-use crate::commands::run_state::{Budget, progress, steps_of};
-use crate::commands::run_state::{RunState, is_due, saved, sum_up};
+use crate::commands::run_state::{
+    Budget, RowJournal, RunState, is_due, refuse_deadly, saved, skip_deadly, steps_of, sum_up,
+};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS, WRONG_HITS};
-use crate::exports::outputs::Outputs;
-use crate::gate::against::AgainstError;
+use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
+use crate::outputs::Outputs;
 use measurement::journal::lines::Line;
 use measurement::plan::Plan;
 use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
 use measurement::record::warnings;
 use measurement::record::{RunRecord, SCHEMA_VERSION, SceneRecord, Settings, Verdict};
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::rounds::scene_run::{SceneInput, run_scene};
 use measurement::scenes::KnownScene;
 use measurement::settings::{Lights, Precision};
@@ -137,12 +135,13 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         record: RunRecord,
     ) -> Result<Self, Error> {
         let unfinished = (0..plan.scenes.len()).filter(|i| !kept.finished.contains_key(i));
+        let steps = unfinished.map(|i| steps_of(plan, i)).sum();
         Ok(Self {
             plan,
             pools: Pools::new(plan.threads)?,
             processes: Processes::of(context, plan)?,
             budget: Budget::new(plan, context.clock.now(), kept.finished.len()),
-            progress: progress(context, plan, unfinished.map(|i| steps_of(plan, i)).sum()),
+            progress: Progress::new(context.shows_progress(), steps, plan.rounds.budget()),
             steps: 0,
             left: plan.scenes.len() - kept.finished.len(),
             kept,
@@ -218,10 +217,9 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         let Err(error) = joined else { return };
         // a missing A/A floor is not fatal
         self.failures += usize::from(own.processes > 1);
-        let error = AgainstError::New(error);
         self.progress.suspend(|| match own.processes {
             1 => context.warn(&error),
-            _ => context.error(Error::from(error)),
+            _ => context.error(&error),
         });
     }
 

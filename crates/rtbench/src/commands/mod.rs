@@ -1,35 +1,26 @@
-//! The subcommands, one per file.
+//! The subcommands, one per file; those that only read recorded results are in [`results`].
 
 pub mod accuracy;
 pub mod animate;
 pub mod baseline;
-pub mod by_files;
 pub mod check;
 mod check_in_turns;
 pub mod child;
-pub mod compare;
 pub mod compare_tracers;
 pub mod cost;
 pub mod doctor;
-pub mod explain;
 pub mod generate;
-pub mod history;
 pub mod list;
 pub mod measuring;
-pub mod merge;
-pub mod named_files;
 mod processes;
+pub mod rays;
 pub mod render;
-pub mod report;
 pub mod reproduce;
-mod resumable;
-pub mod row_deaths;
+pub mod results;
 pub mod run;
-mod run_outputs;
+pub mod run_outputs;
 pub mod run_state;
-pub mod scene_pictures;
 pub mod scenes;
 pub mod show;
 pub mod sweep;
-pub mod trace;
 pub mod verify;

@@ -10,12 +10,12 @@ use std::time::Duration;
 use crate::context::Context;
 use crate::error::Error;
 use crate::gate::against::own_program;
-use measurement::plan::{Plan, Rounds};
-use measurement::record::floor::factors;
+use measurement::plan::Plan;
+use measurement::record::processes::{factors, join};
 use measurement::record::{FloorRecord, RunRecord, SceneRecord};
-use measurement::rounds::joined::join;
-use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
-use measurement::system::program_copy::ProgramCopy;
+use measurement::system::child_process::{
+    ChildError, ProgramCopy, answer, arguments, without_samples,
+};
 use measurement::system::progress::Progress;
 
 /// A check and a baseline have one process of the program and one of the copy, each with a third of
@@ -143,10 +143,10 @@ impl Processes {
 /// Rounds of each process: as many as are asked for, or as the scene's share of a time budget has
 /// room for by the round that this process made.
 fn rounds_of(plan: &Plan<'_>, scene: &SceneRecord, share: Option<Duration>) -> usize {
-    let at_least = match plan.rounds {
-        Rounds::Fixed(rounds) => return rounds,
-        Rounds::Budget { at_least, .. } => at_least,
-    };
+    let at_least = plan.rounds.at_least();
+    if plan.rounds.budget().is_none() {
+        return at_least;
+    }
     let rows = || scene.rows.iter().flat_map(|row| &row.samples);
     let round_s: f64 = rows().map(|sample| sample.build_s + sample.total_trace_s()).sum();
     let each = share.unwrap_or_default().as_secs_f64() / f64::from(plan.processes);

@@ -3,8 +3,7 @@
 use crate::args::{Color, HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS};
+use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::plan::Plan;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;

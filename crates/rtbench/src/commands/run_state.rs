@@ -1,19 +1,26 @@
 //! What a run keeps while it goes on: its journal, its outputs, what the disk does not take, and how
 //! much of its time budget each scene has.
+//!
+//! The journal notes which row is begun. One that was begun too often without an end (it ended the
+//! program, out of memory say) is left out, so that a resumed run gets past it.
 
-use crate::context::Context;
-use crate::error::Error;
-use crate::exports::outputs::{Outputs, keep_elsewhere};
-use measurement::journal::Journal;
-use measurement::journal::lines::{DeathCounts, Line};
-use measurement::plan::{Plan, Rounds};
-use measurement::record::summary::summarize;
-use measurement::record::{RunRecord, SceneRecord};
-use measurement::system::progress::Progress;
+use std::cell::{Cell, RefCell};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
+
+use crate::context::Context;
+use crate::error::Error;
+use crate::outputs::{Outputs, keep_elsewhere};
+use measurement::journal::Journal;
+use measurement::journal::lines::{DeathCounts, Line};
+use measurement::plan::Plan;
+use measurement::record::summary::summarize;
+use measurement::record::{RunRecord, SceneRecord};
+use measurement::rounds::MeasureError;
+use measurement::rounds::scope::RowLog;
+use measurement::rounds::trial::TrialOutcome;
 use studies::run::conclusions::conclude_run;
 use studies::sweep::sizes::quantities;
 
@@ -110,14 +117,9 @@ pub struct Budget {
 impl Budget {
     /// Budget of a run whose part begins `now`, with this many scenes finished before.
     pub fn new(plan: &Plan<'_>, now: Duration, finished: usize) -> Self {
-        let (total, before) = match plan.rounds {
-            Rounds::Budget { total, .. } => {
-                let share = finished as f64 / plan.scenes.len().max(1) as f64;
-                (Some(total), total.mul_f64(share))
-            }
-            Rounds::Fixed(_) => (None, Duration::ZERO),
-        };
-        Self { total, start: now, before }
+        let total = plan.rounds.budget();
+        let share = finished as f64 / plan.scenes.len().max(1) as f64;
+        Self { total, start: now, before: total.unwrap_or_default().mul_f64(share) }
     }
 
     /// When the rounds of the next scene end: what is left of the budget, shared by the scenes
@@ -137,17 +139,75 @@ impl Budget {
 /// Steps of the bar for the scene at that place: each row is checked, timed in each round,
 /// rendered.
 pub fn steps_of(plan: &Plan<'_>, scene: usize) -> u64 {
-    let rounds = match plan.rounds {
-        Rounds::Fixed(n) => n,
-        Rounds::Budget { at_least, .. } => at_least,
-    };
-    (plan.rows_in(scene) * (rounds * plan.processes as usize + 2)) as u64
+    (plan.rows_in(scene) * (plan.rounds.at_least() * plan.processes as usize + 2)) as u64
 }
 
-pub fn progress(context: &Context<'_>, plan: &Plan<'_>, steps: u64) -> Progress {
-    let budget = match plan.rounds {
-        Rounds::Budget { total, .. } => Some(total),
-        Rounds::Fixed(_) => None,
-    };
-    Progress::new(context.shows_progress(), steps, budget)
+/// The journal, as the rows of a scene see it.
+pub struct RowJournal<'a> {
+    journal: RefCell<Option<&'a mut Journal>>,
+    /// A row is noted of which it is not noted that it passed.
+    is_begun: Cell<bool>,
+}
+
+impl<'a> RowJournal<'a> {
+    /// Over the journal of a run, if it has one.
+    pub fn new(journal: Option<&'a mut Journal>) -> Self {
+        Self { journal: RefCell::new(journal), is_begun: Cell::new(false) }
+    }
+
+    fn note(&self, line: &Line) {
+        if let Some(journal) = self.journal.borrow_mut().as_deref_mut() {
+            // a row that is not noted is tried once more after a death; what is finished is noted
+            // with its errors
+            let _ = journal.note(line);
+        }
+    }
+}
+
+impl RowLog for RowJournal<'_> {
+    fn row_begins(&self, label: &str) {
+        self.is_begun.set(true);
+        self.note(&Line::Row(label.to_owned()));
+    }
+
+    fn rows_passed(&self) {
+        if self.is_begun.replace(false) {
+            self.note(&Line::Passed);
+        }
+    }
+}
+
+/// So often a row may end the program before it is left out, and a scene before its first row.
+const DEATHS: usize = 2;
+
+/// Refuses a scene that ended the program too often before its first row.
+pub fn refuse_deadly(name: &str, scene: usize, deaths: &DeathCounts) -> Result<(), Error> {
+    match deaths.get(&(scene, None)) {
+        Some(&times) if times >= DEATHS => {
+            Err(MeasureError::Deadly { scene: name.to_owned(), times }.into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Leaves out the rows of a scene that ended the program too often, as if their trials had.
+pub fn skip_deadly(
+    trials: &mut Vec<TrialOutcome>,
+    plan: &Plan<'_>,
+    scene: usize,
+    deaths: &DeathCounts,
+) {
+    for (row, i) in plan.rows.iter().zip(0..) {
+        let count = deaths.get(&(scene, Some(row.label()))).copied().unwrap_or(0);
+        if count < DEATHS {
+            continue;
+        }
+        trials.resize(plan.rows.len(), TrialOutcome::Ended { peak_bytes: None });
+        if let Some(trial) = trials.get_mut(i) {
+            *trial = TrialOutcome::Died(format!(
+                "skipped: {count} times the program died while this row was built, checked or first timed \
+                 (killed, or out of memory?)"
+            ));
+        }
+    }
 }

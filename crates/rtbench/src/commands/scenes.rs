@@ -6,8 +6,7 @@ use scene_loading::info::SceneInfo;
 
 use crate::args::{Color, SceneNames, ScenesAction};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{FAILURE, SUCCESS};
+use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::scenes::{KnownScene, LoadError, LoadedScene};
 use presentation::outside::line;
 

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use accel_core::query::cells::NoCells;
-use accel_core::structure::BuildError;
 use accel_core::{Aabb, Ray, Vector};
 use glam::{DVec2, DVec3};
 use renderer::Geometry;
@@ -17,8 +16,8 @@ use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
-use measurement::rounds::error::MeasureError;
-use measurement::system::created::{CreatedFiles, WriteError};
+use measurement::rounds::MeasureError;
+use measurement::system::files::{CreatedFiles, WriteError};
 use measurement::system::machine;
 use measurement::system::pools::pool;
 use presentation::drawing::Drawing;
@@ -79,7 +78,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
     let pool = pool(machine::threads())?;
     let mut shown = Vec::with_capacity(rows.len());
     for row in &rows {
-        let build = |source: BuildError| MeasureError::Build { scene: loaded.name.clone(), source };
+        let build = MeasureError::of_build(&loaded.name);
         let no_cells = |source: NoCells| Error::NoCells { row: row.label(), source };
         let one = || {
             let tracer = row.entry.build(geometry.prims(), &row.params).map_err(build)?;

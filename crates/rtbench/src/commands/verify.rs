@@ -6,13 +6,11 @@ use std::sync::atomic::AtomicUsize;
 
 use crate::args::{Color, VerifyArgs};
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
-use crate::exports::occupied::refuse_files;
+use crate::error::{Error, INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
+use crate::outputs::refuse_files;
 use measurement::plan::error::PlanError;
-use measurement::rounds::error::MeasureError;
-use measurement::system::created::CreatedFiles;
-use measurement::system::files::write_text;
+use measurement::rounds::MeasureError;
+use measurement::system::files::{CreatedFiles, write_text};
 use measurement::system::interrupt;
 use measurement::system::machine;
 use measurement::system::pools::deep_pool;

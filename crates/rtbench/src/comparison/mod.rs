@@ -1,6 +1,5 @@
 //! Two runs side by side: scene by scene, row by row, metric by metric.
 
-pub mod csv;
 pub mod differences;
 pub mod entry;
 pub mod means;

@@ -6,11 +6,14 @@ use std::io::{self, Write};
 use crate::comparison::entry::{ComparisonOutcome, Entry};
 use crate::comparison::{Comparison, SceneComparison, Side};
 use measurement::record::label;
+use presentation::csv::{estimate, number, written};
+use presentation::json::FormatError;
 use presentation::markdown::{escaped, push_table};
 use presentation::numbers;
 use presentation::table::{Cell, Style, Table};
 use presentation::text::Screen;
 use statistics::estimate::Estimate;
+use statistics::verdict::Change;
 
 /// Column heads of a scene's table.
 const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];
@@ -200,4 +203,56 @@ fn outcome(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> Cell {
         ComparisonOutcome::Inconclusive | ComparisonOutcome::TooFewRounds => Style::Plain,
     };
     Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
+}
+
+/// The columns, in order.
+pub const COLUMNS: [&str; 14] = [
+    "old_file",
+    "new_file",
+    "scene",
+    "structure",
+    "settings",
+    "metric",
+    "unit",
+    "old",
+    "new",
+    "ratio",
+    "ratio_low",
+    "ratio_high",
+    "p",
+    "outcome",
+];
+
+/// One row per scene, row and metric; geometric means have no scene, and what was left out has no
+/// metric.
+pub fn to_csv(comparisons: &[Comparison]) -> Result<String, FormatError> {
+    written(|writer| {
+        writer.write_record(COLUMNS)?;
+        for comparison in comparisons {
+            let files = [&*comparison.old.path, &*comparison.new.path];
+            for scene in &comparison.scenes {
+                for e in &scene.entries {
+                    let Change { old, new, ratio, p, .. } = e.change;
+                    let [old, new, p] = [Some(old), Some(new), p].map(number);
+                    let [ratio, low, high] = estimate(ratio);
+                    let row = [&*scene.scene, &*e.structure, &*e.settings, e.metric, e.unit];
+                    let figures = [&*old, &*new, &*ratio, &*low, &*high, &*p, e.outcome.name()];
+                    writer.write_record(files.iter().chain(&row).chain(&figures))?;
+                }
+                for out in &scene.left_out {
+                    let row = [&*scene.scene, &*out.structure, &*out.settings];
+                    let figures = ["", "", "", "", "", "", "", "", &*out.why];
+                    writer.write_record(files.iter().chain(&row).chain(&figures))?;
+                }
+            }
+            for mean in &comparison.means {
+                let [ratio, low, high] = estimate(mean.ratio);
+                let p = number(mean.p);
+                let row = ["", &*mean.structure, &*mean.settings, mean.metric];
+                let figures = ["", "", "", &*ratio, &*low, &*high, &*p, mean.outcome.name()];
+                writer.write_record(files.iter().chain(&row).chain(&figures))?;
+            }
+        }
+        Ok(())
+    })
 }

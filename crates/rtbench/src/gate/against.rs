@@ -29,10 +29,10 @@ pub enum AgainstError {
     NoProgram,
 }
 
-impl From<(usize, ChildError)> for AgainstError {
-    /// Error of a program, given by its place in [`Contest::programs`].
-    fn from((place, error): (usize, ChildError)) -> Self {
-        if place == 0 { Self::Old(error) } else { Self::New(error) }
+impl AgainstError {
+    /// Error of the program at a place in [`Contest::programs`].
+    pub fn of(place: usize) -> fn(ChildError) -> Self {
+        if place == 0 { Self::Old } else { Self::New }
     }
 }
 

@@ -1,18 +1,14 @@
 //! Comparison of a run with a baseline, in stages: what is exact first, what is noisy last.
 //!
 //! A stage looks at the evidence and says of each thing it can judge what became of it. Adding one
-//! takes a file and a line in [`STAGES`].
+//! takes a line in [`STAGES`].
 
 pub mod against;
-pub mod answers;
 // programs by their places, rows by theirs
 #[allow(clippy::indexing_slicing)]
 pub mod contest;
-pub mod counters;
 mod evidence;
-pub mod export;
-pub mod instructions;
-pub mod lap;
+pub mod exact;
 pub mod report;
 pub mod thresholds;
 pub mod wall_clock;
@@ -26,7 +22,7 @@ use measurement::record::{RunRecord, Verdict};
 
 /// All stages, in the order in which they are printed: the surest first.
 pub static STAGES: &[Stage] =
-    &[answers::STAGE, counters::STAGE, instructions::STAGE, wall_clock::STAGE];
+    &[exact::ANSWERS, exact::COUNTERS, exact::INSTRUCTIONS, wall_clock::STAGE];
 
 pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     STAGES.iter().flat_map(|stage| (stage.judge)(evidence)).collect()

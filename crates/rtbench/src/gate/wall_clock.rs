@@ -17,8 +17,8 @@ use crate::comparison::pairing::RowPair;
 use crate::gate::contest::{self, Key, PairedTimes};
 use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage, Times};
 use crate::gate::thresholds::Thresholds;
-use measurement::record::metrics::{METRICS, Metric, Reading};
-use measurement::record::{RowRecord, RunRecord, Sample, ratios};
+use measurement::record::metrics::{METRICS, Metric, Reading, series};
+use measurement::record::{RowRecord, RunRecord, Sample};
 use statistics::estimate::median;
 use statistics::mann_whitney::{least_p, samples_needed};
 use statistics::ratio_of_medians::FEWEST;
@@ -47,7 +47,7 @@ fn seconds(row: &RowRecord, what: &str) -> Option<f64> {
         "trace" => Some(sample.total_trace_s()),
         kind => sample.trace_s.get(kind).copied(),
     };
-    median(ratios::series(row, of).values())
+    median(series(row, of).values())
 }
 
 /// Why nothing is tested.

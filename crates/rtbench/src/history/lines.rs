@@ -149,6 +149,11 @@ impl History {
         }
     }
 
+    /// The commit's name of a run, short.
+    pub fn id(&self, visit: usize) -> String {
+        self.visits.get(visit).map_or(String::new(), Visit::id)
+    }
+
     /// All changes, each with its key and line, in the order of the keys.
     pub fn changes(&self) -> impl Iterator<Item = (&Key, &Line, &Change)> {
         let lines = self.lines.iter().flat_map(|(key, lines)| lines.iter().map(move |l| (key, l)));

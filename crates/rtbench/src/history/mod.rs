@@ -6,28 +6,25 @@
 //! its settings; nothing is ever joined across two. Changes are found by E-divisive
 //! ([`statistics::change_points`]) on the logarithms of the ratios.
 
-mod index_page;
+mod layout;
 mod lines;
-mod names;
-mod row_page;
-mod shell;
+mod pages;
 mod visit;
 
 pub use lines::{Change, History, Key, Line, MachineSetup, Point, Quantity};
-pub use visit::HistoryError;
-pub use visit::{Visit, visits};
+pub use visit::{Git, GitError, HistoryError, Visit, visits};
 
-use crate::history::names::Names;
+use crate::history::layout::Names;
 
 /// The files of the site: their paths within it, and what is in them.
 pub fn site(history: &History) -> Vec<(String, String)> {
     let names = Names::new(history);
-    let mut files = vec![(names::INDEX.to_owned(), index_page::page(history, &names))];
+    let mut files = vec![(layout::INDEX.to_owned(), pages::index_page(history, &names))];
     for (scene, path) in names.scenes() {
-        files.push((path.clone(), row_page::scene_page(history, &names, scene)));
+        files.push((path.clone(), pages::scene_page(history, &names, scene)));
     }
     for (page, path) in names.pages() {
-        files.push((path.clone(), row_page::page(history, &names, page)));
+        files.push((path.clone(), pages::row_page(history, &names, page)));
     }
     files
 }

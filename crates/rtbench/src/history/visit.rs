@@ -1,10 +1,12 @@
-//! The runs of a history: records in folders, in the order of their commits.
+//! The runs of a history: records in folders, in the order of their commits, which git is asked for.
 
-use crate::git::{self, Commit, Git, GitError};
-use measurement::record::file::RecordError;
-use measurement::record::{RunRecord, file};
+use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use measurement::record::RunRecord;
+use measurement::record::file::{self, RecordError};
 
 /// A run that was kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +26,7 @@ impl Visit {
     /// The commit's name, short.
     pub fn id(&self) -> String {
         let id = self.run.tool.git_revision.as_ref();
-        id.map_or_else(|| "unknown".to_owned(), |id| git::short(id))
+        id.map_or_else(|| "unknown".to_owned(), |id| short(id))
     }
 
     /// The first line of the commit's message, where it is known.
@@ -100,4 +102,92 @@ pub enum HistoryError {
     Git(#[from] GitError),
     #[error("{}: {source}", record.display())]
     UnknownCommit { record: PathBuf, source: GitError },
+}
+
+/// Git did not answer.
+#[derive(Debug, thiserror::Error)]
+pub enum GitError {
+    #[error("cannot start git: {0}")]
+    Start(io::Error),
+    #[error("{}: no commit `{commit}` in this repository", folder.display())]
+    UnknownCommit { commit: String, folder: PathBuf },
+    #[error("{}: git {asked}: {said}", folder.display())]
+    Failed { folder: PathBuf, asked: String, said: String },
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Commit {
+    pub id: String,
+    /// When it was committed, seconds since 1970.
+    pub unix_s: u64,
+    /// The first line of its message.
+    pub subject: String,
+}
+
+/// As many letters of a commit's name as are shown.
+const SHOWN: usize = 10;
+
+/// A commit's name as it is shown.
+pub fn short(id: &str) -> String {
+    id.chars().take(SHOWN).collect()
+}
+
+#[derive(Debug, Clone)]
+pub struct Git {
+    program: PathBuf,
+    folder: PathBuf,
+}
+
+impl Git {
+    pub fn at(folder: &Path) -> Result<Self, GitError> {
+        Self::with(Path::new("git"), folder)
+    }
+
+    /// The same by a program of the caller's choice.
+    pub fn with(program: &Path, folder: &Path) -> Result<Self, GitError> {
+        let git = Self { program: program.into(), folder: folder.into() };
+        git.ask(["rev-parse", "--git-dir"])?;
+        Ok(git)
+    }
+
+    /// Output of git without the final line break.
+    fn ask<A: AsRef<OsStr>>(
+        &self,
+        arguments: impl IntoIterator<Item = A>,
+    ) -> Result<String, GitError> {
+        let mut command = Command::new(&self.program);
+        command.arg("-C").arg(&self.folder).args(arguments).stdin(Stdio::null());
+        // a hook that calls us names its own repository
+        for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX"] {
+            command.env_remove(name);
+        }
+        let ended = command.output().map_err(GitError::Start)?;
+        if ended.status.success() {
+            return Ok(String::from_utf8_lossy(&ended.stdout).trim_end().to_owned());
+        }
+        let said = String::from_utf8_lossy(&ended.stderr);
+        let said = said.lines().rev().map(str::trim).find(|line| !line.is_empty());
+        let asked = command.get_args().skip(2).map(OsStr::to_string_lossy);
+        Err(GitError::Failed {
+            folder: self.folder.clone(),
+            asked: asked.collect::<Vec<_>>().join(" "),
+            said: said.map_or_else(|| ended.status.to_string(), str::to_owned),
+        })
+    }
+
+    pub fn commit(&self, name: &str) -> Result<Commit, GitError> {
+        let unknown =
+            || GitError::UnknownCommit { commit: name.into(), folder: self.folder.clone() };
+        let exact = format!("{name}^{{commit}}");
+        let verified = self.ask(["rev-parse", "--verify", "--quiet", "--end-of-options", &exact]);
+        let id = match verified {
+            Ok(id) => id,
+            Err(GitError::Failed { .. }) => return Err(unknown()),
+            Err(other) => return Err(other),
+        };
+        let shown = self.ask(["show", "--no-patch", "--format=%ct %s", &id])?;
+        let (unix_s, subject) = shown.split_once(' ').unwrap_or((&shown, ""));
+        let unix_s = unix_s.parse().map_err(|_| unknown())?;
+        Ok(Commit { id, unix_s, subject: subject.to_owned() })
+    }
 }

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use crate::report::page::utc;
 use measurement::record::file::{self, RecordError};
 use measurement::record::{RunRecord, SceneRecord};
+use presentation::numbers::utc;
 use scene_loading::source_hash::sha256_of_bytes;
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -131,15 +131,17 @@ impl Material {
     }
 }
 
+fn if_there(path: &Path) -> Result<Option<Vec<u8>>, RecordError> {
+    path.exists().then(|| file::bytes(path)).transpose()
+}
+
 /// A JSON file, where there is one.
 fn json<T: DeserializeOwned>(
     path: &Path,
     written_by: &'static str,
 ) -> Result<Option<T>, ReportError> {
-    if !path.exists() {
-        return Ok(None);
-    }
-    Ok(Some(file::parsed(path, &file::bytes(path)?, written_by)?))
+    let text = if_there(path)?;
+    Ok(text.map(|text| file::parsed(path, &text, written_by)).transpose()?)
 }
 
 /// A CSV file, where there is one.
@@ -147,10 +149,7 @@ fn csv<T: DeserializeOwned>(
     path: &Path,
     written_by: &'static str,
 ) -> Result<Option<Vec<T>>, ReportError> {
-    if !path.exists() {
-        return Ok(None);
-    }
-    let text = file::bytes(path)?;
+    let Some(text) = if_there(path)? else { return Ok(None) };
     let rows: Result<_, csv::Error> = csv::Reader::from_reader(&text[..]).deserialize().collect();
     let error = |message| ReportError::Csv { path: path.to_owned(), message, written_by };
     rows.map(Some).map_err(|e| error(e.to_string()))

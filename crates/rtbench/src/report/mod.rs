@@ -3,15 +3,12 @@
 //! A section is a function and a line in [`SECTIONS`]. One that the folder has nothing for is left
 //! out; the end of the page names the command that makes it.
 
-mod glossary;
 pub mod material;
 pub mod page;
 mod plots;
 mod sections;
-mod side_by_side;
 
 pub use material::ReportError;
-pub use page::utc;
 pub use page::{Page, SectionOutcome, file_name};
 
 use crate::report::material::Material;
@@ -50,7 +47,7 @@ pub static SECTIONS: &[Section] = &[
     section("sweeps", "Parameters over their values", "rtbench sweep SCENE -s STRUCTURE -p PARAM --values A..B -o DIR/sweep-PARAM", sections::studies::sweeps),
     section("warnings", "Warnings and outliers", BY_RUN, sections::machine::write_warnings),
     section("machine", "How to repeat it", BY_RUN, sections::machine::write),
-    section("glossary", "What the symbols mean", BY_RUN, glossary::glossary),
+    section("glossary", "What the symbols mean", BY_RUN, page::glossary),
 ];
 
 const fn section(
@@ -118,8 +115,8 @@ fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
         std::mem::take(&mut page.html).finish()
     };
     let part = |id: &str, title, body| ReportSection { id: id.to_owned(), title, body };
-    let answers = body(page, &mut |page| side_by_side::answers(runs, page));
-    let beside = body(page, &mut |page| side_by_side::write(runs, page));
+    let answers = body(page, &mut |page| sections::run::answers(runs, page));
+    let beside = body(page, &mut |page| sections::run::side_by_side(runs, page));
     let mut top = vec![part("headlines", "Answers", answers)];
     top.push(part("side-by-side", "Side by side", beside));
     let names: Vec<(String, String)> = (1..)
@@ -163,9 +160,7 @@ fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> V
 }
 
 fn write(html: &mut Html, ReportSection { id, title, body }: &ReportSection) {
-    let heading = format!("{id}-title");
-    html.open("section", &[("id", id), ("aria-labelledby", &heading)]);
-    html.element("h2", &[("id", &heading)], title);
+    html.open_section(id, title);
     html.markup(body);
     html.close();
 }

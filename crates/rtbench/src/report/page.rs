@@ -1,10 +1,14 @@
-//! Page that sections write to, and a moment as people write it there.
+//! Page that sections write to, and its glossary: symbols of Havran and Sixta (1999), and of times.
 
-use measurement::system::progress::Progress;
-use presentation::html::Html;
-use presentation::page::figure;
-use presentation::svg_plot::Drawing;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use scene_loading::source_hash::sha256_of_bytes;
+
+use crate::report::material::Material;
+use measurement::system::progress::Progress;
+use presentation::html::{Attribute, Html};
+use presentation::page::{TableStyle, figure};
+use presentation::svg_plot::Drawing;
 
 /// True if there was something to show.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +43,12 @@ impl Page {
     }
 }
 
+/// An image within the page, of a kind by its media type.
+pub(super) fn image(html: &mut Html, kind: &str, bytes: &[u8], alt: &str, more: &[Attribute<'_>]) {
+    let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+    html.void("img", &[&[("src", &*source), ("alt", alt)], more].concat());
+}
+
 /// The most bytes of a file's name, without its extension: systems take 255.
 const LONGEST: usize = 200;
 
@@ -54,18 +64,85 @@ pub fn file_name(name: &str) -> String {
     file
 }
 
-/// `2026-11-22 01:30 UTC` of seconds since 1970.
-pub fn utc(unix_s: u64) -> String {
-    let (days, seconds) = ((unix_s / 86_400) as i64, unix_s % 86_400);
-    // Julian day number of 1970-01-01: 2440588
-    let julian = days.saturating_add(2_440_588);
-    let f = julian + 1401 + (((4 * julian + 274_277) / 146_097) * 3) / 4 - 38;
-    let e = 4 * f + 3;
-    let h = 5 * ((e % 1461) / 4) + 2;
-    let (day, month) = ((h % 153) / 5 + 1, (h / 153 + 2) % 12 + 1);
-    let year = e / 1461 - 4716 + (14 - month) / 12;
-    let (hour, minute) = (seconds / 3600, seconds / 60 % 60);
-    format!("{year}-{month:02}-{day:02} {hour:02}:{minute:02} UTC")
+/// Symbols and words of the tables' heads.
+pub static MEANINGS: &[(&str, &str)] = &[
+    ("N_IN", "inner cells: nodes of a hierarchy, grids within grids"),
+    ("N_V", "elementary cells: voxels, leaves"),
+    ("N_EV", "elementary cells that are empty"),
+    ("N_OIV", "references to primitives in elementary cells"),
+    ("N_IT", "ray-primitive intersection tests per ray"),
+    ("N_TS", "traversal steps per ray, those in the hierarchy included"),
+    ("N_ETS", "steps per ray into elementary cells"),
+    ("N_EETS", "steps per ray into empty elementary cells"),
+    ("MiB", "memory of the structure, 2^20 bytes"),
+    ("rays", "number of rays that a row was timed on: slow rows are timed on every k-th ray"),
+    ("build ms", "median time to build the structure from the primitives, milliseconds"),
+    ("trace ms", "median time for the rays of the column `rays`, milliseconds"),
+    ("image ms", "the whole image through the renderer, once, milliseconds"),
+    (
+        "ratio [95%]",
+        "trace time over the reference's for the same rays in the same round: the median with its \
+         95% bootstrap interval; below 1 is faster; = where the interval contains 1: no \
+         significant difference",
+    ),
+    ("trace ratio [95%]", "geometric mean over the scenes of the ratio of trace times"),
+    ("build ratio [95%]", "geometric mean over the scenes of the ratio of build times"),
+    ("primary", "millions of primary rays per second"),
+    ("shadow", "millions of shadow rays per second"),
+    ("second.", "millions of reflected and refracted rays per second"),
+    ("diffuse", "millions of rays per second in random directions from surfaces"),
+    ("verdict", "whether every answer was right, and on how many rays that rests where not on all"),
+    ("query", "whether rays were issued to a row one by one, or a batch of them together"),
+    ("time to image ms", "build, one million primary rays and their shadow rays, milliseconds"),
+    ("to obvhs [95%]", "time to image over that of the fastest row of obvhs"),
+    ("least", "the scene with the fewest rays per second over those of the reference"),
+    ("break-even", "break-even: the number of rays from which the slower build pays off"),
+    ("not significantly different", "the 95% interval of the ratio of both times contains 1"),
+    ("k, M, G", "thousand, million, thousand million"),
+];
+
+/// Explanation of a column's head.
+pub fn meaning(name: &str) -> Option<&'static str> {
+    MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
+}
+
+/// Tables whose heads are explained.
+pub fn look() -> TableStyle<'static> {
+    TableStyle { meaning, ..TableStyle::default() }
+}
+
+/// The same with the rows' numbers before them.
+pub fn numbered(numbers: &[usize]) -> TableStyle<'_> {
+    TableStyle { numbers, ..look() }
+}
+
+/// The list, and the papers.
+pub fn glossary(_: &Material, page: &mut Page) -> SectionOutcome {
+    let html = &mut page.html;
+    html.definitions(MEANINGS.iter().copied());
+    html.paragraph(
+        "Times are medians over rounds; each round visits every row once, in seeded random order, \
+         so that what disturbs a round disturbs all rows alike. Intervals are 95% bootstrap \
+         percentile intervals (expanded, Hesterberg 2015); of fewer than six rounds they reach from \
+         the least to the largest value. Each interval holds by itself: of many comparisons some \
+         differ by chance. All answers are compared, and a wrong row shows no time.",
+    );
+    papers(html);
+    SectionOutcome::Yes
+}
+
+fn papers(html: &mut Html) {
+    html.list(
+        [
+            "V. Havran, F. Sixta, Comparison of Hierarchical Grids, Ray Tracing News 12(1), 1999: \
+             counters and tables.",
+            "G. Zachmann, lecture on ray tracing acceleration, 2007: the two tables of times.",
+            "T. Hesterberg, What Teachers Should Know About the Bootstrap, The American Statistician \
+             69(4), 2015: intervals.",
+            "J. W. Tukey, Exploratory Data Analysis, 1977: outliers.",
+        ]
+        .map(str::to_owned),
+    );
 }
 
 #[cfg(test)]
@@ -79,14 +156,5 @@ mod tests {
         let files = names.each_ref().map(|name| file_name(name));
         assert_eq!(files[0], names[0]);
         assert!(files.iter().all(|file| file.len() == LONGEST) && files[1] != files[2]);
-    }
-
-    #[test]
-    fn known_moments() {
-        assert_eq!(utc(0), "1970-01-01 00:00 UTC");
-        assert_eq!(utc(951_827_696), "2000-02-29 12:34 UTC");
-        assert_eq!(utc(1_795_280_839), "2026-11-21 17:07 UTC");
-        assert_eq!(utc(4_107_542_399), "2100-02-28 23:59 UTC");
-        assert_eq!(utc(4_107_542_400), "2100-03-01 00:00 UTC");
     }
 }

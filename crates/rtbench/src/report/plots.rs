@@ -64,8 +64,11 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
         a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
     });
     let best = rows.iter().find(|r| r.may_lead && is_comparable(r)).and_then(|r| r.trace);
-    let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
-    let column = |label| Column { axis: axis(label), base: 1.0 };
+    let ring = |row: &Ratios, e: Estimate| match best.filter(|_| row.may_lead) {
+        Some(best) if e == best => Ring::Best,
+        Some(best) if is_comparable(row) && e.low <= best.high => Ring::AsGood,
+        _ => Ring::None,
+    };
     BarChart {
         title,
         subtitle:
@@ -83,28 +86,30 @@ fn bars(title: String, mut rows: Vec<Ratios>) -> BarChart {
                     (None, AnsweredRays::ShadowRays) => format!("{} (shadow rays)", row.name),
                 },
                 color: 0,
-                bars: vec![bar(row, row.trace, best), bar(row, row.build, None)],
+                bars: vec![
+                    bar(row.verdict, row.trace, |e| ring(row, e)),
+                    bar(row.verdict, row.build, |_| Ring::None),
+                ],
             })
             .collect(),
     }
+}
+
+/// A logarithmic axis of ratios.
+pub fn column(label: &str) -> Column {
+    Column { axis: Axis { label: label.to_owned(), scale: Scale::Log }, base: 1.0 }
 }
 
 fn is_comparable(row: &Ratios) -> bool {
     row.verdict == Verdict::Ok && row.answers == AnsweredRays::AllRays && row.trace.is_some()
 }
 
-fn bar(row: &Ratios, value: Option<Estimate>, best: Option<Estimate>) -> Bar {
+/// A figure, or why there is none.
+pub fn bar(verdict: Verdict, value: Option<Estimate>, ring: impl FnOnce(Estimate) -> Ring) -> Bar {
     match value {
-        _ if !row.verdict.is_timed() => Bar::Words(row.verdict.name().to_owned()),
+        _ if !verdict.is_timed() => Bar::Words(verdict.name().to_owned()),
         None => Bar::Words("-".to_owned()),
-        Some(e) => {
-            let ring = match best.filter(|_| row.may_lead) {
-                Some(best) if e == best => Ring::Best,
-                Some(best) if is_comparable(row) && e.low <= best.high => Ring::AsGood,
-                _ => Ring::None,
-            };
-            Bar::Of(e, short(e.median), ring)
-        }
+        Some(e) => Bar::Of(e, short(e.median), ring(e)),
     }
 }
 

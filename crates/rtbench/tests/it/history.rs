@@ -9,7 +9,7 @@ use crate::common::{Ended, Folder, files_below, run_stepping};
 use measurement::record::RunRecord;
 use measurement::record::made_up;
 use roxmltree::{Document, ParsingOptions};
-use rtbench::git::{Git, GitError};
+use rtbench::history::{Git, GitError};
 use rtbench::history::{History, visits};
 use statistics::change_points::Sensitivity;
 use statistics::random::Random;

@@ -224,21 +224,12 @@ impl KnownScene for Watching {
         self.seen.lock().unwrap().push(lines);
         InstalledScenes.resolve(&[self.name.to_owned()])?.remove(0).load()
     }
-    fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
-        Ok(None)
-    }
 }
 
 impl SceneSource for Watching {
     fn resolve(&self, names: &[String]) -> Result<Vec<Box<dyn KnownScene>>, LoadError> {
         let of = |name| Box::new(Self { name, ..self.clone() }) as Box<dyn KnownScene>;
         Ok(names.iter().flat_map(|_| ["tetra:1", "tetra:2"]).map(of).collect())
-    }
-    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
-        Ok(Vec::new())
-    }
-    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
-        Ok(Vec::new())
     }
 }
 
@@ -267,9 +258,6 @@ fn a_failing_scene_loses_only_its_own_rows() {
         fn load(&self) -> Result<LoadedScene, LoadError> {
             InstalledScenes.resolve(&["no-such-scene".to_owned()])?.remove(0).load()
         }
-        fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
-            Ok(None)
-        }
     }
     struct Both;
     impl SceneSource for Both {
@@ -277,12 +265,6 @@ fn a_failing_scene_loses_only_its_own_rows() {
             let mut scenes = InstalledScenes.resolve(&["tetra:1".to_owned()])?;
             scenes.insert(0, Box::new(Failing));
             Ok(scenes)
-        }
-        fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
-            Ok(Vec::new())
-        }
-        fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
-            Ok(Vec::new())
         }
     }
     let clock = SystemClock::default();

@@ -13,7 +13,7 @@ use accel_core::structures::Entry;
 use accel_core::{Aabb, Hit, Ray, Scalar, occluders};
 use measurement::plan::rows::Row;
 use measurement::rays::batches::{Answers, trace};
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::system::clock::Clock;
 use renderer::{Geometry, RayBatches, RayKind, RaySettings, generate_rays};
 use scene_loading::Scene;

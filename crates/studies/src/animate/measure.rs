@@ -13,9 +13,10 @@ use measurement::answers::check::{count, stride_for};
 use measurement::answers::judge::judge;
 use measurement::answers::reference::{Reference, Stage};
 use measurement::plan::measured_row::{BuiltRow, MeasuredRow};
-use measurement::rays::batches::{Answers, Batch, BatchSet};
+use measurement::rays::batches::BatchSet;
+use measurement::rays::batches::{Answers, Batch};
 use measurement::record::WorkRecord;
-use measurement::rounds::error::MeasureError;
+use measurement::rounds::MeasureError;
 use measurement::rounds::interleaved::round_order;
 use measurement::rounds::scene_run::lights_asked;
 use measurement::rounds::scope::Scope;
@@ -89,7 +90,7 @@ fn visit_all<S: Buildable>(
 ) -> Result<FrameRecord, StudyError> {
     let plan = &animate.plan;
     let arbiter = Arbiter::new(&frame.geometry, &frame.exact)
-        .map_err(|source| MeasureError::Build { scene: frame.scene.name.clone(), source })?;
+        .map_err(MeasureError::of_build(&frame.scene.name))?;
     let stage = Stage { scene: &frame.scene, geometry: &frame.geometry, arbiter: &arbiter };
     let Reference { rays, answers, record: mut judged } = stage.reference(plan, pools)?;
     let lights = lights_asked(&frame.scene, &plan.settings);
@@ -235,7 +236,7 @@ impl<'p> Lane<'p> {
             let threads = self.record.threads;
             let timed = || built.timed(on.scope.clock, batch, &mut answers, threads);
             seconds += self.pool.install(timed);
-            let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
+            let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
             self.note(on, judged.wrong, judged.example);
         }
         seconds
@@ -254,7 +255,7 @@ impl<'p> Lane<'p> {
         let mut all = WorkCounters::default();
         for batch in &asked.batches {
             let (answers, work) = on.scope.pools.helper.install(|| count(built, batch));
-            let judged = judge(&on.scope, asked, batch, &answers, built.exactness());
+            let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
             self.note(on, judged.wrong, judged.example);
             all += work;
         }

@@ -16,7 +16,7 @@ use crate::explain::steps::{AXES, Step, steps};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::plan::{Plan, default_baseline};
-use measurement::record::ratios::{kind_ratios, trace_ratios};
+use measurement::record::metrics::{kind_ratios, trace_ratios};
 use measurement::record::{RowRecord, RunRecord, SceneRecord};
 use measurement::scenes::SceneSource;
 use measurement::settings::MeasuringSettings;

@@ -219,7 +219,7 @@ fn shuffled<'k>(kinds: &[&'k str]) -> impl Iterator<Item = &'k str> {
 mod tests {
     use super::*;
     use measurement::record::made_up::{Rows, run};
-    use measurement::record::ratios::kind_ratios;
+    use measurement::record::metrics::kind_ratios;
     use measurement::record::summary::summarize;
 
     fn made() -> RunRecord {

@@ -8,11 +8,11 @@ use measurement::record::query::{self, Query};
 use measurement::record::{RunRecord, SceneRecord, Settings};
 use measurement::settings::Lights;
 use presentation::csv::written;
-use presentation::fitted::wrapped;
 use presentation::json::FormatError;
 use presentation::markdown::{code, escaped, push_table};
 use presentation::table::{Style, Table};
 use presentation::text::painted;
+use presentation::text::wrapped;
 
 use crate::run::few::{self, Few};
 use crate::run::lines::{self, Line, Lines};

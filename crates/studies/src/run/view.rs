@@ -3,9 +3,8 @@
 use measurement::plan::error::PlanError;
 use measurement::record::{AnsweredRays, RowRecord, SummaryRow};
 use measurement::settings::choice::Choice;
-use presentation::fitted::{fitted, with_columns};
 use presentation::table::Table;
-use presentation::text::Screen;
+use presentation::text::{Screen, fitted, with_columns};
 
 use crate::run::columns::RATIO;
 

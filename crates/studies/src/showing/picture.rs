@@ -4,7 +4,7 @@
 use accel_core::Aabb;
 use accel_core::structure::StructureStats;
 use presentation::drawing::{Classes, Color, Drawing, Font, Item, PLAIN, Paint, color, wrapped};
-use presentation::svg_plot::palette::{BEST, GREY, INK, MARK};
+use presentation::svg_plot::pen::{BEST, GREY, INK, MARK};
 
 use super::ray_path::PathThrough;
 use super::sections::Line;

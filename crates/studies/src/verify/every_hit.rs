@@ -3,7 +3,7 @@
 
 use std::cmp::Ordering;
 
-use accel_core::primitives::Primitives;
+use accel_core::primitives::PrimSet;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
@@ -104,10 +104,7 @@ pub fn outside_box<S: Buildable>(
     let pad = PADDING * S::EPSILON.to_f64() * magnitude(model);
     hits.iter().find_map(|hit| {
         let p = ray.origin.to_dvec3() + ray.direction.to_dvec3() * hit.t.to_f64();
-        let bounds = match model {
-            Geometry::Triangles(set) => set.bounds(hit.id),
-            Geometry::Mixed(set) => set.bounds(hit.id),
-        };
+        let bounds = model.prims().primitives().bounds(hit.id);
         let (low, high) = (bounds.min.to_dvec3() - pad, bounds.max.to_dvec3() + pad);
         let is_within = low.cmple(p).all() && p.cmple(high).all();
         let told = || format!("primitive {} is hit at {p}, out of its padded box", hit.id);

@@ -25,10 +25,7 @@ pub fn mixed_model<S: Buildable>(
 }
 
 pub(super) fn magnitude<S: Buildable>(model: &Geometry<S>) -> f64 {
-    match model {
-        Geometry::Triangles(set) => set.magnitude().to_f64(),
-        Geometry::Mixed(set) => set.magnitude().to_f64(),
-    }
+    model.prims().primitives().magnitude().to_f64()
 }
 
 /// The corners of its triangles, which f64 holds exactly; none where it has other primitives.

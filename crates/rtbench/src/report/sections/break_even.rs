@@ -1,13 +1,12 @@
 //! Build against trace: who wins for how many rays, and from how many rays on each structure is
 //! worth it against each other.
 
-use crate::report::glossary::look;
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome};
+use crate::report::page::{Page, SectionOutcome, look};
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
-use presentation::page::tables;
+use presentation::page::write_table;
 use presentation::table::{Cell, Style, Table, words};
 use studies::run::conclusions::least_time;
 use studies::run::costs::{BreakEven, break_even};
@@ -36,8 +35,8 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
             &format!("build-against-rays-{}", scene.name),
             plots::scatter(&material.run, scene, profiles),
         );
-        tables::write(&mut page.html, &reigns(&scene.name, profiles, seed), look());
-        tables::write(&mut page.html, &decades(&scene.name, profiles, seed), look());
+        write_table(&mut page.html, &reigns(&scene.name, profiles, seed), look());
+        write_table(&mut page.html, &decades(&scene.name, profiles, seed), look());
         matrix(&mut page.html, &scene.name, profiles);
     }
     SectionOutcome::Yes

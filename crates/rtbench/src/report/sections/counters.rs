@@ -2,11 +2,10 @@
 //!
 //! The figures and the verdicts are those of `rtbench reproduce havran1999`.
 
-use crate::report::glossary::look;
 use crate::report::material::{Material, ReproducedFigure};
-use crate::report::page::{Page, SectionOutcome};
+use crate::report::page::{Page, SectionOutcome, look};
 use presentation::numbers::short;
-use presentation::page::tables;
+use presentation::page::write_table;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
 use presentation::table::{Table, words};
 
@@ -25,11 +24,11 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
          the same then and now.",
     );
     page.plot("counters-1999", plot(rows));
-    tables::write(&mut page.html, &verdicts(rows), look());
+    write_table(&mut page.html, &verdicts(rows), look());
     for counter in DRAWN {
         let table = best(rows, counter);
         if !table.rows.is_empty() {
-            tables::write(&mut page.html, &table, look());
+            write_table(&mut page.html, &table, look());
         }
     }
     SectionOutcome::Yes

@@ -1,13 +1,12 @@
 //! Data needed to repeat the run: machine, compiler, settings, commands, scenes, raw data. And the
 //! caveats of its times: warnings, and outliers, which are counted and never dropped.
 
-use crate::report::glossary::look;
 use crate::report::material::{DataFile, Material};
-use crate::report::page::{Page, SectionOutcome, utc};
+use crate::report::page::{Page, SectionOutcome, look};
 use measurement::record::{Outliers, RunRecord, SceneRecord, reference};
 use presentation::html::Html;
-use presentation::numbers::mebibytes;
-use presentation::page::tables;
+use presentation::numbers::{mebibytes, utc};
+use presentation::page::write_table;
 use presentation::table::{Table, words};
 
 const UNKNOWN: &str = "unknown";
@@ -32,12 +31,7 @@ pub fn one_line(material: &Material, html: &mut Html) {
 
 pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     let (run, html) = (&material.run, &mut page.html);
-    html.open("dl", &[]);
-    for (name, value) in facts(run) {
-        html.element("dt", &[], name);
-        html.element("dd", &[], &value);
-    }
-    html.close();
+    html.definitions(facts(run));
     html.element("h3", &[], "Commands");
     let mut commands = vec![run.command_line.join(" ")];
     commands.extend(material.accuracy.iter().map(|a| a.command_line.join(" ")));
@@ -57,7 +51,7 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     html.element("code", &[], "rtbench report DIR");
     html.text(".");
     html.close();
-    tables::write(html, &scenes(&run.scenes), look());
+    write_table(html, &scenes(&run.scenes), look());
     SectionOutcome::Yes
 }
 
@@ -131,7 +125,7 @@ pub fn write_warnings(material: &Material, page: &mut Page) -> SectionOutcome {
     if with > 0 {
         page.html.open("details", &[]);
         page.html.element("summary", &[], "Rows with outliers");
-        tables::write(&mut page.html, &table, look());
+        write_table(&mut page.html, &table, look());
         page.html.close();
     }
     SectionOutcome::Yes

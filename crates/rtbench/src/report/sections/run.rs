@@ -1,15 +1,23 @@
-//! Sections of the run itself: the answers, all scenes, kinds of rays, each scene.
+//! Sections of the run itself: the answers, all scenes, kinds of rays, each scene; and several runs on
+//! one page: what each answers, and the ratios of each row in all of them.
+//!
+//! A ratio is to the reference of its own run, so that runs of two machines can stand side by side,
+//! and seconds cannot. What differs between two runs of a program, and how surely, says `rtbench
+//! compare`.
 
-use crate::report::glossary::{look, numbered};
+use std::collections::BTreeSet;
+
+use crate::comparison::pairing::row_like;
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome};
+use crate::report::page::{Page, SectionOutcome, image, look, numbered};
 use crate::report::plots;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use measurement::record::{SceneRecord, Verdict};
+use measurement::record::{RowRecord, SceneRecord, Verdict, reference};
 use presentation::html::Html;
-use presentation::page::tables;
-use presentation::table::Table;
+use presentation::numbers::ratio;
+use presentation::page::write_table;
+use presentation::svg_plot::Ring;
+use presentation::svg_plot::bars::{BarChart, BarRow};
+use presentation::table::{Cell, Style, Table, dash};
 use studies::run::lines::{self, Line, Lines, names};
 use studies::run::tables::{scene_table, summary_table};
 use studies::run::view::{View, by_weight};
@@ -84,9 +92,15 @@ pub fn summary(material: &Material, page: &mut Page) -> SectionOutcome {
     page.plot("all-scenes", plots::summary_bars(run));
     let rows = View::fastest_first().summary(&run.summary);
     let table = summary_table(run, rows.iter().copied(), false);
-    let numbers = crate::report::sections::places(&run.summary, &rows);
-    tables::write(&mut page.html, &table, numbered(&numbers));
+    let numbers = places(&run.summary, &rows);
+    write_table(&mut page.html, &table, numbered(&numbers));
     SectionOutcome::Yes
+}
+
+/// The places of rows among all, from 1: their numbers, however they are sorted.
+fn places<R>(all: &[R], shown: &[&R]) -> Vec<usize> {
+    let place = |row: &&R| all.iter().position(|other| std::ptr::eq(other, *row));
+    shown.iter().map(|row| place(row).map_or(0, |place| place + 1)).collect()
 }
 
 /// Missing of records from before there were ratios by kind.
@@ -96,7 +110,7 @@ pub fn by_kind(material: &Material, page: &mut Page) -> SectionOutcome {
     if rows().all(|row| row.ratio_by_kind.is_empty()) {
         return SectionOutcome::Missing;
     }
-    let of = |table: &Table, page: &mut Page| tables::write(&mut page.html, table, look());
+    let of = |table: &Table, page: &mut Page| write_table(&mut page.html, table, look());
     of(&kind_tables::picture_table(run), page);
     if run.scenes.len() > 1 {
         of(&kind_tables::summary_table(run, false), page);
@@ -126,20 +140,118 @@ pub fn scenes(material: &Material, page: &mut Page) -> SectionOutcome {
         page.plot(&format!("bars-{}", scene.name), plots::scene_bars(run, scene));
         let rows = View::fastest_first().rows(&scene.rows);
         let table = by_weight(&scene_table(run, scene, rows.iter().copied(), false));
-        let numbers = crate::report::sections::places(&scene.rows, &rows);
-        tables::write(&mut page.html, &table, numbered(&numbers));
+        let numbers = places(&scene.rows, &rows);
+        write_table(&mut page.html, &table, numbered(&numbers));
         if let Some(table) = columns::foreign_table(scene) {
-            tables::write(&mut page.html, &table, numbered(&[]));
+            write_table(&mut page.html, &table, numbered(&[]));
         }
     }
     SectionOutcome::Yes
 }
 
 fn picture(html: &mut Html, scene: &SceneRecord, png: &[u8]) {
-    let source = format!("data:image/png;base64,{}", STANDARD.encode(png));
-    let text = format!("the scene {}", scene.name);
     html.open("figure", &[("class", "picture scene")]);
-    html.void("img", &[("src", &source), ("alt", &text), ("width", "256"), ("height", "256")]);
+    let text = format!("the scene {}", scene.name);
+    image(html, "png", png, &text, &[("width", "256"), ("height", "256")]);
     html.element("figcaption", &[], &format!("{}: {} primitives", scene.name, scene.primitives));
     html.close();
+}
+
+/// Rows whose bars are drawn: the fastest of the first run.
+const DRAWN: usize = 12;
+/// Heads of the runs' columns; more runs are drawn alone.
+const NUMBERS: [&str; 12] = [
+    "run 1", "run 2", "run 3", "run 4", "run 5", "run 6", "run 7", "run 8", "run 9", "run 10",
+    "run 11", "run 12",
+];
+
+/// Conclusions of each run.
+pub fn answers(runs: &[Material], page: &mut Page) {
+    for (number, run) in (1..).zip(runs) {
+        let html = &mut page.html;
+        html.element("h3", &[], &format!("Run {number}: {}", run.in_words()));
+        if let Some(lines) = lines::of_run(&run.run) {
+            list(html, &lines);
+        }
+    }
+    page.html.element("p", &[("class", "notes")], lines::NOTE);
+}
+
+/// Scene by scene, each that two runs have.
+pub fn side_by_side(runs: &[Material], page: &mut Page) {
+    page.html.paragraph(
+        "Trace time over that of the reference in the same run, with its 95% interval: below 1 is faster than the \
+         reference there. Runs of other machines or commits can be compared by it; `rtbench \
+         compare` shows which differences of two runs are significant.",
+    );
+    let mut seen = BTreeSet::new();
+    for scene in runs.iter().flat_map(|run| &run.run.scenes) {
+        let of: Vec<Option<&SceneRecord>> = runs.iter().map(|run| same(run, scene)).collect();
+        if of.iter().flatten().count() < 2 || !seen.insert((&scene.name, &scene.sha256)) {
+            continue;
+        }
+        page.html.element("h3", &[], &scene.name);
+        let view = View::fastest_first();
+        let rows = view.rows(&scene.rows);
+        page.plot(&format!("side-by-side-{}", scene.name), chart(&scene.name, &rows, &of));
+        write_table(&mut page.html, &table(&rows, &of), look());
+    }
+    if seen.is_empty() {
+        page.html.paragraph("No two of these runs have a scene in common.");
+    }
+}
+
+/// The very same scene in a run.
+fn same<'r>(run: &'r Material, scene: &SceneRecord) -> Option<&'r SceneRecord> {
+    run.run.scenes.iter().find(|own| own.name == scene.name && own.sha256 == scene.sha256)
+}
+
+/// The same row in each run.
+fn in_runs<'r>(row: &RowRecord, of: &[Option<&'r SceneRecord>]) -> Vec<Option<&'r RowRecord>> {
+    let find = |scene: &Option<&'r SceneRecord>| row_like((*scene)?, row);
+    of.iter().map(find).collect()
+}
+
+fn chart(scene: &str, rows: &[&RowRecord], of: &[Option<&SceneRecord>]) -> BarChart {
+    let drawn = rows.iter().take(DRAWN).flat_map(|row| {
+        let own = in_runs(row, of).into_iter().enumerate();
+        own.filter_map(|(run, own)| Some((run, own?))).enumerate().map(|(i, (run, own))| BarRow {
+            name: match i {
+                0 => format!("{} - run {}", row.label_with_query(), run + 1),
+                _ => format!("run {}", run + 1),
+            },
+            color: run,
+            bars: vec![plots::bar(own.verdict, own.ratio, |_| Ring::None)],
+        })
+    });
+    BarChart {
+        title: format!("{scene}: trace time over the reference's, run by run"),
+        subtitle: format!("medians with 95% intervals; the {DRAWN} fastest rows of the first run"),
+        columns: vec![plots::column("trace time, ratio")],
+        rows: drawn.collect(),
+    }
+}
+
+fn table(rows: &[&RowRecord], of: &[Option<&SceneRecord>]) -> Table {
+    let cell = |row: Option<&RowRecord>| match row {
+        Some(row) if !row.verdict.is_timed() => {
+            Cell { text: row.verdict.name().into(), style: Style::Bad }
+        }
+        Some(RowRecord { ratio: Some(e), .. }) => ratio(e).into(),
+        _ => dash(),
+    };
+    let lines = rows.iter().map(|row| {
+        let name = Cell::from(row.label_with_query());
+        let own = in_runs(row, of).into_iter().take(NUMBERS.len()).map(cell);
+        std::iter::once(name).chain(own).collect()
+    });
+    let references = (1..).zip(of).filter_map(|(number, scene)| {
+        Some(format!("run {number}: {}", reference::of_scene((*scene)?)?))
+    });
+    Table {
+        title: "trace ratio [95%] in each run".to_owned(),
+        header: std::iter::once("structure").chain(NUMBERS.into_iter().take(of.len())).collect(),
+        rows: lines.collect(),
+        notes: vec![format!("References: {}.", references.collect::<Vec<_>>().join("; "))],
+    }
 }

@@ -1,14 +1,11 @@
 //! Sections from what studies left in the folder: sweeps, accuracy, tracers, costs, published
 //! times.
 
-use crate::report::glossary::look;
 use crate::report::material::{LectureRow, Material};
-use crate::report::page::{Page, SectionOutcome};
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
+use crate::report::page::{Page, SectionOutcome, image, look};
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
-use presentation::page::tables;
+use presentation::page::write_table;
 use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
 use studies::accuracy::{report, summary};
@@ -22,11 +19,10 @@ pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
     let html = &mut page.html;
     for sweep in &material.sweeps {
         html.element("h3", &[], &sweep.name);
-        let source = format!("data:image/svg+xml;base64,{}", STANDARD.encode(&sweep.svg));
         let text = format!("plot of times over the values of a parameter, {}", sweep.name);
         html.open("figure", &[]);
         html.open_scroll(&text);
-        html.void("img", &[("src", &source), ("alt", &text), ("class", "plot")]);
+        image(html, "svg+xml", &sweep.svg, &text, &[("class", "plot")]);
         html.close();
         html.close();
     }
@@ -37,7 +33,7 @@ pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
 pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
     let Some(run) = &material.accuracy else { return SectionOutcome::Missing };
     page.html.list(report::facts(run));
-    tables::write(&mut page.html, &summary::advice(run), look());
+    write_table(&mut page.html, &summary::advice(run), look());
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
         for scene in &axis.scenes {
@@ -47,7 +43,7 @@ pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
         page.html.open("details", &[]);
         page.html.element("summary", &[], &format!("{}: scene by scene", axis.axis));
         for scene in &axis.scenes {
-            tables::write(&mut page.html, &report::table(axis, scene), look());
+            write_table(&mut page.html, &report::table(axis, scene), look());
         }
         page.html.close();
     }
@@ -76,10 +72,8 @@ pub fn heat_maps(material: &Material, page: &mut Page) -> SectionOutcome {
         let caption = known.map_or(map.name.as_str(), |(_, caption)| caption);
         let text = format!("{}: {caption}", map.scene);
         let [width, height] = map.size.map(|n| n.to_string());
-        let source = format!("data:image/png;base64,{}", STANDARD.encode(&map.png));
         html.open("figure", &[("class", "picture")]);
-        let size = [("width", &*width), ("height", &*height)];
-        html.void("img", &[("src", &source), ("alt", &text), size[0], size[1]]);
+        image(html, "png", &map.png, &text, &[("width", &width), ("height", &height)]);
         html.element("figcaption", &[], &text);
         html.close();
     }
@@ -122,7 +116,7 @@ pub fn lecture(material: &Material, page: &mut Page) -> SectionOutcome {
         rows: lines.collect(),
         notes: Vec::new(),
     };
-    tables::write(&mut page.html, &table, look());
+    write_table(&mut page.html, &table, look());
     SectionOutcome::Yes
 }
 
@@ -133,7 +127,7 @@ pub fn tracers(material: &Material, page: &mut Page) -> SectionOutcome {
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
         page.plot(&format!("tracers-{}", record.scene), error_over_time(record));
-        tables::write(&mut page.html, &tracer_table(record), look());
+        write_table(&mut page.html, &tracer_table(record), look());
     }
     SectionOutcome::Yes
 }

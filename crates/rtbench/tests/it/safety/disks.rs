@@ -33,9 +33,6 @@ impl KnownScene for Last {
         (self.act)(&self.folder);
         self.scene.load()
     }
-    fn fetch(&self) -> Result<Option<PathBuf>, LoadError> {
-        Ok(None)
-    }
 }
 
 impl SceneSource for Sabotage {
@@ -46,12 +43,6 @@ impl SceneSource for Sabotage {
             scenes.push(Box::new(Last { scene, folder, act }));
         }
         Ok(scenes)
-    }
-    fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
-        InstalledScenes.scenes()
-    }
-    fn sets(&self) -> Result<Vec<(String, Vec<String>)>, LoadError> {
-        InstalledScenes.sets()
     }
 }
 

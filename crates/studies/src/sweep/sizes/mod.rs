@@ -18,7 +18,7 @@ use measurement::plan::measured_row::MeasuredRow;
 use measurement::plan::{Plan, time_within};
 use measurement::record::scale::{ScaleRecord, SizeRecord};
 use measurement::record::{RowRecord, RunRecord, SceneRecord, Verdict};
-use measurement::rounds::scene_run::{SceneInput, unmeasured};
+use measurement::rounds::scene_run::SceneInput;
 use measurement::rounds::trial::{BuildLimits, TrialBuild, TrialOutcome};
 use measurement::scenes::SceneSource;
 use measurement::settings::{MeasuringSettings, RunSettings, quantity};
@@ -224,7 +224,7 @@ pub fn without_rows(
     let size = run.scale.as_ref().and_then(|scale| scale.size(scene));
     let rows = plan.rows.iter().zip(reasons).enumerate().map(|(i, (row, reason))| RowRecord {
         is_reference: i == plan.baseline,
-        ..unmeasured(row, Verdict::OverLimit, Some(reason))
+        ..row.unmeasured(Verdict::OverLimit, Some(reason))
     });
     Some(SceneRecord {
         name: scene.to_owned(),

@@ -1,22 +1,177 @@
-//! Pages of a scene: every row with its latest ratios and what changed last, and a page per structure
-//! and kind of ray, with the line of each setting, its changes and points.
+//! The pages of the site: the first (what changed at which commit, the scenes, the runs, the
+//! machines); one per scene, with every row's latest ratios and what changed last; and one per
+//! structure and kind of ray, with the line of each setting, its changes and points.
 
-use crate::history::lines::{Change, History, Key, Line, Quantity};
-use crate::history::names::{INDEX, Names, PageKey, anchor, page_of};
-use crate::history::shell::{
-    bench_name, change_cell, class_of, from_below, in_words, section, start_page, verdict,
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::history::layout::{
+    INDEX, Names, PageKey, anchor, bench_name, change_cell, class_of, day, from_below, in_words,
+    page_of, start_page, verdict,
 };
-use crate::report::{file_name, utc};
+use crate::history::lines::{Change, History, Key, Line, Quantity};
+use crate::report::file_name;
 use measurement::record::label;
 use presentation::html::Html;
-use presentation::numbers::{ratio, short};
-use presentation::page::tables::{self, TableStyle};
-use presentation::page::{figure, finished};
+use presentation::numbers::{ratio, short, utc};
+use presentation::page::{TableStyle, figure, finished, write_table};
 use presentation::svg_plot::{Axis, Mark, Plot, Point as PlotPoint, Ring, Scale, Series};
-use presentation::table::{Cell, Table, dash};
-use std::collections::BTreeSet;
+use presentation::table::{Cell, Table, dash, words};
 
-pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
+pub fn index_page(history: &History, names: &Names) -> String {
+    let visits = &history.visits;
+    let days = visits.first().zip(visits.last());
+    let days = days.map_or(String::new(), |(first, last)| {
+        format!(", {} to {}", day(first.unix_s()), day(last.unix_s()))
+    });
+    let commits: std::collections::BTreeSet<String> = visits.iter().map(|v| v.id()).collect();
+    let intro = format!(
+        "{} runs of {} commits on {} machine(s){days}. Ratios are to the reference of the same run.",
+        visits.len(),
+        commits.len(),
+        history.benches.len()
+    );
+    let mut html = start_page("history", &intro, &[]);
+    index_changes(&mut html, history, names);
+    scenes(&mut html, history, names);
+    runs(&mut html, history);
+    html.open_section("machines", "Machines");
+    html.open("ol", &[]);
+    for bench in &history.benches {
+        html.element("li", &[], &bench.words);
+    }
+    html.close();
+    html.close();
+    method(&mut html);
+    finished(html)
+}
+
+type ChangedLine<'a> = (&'a Key, &'a Line, &'a Change);
+
+/// Commit by commit, the newest first.
+fn index_changes(html: &mut Html, history: &History, names: &Names) {
+    html.open_section("changes", "Changes");
+    let mut by_visit: BTreeMap<Reverse<usize>, Vec<ChangedLine<'_>>> = BTreeMap::new();
+    for found in history.changes() {
+        let (_, line, change) = found;
+        if let Some([_, after]) = line.around(change) {
+            by_visit.entry(Reverse(after.visit)).or_default().push(found);
+        }
+    }
+    if by_visit.is_empty() {
+        html.paragraph("No change was found.");
+    }
+    for (Reverse(visit), mut found) in by_visit {
+        let Some(run) = history.visits.get(visit) else { continue };
+        let size = |found: &ChangedLine<'_>| found.2.times.median.ln().abs();
+        found.sort_by(|a, b| size(b).total_cmp(&size(a)));
+        let count = |what: &str| found.iter().filter(|(.., c)| verdict(&c.times) == what).count();
+        let id = format!("change-{}", visit + 1);
+        html.element(
+            "h3",
+            &[("id", &id)],
+            &format!("{} {} ({})", run.id(), run.subject(), day(run.unix_s())),
+        );
+        html.paragraph(&format!(
+            "{} series changed: {} slower, {} faster.",
+            found.len(),
+            count("slower"),
+            count("faster")
+        ));
+        let (table, links) = table_of(history, names, &found);
+        write_table(html, &table, TableStyle { links: &links, ..TableStyle::default() });
+    }
+    html.close();
+}
+
+fn table_of(
+    history: &History,
+    names: &Names,
+    found: &[ChangedLine<'_>],
+) -> (Table, Vec<Vec<String>>) {
+    let row = |(key, line, change): &ChangedLine<'_>| {
+        let before = line.around(change).and_then(|[before, _]| history.visits.get(before.visit));
+        vec![
+            Cell::from(label(&key.structure, &key.settings)),
+            change_cell(ratio(&change.times).trim_end().to_owned(), &change.times),
+            key.scene.clone().into(),
+            key.quantity.head().to_owned().into(),
+            verdict(&change.times).to_owned().into(),
+            before.map_or(String::new(), |visit| visit.id()).into(),
+            bench_name(line.bench).into(),
+        ]
+    };
+    let links = found.iter().map(|(key, ..)| vec![names.row(key)]);
+    let header = vec!["structure", "change [95%]", "scene", "of", "so", "after", "machine"];
+    let table = Table {
+        title: "changes, the largest first".to_owned(),
+        header,
+        rows: found.iter().map(row).collect(),
+        notes: Vec::new(),
+    };
+    (table, links.collect())
+}
+
+fn scenes(html: &mut Html, history: &History, names: &Names) {
+    html.open_section("scenes", "Scenes");
+    let (mut rows, mut links) = (Vec::new(), Vec::new());
+    for (scene, path) in names.scenes() {
+        let of = |key: &Key| key.scene == *scene;
+        let series = history.lines.keys().filter(|key| of(key)).count();
+        let changes = history.changes().filter(|(key, ..)| of(key)).count();
+        rows.push(vec![scene.clone(), series.to_string(), changes.to_string()]);
+        links.push(vec![path.clone()]);
+    }
+    let table = words("every scene", vec!["scene", "series", "changes"], rows);
+    write_table(html, &table, TableStyle { links: &links, ..TableStyle::default() });
+    html.close();
+}
+
+/// Every run, the newest first; each can be linked.
+fn runs(html: &mut Html, history: &History) {
+    html.open_section("runs", "Runs");
+    let all = history.visits.iter().zip(&history.bench_of).enumerate().rev();
+    let (mut rows, mut ids) = (Vec::new(), Vec::new());
+    for (place, (visit, bench)) in all {
+        ids.push(format!("run-{}", place + 1));
+        rows.push(vec![
+            visit.id(),
+            utc(visit.unix_s()),
+            bench_name(*bench),
+            visit.run.scenes.len().to_string(),
+            if visit.run.complete { "whole" } else { "not finished" }.to_owned(),
+            visit.name.clone(),
+            visit.subject().to_owned(),
+        ]);
+    }
+    let header = vec!["commit", "when", "machine", "scenes", "run", "folder", "subject"];
+    let table = words("all runs, the newest first", header, rows);
+    write_table(html, &table, TableStyle { ids: &ids, ..TableStyle::default() });
+    html.close();
+}
+
+fn method(html: &mut Html) {
+    html.open_section("method", "How changes are found");
+    html.paragraph(
+        "By E-divisive on the logarithms of the ratios: a series is divided where both sides \
+         differ most, by the distances of their values, as long as a permutation test finds the \
+         difference significant. About one in a thousand series without a change is reported to \
+         have one. A change needs three runs on each side; nothing is reported about the newest \
+         commit yet: that is what rtbench check is for.",
+    );
+    html.list(
+        [
+            "D. S. Matteson, N. A. James, A Nonparametric Approach for Multiple Change Point Analysis of Multivariate \
+             Data, Journal of the American Statistical Association 109(505), 2014.",
+            "D. Daly, W. Brown, H. Ingo, J. O'Leary, D. Bradford, The Use of Change Point Detection to Identify \
+             Software Performance Regressions in a Continuous Integration System, ICPE 2020.",
+        ]
+        .map(str::to_owned),
+    );
+    html.close();
+}
+
+pub fn row_page(history: &History, names: &Names, own: &PageKey) -> String {
     let (scene, structure, quantity) = own;
     let rows: Vec<(&Key, &Vec<Line>)> =
         history.lines.iter().filter(|(key, _)| page_of(key) == *own).collect();
@@ -27,11 +182,11 @@ pub fn page(history: &History, names: &Names, own: &PageKey) -> String {
     let mut html = start_page(&title, intro, &up);
     siblings(&mut html, names, own);
     for (key, lines) in rows {
-        section(&mut html, &anchor(&key.settings), &label(structure, &key.settings));
-        changes(&mut html, history, lines);
+        html.open_section(&anchor(&key.settings), &label(structure, &key.settings));
+        row_changes(&mut html, history, lines);
         figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
         let (table, links) = points(history, lines);
-        tables::write(&mut html, &table, TableStyle { links: &links, ..TableStyle::default() });
+        write_table(&mut html, &table, TableStyle { links: &links, ..TableStyle::default() });
         html.close();
     }
     finished(html)
@@ -55,7 +210,7 @@ fn siblings(html: &mut Html, names: &Names, own: &PageKey) {
 }
 
 /// Table of changes, with the command that finds the commit if several lie between two runs.
-fn changes(html: &mut Html, history: &History, lines: &[Line]) {
+fn row_changes(html: &mut Html, history: &History, lines: &[Line]) {
     let all: Vec<(&Line, &Change)> =
         lines.iter().flat_map(|line| line.changes.iter().map(move |c| (line, c))).collect();
     if all.is_empty() {
@@ -66,8 +221,8 @@ fn changes(html: &mut Html, history: &History, lines: &[Line]) {
     html.items(&[], around, |html, (line, change, [before, after])| {
         html.element("strong", &[("class", class_of(&change.times))], verdict(&change.times));
         html.text(&format!(" {}. ", in_words(history, line, change)));
-        let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
-        let command = format!("git bisect start {} {}", id(after.visit), id(before.visit));
+        let command =
+            format!("git bisect start {} {}", history.id(after.visit), history.id(before.visit));
         html.element("code", &[], &command);
     });
 }
@@ -87,14 +242,13 @@ fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
         low: point.ratio.low,
         high: point.ratio.high,
     };
-    let id = |visit: usize| history.visits.get(visit).map_or(String::new(), |v| v.id());
     let marks = lines.iter().flat_map(|line| {
         line.changes.iter().filter_map(move |change| {
             let [_, after] = line.around(change)?;
             Some(Mark {
                 hover: String::new(),
                 point: place(&after),
-                label: format!("{} {} x", id(after.visit), short(change.times.median)),
+                label: format!("{} {} x", history.id(after.visit), short(change.times.median)),
                 ring: Ring::AsGood,
                 is_in_series: true,
             })
@@ -110,7 +264,7 @@ fn plot(history: &History, key: &Key, lines: &[Line]) -> Plot {
         subtitle: "ratio to the reference, medians with 95% intervals; ringed: changes".to_owned(),
         x: Axis {
             label: "commits, oldest first".to_owned(),
-            scale: Scale::Words(shown.iter().map(|visit| id(*visit)).collect()),
+            scale: Scale::Words(shown.iter().map(|visit| history.id(*visit)).collect()),
         },
         y: Axis { label: "ratio".to_owned(), scale: Scale::Linear },
         series: series.collect(),
@@ -183,7 +337,7 @@ pub fn scene_page(history: &History, names: &Names, scene: &str) -> String {
     let title = "latest ratios [95%]".to_owned();
     let table = Table { title, header, rows: cells, notes: Vec::new() };
     let look = TableStyle { links: &links, ids: &ids, is_open: true, ..TableStyle::default() };
-    tables::write(&mut html, &table, look);
+    write_table(&mut html, &table, look);
     finished(html)
 }
 

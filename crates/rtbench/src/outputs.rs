@@ -1,17 +1,25 @@
 //! The output files: created before anything is measured, written anew after each scene, so that an
 //! unwritable path is found at once and a killed run keeps what it finished. A run that is refused
 //! leaves none that was not there. Two outputs to one file, and one onto an input, are refused.
+//!
+//! What a folder of `-o` holds already is not written over unless that is asked for: results of
+//! another plan would be lost, those of the same plan can be resumed.
 
-use crate::exports::occupied::OccupiedError;
-use measurement::record::{RunRecord, file};
-use measurement::system::created::{CreatedFiles, WriteError};
-use measurement::system::files::{self, open, put, replace};
-use measurement::system::interrupt::undisturbed;
-use presentation::json::{self, FormatError};
 use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use measurement::journal;
+use measurement::journal::lines::{LineError, Manifest, read};
+use measurement::record::RunRecord;
+use measurement::record::file::{self, RecordError};
+use measurement::system::files::{self, CreatedFiles, WriteError, open, put, replace};
+use measurement::system::interrupt::undisturbed;
+use presentation::json::{self, FormatError};
 
 /// Why results are not written.
 #[derive(Debug, thiserror::Error)]
@@ -19,8 +27,6 @@ use std::path::{Path, PathBuf};
 pub enum OutputError {
     #[error(transparent)]
     Write(#[from] WriteError),
-    #[error(transparent)]
-    Occupied(#[from] OccupiedError),
     #[error(transparent)]
     Format(#[from] FormatError),
     #[error("{}: two outputs would be written to this file; choose another file for one of them", .0.display())]
@@ -32,6 +38,36 @@ pub enum OutputError {
          like '{1}'"
     )]
     NothingSelected(String, String),
+    #[error(
+        "{}: holds results of `{there}`; this would be `{here}`, which differs in {differences}; name \
+         another folder, or replace them with --overwrite",
+        folder.display()
+    )]
+    OtherPlan { folder: PathBuf, there: String, here: String, differences: String },
+    #[error(
+        "{}: holds this same run, `{there}`, with {finished} of {scenes} scenes finished; resume with \
+         `rtbench run --resume {}`, or start again with --overwrite",
+        folder.display(), folder.display()
+    )]
+    SamePlan { folder: PathBuf, there: String, finished: usize, scenes: usize },
+    #[error(
+        "{}: holds results of `{there}`, which `{here}` would replace; name another folder, or \
+         use --overwrite",
+        path.display()
+    )]
+    Results { path: PathBuf, there: String, here: String },
+    #[error(
+        "{}: exists, and does not name its run; name another folder, or replace it with \
+         --overwrite",
+        path.display()
+    )]
+    Unknown { path: PathBuf },
+    #[error("{}: exists; name another file, or replace it with --overwrite", path.display())]
+    File { path: PathBuf },
+    #[error("{}: {source}; name another folder, or replace it with --overwrite", path.display())]
+    Journal { path: PathBuf, source: LineError },
+    #[error(transparent)]
+    Record(#[from] RecordError),
 }
 
 /// Makes a file's text of what is finished so far.
@@ -179,6 +215,98 @@ fn identity(path: &Path) -> Option<PathBuf> {
 #[cfg(not(unix))]
 fn identity(path: &Path) -> Option<PathBuf> {
     path.canonicalize().ok()
+}
+
+/// Refuses files that are there and hold something. What is no file, a pipe or a device, is written
+/// to.
+pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OutputError> {
+    let holds_something = |path: &PathBuf| {
+        path.as_os_str() != "-" && fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0)
+    };
+    let found = paths.into_iter().find(holds_something);
+    found.map_or(Ok(()), |path| Err(OutputError::File { path }))
+}
+
+pub struct PlannedOutput<'a> {
+    /// The names of the files, the record first.
+    pub names: &'a [&'a str],
+    pub command_line: &'a [String],
+    /// Description of the run, if it keeps a journal.
+    pub manifest: Option<&'a Manifest>,
+    /// Existing output may be replaced.
+    pub overwrite: bool,
+}
+
+impl PlannedOutput<'_> {
+    /// Refuses a folder that holds something else, or anything that is not a file where a file is
+    /// expected.
+    pub fn check(&self, folder: &Path) -> Result<(), OutputError> {
+        let journal = self.manifest.map(|_| journal::NAME);
+        let absent = [io::ErrorKind::NotFound, io::ErrorKind::NotADirectory];
+        let mut sizes = Vec::new();
+        for name in self.names.iter().copied().chain(journal) {
+            let path = folder.join(name);
+            sizes.push(file::length(&path).or_else(|error| match error {
+                RecordError::Io { source, .. } if absent.contains(&source.kind()) => Ok(0),
+                other => Err(other),
+            })?);
+        }
+        if self.overwrite {
+            return Ok(());
+        }
+        if let Some(manifest) = self.manifest {
+            self.check_journal(folder, manifest)?;
+        }
+        let mut found = self.names.iter().zip(sizes).filter(|(_, size)| *size > 0);
+        match found.next() {
+            Some((name, _)) if Some(name) == self.names.first() => self.check_record(folder, name),
+            Some((name, _)) => Err(OutputError::Unknown { path: folder.join(name) }),
+            None => Ok(()),
+        }
+    }
+
+    fn check_journal(&self, folder: &Path, here: &Manifest) -> Result<(), OutputError> {
+        let path = folder.join(journal::NAME);
+        if !path.exists() {
+            return Ok(());
+        }
+        let found = match read(&file::bytes(&path)?) {
+            Ok(found) if found.finished.is_empty() => return Ok(()),
+            Ok(found) => found,
+            Err(LineError::Empty) => return Ok(()),
+            Err(source) => return Err(OutputError::Journal { path, source }),
+        };
+        let folder = folder.to_owned();
+        let there = found.manifest.command_line.join(" ");
+        let differences = found.manifest.differences(here);
+        if differences.is_empty() {
+            let (finished, scenes) = (found.finished.len(), found.manifest.scenes.len());
+            return Err(OutputError::SamePlan { folder, there, finished, scenes });
+        }
+        let names = differences.iter().filter_map(|text| Some(text.split_once(':')?.0));
+        let differences = names.collect::<Vec<_>>().join(", ");
+        let here = here.command_line.join(" ");
+        Err(OutputError::OtherPlan { folder, there, here, differences })
+    }
+
+    fn check_record(&self, folder: &Path, name: &str) -> Result<(), OutputError> {
+        /// Records of all commands say so much.
+        #[derive(Deserialize)]
+        struct Record {
+            command_line: Vec<String>,
+            /// Scenes of a run that would be lost.
+            scenes: Option<Vec<IgnoredAny>>,
+        }
+        let path = folder.join(name);
+        let Ok(record) = serde_json::from_slice::<Record>(&file::bytes(&path)?) else {
+            return Err(OutputError::Unknown { path });
+        };
+        if record.scenes.is_some_and(|scenes| scenes.is_empty()) {
+            return Ok(());
+        }
+        let (there, here) = (record.command_line.join(" "), self.command_line.join(" "));
+        Err(OutputError::Results { path, there, here })
+    }
 }
 
 #[cfg(test)]

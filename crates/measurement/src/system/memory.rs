@@ -1,12 +1,25 @@
-//! The heap, whose large blocks the system may keep in huge pages: where a ray goes from node to
-//! node in memory of many megabytes, translations of addresses in small pages are missed in the
-//! processor's table, and waited for. Embree asks for huge pages for its own memory; so rows
-//! compare fairly only where all have them.
+//! Where the memory of a process lies: in huge pages, and at places that are drawn anew for each
+//! process.
 //!
-//! Linux has them for who asks where `/sys/kernel/mm/transparent_hugepage/enabled` says `madvise`,
-//! for all where it says `always`.
+//! Where a ray goes from node to node in memory of many megabytes, translations of addresses in
+//! small pages are missed in the processor's table, and waited for. Embree asks for huge pages for
+//! its own memory; so rows compare fairly only where all have them. Linux has them for who asks
+//! where `/sys/kernel/mm/transparent_hugepage/enabled` says `madvise`, for all where it says
+//! `always`.
+//!
+//! A system hands pages that one process gave back to the next one, and a heap that begins alike
+//! goes on alike: what processes that follow each other have in common is no chance, and an
+//! interval over them does not know of it. So a process that times takes blocks of random sizes
+//! first, and gives back a random half: its heap, and the pages below it, are then another draw.
+//!
+//! Papers: T. Mytkowicz, A. Diwan, M. Hauswirth, P. F. Sweeney, "Producing Wrong Data Without Doing
+//! Anything Obviously Wrong!", ASPLOS 2009; C. Curtsinger, E. D. Berger, "Stabilizer: Statistically
+//! Sound Performance Evaluation", ASPLOS 2013. Deviations: drawn once for a process, by what the
+//! standard library seeds its hash maps with; code and stack stay where the system puts them.
 
 use std::alloc::{GlobalAlloc, Layout, System};
+use std::hash::{BuildHasher, RandomState};
+use std::hint::black_box;
 
 /// The system's allocator; asks for huge pages for large blocks.
 pub struct HugePageHeap;
@@ -62,9 +75,32 @@ unsafe impl GlobalAlloc for HugePageHeap {
 }
 
 /// The word in brackets of the system's file: when it uses huge pages.
-pub fn use_of(file: &str) -> Option<String> {
+pub fn huge_pages_in(file: &str) -> Option<String> {
     let (_, rest) = file.split_once('[')?;
     Some(rest.split_once(']')?.0.to_owned())
+}
+
+const BLOCKS: usize = 96;
+/// Of that many bytes at most, as a power of two; sizes are drawn evenly by their logarithms.
+const LARGEST: f64 = 21.0;
+const SMALLEST: f64 = 6.0;
+/// One byte of each page is written, so that it is the process's own.
+const PAGE: usize = 4096;
+
+/// Blocks to hold, so that all other memory lies elsewhere: another draw each time, some 10 MiB.
+pub fn draw_layout() -> Vec<Vec<u8>> {
+    let random = RandomState::new();
+    // evenly in [0, 1)
+    let unit = |i: usize| (random.hash_one(i) >> 11) as f64 / (1u64 << 53) as f64;
+    let take = |i: usize| {
+        let size = (SMALLEST + (LARGEST - SMALLEST) * unit(i)).exp2() as usize;
+        let mut block = vec![0u8; size];
+        block.iter_mut().step_by(PAGE).for_each(|byte| *byte = 1);
+        black_box(block)
+    };
+    let blocks: Vec<_> = (0..BLOCKS).map(take).collect();
+    let held = blocks.into_iter().enumerate().filter(|(i, _)| unit(BLOCKS + i) < 0.5);
+    held.map(|(_, block)| block).collect()
 }
 
 #[cfg(test)]
@@ -93,7 +129,17 @@ mod tests {
 
     #[test]
     fn the_word_in_brackets_counts() {
-        assert_eq!(use_of("always [madvise] never\n").as_deref(), Some("madvise"));
-        assert_eq!(use_of(""), None);
+        assert_eq!(huge_pages_in("always [madvise] never\n").as_deref(), Some("madvise"));
+        assert_eq!(huge_pages_in(""), None);
+    }
+
+    #[test]
+    fn memory_layouts_differ_between_draws() {
+        let bytes = |_| draw_layout().iter().map(Vec::len).sum();
+        let mut drawn: Vec<usize> = (0..8).map(bytes).collect();
+        assert!(drawn.iter().all(|bytes| (1 << 16..BLOCKS << 21).contains(bytes)), "{drawn:?}");
+        drawn.sort_unstable();
+        drawn.dedup();
+        assert_eq!(drawn.len(), 8, "{drawn:?}");
     }
 }

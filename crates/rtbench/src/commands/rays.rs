@@ -1,28 +1,35 @@
-//! `rtbench rays export` and `rtbench rays check`: the rays of a scene for any program, and its
-//! answers.
+//! `rtbench rays`: the rays of a scene for any program, its answers, and the hits of rays from a file.
 
-use accel_core::primitives::Primitives;
-use accel_core::{Hit, MISS};
-use measurement::answers::by_files::{check, foreign_row, rays};
-use measurement::plan::Plan;
-use measurement::plan::error::PlanError;
-use measurement::scenes::LoadedScene;
-use measurement::settings::{Lights, RunSettings};
-use measurement::system::created::WriteError;
-use measurement::system::pools::Pools;
-use measurement::system::{files, machine};
-use plugins::abi;
-use plugins::files::{Content, FileError, FileSubject, hits, ray_record, triangle_record};
-use presentation::table::{Cell, Style, Table};
+use accel_core::primitives::{Primitives, PrimsRef};
+use accel_core::registry::Buildable;
+use accel_core::structure::BuildError;
+use accel_core::{Hit, MISS, Ray, Scalar, Vector};
 use renderer::{Geometry, RayKind};
 use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::args::{CheckRaysArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, settings_of};
+use crate::args::{
+    CheckRaysArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs, settings_of,
+};
+use crate::commands::render::one_scene;
 use crate::commands::run_outputs;
 use crate::context::Context;
-use crate::error::Error;
-use crate::exit_code::{SUCCESS, WRONG_HITS};
-use crate::foreign_row::merged;
+use crate::error::{Error, SUCCESS, WRONG_HITS};
+use crate::foreign_row::{check, foreign_row, merged, rays};
+use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
+use measurement::plan::rows::{self, Row};
+use measurement::rays::batches::{Answers, trace, trace_chunked};
+use measurement::rays::text::{self, hexadecimal};
+use measurement::rounds::MeasureError;
+use measurement::scenes::LoadedScene;
+use measurement::settings::{Lights, Precision, RunSettings};
+use measurement::system::files::{WriteError, put};
+use measurement::system::machine;
+use measurement::system::pools::{Pools, deep_pool};
+use plugins::abi;
+use plugins::files::{self, Content, FileError, FileSubject, hits, ray_record, triangle_record};
+use presentation::outside::line;
+use presentation::table::{Cell, Style, Table};
 
 /// Writes rays and triangles.
 pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Error> {
@@ -121,7 +128,7 @@ pub fn check_hits(
         by_kind.push((kind, own));
     }
     let pools = Pools::new(machine::threads())?;
-    let judged = check(&plan, &loaded, &geometry, (&pools, context.clock), &by_kind)?;
+    let judged = check(&plan, &loaded, &geometry, &pools, &by_kind)?;
     for ((kind, n), place) in asked().zip(0..) {
         let is = judged.iter().find(|(own, _)| *own == kind).map_or(0, |(_, j)| j.compared as u64);
         if is != n {
@@ -177,7 +184,7 @@ fn no_triangles(loaded: &LoadedScene) -> Error {
 }
 
 pub(super) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
-    files::put(path, bytes).map_err(|source| WriteError { path: path.into(), source }.into())
+    put(path, bytes).map_err(|source| WriteError { path: path.into(), source }.into())
 }
 
 fn file_name(args: &CheckRaysArgs) -> String {
@@ -192,4 +199,145 @@ pub(super) fn digest(hexadecimal: &str) -> [u8; 32] {
         *byte = u8::from_str_radix(digits, 16).unwrap_or_default();
     }
     bytes
+}
+
+/// Rays by kind, in the order of the file.
+type AskedRays = Vec<(RayKind, Vec<Ray<f64>>)>;
+
+/// Traces the rays, and prints the hits or writes them.
+pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Error> {
+    let mut structures = args.structures.clone();
+    if structures.is_empty() {
+        structures = context.plugins.names();
+    }
+    context.plugins.add_rows(&mut structures);
+    let rows = rows::select(context.registry, &structures, &[])?;
+    if args.output.is_some() && rows.len() > 1 {
+        let labels: Vec<String> = rows.iter().map(Row::label).collect();
+        let expected = "one structure: a file of hits has one answer per ray";
+        return Err(PlanError::Malformed { text: labels.join(","), expected }.into());
+    }
+    let scene = one_scene(context.scenes, &args.scene)?;
+    let loaded = context.load(&*scene)?;
+    match args.precision {
+        Precision::F32 => traced::<f32>(context, args, &rows, &loaded),
+        Precision::F64 => traced::<f64>(context, args, &rows, &loaded),
+    }
+}
+
+fn traced<S: Buildable>(
+    context: &mut Context<'_>,
+    args: &TraceArgs,
+    rows: &[Row<'_>],
+    loaded: &LoadedScene,
+) -> Result<(), Error> {
+    let geometry = Geometry::<S>::of(&loaded.scene)?;
+    let (about, by_kind) = read(args, loaded, geometry.len())?;
+    let mut file = about.header(Content::Hits);
+    for row in rows {
+        let answers = answers::<S>(geometry.prims(), row, &by_kind)
+            .map_err(MeasureError::of_build(&loaded.scene.name))?;
+        let label = line(&row.label()).into_owned();
+        let all = answers.iter().flat_map(|answers| (0..answers.len()).map(move |i| (answers, i)));
+        for (number, (answers, i)) in all.enumerate() {
+            if args.output.is_some() {
+                file.extend_from_slice(&files::hit_record(&record_of(answers, i)));
+            } else {
+                let exact = match answers {
+                    Answers::Hits(hits) => hits.get(i).filter(|hit| hit.is_hit()),
+                    Answers::Blocked(_) => None,
+                };
+                let exact = exact.map(|hit| format!(" ({})", hexadecimal(hit.t.to_f64())));
+                let exact = exact.unwrap_or_default();
+                writeln!(context.out, "{label}: ray {number}: {}{exact}", answers.describe(i))?;
+            }
+        }
+    }
+    context.out.flush()?;
+    match &args.output {
+        Some(path) => write(path, &file),
+        None => Ok(()),
+    }
+}
+
+/// The rays of the file, and the header for their hits.
+fn read(
+    args: &TraceArgs,
+    loaded: &LoadedScene,
+    primitives: usize,
+) -> Result<(FileSubject, AskedRays), Error> {
+    let read = |source| plugins::PluginError::Read { file: args.rays.clone(), source };
+    let bytes = std::fs::read(&args.rays).map_err(read)?;
+    let wrong = |offset, what| FileError { file: args.rays.clone(), offset, what };
+    let scene = digest(&loaded.sha256);
+    if !bytes.starts_with(b"RTB") {
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            wrong(error.valid_up_to(), "neither a file of `rays export` nor text".into())
+        })?;
+        let mut rays = text::read(&args.rays, text)?;
+        // text has the coordinates of the scene's file
+        rays.iter_mut().for_each(|ray| ray.origin -= loaded.scene.origin);
+        let about = FileSubject {
+            rays: [rays.len() as u64, 0, 0, 0, 0],
+            triangles: primitives as u64,
+            size: 1,
+            first_light: false,
+            seed: 0,
+            scene,
+            origin: loaded.scene.origin.to_array(),
+        };
+        return Ok((about, vec![(RayKind::Primary, rays)]));
+    }
+    let about = FileSubject::read(&args.rays, &bytes, Content::Rays)?;
+    if about.scene != scene {
+        let what = format!("the rays belong to another scene than {}", args.scene);
+        return Err(wrong(80, what).into());
+    }
+    let mut all = files::rays(&about, &bytes).map(|ray| Ray::<f32>::from(&ray).widened());
+    let kinds = RayKind::ALL.into_iter().zip(about.rays);
+    let by_kind = kinds.map(|(kind, n)| (kind, all.by_ref().take(n as usize).collect()));
+    Ok((about.clone(), by_kind.collect()))
+}
+
+/// The answers of a row to the rays of each kind.
+fn answers<S: Buildable>(
+    prims: PrimsRef<'_, S>,
+    row: &Row<'_>,
+    by_kind: &AskedRays,
+) -> Result<Vec<Answers<S>>, BuildError> {
+    let pool = deep_pool(machine::threads())
+        .map_err(|e| BuildError::Library { structure: row.structure(), message: e.to_string() })?;
+    pool.install(|| {
+        let tracer = row.entry.build(prims, &row.params)?;
+        let mut all = Vec::new();
+        for (kind, rays) in by_kind {
+            let rays: Vec<Ray<S>> = rays.iter().map(rounded).collect();
+            let mut answers = Answers::new(*kind, rays.len());
+            match tracer.foreign() {
+                Some(_) => trace(&*tracer, &rays, &mut answers),
+                None => trace_chunked(&*tracer, &rays, &mut answers),
+            }
+            all.push(answers);
+        }
+        let failure = tracer.foreign().and_then(|foreign| foreign.failure());
+        failure.map_or(Ok(all), |how| Err(BuildError::Died(how)))
+    })
+}
+
+fn rounded<S: Scalar>(ray: &Ray<f64>) -> Ray<S> {
+    let (t_min, t_max) = (S::from_f64(ray.t_min), S::from_f64(ray.t_max));
+    Ray { t_min, t_max, ..Ray::from_dvec3(ray.origin, ray.direction) }
+}
+
+/// An answer as a record; of a shadow ray that is blocked any primitive's.
+fn record_of<S: Scalar>(answers: &Answers<S>, i: usize) -> abi::Hit {
+    let none = abi::Hit::new(0.0, abi::MISS);
+    match answers {
+        Answers::Hits(hits) => match hits.get(i) {
+            Some(hit) if hit.is_hit() => abi::Hit::new(hit.t.to_f64() as f32, hit.id),
+            _ => none,
+        },
+        Answers::Blocked(blocked) if blocked.get(i) == Some(&true) => abi::Hit::new(0.0, 0),
+        Answers::Blocked(_) => none,
+    }
 }

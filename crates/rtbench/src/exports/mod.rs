@@ -1,5 +1,0 @@
-//! Results as files, and in the formats of services that keep time series.
-
-pub mod measures;
-pub mod occupied;
-pub mod outputs;
