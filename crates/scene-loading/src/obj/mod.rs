@@ -16,7 +16,6 @@
 //! plain, and a face is left out only where one of its own corners is NaN; all with warnings.
 
 mod contents;
-pub mod export;
 mod libraries;
 mod maps;
 mod material;
