@@ -233,8 +233,8 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Animate(args) => {
             commands::animate::run(context, args, cli.color, &cli.view.options())
         }
-        Command::Explain(args) => commands::sweep::explain(context, args, cli.color),
-        Command::Compare(args) => commands::results::compare(context, args, cli.color),
+        Command::Explain(args) => commands::explain::run(context, args, cli.color),
+        Command::Compare(args) => commands::compare::run(context, args, cli.color),
         Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
         Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Show(args) => commands::show::run(context, args, cli.color).map(|()| SUCCESS),
@@ -248,13 +248,13 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         },
         Command::Verify(args) => commands::verify::run(context, args, cli.color),
         Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
-        Command::Report(args) => commands::results::report(context, args).map(|()| SUCCESS),
-        Command::History(args) => commands::results::history(context, args).map(|()| SUCCESS),
+        Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
+        Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
         Command::Check(args) => commands::check::run(context, args, cli.color),
         Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
         Command::Child(args) => commands::child::run(context, args),
-        Command::Merge(args) => commands::results::merge(context, args, cli.color),
+        Command::Merge(args) => commands::merge::run(context, args, cli.color),
         Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Generate(args) => match &args.text {
             GeneratedText::Schema(args) => commands::generate::schema(context, args),

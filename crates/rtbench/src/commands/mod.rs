@@ -1,4 +1,4 @@
-//! The subcommands, one per file; those that only read recorded results are in [`results`].
+//! The subcommands, one per file.
 
 pub mod accuracy;
 pub mod animate;
@@ -6,17 +6,21 @@ pub mod baseline;
 pub mod check;
 mod check_in_turns;
 pub mod child;
+pub mod compare;
 pub mod compare_tracers;
 pub mod cost;
 pub mod doctor;
+pub mod explain;
 pub mod generate;
+pub mod history;
 pub mod list;
 pub mod measuring;
+pub mod merge;
 mod processes;
 pub mod rays;
 pub mod render;
+pub mod report;
 pub mod reproduce;
-pub mod results;
 pub mod run;
 pub mod run_outputs;
 pub mod run_state;

@@ -1,7 +1,7 @@
-//! `rtbench sweep` measures one parameter over its values, or one scene in several sizes; `rtbench
-//! explain` measures a row and the reference in all their crafts. Both print and export; a sweep plots.
+//! `rtbench sweep`: one parameter over its values, or one scene in several sizes; printed, exported and
+//! plotted.
 
-use crate::args::{Color, ExplainArgs, SweepArgs};
+use crate::args::{Color, SweepArgs};
 use crate::commands::measuring::{
     PlanResults, begin, exit_code, measure_rest, measure_scenes, warn_of,
 };
@@ -12,7 +12,6 @@ use crate::outputs::Outputs;
 use measurement::record::{RunRecord, file};
 use presentation::json;
 use presentation::text::Screen;
-use studies::explain::{Explain, table as explain_table};
 use studies::sweep::sizes::Sizes;
 use studies::sweep::sizes::{self, SizeSweep};
 use studies::sweep::{Sweep, report};
@@ -98,30 +97,6 @@ fn over_sizes(
         context.out.flush()?;
     }
     Ok(measured)
-}
-
-/// The files of `-o`.
-const EXPLAIN_FILES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
-
-/// Measures and returns the exit code.
-pub fn explain(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Result<u8, Error> {
-    let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
-    let screen = context.terminal.screen(color);
-    let [json_name, csv_name, markdown_name] = EXPLAIN_FILES;
-    let mut outputs = context.outputs_in(args.output.as_ref(), &EXPLAIN_FILES)?;
-    outputs.add_in_folder(json_name, json::written)?;
-    outputs.add_in_folder(csv_name, |run| explain_table::to_csv(&explain, run))?;
-    outputs.add_in_folder(markdown_name, |run| Ok(explain_table::to_markdown(&explain, run)))?;
-    let measured = measure_scenes(context, &explain.plan, &mut outputs, |context, run, scene| {
-        warn_of(context, scene);
-        explain_table::write(context.out, &explain, run, scene, screen)?;
-        Ok(context.out.flush()?)
-    })?;
-    if !measured.record.scenes.is_empty() {
-        screen.write_notes(context.out, explain_table::GLOSSARY)?;
-        context.out.flush()?;
-    }
-    Ok(exit_code(&measured))
 }
 
 #[cfg(test)]

@@ -1,0 +1,33 @@
+//! `rtbench explain`: a row and the reference in all their crafts.
+
+use crate::args::{Color, ExplainArgs};
+use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::context::Context;
+use crate::error::Error;
+use measurement::record::file;
+use presentation::json;
+use studies::explain::{Explain, table};
+
+/// The files of `-o`.
+const EXPLAIN_FILES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
+
+/// Measures and returns the exit code.
+pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Result<u8, Error> {
+    let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
+    let screen = context.terminal.screen(color);
+    let [json_name, csv_name, markdown_name] = EXPLAIN_FILES;
+    let mut outputs = context.outputs_in(args.output.as_ref(), &EXPLAIN_FILES)?;
+    outputs.add_in_folder(json_name, json::written)?;
+    outputs.add_in_folder(csv_name, |run| table::to_csv(&explain, run))?;
+    outputs.add_in_folder(markdown_name, |run| Ok(table::to_markdown(&explain, run)))?;
+    let measured = measure_scenes(context, &explain.plan, &mut outputs, |context, run, scene| {
+        warn_of(context, scene);
+        table::write(context.out, &explain, run, scene, screen)?;
+        Ok(context.out.flush()?)
+    })?;
+    if !measured.record.scenes.is_empty() {
+        screen.write_notes(context.out, table::GLOSSARY)?;
+        context.out.flush()?;
+    }
+    Ok(exit_code(&measured))
+}

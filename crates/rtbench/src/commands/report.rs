@@ -1,0 +1,80 @@
+//! `rtbench report`: the results in folders as one page.
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::args::ReportArgs;
+use crate::commands::render::scene_pictures;
+use crate::context::Context;
+use crate::error::Error;
+use crate::outputs::refuse_files;
+use crate::report::material::Material;
+use crate::report::{is_page, page};
+use measurement::record::file;
+use measurement::system::files::{WriteError, write_text};
+use measurement::system::progress::Progress;
+
+/// The page's name unless another is asked for.
+const PAGE_NAME: &str = "report.html";
+/// Bytes in which a page says whose it is.
+const PAGE_BEGINNING: u64 = 1024;
+
+/// Reads what is there and writes the page and, where asked for, its plots.
+pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
+    let read = |folder: &PathBuf| Material::read(&file::path_of(folder));
+    let mut runs = args.folders.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let folder = if let [run] = &runs[..] { Some(run.folder.clone()) } else { None };
+    let usual = folder.as_deref().unwrap_or(Path::new("")).join(PAGE_NAME);
+    let output = args.output.as_deref().unwrap_or(&usual);
+    let is_stdout = output == Path::new("-");
+    if !is_stdout && !context.overwrite && !is_page_of_ours(output) {
+        refuse_files([output.to_owned()])?;
+    }
+    if !args.no_pictures {
+        for run in &mut runs {
+            scene_pictures(context, &run.run, &mut run.pictures)?;
+        }
+    }
+    // two plots per scene, about
+    let steps = runs.iter().map(|run| 2 * run.run.scenes.len() as u64).sum();
+    let progress = Progress::new(context.shows_progress(), steps, None);
+    progress.message("costs of rows");
+    let is_beside = folder.is_some_and(|folder| !is_stdout && is_within(output, &folder));
+    let page = page(&runs, is_beside, progress);
+    if is_stdout {
+        context.out.write_all(page.html.as_bytes())?;
+        context.out.flush()?;
+    } else {
+        write_text(output, &page.html)?;
+        let scenes: usize = runs.iter().map(|run| run.run.scenes.len()).sum();
+        context.wrote(output, format_args!("report of {scenes} scene(s)"));
+    }
+    if let Some(folder) = &args.plots {
+        if !context.overwrite {
+            refuse_files(page.plots.iter().map(|(name, _)| folder.join(name)))?;
+        }
+        fs::create_dir_all(folder).map_err(|source| WriteError { path: folder.clone(), source })?;
+        for (name, svg) in &page.plots {
+            write_text(&folder.join(name), svg)?;
+        }
+        context.wrote(folder, format_args!("{} plots", page.plots.len()));
+    }
+    Ok(())
+}
+
+/// Returns whether an earlier report is there: it may be replaced.
+fn is_page_of_ours(path: &Path) -> bool {
+    // a pipe would have to be waited for
+    let Some(Ok(file)) = path.is_file().then(|| fs::File::open(path)) else { return false };
+    let mut beginning = Vec::new();
+    let read = file.take(PAGE_BEGINNING).read_to_end(&mut beginning);
+    read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
+}
+
+/// Returns whether the file lies in the folder, however both are named.
+fn is_within(file: &Path, folder: &Path) -> bool {
+    let parent = file.parent().filter(|parent| *parent != Path::new(""));
+    let parent = fs::canonicalize(parent.unwrap_or(Path::new(".")));
+    parent.is_ok_and(|parent| fs::canonicalize(folder).is_ok_and(|folder| parent == folder))
+}
