@@ -8,16 +8,20 @@
 //!
 //! A scene is named by a spec: `balls` (default size) or `balls:5`.
 
+mod balls;
 pub mod counts;
 pub(crate) mod gears;
 pub(crate) mod hare;
+mod lattice;
 mod mount;
 mod nff_export;
 pub(crate) mod parts;
-mod rods;
-mod self_similar;
+mod rings;
+mod stadium;
 mod sticks;
 mod teapot;
+mod tetra;
+mod tree;
 
 pub use nff_export::{PrintfG, round_to_printed, write_nff};
 
@@ -41,21 +45,21 @@ pub struct SpdEntry {
 /// The generators of the SPD, by name.
 #[rustfmt::skip]
 pub static SPD: &[SpdEntry] = &[
-    SpdEntry { name: "balls", default_size: 4, max_size: 7, summary: "sphereflake: (9^(n+1) - 1) / 8 mirroring spheres on a square", generate: self_similar::balls, count: counts::balls },
+    SpdEntry { name: "balls", default_size: 4, max_size: 7, summary: "sphereflake: (9^(n+1) - 1) / 8 mirroring spheres on a square", generate: balls::generate, count: counts::balls },
     SpdEntry { name: "gears", default_size: 4, max_size: 51, summary: "n^3 meshing gears, some of glass: 146 polygons each, faces with 144 vertices", generate: gears::generate, count: counts::gears },
-    SpdEntry { name: "lattice", default_size: 12, max_size: 170, summary: "cubic lattice: (n+1)^3 mirroring spheres, 3 n (n+1)^2 cylinders", generate: rods::lattice, count: counts::lattice },
+    SpdEntry { name: "lattice", default_size: 12, max_size: 170, summary: "cubic lattice: (n+1)^3 mirroring spheres, 3 n (n+1)^2 cylinders", generate: lattice::generate, count: counts::lattice },
     SpdEntry { name: "mount", default_size: 6, max_size: 11, summary: "fractal mountain of 2 * 4^n triangles, 4 glass spheres", generate: mount::generate, count: counts::mount },
-    SpdEntry { name: "rings", default_size: 7, max_size: 99, summary: "pyramid of ring clusters: 5 n (n+1) (2n+1) cylinders and as many spheres", generate: rods::rings, count: counts::rings },
+    SpdEntry { name: "rings", default_size: 7, max_size: 99, summary: "pyramid of ring clusters: 5 n (n+1) (2n+1) cylinders and as many spheres", generate: rings::generate, count: counts::rings },
     SpdEntry { name: "teapot", default_size: 12, max_size: 554, summary: "teapot of 64 n^2 - 8 n triangular patches on a board of n^2 squares", generate: teapot::generate, count: counts::teapot },
-    SpdEntry { name: "tetra", default_size: 6, max_size: 12, summary: "tetrahedral pyramid (Sierpinski): 4^n triangles", generate: self_similar::tetra, count: counts::tetra },
-    SpdEntry { name: "tree", default_size: 11, max_size: 22, summary: "branching tree: 2^(n+1) - 1 cones and as many spheres", generate: self_similar::tree, count: counts::tree },
+    SpdEntry { name: "tetra", default_size: 6, max_size: 12, summary: "tetrahedral pyramid (Sierpinski): 4^n triangles", generate: tetra::generate, count: counts::tetra },
+    SpdEntry { name: "tree", default_size: 11, max_size: 22, summary: "branching tree: 2^(n+1) - 1 cones and as many spheres", generate: tree::generate, count: counts::tree },
 ];
 
 /// Generators of our own, by name: scenes of kinds that the SPD lacks.
 #[rustfmt::skip]
 pub static OURS: &[SpdEntry] = &[
     SpdEntry { name: "hare", default_size: 93, max_size: 1581, summary: "a hare as a closed mesh of 8 n^2 small triangles", generate: hare::generate, count: counts::hare },
-    SpdEntry { name: "stadium", default_size: 93, max_size: 1580, summary: "the hare in a stadium: 8 n^2 small triangles, 15,800 up to 800 times as large", generate: hare::in_stadium, count: counts::stadium },
+    SpdEntry { name: "stadium", default_size: 93, max_size: 1580, summary: "the hare in a stadium: 8 n^2 small triangles, 15,800 up to 800 times as large", generate: stadium::generate, count: counts::stadium },
     SpdEntry { name: "sticks", default_size: 91, max_size: 1290, summary: "a heap of n^2 long thin sticks in all directions, 12 triangles each", generate: sticks::generate, count: counts::sticks },
 ];
 
