@@ -142,6 +142,13 @@ fn tests_that_are_not_compiled_are_refused() {
     let text =
         refusal_of("uniform-grid", set, "triangle-test=pluecker kernel=scalar mailbox=array");
     assert_eq!(text, format!("uniform-grid{pluecker} where there is a mailbox"));
+    for traversal in ["driving-axis", "f64"] {
+        let settings = format!("triangle-test=pluecker traversal={traversal}");
+        let text = refusal_of("uniform-grid", set, &settings);
+        assert_eq!(text, format!("uniform-grid{pluecker} with this traversal"));
+    }
+    let accumulating = "triangle-test=moeller-trumbore traversal=accumulate kernel=scalar";
+    assert!(build(set, "uniform-grid", accumulating).is_ok());
     let both = "sphere-test=naive triangle-test=pluecker";
     let text = refusal(mixed.prims(), both);
     assert!(text.ends_with("expected default, or f64 for both kinds of primitives"), "{text}");
