@@ -1,8 +1,7 @@
 //! From the f64 scene to the primitive sets that structures are built over, converted once.
 
 use accel_core::primitives::{
-    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimitiveError, Primitives, PrimsRef,
-    TriangleSet,
+    Cone, Instance, Instances, MixedSet, MixedSetBuilder, PrimitiveError, PrimsRef, TriangleSet,
 };
 use accel_core::registry::{Buildable, PerScalar, ScalarPair};
 use accel_core::update;
@@ -87,17 +86,11 @@ impl<S: Buildable> Geometry<S> {
 
     /// Primitives that are copies of others.
     pub fn instances(&self) -> Option<&Instances> {
-        match self {
-            Self::Triangles(set) => set.instances(),
-            Self::Mixed(set) => set.instances(),
-        }
+        self.prims().primitives().instances()
     }
 
     pub fn len(&self) -> usize {
-        match self {
-            Self::Triangles(set) => set.len(),
-            Self::Mixed(set) => set.len(),
-        }
+        self.prims().primitives().len()
     }
 
     /// True when there are none.
@@ -107,10 +100,7 @@ impl<S: Buildable> Geometry<S> {
 
     /// Bytes of the primitives.
     pub fn bytes(&self) -> usize {
-        match self {
-            Self::Triangles(set) => set.bytes(),
-            Self::Mixed(set) => set.bytes(),
-        }
+        self.prims().primitives().bytes()
     }
 }
 

@@ -43,7 +43,7 @@ impl Instances {
             };
             let from_first = claim.placement * first.placement.inverse();
             let to_first = inverse(from_first);
-            if to_first.is_some() && hulls.agree::<S>([prims; 2], first, claim, from_first) {
+            if to_first.is_some() && hulls.agree([prims; 2], first, claim, from_first) {
                 object.copies.push(ConfirmedCopy { first: claim.first, to_first });
             }
         }
@@ -65,7 +65,7 @@ impl Instances {
             let from_old = part.placement * old.placement.inverse();
             (old.first, old.count, old.object) == (part.first, part.count, part.object)
                 && inverse(from_old).is_some()
-                && hulls.agree::<S>([before, now], old, part, from_old)
+                && hulls.agree([before, now], old, part, from_old)
         };
         self.parts.iter().filter(|part| is_rigid(part)).copied().collect()
     }

@@ -256,12 +256,7 @@ impl<S: Scalar, T: TriangleTest<S>> Primitives<S> for TriangleSet<S, T> {
 
     #[inline(always)]
     fn bounds(&self, id: u32) -> Aabb<S> {
-        let [a, b, c] = self.triangles[id as usize];
-        Aabb::of_triangle(&[
-            Vec3::<S>::from_array(a),
-            Vec3::<S>::from_array(b),
-            Vec3::<S>::from_array(c),
-        ])
+        Aabb::of_triangle(&self.triangles[id as usize].map(Vec3::<S>::from_array))
     }
 
     fn extent(&self, id: u32, direction: DVec3) -> (f64, f64) {

@@ -4,10 +4,10 @@
 //! A traversal is compiled once more for each test, over a set of that test's type ([`TriangleSet`]
 //! of another test, [`RetestedSet`]), as it is for the default tests; a default that is chosen by
 //! name is the default. A test that were called would cost its call, which hides what tests differ
-//! by. The settings ([`TRIANGLE_TEST`], [`SPHERE_TEST`]) are
-//! those of the structures on which `accuracy` compares tests: `uniform-grid`, primitives one by
-//! one or in blocks, and `wide-bvh`, triangles in blocks. They serve f32, primitives at rest,
-//! and of the grid's traversals the default and the accumulating one.
+//! by. The settings ([`TRIANGLE_TEST`], [`SPHERE_TEST`]) are those of the structures on which
+//! `accuracy` compares tests: `uniform-grid`, primitives one by one or in blocks, and `wide-bvh`,
+//! triangles in blocks. They serve f32, primitives at rest, and of the grid's traversals the default
+//! and the accumulating one.
 
 use std::marker::PhantomData;
 

@@ -83,10 +83,7 @@ pub fn scenes<S: Buildable>() -> Vec<Named<S>> {
 }
 
 fn instances<S: Buildable>(set: &Set<S>) -> &Instances {
-    match set {
-        Set::Triangles(set) => set.instances().unwrap(),
-        Set::Mixed(set) => set.instances().unwrap(),
-    }
+    set.prims().primitives().instances().unwrap()
 }
 
 /// Asserts that most claims hold, so that the tests over [`scenes`] test something.

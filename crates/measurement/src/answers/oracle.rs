@@ -14,8 +14,8 @@
 use std::sync::Arc;
 
 use accel_core::params::Params;
+use accel_core::primitives::PrimSet;
 use accel_core::primitives::PrimsRef;
-use accel_core::primitives::{PrimSet, Primitives};
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
@@ -93,10 +93,7 @@ impl<'a> Oracle<'a> {
         ulps: f64,
     ) -> Result<Self, BuildError> {
         let tracer: Arc<dyn Tracer<f64> + 'a> = Arc::from(entry.build(prims, params)?);
-        let bounds = match prims {
-            PrimsRef::Watertight(p) => p.scene_bounds(),
-            PrimsRef::Mixed(p) => p.scene_bounds(),
-        };
+        let bounds = prims.primitives().scene_bounds();
         let magnitude = bounds.min.abs().max(bounds.max.abs()).max_element();
         Ok(Self { prims, tracer, magnitude, ulps })
     }

@@ -46,8 +46,8 @@ struct Subsample<'a, S: Buildable> {
 /// Seconds by kind of ray and order.
 type Seconds = BTreeMap<String, f64>;
 
-/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan. The row `baseline` is the reference. The result has one entry
-/// for each row too. `log` is told what each row does for the first time.
+/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan. The row
+/// `baseline` is the reference. The result has one entry for each row too. `log` is told what each row does for the first time.
 pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
     checked: &[RowCheck],

@@ -4,7 +4,6 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use crate::accuracy::record::TrialCounts;
 use crate::error::StudyError;
-use accel_core::primitives::{Primitives, PrimsRef};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
@@ -156,10 +155,7 @@ impl<'a> Stage<'a> {
 
     /// The box of its primitives.
     pub fn bounds(&self) -> Aabb<f32> {
-        match self.prepared.geometry.prims() {
-            PrimsRef::Watertight(set) => set.scene_bounds(),
-            PrimsRef::Mixed(set) => set.scene_bounds(),
-        }
+        self.prepared.geometry.prims().primitives().scene_bounds()
     }
 
     /// At most `most` of the rays, evenly thinned, of the kinds that `keep` says and that have any.

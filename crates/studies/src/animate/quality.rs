@@ -9,7 +9,7 @@
 //!   it, each with the cell's cost: a ray that ends there visits them in vain. Deviation: of 512
 //!   random points, uniform over the area of triangles, not of clipped polygons.
 
-use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::primitives::PrimsRef;
 use accel_core::query::cells::CellKind;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
@@ -36,13 +36,7 @@ pub struct SurfacePoint {
 
 /// Points that are uniform over the area of the scene's triangles; none without any.
 pub fn surface_points<S: Buildable>(prims: PrimsRef<'_, S>, seed: u64) -> Vec<SurfacePoint> {
-    match prims {
-        PrimsRef::Watertight(set) => points_of::<S, _>(set, seed),
-        PrimsRef::Mixed(set) => points_of::<S, _>(set, seed),
-    }
-}
-
-fn points_of<S: Buildable, P: PrimSet<S>>(prims: &P, seed: u64) -> Vec<SurfacePoint> {
+    let prims = prims.primitives();
     let corners = |id: u32| prims.corners(id).map(|corners| corners.map(|p| p.to_dvec3()));
     let mut sum = 0.0;
     let area = |id: u32| {

@@ -10,7 +10,7 @@
 //! two unknowns all sets of those above 0 are simply tried; C. Lawson, R. Hanson, "Solving Least Squares
 //! Problems", 1974, has the general case).
 
-use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::primitives::{PrimSet, Primitives, PrimsRef};
 use accel_core::{Ray, Vector};
 use glam::DVec3;
 use measurement::system::clock::Clock;
@@ -117,7 +117,7 @@ fn of<P: PrimSet<f32>>(prims: &P, clock: &dyn Clock) -> f64 {
 }
 
 /// Primitives and rays through their boxes.
-fn drawn<P: PrimSet<f32>>(prims: &P) -> Vec<(u32, Ray<f32>)> {
+fn drawn(prims: &dyn Primitives<f32>) -> Vec<(u32, Ray<f32>)> {
     let mut sums = Vec::with_capacity(prims.len());
     let mut total = 0.0;
     for id in 0..prims.len() as u32 {

@@ -41,7 +41,7 @@ use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsRule;
 use crate::occluders::BoxedOccluder;
 use crate::params::config::Settings;
-use crate::primitives::{PrimSet, PrimsRef};
+use crate::primitives::{PrimSet, Primitives, PrimsRef};
 use crate::registry::Buildable;
 use crate::structure::{BuildError, StructureInfo, bounds_of};
 
@@ -125,8 +125,8 @@ fn is_below(
 }
 
 /// The margins for a set that can be served.
-fn checked<S: Scalar, P: PrimSet<S>>(
-    prims: &P,
+fn checked<S: Scalar>(
+    prims: &dyn Primitives<S>,
     lights: &[DVec3],
     structure: &'static str,
 ) -> Result<Margins, BuildError> {

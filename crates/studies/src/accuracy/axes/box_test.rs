@@ -5,7 +5,7 @@
 //! meets the exact box; a test that says no is wrong.
 
 use accel_core::geometry::box_test::BoxTest;
-use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::primitives::Primitives;
 use accel_core::{Aabb, Ray};
 use glam::Vec3;
 use renderer::RayKind;
@@ -38,10 +38,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     let most = (stage.limits.timed_rays / SHARE).max(50);
     let batches = stage.batches(most, |kind| kind != RayKind::Shadow);
     let rays = count(&batches);
-    let aims = match stage.prepared.geometry.prims() {
-        PrimsRef::Watertight(set) => aims(stage, set),
-        PrimsRef::Mixed(set) => aims(stage, set),
-    };
+    let aims = aims(stage, stage.prepared.geometry.prims().primitives());
     let variants = built.iter().zip(TESTS).map(|(built, (name, test))| {
         let replay = Replay::by_kind(&*built.tracer, &batches);
         let steps = counted(&*built.tracer, &batches).elementary_steps;
@@ -77,7 +74,7 @@ struct SurfaceRay {
     is_met: bool,
 }
 
-fn aims<P: PrimSet<f32>>(stage: &Stage<'_>, set: &P) -> Vec<SurfaceRay> {
+fn aims(stage: &Stage<'_>, set: &dyn Primitives<f32>) -> Vec<SurfaceRay> {
     let mut random = stage.random("boxes");
     let scene = set.scene_bounds();
     let mut found = Vec::with_capacity(stage.trials());

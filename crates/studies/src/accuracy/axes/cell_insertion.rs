@@ -9,7 +9,7 @@
 
 use accel_core::grid::voxel_traversal::GridFrame;
 use accel_core::params::config::Settings;
-use accel_core::primitives::{Ball, PrimSet, PrimitiveKind, PrimsRef};
+use accel_core::primitives::{Ball, PrimitiveKind, Primitives};
 use accel_core::structure::Structure;
 use accel_core::structures::uniform_grid::UniformGrid;
 use accel_core::{Aabb, Vec3, Vector};
@@ -43,10 +43,7 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
     for (((built, replay), insertion), label) in
         built.iter().zip(replays).zip(INSERTIONS).zip(&labels)
     {
-        let tally = match stage.prepared.geometry.prims() {
-            PrimsRef::Watertight(set) => judged(stage, set, label),
-            PrimsRef::Mixed(set) => judged(stage, set, label),
-        }?;
+        let tally = judged(stage, stage.prepared.geometry.prims().primitives(), label)?;
         let stats = built.stats();
         let mut also = vec![("references a primitive", stats.references as f64 / primitives)];
         also.extend(build_columns(stats.bytes, built.build_s));
@@ -64,9 +61,9 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 }
 
 /// Points whose cells do not list their primitives.
-fn judged<P: PrimSet<f32>>(
+fn judged(
     stage: &Stage<'_>,
-    set: &P,
+    set: &dyn Primitives<f32>,
     label: &str,
 ) -> Result<TrialCounts, StudyError> {
     let row = Row::parse(stage.registry, label)?;
@@ -111,8 +108,8 @@ fn crossing(
 }
 
 /// A point of the primitive that f64 holds exactly; none for cones.
-fn point_on<P: PrimSet<f32>>(
-    set: &P,
+fn point_on(
+    set: &dyn Primitives<f32>,
     id: u32,
     random: &mut Random,
     balls: &mut Vec<Ball>,

@@ -9,7 +9,7 @@
 
 use std::collections::HashMap;
 
-use accel_core::primitives::{PrimSet, PrimsRef};
+use accel_core::primitives::PrimsRef;
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Scalar};
@@ -213,14 +213,9 @@ pub fn judged<S: Buildable>(
 
 /// The triangles of the scene with their ids.
 pub(super) fn triangles(prims: PrimsRef<'_, f32>) -> Vec<(u32, Corners)> {
-    fn of<P: PrimSet<f32>>(set: &P) -> Vec<(u32, Corners)> {
-        let corners = |id| Some((id, set.corners(id)?.map(|p| p.to_array())));
-        (0..set.len() as u32).filter_map(corners).collect()
-    }
-    match prims {
-        PrimsRef::Watertight(set) => of(set),
-        PrimsRef::Mixed(set) => of(set),
-    }
+    let set = prims.primitives();
+    let corners = |id| Some((id, set.corners(id)?.map(|p| p.to_array())));
+    (0..set.len() as u32).filter_map(corners).collect()
 }
 
 /// Rays at corners and edges, and rays along axes and from close by; `most` of each at most.

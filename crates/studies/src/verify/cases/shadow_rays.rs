@@ -1,6 +1,6 @@
 //! Shadow rays: through primitives that let them pass, and to lights in awkward places.
 
-use accel_core::primitives::{Primitives, TriangleSet};
+use accel_core::primitives::TriangleSet;
 
 use super::*;
 
@@ -41,11 +41,8 @@ pub fn glass<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
             continue;
         }
         let hits = every_hit(&round.model, &ray);
-        let is_opaque = |id: u32| match &round.model {
-            Geometry::Triangles(set) => set.is_opaque(id),
-            Geometry::Mixed(set) => set.is_opaque(id),
-        };
-        let is_blocked = hits.iter().any(|hit| is_opaque(hit.id));
+        let prims = round.model.prims().primitives();
+        let is_blocked = hits.iter().any(|hit| prims.is_opaque(hit.id));
         round.push(ray, first_within(&hits, ray.t_min, ray.t_max));
         round.blocked.push(is_blocked);
     }
