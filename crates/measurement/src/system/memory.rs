@@ -15,7 +15,8 @@
 //! Papers: T. Mytkowicz, A. Diwan, M. Hauswirth, P. F. Sweeney, "Producing Wrong Data Without Doing
 //! Anything Obviously Wrong!", ASPLOS 2009; C. Curtsinger, E. D. Berger, "Stabilizer: Statistically
 //! Sound Performance Evaluation", ASPLOS 2013. Deviations: drawn once for a process, by what the
-//! standard library seeds its hash maps with; code and stack stay where the system puts them.
+//! standard library seeds its hash maps with; code and stack stay where the system puts them, where
+//! loops over rays align their frames.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::hash::{BuildHasher, RandomState};

@@ -1,7 +1,8 @@
 //! Numbers of twice the digits of f64, as unevaluated sums of two.
 //!
 //! T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische
-//! Mathematik 18, 1971; the product's error by fused multiplication.
+//! Mathematik 18, 1971; the product's error by fused multiplication. Vectors are written out:
+//! `array::map` takes most of the time where this crate is compiled with little optimisation.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -83,12 +84,13 @@ impl Div for DoubleDouble {
 
 /// A vector in more digits.
 pub fn vector(v: DVec3) -> [DoubleDouble; 3] {
-    v.to_array().map(DoubleDouble::from)
+    [v.x.into(), v.y.into(), v.z.into()]
 }
 
 /// `a - b`, exact.
 pub fn difference(a: DVec3, b: DVec3) -> [DoubleDouble; 3] {
-    [0, 1, 2].map(|k| DoubleDouble::from(a[k]) - DoubleDouble::from(b[k]))
+    let of = |a: f64, b: f64| DoubleDouble::from(a) - DoubleDouble::from(b);
+    [of(a.x, b.x), of(a.y, b.y), of(a.z, b.z)]
 }
 
 pub fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
@@ -96,7 +98,8 @@ pub fn dot(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> DoubleDouble {
 }
 
 pub fn cross(a: [DoubleDouble; 3], b: [DoubleDouble; 3]) -> [DoubleDouble; 3] {
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i] * b[j] - a[j] * b[i])
+    let of = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
+    [of(1, 2), of(2, 0), of(0, 1)]
 }
 
 #[cfg(test)]

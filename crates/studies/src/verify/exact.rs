@@ -119,14 +119,15 @@ impl ExactRay {
         if slope.high == 0.0 {
             return None;
         }
-        let depth = [(b, c), (c, a), (a, b)].map(|(p, q)| {
-            let (p, q) = (difference(p, self.from), difference(q, self.from));
-            (dot(cross(p, q), vector(along)) / slope).high
-        });
-        let depth = depth.into_iter().fold(f64::INFINITY, f64::min);
+        let [from_a, from_b, from_c] =
+            [difference(a, self.from), difference(b, self.from), difference(c, self.from)];
+        let depth = |p, q| (dot(cross(p, q), vector(along)) / slope).high;
+        let depth = depth(from_b, from_c).min(depth(from_c, from_a)).min(depth(from_a, from_b));
+        // all three may be NaN
+        let depth = depth.min(f64::INFINITY);
         let depth = if self.is_met(&[a, b, c]) { depth.max(0.0) } else { depth.min(BELOW_ZERO) };
-        let t = (dot(across, difference(a, self.from)) / slope).high;
-        let normal = length(DVec3::from_array(across.map(|x| x.high)));
+        let t = (dot(across, from_a) / slope).high;
+        let normal = length(DVec3::new(across[0].high, across[1].high, across[2].high));
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         // of the angle between line and plane
         let sine = slope.high.abs() / (normal * along.length());
