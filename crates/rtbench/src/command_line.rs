@@ -160,7 +160,7 @@ pub fn files_read(command: &Command) -> Vec<PathBuf> {
         Command::Report(args) => args.folders.iter().map(PathBuf::as_path).collect(),
         Command::Check(args) => {
             let baseline = args.baseline.as_deref().map(Path::new);
-            let others = args.results.iter().chain(&args.against).chain(&args.against_plugin);
+            let others = args.results.iter().chain(&args.against);
             others.map(PathBuf::as_path).chain(baseline).collect()
         }
         Command::Rays(args) => match &args.action {

@@ -18,18 +18,15 @@ pub struct CheckArgs {
     #[arg(value_name = "SCENE", value_parser = scene_name())]
     pub scenes: Vec<String>,
     /// Baseline to compare with: its name, a results.json, or the folder of `run -o`
-    #[arg(short, long, value_name = "FILE|NAME",
-          required_unless_present_any = ["against", "against_plugin"])]
+    #[arg(short, long, value_name = "FILE|NAME", required_unless_present = "against")]
     pub baseline: Option<String>,
-    /// Compare with this older rtbench binary, measured in turns with this one
-    #[arg(long, value_name = "BINARY", conflicts_with = "plugin")]
-    pub against: Option<PathBuf>,
-    /// Compare with this older build of the plugin given by --plugin, measured in turns with it
-    #[arg(long, value_name = "FILE", requires = "plugin", conflicts_with = "against")]
-    pub against_plugin: Vec<PathBuf>,
+    /// Compare with this older rtbench binary, measured in turns with this one; with --plugin, with
+    /// this older build of the plugin
+    #[arg(long, value_name = "FILE")]
+    pub against: Vec<PathBuf>,
     /// Check these results of an earlier run, and measure nothing
     #[arg(long, value_name = "DIR|FILE", requires = "baseline", conflicts_with_all = ["against",
-          "against_plugin", "plugin", "rounds", "time_budget", "instructions"])]
+          "plugin", "rounds", "time_budget", "instructions"])]
     pub results: Option<PathBuf>,
     /// Compare row OLD of the baseline or older program with row NEW of this one; the name of a
     /// structure stands for all its rows
@@ -56,12 +53,10 @@ pub struct CheckArgs {
     /// Keep measuring until this time has elapsed: 60s, 2m
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time_budget: Option<Duration>,
-    /// Count instructions under valgrind [default: if the baseline has counts]
-    #[arg(long, overrides_with = "no_instructions", conflicts_with = "plugin")]
-    pub instructions: bool,
-    /// Skip instruction counting
-    #[arg(long)]
-    pub no_instructions: bool,
+    /// Count instructions under valgrind, or not [default: if the baseline has counts]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
+          default_missing_value = "true", conflicts_with = "plugin")]
+    pub instructions: Option<bool>,
     /// Exit with code 5 if a comparison is inconclusive, or a row is missing on one side
     #[arg(long)]
     pub strict: bool,
@@ -140,15 +135,20 @@ pub struct AgainstArgs {
 impl CheckArgs {
     /// Two programs, or two builds of a plugin, are measured in turns.
     pub fn takes_turns(&self) -> bool {
-        self.against.is_some() || !self.against_plugin.is_empty()
+        !self.against.is_empty()
+    }
+
+    /// The older rtbench binary; none with `--plugin`, whose older builds are compared.
+    pub fn older_binary(&self) -> Option<&PathBuf> {
+        self.against.first().filter(|_| self.plugins.plugin.is_empty())
     }
 
     /// Description of the older side.
     pub fn against_in_words(&self) -> String {
-        if let Some(old) = &self.against {
+        if let Some(old) = self.older_binary() {
             return format!("binary {}", old.display());
         }
-        match &self.against_plugin[..] {
+        match &self.against[..] {
             [] => format!("baseline {}", self.baseline.as_deref().unwrap_or_default()),
             files => {
                 let files: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();

@@ -141,7 +141,7 @@ pub enum Command {
     Reproduce(ReproduceArgs),
     /// Compare with a baseline, an older rtbench or an older plugin: the gate of a CI job
     #[command(
-        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check teapot --against ./old\n  rtbench check teapot -s mine --plugin new/mine.so --against-plugin old/mine.so"
+        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check teapot --against ./old\n  rtbench check teapot -s mine --plugin new/mine.so --against old/mine.so"
     )]
     Check(CheckArgs),
     /// Manage baselines for `check`

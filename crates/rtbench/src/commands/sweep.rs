@@ -161,7 +161,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_are_swept_without_rules() {
-        let s = sweep("-s kd-tree -p max-depth --values 1..16 --steps 5").unwrap();
+        let s = sweep("-s kd-tree -p max-depth --values 1..16:5").unwrap();
         let values: Vec<_> = s.lines.iter().filter(|l| l.is_swept).map(|l| &l.value).collect();
         assert_eq!(values.len(), 5);
         assert!(s.lines.iter().all(|l| l.rules.is_empty()));
