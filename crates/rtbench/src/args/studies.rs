@@ -159,12 +159,6 @@ impl ExplainArgs {
     }
 }
 
-#[derive(Debug, Clone, Args)]
-pub struct ReproduceArgs {
-    #[command(subcommand)]
-    pub publication: Publication,
-}
-
 /// Publications that can be reproduced.
 #[derive(Debug, Clone, Subcommand)]
 pub enum Publication {
