@@ -67,9 +67,23 @@ pub struct CheckArgs {
     pub thresholds: ThresholdArgs,
     #[command(flatten)]
     pub folder: FolderArgs,
-    /// How to measure without a baseline.
-    #[command(flatten)]
-    pub measuring: AgainstArgs,
+    /// Kinds of rays, as for `run`
+    #[arg(long, value_name = "KIND", value_delimiter = ',', conflicts_with = "baseline")]
+    pub rays: Vec<String>,
+    /// Use small images, as for `run`
+    #[arg(long, conflicts_with = "baseline")]
+    pub quick: bool,
+    /// Threads that build and trace [default: 1]
+    #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
+          value_parser = threads())]
+    pub threads: Option<u16>,
+    /// Floating-point precision of primitives and rays [default: f32]
+    #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
+    pub precision: Option<Precision>,
+    /// Width and height of the image, as for `run`
+    #[arg(long, value_name = "PIXELS", conflicts_with = "baseline",
+          value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub size: Option<u32>,
     /// Write check.json, check.csv and check.md to DIR, and the results as `run -o` does
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -110,28 +124,6 @@ impl ThresholdArgs {
     }
 }
 
-/// Settings that a baseline replaces, if there is one.
-#[derive(Debug, Clone, Args)]
-pub struct AgainstArgs {
-    /// Kinds of rays, as for `run`
-    #[arg(long, value_name = "KIND", value_delimiter = ',', conflicts_with = "baseline")]
-    pub rays: Vec<String>,
-    /// Use small images, as for `run`
-    #[arg(long, conflicts_with = "baseline")]
-    pub quick: bool,
-    /// Threads that build and trace [default: 1]
-    #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
-          value_parser = threads())]
-    pub threads: Option<u16>,
-    /// Floating-point precision of primitives and rays [default: f32]
-    #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
-    pub precision: Option<Precision>,
-    /// Width and height of the image, as for `run`
-    #[arg(long, value_name = "PIXELS", conflicts_with = "baseline",
-          value_parser = clap::value_parser!(u32).range(1..=8192))]
-    pub size: Option<u32>,
-}
-
 impl CheckArgs {
     /// Two programs, or two builds of a plugin, are measured in turns.
     pub fn takes_turns(&self) -> bool {
@@ -159,17 +151,16 @@ impl CheckArgs {
 
     /// Settings of a comparison without a baseline.
     pub fn settings(&self) -> RunSettings {
-        let how = &self.measuring;
         let default = MeasuringSettings::default();
         RunSettings {
             scenes: self.scenes.clone(),
             structures: self.structures.clone(),
             measuring: MeasuringSettings {
-                rays: how.rays.clone(),
-                quick: how.quick,
-                threads: how.threads.unwrap_or(default.threads),
-                precision: how.precision.unwrap_or_default(),
-                size: how.size,
+                rays: self.rays.clone(),
+                quick: self.quick,
+                threads: self.threads.unwrap_or(default.threads),
+                precision: self.precision.unwrap_or_default(),
+                size: self.size,
                 ..default
             },
             ..RunSettings::default()
