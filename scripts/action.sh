@@ -66,7 +66,7 @@ measure() {
     local checked=(rtbench check -o "$home/checked" --overwrite ${check[@]+"${check[@]}"})
     if [ -n "${PLUGIN:-}" ] && [ -n "${BASE_PLUGIN:-}" ] && [ -e "$results/results.json" ]; then
         # what the run measured, both builds in turns
-        checked+=(--baseline "$results" --plugin "$PLUGIN" --against-plugin "$BASE_PLUGIN")
+        checked+=(--baseline "$results" --plugin "$PLUGIN" --against "$BASE_PLUGIN")
     elif [ -n "${BASELINE:-}" ]; then
         checked+=(--baseline "$BASELINE" ${plugin[@]+"${plugin[@]}"})
     else

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 use clap::CommandFactory;
 use clap::error::{ContextKind, ContextValue};
 
-use crate::args::{BaselineAction, Cli, Command, GeneratedText, RaysAction};
+use crate::args::{
+    BaselineAction, BaselineArgs, CheckArgs, Cli, Command, ExportArgs, GeneratedText, RaysAction,
+    RenderArgs, RunArgs, ShowArgs, TraceArgs,
+};
 use crate::commands::{check, cost, generate, run_outputs};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS, USAGE};
@@ -90,6 +93,18 @@ fn without_folders(argument: &str, folder: Option<&Path>) -> String {
     format!("{name}{shown}")
 }
 
+/// The files of a run, of merged parts or of a baseline that is measured.
+fn exports_of(command: &Command) -> Option<&ExportArgs> {
+    match command {
+        Command::Run(args) => Some(&args.exports),
+        Command::Merge(args) => Some(&args.exports),
+        Command::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. }) => {
+            Some(&args.run.exports)
+        }
+        _ => None,
+    }
+}
+
 /// The files that a command is asked for by name; what folders are filled with is asked for by the
 /// commands that fill them. A run that is resumed writes files of its own.
 pub fn named_files(command: &Command) -> Vec<PathBuf> {
@@ -97,59 +112,38 @@ pub fn named_files(command: &Command) -> Vec<PathBuf> {
         Some(folder) => names.iter().map(|name| folder.join(name)).collect(),
         None => Vec::new(),
     };
-    let one = |file: &Option<PathBuf>| file.iter().cloned().collect();
     match command {
-        Command::Run(args) if args.resume.is_none() => run_outputs::named(&args.exports),
-        Command::Merge(args) => run_outputs::named(&args.exports),
-        Command::Baseline(args) => match &args.action {
-            BaselineAction::Save(args) => run_outputs::named(&args.run.exports),
-            _ => Vec::new(),
-        },
-        Command::Rays(args) => match &args.action {
-            RaysAction::Export(args) => {
-                args.output.iter().chain(&args.triangles).cloned().collect()
-            }
-            RaysAction::Trace(args) => one(&args.output),
-            RaysAction::Check(_) => Vec::new(),
-        },
-        Command::Render(args) => one(&args.output),
-        Command::Show(args) => one(&args.output),
+        Command::Run(RunArgs { resume: Some(_), .. }) => Vec::new(),
+        Command::Rays(RaysAction::Export(args)) => {
+            args.output.iter().chain(&args.triangles).cloned().collect()
+        }
+        Command::Rays(RaysAction::Trace(TraceArgs { output, .. }))
+        | Command::Render(RenderArgs { output, .. })
+        | Command::Show(ShowArgs { output, .. }) => output.iter().cloned().collect(),
         Command::Cost(args) => within(&args.heat_maps, &cost::MAPS.map(str::to_owned)),
-        Command::Generate(args) => match &args.text {
-            GeneratedText::Man(args) => within(&args.output, &generate::page_names()),
-            GeneratedText::Schema(_) | GeneratedText::Completions(_) => Vec::new(),
-        },
-        _ => Vec::new(),
+        Command::Generate(GeneratedText::Man(args)) => {
+            within(&args.output, &generate::page_names())
+        }
+        _ => exports_of(command).map(run_outputs::named).unwrap_or_default(),
     }
 }
 
 /// Files that a command writes and that [`named_files`] leaves out: those in the folder of `-o`,
 /// the exports of a run that is resumed, and the page of a report.
 pub fn files_of_folder(command: &Command) -> Vec<PathBuf> {
-    let folder = match command {
-        Command::Run(args) => args.resume.as_ref().or(args.exports.output.as_ref()),
-        Command::Merge(args) => args.exports.output.as_ref(),
-        Command::Check(args) if args.results.is_none() => args.output.as_ref(),
-        Command::Baseline(args) => match &args.action {
-            BaselineAction::Save(args) => args.run.exports.output.as_ref(),
-            _ => None,
-        },
-        _ => None,
+    let (folder, more) = match command {
+        Command::Run(RunArgs { resume: Some(folder), exports, .. }) => {
+            (Some(folder), run_outputs::named(exports))
+        }
+        Command::Check(CheckArgs { output, results, .. }) => {
+            let own = output.iter().flat_map(|folder| check::NAMES.map(|name| folder.join(name)));
+            (output.as_ref().filter(|_| results.is_none()), own.collect())
+        }
+        Command::Report(args) => (None, args.output.iter().cloned().collect()),
+        _ => (exports_of(command).and_then(|exports| exports.output.as_ref()), Vec::new()),
     };
-    let mut files = folder.map(|folder| run_outputs::files_in(folder)).unwrap_or_default();
-    if let Command::Run(args) = command
-        && args.resume.is_some()
-    {
-        files.extend(run_outputs::named(&args.exports));
-    }
-    if let Command::Check(args) = command {
-        let folder = args.output.iter();
-        files.extend(folder.flat_map(|folder| check::NAMES.map(|name| folder.join(name))));
-    }
-    if let Command::Report(args) = command {
-        files.extend(args.output.clone());
-    }
-    files
+    let files = folder.map(|folder| run_outputs::files_in(folder)).unwrap_or_default();
+    [files, more].concat()
 }
 
 /// Results, rays and programs that a command reads.
@@ -160,13 +154,10 @@ pub fn files_read(command: &Command) -> Vec<PathBuf> {
         Command::Report(args) => args.folders.iter().map(PathBuf::as_path).collect(),
         Command::Check(args) => {
             let baseline = args.baseline.as_deref().map(Path::new);
-            let others = args.results.iter().chain(&args.against).chain(&args.against_plugin);
+            let others = args.results.iter().chain(&args.against);
             others.map(PathBuf::as_path).chain(baseline).collect()
         }
-        Command::Rays(args) => match &args.action {
-            RaysAction::Trace(args) => vec![&args.rays],
-            RaysAction::Export(_) | RaysAction::Check(_) => Vec::new(),
-        },
+        Command::Rays(RaysAction::Trace(args)) => vec![&args.rays],
         _ => Vec::new(),
     };
     read.into_iter().map(file::path_of).collect()

@@ -7,7 +7,7 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
-use crate::outputs::{OutputError, Outputs, PlannedOutput};
+use crate::outputs::{OutputError, OutputFile, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::child_process::{CopyError, ProgramCopy};
@@ -216,12 +216,17 @@ impl Context<'_> {
     }
 
     /// The same for files that are written anew after each scene.
-    pub fn outputs_in<'o>(
+    pub fn outputs_in<'o, const N: usize>(
         &self,
         folder: Option<&PathBuf>,
-        names: &[&str],
+        files: [OutputFile<'o>; N],
     ) -> Result<Outputs<'o>, OutputError> {
-        Ok(Outputs::new(folder.cloned(), self.created_folder(folder, names)?))
+        let names = files.each_ref().map(|(name, _)| *name);
+        let mut outputs = Outputs::new(folder.cloned(), self.created_folder(folder, &names)?);
+        for (name, format) in files {
+            outputs.add_in_folder(name, format)?;
+        }
+        Ok(outputs)
     }
 
     /// Warns of what a scene loses in single precision.

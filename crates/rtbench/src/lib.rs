@@ -240,8 +240,8 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Show(args) => commands::show::run(context, args, cli.color).map(|()| SUCCESS),
         Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
         Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
-        Command::Scenes(args) => commands::scenes::run(context, &args.action),
-        Command::Rays(args) => match &args.action {
+        Command::Scenes(args) => commands::scenes::run(context, args),
+        Command::Rays(action) => match action {
             RaysAction::Export(args) => commands::rays::export(context, args).map(|()| SUCCESS),
             RaysAction::Trace(args) => commands::rays::trace_rays(context, args).map(|()| SUCCESS),
             RaysAction::Check(args) => commands::rays::check_hits(context, args, cli.color),
@@ -256,9 +256,11 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Child(args) => commands::child::run(context, args),
         Command::Merge(args) => commands::merge::run(context, args, cli.color),
         Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Generate(args) => match &args.text {
-            GeneratedText::Schema(args) => commands::generate::schema(context, args),
-            GeneratedText::Completions(args) => commands::generate::completions(context, args),
+        Command::Generate(text) => match text {
+            GeneratedText::Schema { what } => commands::generate::schema(context, *what),
+            GeneratedText::Completions { shell } => {
+                commands::generate::completions(context, *shell)
+            }
             GeneratedText::Man(args) => commands::generate::man(context, args),
         }
         .map(|()| SUCCESS),

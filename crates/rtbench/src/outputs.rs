@@ -73,6 +73,9 @@ pub enum OutputError {
 /// Makes a file's text of what is finished so far.
 type Formatter<'a> = Box<dyn Fn(&RunRecord) -> Result<String, FormatError> + 'a>;
 
+/// The name of a file in the folder of `-o`, and what makes its text.
+pub type OutputFile<'a> = (&'static str, Formatter<'a>);
+
 struct Output<'a> {
     path: PathBuf,
     format: Formatter<'a>,

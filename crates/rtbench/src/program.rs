@@ -3,28 +3,26 @@
 use measurement::record::{Compiler, Tool};
 use measurement::system::world::SystemWorld;
 
-pub fn tool() -> Tool {
-    Tool {
-        name: env!("CARGO_PKG_NAME").into(),
-        version: env!("CARGO_PKG_VERSION").into(),
-        git_revision: option_env!("RTBENCH_GIT_REVISION").map(Into::into),
-    }
-}
-
-/// The compiler, as `build.rs` saw it.
-pub fn compiler() -> Compiler {
-    let features = option_env!("RTBENCH_TARGET_FEATURES").unwrap_or_default();
-    Compiler {
-        rustc: option_env!("RTBENCH_RUSTC").map(Into::into),
-        target: option_env!("RTBENCH_TARGET").map(Into::into),
-        target_features: features.split(',').filter(|f| !f.is_empty()).map(Into::into).collect(),
-        profile: option_env!("RTBENCH_PROFILE").map(Into::into),
-        opt_level: renderer::OPT_LEVEL.map(Into::into),
-    }
-}
-
 pub fn world() -> SystemWorld {
-    SystemWorld { tool: tool(), compiler: compiler() }
+    let features = option_env!("RTBENCH_TARGET_FEATURES").unwrap_or_default();
+    SystemWorld {
+        tool: Tool {
+            name: env!("CARGO_PKG_NAME").into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            git_revision: option_env!("RTBENCH_GIT_REVISION").map(Into::into),
+        },
+        compiler: Compiler {
+            rustc: option_env!("RTBENCH_RUSTC").map(Into::into),
+            target: option_env!("RTBENCH_TARGET").map(Into::into),
+            target_features: features
+                .split(',')
+                .filter(|f| !f.is_empty())
+                .map(Into::into)
+                .collect(),
+            profile: option_env!("RTBENCH_PROFILE").map(Into::into),
+            opt_level: renderer::OPT_LEVEL.map(Into::into),
+        },
+    }
 }
 
 #[cfg(test)]
@@ -33,7 +31,7 @@ mod tests {
 
     #[test]
     fn build_facts_are_recorded() {
-        let compiler = compiler();
+        let compiler = world().compiler;
         assert!(compiler.rustc.is_some_and(|v| v.starts_with("rustc ")));
         assert!(compiler.target.is_some());
     }

@@ -35,8 +35,8 @@ const NOT_IN_SETS: [&str; 11] = [
     "plugin_limit",
 ];
 
-/// Options of which the later one wins, whatever their names: one typed takes both from the set.
-const ALTERNATIVES: [[&str; 2]; 1] = [["rounds", "time_budget"]];
+/// Alternatives: one that is typed takes both from the set.
+const ALTERNATIVES: [&str; 2] = ["rounds", "time_budget"];
 
 /// An option of a set file, as it would have been typed.
 struct SetOption {
@@ -103,8 +103,8 @@ fn run_of(matches: &ArgMatches) -> Option<&ArgMatches> {
 
 /// Returns whether the command line has the option, or an alternative to it.
 fn is_given(run: &ArgMatches, id: &str) -> bool {
-    let alternatives = ALTERNATIVES.iter().find(|all| all.contains(&id));
-    is_typed(run, id) || alternatives.is_some_and(|all| all.iter().any(|id| is_typed(run, id)))
+    let is_alternative = ALTERNATIVES.contains(&id);
+    is_typed(run, id) || is_alternative && ALTERNATIVES.iter().any(|id| is_typed(run, id))
 }
 
 /// Returns whether an argument was given on the command line.

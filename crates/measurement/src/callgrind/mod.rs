@@ -27,7 +27,7 @@ const PHASE: &str = "*::callgrind::counted::counted_phase";
 pub enum CallgrindError {
     #[error(
         "instruction counts need valgrind, which could not be started ({0}); install it (`apt-get \
-         install valgrind`), or leave instruction counts out with --no-instructions"
+         install valgrind`), or leave instruction counts out with --instructions=false"
     )]
     NoValgrind(String),
     #[error(transparent)]

@@ -18,18 +18,15 @@ pub struct CheckArgs {
     #[arg(value_name = "SCENE", value_parser = scene_name())]
     pub scenes: Vec<String>,
     /// Baseline to compare with: its name, a results.json, or the folder of `run -o`
-    #[arg(short, long, value_name = "FILE|NAME",
-          required_unless_present_any = ["against", "against_plugin"])]
+    #[arg(short, long, value_name = "FILE|NAME", required_unless_present = "against")]
     pub baseline: Option<String>,
-    /// Compare with this older rtbench binary, measured in turns with this one
-    #[arg(long, value_name = "BINARY", conflicts_with = "plugin")]
-    pub against: Option<PathBuf>,
-    /// Compare with this older build of the plugin given by --plugin, measured in turns with it
-    #[arg(long, value_name = "FILE", requires = "plugin", conflicts_with = "against")]
-    pub against_plugin: Vec<PathBuf>,
+    /// Compare with this older rtbench binary, measured in turns with this one; with --plugin, with
+    /// this older build of the plugin
+    #[arg(long, value_name = "FILE")]
+    pub against: Vec<PathBuf>,
     /// Check these results of an earlier run, and measure nothing
     #[arg(long, value_name = "DIR|FILE", requires = "baseline", conflicts_with_all = ["against",
-          "against_plugin", "plugin", "rounds", "time_budget", "instructions"])]
+          "plugin", "rounds", "time_budget", "instructions"])]
     pub results: Option<PathBuf>,
     /// Compare row OLD of the baseline or older program with row NEW of this one; the name of a
     /// structure stands for all its rows
@@ -56,12 +53,10 @@ pub struct CheckArgs {
     /// Keep measuring until this time has elapsed: 60s, 2m
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub time_budget: Option<Duration>,
-    /// Count instructions under valgrind [default: if the baseline has counts]
-    #[arg(long, overrides_with = "no_instructions", conflicts_with = "plugin")]
-    pub instructions: bool,
-    /// Skip instruction counting
-    #[arg(long)]
-    pub no_instructions: bool,
+    /// Count instructions under valgrind, or not [default: if the baseline has counts]
+    #[arg(long, value_name = "BOOL", num_args = 0..=1, require_equals = true,
+          default_missing_value = "true", conflicts_with = "plugin")]
+    pub instructions: Option<bool>,
     /// Exit with code 5 if a comparison is inconclusive, or a row is missing on one side
     #[arg(long)]
     pub strict: bool,
@@ -72,9 +67,23 @@ pub struct CheckArgs {
     pub thresholds: ThresholdArgs,
     #[command(flatten)]
     pub folder: FolderArgs,
-    /// How to measure without a baseline.
-    #[command(flatten)]
-    pub measuring: AgainstArgs,
+    /// Kinds of rays, as for `run`
+    #[arg(long, value_name = "KIND", value_delimiter = ',', conflicts_with = "baseline")]
+    pub rays: Vec<String>,
+    /// Use small images, as for `run`
+    #[arg(long, conflicts_with = "baseline")]
+    pub quick: bool,
+    /// Threads that build and trace [default: 1]
+    #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
+          value_parser = threads())]
+    pub threads: Option<u16>,
+    /// Floating-point precision of primitives and rays [default: f32]
+    #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
+    pub precision: Option<Precision>,
+    /// Width and height of the image, as for `run`
+    #[arg(long, value_name = "PIXELS", conflicts_with = "baseline",
+          value_parser = clap::value_parser!(u32).range(1..=8192))]
+    pub size: Option<u32>,
     /// Write check.json, check.csv and check.md to DIR, and the results as `run -o` does
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -115,40 +124,23 @@ impl ThresholdArgs {
     }
 }
 
-/// Settings that a baseline replaces, if there is one.
-#[derive(Debug, Clone, Args)]
-pub struct AgainstArgs {
-    /// Kinds of rays, as for `run`
-    #[arg(long, value_name = "KIND", value_delimiter = ',', conflicts_with = "baseline")]
-    pub rays: Vec<String>,
-    /// Use small images, as for `run`
-    #[arg(long, conflicts_with = "baseline")]
-    pub quick: bool,
-    /// Threads that build and trace [default: 1]
-    #[arg(short = 'j', long, value_name = "N", conflicts_with = "baseline",
-          value_parser = threads())]
-    pub threads: Option<u16>,
-    /// Floating-point precision of primitives and rays [default: f32]
-    #[arg(long, value_parser = choice::<Precision>(), conflicts_with = "baseline")]
-    pub precision: Option<Precision>,
-    /// Width and height of the image, as for `run`
-    #[arg(long, value_name = "PIXELS", conflicts_with = "baseline",
-          value_parser = clap::value_parser!(u32).range(1..=8192))]
-    pub size: Option<u32>,
-}
-
 impl CheckArgs {
     /// Two programs, or two builds of a plugin, are measured in turns.
     pub fn takes_turns(&self) -> bool {
-        self.against.is_some() || !self.against_plugin.is_empty()
+        !self.against.is_empty()
+    }
+
+    /// The older rtbench binary; none with `--plugin`, whose older builds are compared.
+    pub fn older_binary(&self) -> Option<&PathBuf> {
+        self.against.first().filter(|_| self.plugins.plugin.is_empty())
     }
 
     /// Description of the older side.
     pub fn against_in_words(&self) -> String {
-        if let Some(old) = &self.against {
+        if let Some(old) = self.older_binary() {
             return format!("binary {}", old.display());
         }
-        match &self.against_plugin[..] {
+        match &self.against[..] {
             [] => format!("baseline {}", self.baseline.as_deref().unwrap_or_default()),
             files => {
                 let files: Vec<_> = files.iter().map(|f| f.display().to_string()).collect();
@@ -159,17 +151,16 @@ impl CheckArgs {
 
     /// Settings of a comparison without a baseline.
     pub fn settings(&self) -> RunSettings {
-        let how = &self.measuring;
         let default = MeasuringSettings::default();
         RunSettings {
             scenes: self.scenes.clone(),
             structures: self.structures.clone(),
             measuring: MeasuringSettings {
-                rays: how.rays.clone(),
-                quick: how.quick,
-                threads: how.threads.unwrap_or(default.threads),
-                precision: how.precision.unwrap_or_default(),
-                size: how.size,
+                rays: self.rays.clone(),
+                quick: self.quick,
+                threads: self.threads.unwrap_or(default.threads),
+                precision: self.precision.unwrap_or_default(),
+                size: self.size,
                 ..default
             },
             ..RunSettings::default()

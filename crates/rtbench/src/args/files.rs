@@ -8,12 +8,6 @@ use clap::{Args, Subcommand};
 use measurement::settings::choice::Choice;
 use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};
 
-#[derive(Debug, Clone, Args)]
-pub struct RaysArgs {
-    #[command(subcommand)]
-    pub action: RaysAction,
-}
-
 #[derive(Debug, Clone, Subcommand)]
 pub enum RaysAction {
     /// Write the rays of a scene, and its triangles, for another program

@@ -70,12 +70,6 @@ pub struct DoctorArgs {
     pub format: Format,
 }
 
-#[derive(Debug, Clone, Args)]
-pub struct ScenesArgs {
-    #[command(subcommand)]
-    pub action: ScenesAction,
-}
-
 #[derive(Debug, Clone, Subcommand)]
 pub enum ScenesAction {
     /// Print what scenes consist of
@@ -93,28 +87,23 @@ pub struct SceneNames {
     pub names: Vec<String>,
 }
 
-#[derive(Debug, Clone, Args)]
-pub struct GenerateArgs {
-    #[command(subcommand)]
-    pub text: GeneratedText,
-}
-
 #[derive(Debug, Clone, Subcommand)]
 pub enum GeneratedText {
     /// The JSON schemas of output files and scene files
-    Schema(SchemaArgs),
+    Schema {
+        /// Format whose schema is printed
+        #[arg(value_enum, default_value_t = SchemaOf::RunRecord)]
+        what: SchemaOf,
+    },
     /// Completions for a shell
     #[command(after_help = "Examples:\n  rtbench generate completions bash")]
-    Completions(CompletionsArgs),
+    Completions {
+        /// Shell to complete for
+        #[arg(value_enum)]
+        shell: Shell,
+    },
     /// The manual page, or the pages of all commands
     Man(ManArgs),
-}
-
-#[derive(Debug, Clone, Args)]
-pub struct SchemaArgs {
-    /// Format whose schema is printed
-    #[arg(value_enum, default_value_t = SchemaOf::RunRecord)]
-    pub what: SchemaOf,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -127,13 +116,6 @@ pub enum SchemaOf {
     BencherMetricFormat,
     /// JSON scene files, which are read
     Scene,
-}
-
-#[derive(Debug, Clone, Args)]
-pub struct CompletionsArgs {
-    /// Shell to complete for
-    #[arg(value_enum)]
-    pub shell: Shell,
 }
 
 #[derive(Debug, Clone, Args)]

@@ -16,12 +16,10 @@ pub mod show;
 mod studies;
 
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs, TrialArgs};
-pub use files::{
-    CheckRaysArgs, ExportRaysArgs, RayFormat, RaysAction, RaysArgs, TraceArgs, settings_of,
-};
+pub use files::{CheckRaysArgs, ExportRaysArgs, RayFormat, RaysAction, TraceArgs, settings_of};
 pub use list::{
-    CompletionsArgs, DoctorArgs, Format, GenerateArgs, GeneratedText, ListArgs, ListSubject,
-    ManArgs, SceneNames, ScenesAction, ScenesArgs, SchemaArgs, SchemaOf,
+    DoctorArgs, Format, GeneratedText, ListArgs, ListSubject, ManArgs, SceneNames, ScenesAction,
+    SchemaOf,
 };
 pub use measuring::{ExportArgs, MeasuringArgs, PluginArgs, ServeArgs, TableArgs};
 pub(crate) use parsers::percent;
@@ -34,7 +32,7 @@ pub use run::{RunArgs, SweepArgs};
 pub use show::ShowArgs;
 pub use studies::{
     AccuracyArgs, AnimateArgs, CompareTracersArgs, ExplainArgs, HavranArgs, Publication,
-    ReproduceArgs, VerifyArgs, ZachmannArgs,
+    VerifyArgs, ZachmannArgs,
 };
 
 /// The head of options that every command has.
@@ -121,9 +119,11 @@ pub enum Command {
     /// Compare sampling, cone and beam tracing of a scene: time against error
     CompareTracers(CompareTracersArgs),
     /// Inspect, check or fetch scenes
-    Scenes(ScenesArgs),
+    #[command(subcommand)]
+    Scenes(ScenesAction),
     /// Write rays for another program, check its answers, or trace rays from a file
-    Rays(RaysArgs),
+    #[command(subcommand)]
+    Rays(RaysAction),
     /// Check structures on the hard cases: awkward rays, primitives, cells
     #[command(after_help = "Examples:\n  rtbench verify -s kd-tree --rays 1000")]
     Verify(VerifyArgs),
@@ -138,10 +138,11 @@ pub enum Command {
     #[command(after_help = "Examples:\n  rtbench history nights -o site")]
     History(HistoryArgs),
     /// Compare our figures with published figures
-    Reproduce(ReproduceArgs),
+    #[command(subcommand)]
+    Reproduce(Publication),
     /// Compare with a baseline, an older rtbench or an older plugin: the gate of a CI job
     #[command(
-        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check teapot --against ./old\n  rtbench check teapot -s mine --plugin new/mine.so --against-plugin old/mine.so"
+        after_help = "Examples:\n  rtbench check --baseline main\n  rtbench check teapot --against ./old\n  rtbench check teapot -s mine --plugin new/mine.so --against old/mine.so"
     )]
     Check(CheckArgs),
     /// Manage baselines for `check`
@@ -155,7 +156,8 @@ pub enum Command {
     /// Report what may disturb measurements on this machine, and how to fix it
     Doctor(DoctorArgs),
     /// Generate the manual page, completions for a shell, or JSON schemas
-    Generate(GenerateArgs),
+    #[command(subcommand)]
+    Generate(GeneratedText),
 }
 
 impl Command {
@@ -164,7 +166,7 @@ impl Command {
         Some(match self {
             Self::Run(args) => &args.plugins,
             Self::Verify(args) => &args.plugins,
-            Self::Rays(RaysArgs { action: RaysAction::Trace(args) }) => &args.plugins,
+            Self::Rays(RaysAction::Trace(args)) => &args.plugins,
             Self::Check(args) => &args.plugins,
             Self::Child(args) => &args.plugins,
             Self::Baseline(BaselineArgs { action: BaselineAction::Save(args), .. }) => {

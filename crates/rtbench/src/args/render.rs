@@ -77,9 +77,6 @@ pub struct SamplingArgs {
     /// [default: the scene's, or 1 supersample and 16 of the others]
     #[arg(long, value_name = "EFFECT=N", value_delimiter = ',')]
     pub samples: Vec<EffectSamples>,
-    /// Seed of the sample patterns
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
 }
 
 /// The number of samples of one effect, by its name in scene files.
@@ -133,7 +130,7 @@ mod tests {
     fn samples_are_counted_by_effect() {
         let samples: Vec<EffectSamples> =
             ["glossy=8", "supersamples=2", "glossy=1k"].map(|text| text.parse().unwrap()).into();
-        let wishes = SamplingArgs { depth: 5, samples, seed: 1 }.wishes();
+        let wishes = SamplingArgs { depth: 5, samples }.wishes();
         assert_eq!(
             (wishes.supersamples, wishes.glossy, wishes.shadow),
             (Some(2), Some(1000), None)

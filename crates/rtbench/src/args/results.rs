@@ -19,6 +19,7 @@ pub struct CompareArgs {
     #[arg(short, long, value_name = "PERCENT", value_parser = percent)]
     pub threshold: Option<f64>,
     /// Equivalence margin: a ratio whose interval lies within it counts as equal
+    // smaller differences are those of where code and memory lie, and what `check` lets pass
     #[arg(long, value_name = "PERCENT", value_parser = percent, default_value = "5%")]
     pub margin: f64,
     /// Compare row OLD of the first results with row NEW of the others; the name of a structure

@@ -14,6 +14,7 @@ use measurement::settings::{Lights, MeasuringSettings, RunSettings};
 use studies::sweep::SweepSettings;
 use studies::sweep::sizes::SizeSettings;
 use studies::sweep::sizes::Sizes;
+use studies::sweep::values::Range;
 
 #[derive(Debug, Clone, Args)]
 pub struct RunArgs {
@@ -94,14 +95,13 @@ impl RunArgs {
     }
 }
 
-/// Values of a range where no number is given.
-const STEPS: u16 = 9;
-
-/// The ends of `0.1..100`.
-fn range(values: &[String]) -> Option<[f64; 2]> {
+/// The range `0.1..100`, of nine values, or `0.1..100:13`.
+fn range(values: &[String]) -> Option<Range> {
     let [only] = values else { return None };
-    let (from, to) = only.split_once("..")?;
-    Some([from.parse().ok()?, to.parse().ok()?])
+    let (from, rest) = only.split_once("..")?;
+    let (to, steps) = rest.split_once(':').unwrap_or((rest, "9"));
+    let steps = steps.parse().ok().filter(|steps| (2..=1000).contains(steps))?;
+    Some(Range { from: from.parse().ok()?, to: to.parse().ok()?, steps })
 }
 
 #[derive(Debug, Clone, Args)]
@@ -123,22 +123,19 @@ pub struct SweepArgs {
     /// Parameter to vary
     #[arg(short, long, value_name = "PARAM", required_unless_present = "sizes")]
     pub parameter: Option<String>,
-    /// Values of the parameter: none,array,hash; or a range of numbers, equal ratios apart:
-    /// 0.1..100
+    /// Values of the parameter: none,array,hash; or a range of nine numbers, equal ratios apart:
+    /// 0.1..100; of 13: 0.1..100:13
     #[arg(
         long,
-        value_name = "A,B,...|A..B",
+        value_name = "A,B,...|A..B[:N]",
         value_delimiter = ',',
         required_unless_present = "sizes"
     )]
     pub values: Vec<String>,
-    /// Number of values of a range [default: 9]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=1000))]
-    pub steps: Option<u16>,
     /// Vary the number of primitives instead of a parameter: 1e3..1e7, by factors of ten, or
     /// 1k,20k,1M; for each, the nearest size that the scene has
     #[arg(long, value_name = "FROM..TO|N,N,...", value_parser = Sizes::parse,
-          conflicts_with_all = ["parameter", "values", "steps"])]
+          conflicts_with_all = ["parameter", "values"])]
     pub sizes: Option<Sizes>,
     /// Time limit of a build; slower rows are not measured, nor tried at larger sizes
     #[arg(long, value_name = "TIME", default_value = "60s", requires = "sizes",
@@ -165,18 +162,12 @@ impl SweepArgs {
                 expected: "one structure, whose parameter is swept",
             });
         };
-        let range = range(&self.values);
-        if let (Some(steps), None) = (self.steps, range) {
-            let text = format!("--steps {steps}");
-            return Err(PlanError::Malformed { text, expected: "a range of --values: 0.1..100" });
-        }
         Ok(SweepSettings {
             scenes: self.scenes.clone(),
             structure: structure.clone(),
             parameter: self.parameter.clone().unwrap_or_default(),
             values: self.values.clone(),
-            range,
-            steps: self.steps.unwrap_or(STEPS),
+            range: range(&self.values),
             measuring: self.measuring(),
         })
     }

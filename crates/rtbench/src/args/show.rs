@@ -50,9 +50,6 @@ pub struct ShowArgs {
     /// [default: the most in this picture]
     #[arg(long, value_name = "REFERENCES", value_parser = clap::value_parser!(u64).range(2..))]
     pub scale: Option<u64>,
-    /// Draw the panels without the legend below them
-    #[arg(long)]
-    pub no_legend: bool,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -159,12 +159,6 @@ impl ExplainArgs {
     }
 }
 
-#[derive(Debug, Clone, Args)]
-pub struct ReproduceArgs {
-    #[command(subcommand)]
-    pub publication: Publication,
-}
-
 /// Publications that can be reproduced.
 #[derive(Debug, Clone, Subcommand)]
 pub enum Publication {
@@ -216,9 +210,6 @@ pub struct VerifyArgs {
     /// Structures as for `run` [default: all with all their variants, and the negative control]
     #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
-    /// Also check further settings of these structures, which otherwise only tests cover
-    #[arg(long)]
-    pub also_tested: bool,
     /// Rays per case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = count(1..=100_000_000))]
     pub rays: u32,

@@ -1,6 +1,7 @@
 //! `rtbench accuracy`: what accuracy costs in time, axis by axis.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::Path;
 use std::process::Command;
 
@@ -10,7 +11,6 @@ use crate::args::{AccuracyArgs, Color};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::gate::against::own_program;
-use measurement::rounds::MeasureError;
 use measurement::scenes::KnownScene;
 use measurement::system::child_process::{answer, arguments};
 use measurement::system::files::write_text;
@@ -144,8 +144,11 @@ fn timed_rays(size: u32, quick: bool) -> usize {
 
 struct Study {
     limits: Limits,
-    scenes: Scenes,
+    /// Width and height of the images.
+    size: u32,
     named: Vec<String>,
+    /// Scenes by their names; each is loaded once.
+    prepared: BTreeMap<String, PreparedScene>,
     /// Scenes and axes that failed.
     failures: usize,
 }
@@ -166,8 +169,9 @@ impl Study {
                 seed: args.seed,
                 only_times: false,
             },
-            scenes: Scenes { size, seed: args.seed, prepared: BTreeMap::new() },
+            size,
             named: args.scenes.clone(),
+            prepared: BTreeMap::new(),
             failures: 0,
         })
     }
@@ -195,7 +199,7 @@ impl Study {
             scenes: Vec::new(),
         };
         for known in context.scenes.resolve(&asked)? {
-            let subjects = match self.scenes.of(&*known, context) {
+            let subjects = match self.prepared(&*known, context) {
                 Ok(prepared) => axis.measure.subjects(prepared),
                 Err(error) => {
                     self.failures += 1;
@@ -205,7 +209,7 @@ impl Study {
             };
             for subject in subjects {
                 let (name, limits) = (known.name(), self.limits);
-                let outcome = self.scenes.of(&*known, context).and_then(|prepared| {
+                let outcome = self.prepared(&*known, context).and_then(|prepared| {
                     let stage = Stage {
                         axis: axis.name,
                         name,
@@ -237,33 +241,20 @@ impl Study {
         }
         Ok(of_axis)
     }
-}
 
-/// Scenes that are loaded once.
-struct Scenes {
-    size: u32,
-    seed: u64,
-    prepared: BTreeMap<String, PreparedScene>,
-}
-
-impl Scenes {
-    fn of(
+    fn prepared(
         &mut self,
         known: &dyn KnownScene,
         context: &Context<'_>,
     ) -> Result<&PreparedScene, Error> {
-        if !self.prepared.contains_key(known.name()) {
-            let (resolution, seed) = ([self.size; 2], self.seed);
-            let settings = RaySettings { resolution, seed, ..RaySettings::default() };
-            let scene = known.load()?.scene;
-            let prepared = PreparedScene::new(scene, context.registry, &settings)?;
-            self.prepared.insert(known.name().to_owned(), prepared);
-        }
-        let kept = self.prepared.get(known.name()).ok_or_else(|| MeasureError::NoAnswers {
-            scene: known.name().to_owned(),
-            reasons: "it was not kept".into(),
-        });
-        Ok(kept?)
+        let free = match self.prepared.entry(known.name().to_owned()) {
+            Entry::Occupied(kept) => return Ok(kept.into_mut()),
+            Entry::Vacant(free) => free,
+        };
+        let (resolution, seed) = ([self.size; 2], self.limits.seed);
+        let settings = RaySettings { resolution, seed, ..RaySettings::default() };
+        let scene = known.load()?.scene;
+        Ok(free.insert(PreparedScene::new(scene, context.registry, &settings)?))
     }
 }
 

@@ -22,6 +22,7 @@ use crate::replan::{self, ReplanError, Restriction};
 use crate::set_options::thresholds_of_check;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
 use measurement::plan::measured_row::select;
 use measurement::record::{RowRecord, RunRecord, SceneRecord, file};
 use measurement::system::files::{WriteError, write_text};
@@ -34,6 +35,10 @@ pub const NAMES: [&str; 3] = ["check.json", "check.csv", "check.md"];
 
 /// Checks and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<u8, Error> {
+    if args.older_binary().is_some() && args.against.len() > 1 {
+        let text = "--against: expected one binary, or --plugin and older builds of it";
+        return Err(PlanError::Invalid(text.into()).into());
+    }
     let mut default = Thresholds::default();
     if args.takes_turns() {
         default.time = OF_TURNS;
@@ -44,15 +49,17 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
     let baseline = open(context, args, &matches)?;
     let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let wants_counts = match &baseline {
-        _ if args.no_instructions || args.results.is_some() => false,
-        Some(baseline) if args.instructions && !args.takes_turns() => {
-            baseline.instructions.as_ref().ok_or(Error::NoCounts)?;
-            true
+        _ if args.results.is_some() => false,
+        Some(baseline) if !args.takes_turns() => {
+            let has_counts = baseline.instructions.is_some();
+            if args.instructions == Some(true) && !has_counts {
+                return Err(Error::NoCounts);
+            }
+            args.instructions.unwrap_or(has_counts)
         }
-        Some(baseline) if !args.takes_turns() => baseline.instructions.is_some(),
-        _ => args.instructions,
+        _ => args.instructions == Some(true),
     };
-    if args.instructions {
+    if args.instructions == Some(true) {
         callgrind::version()?;
     }
     context.warn_of_instructions();
@@ -226,9 +233,9 @@ impl Check<'_> {
         base: &RunRecord,
     ) -> Result<Result<Counts, String>, Error> {
         match counted(context, base) {
-            Err(CallgrindError::NoValgrind(why)) if !self.args.instructions => Ok(Err(format!(
-                "the baseline has instruction counts, and valgrind is missing: {why}"
-            ))),
+            Err(CallgrindError::NoValgrind(why)) if self.args.instructions != Some(true) => Ok(
+                Err(format!("the baseline has instruction counts, and valgrind is missing: {why}")),
+            ),
             other => Ok(Ok(other?)),
         }
     }
@@ -243,7 +250,7 @@ impl Check<'_> {
         failures: usize,
     ) -> Report {
         let args = self.args;
-        let plugins = if args.against_plugin.is_empty() { vec![] } else { context.plugins.names() };
+        let plugins = if args.takes_turns() { context.plugins.names() } else { vec![] };
         let is_asked = |row: &RowRecord| match &plugins[..] {
             [] => !row.is_reference,
             plugins => plugins.contains(&row.structure),

@@ -1,7 +1,7 @@
-//! `rtbench check --against` and `--against-plugin`: the older program, or the older build of a
-//! plugin, measured in turns with the newer.
+//! `rtbench check --against`: the older program, or with `--plugin` the older build of the plugin,
+//! measured in turns with the newer.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::baselines::Baseline;
 use crate::commands::baseline::counted;
@@ -60,7 +60,8 @@ impl Check<'_> {
         contest.keep_common(&base);
         let counts = if self.wants_counts {
             let common = &contest.like;
-            let base = callgrind::count(args.against.as_deref(), common, allow_outside)?;
+            let base =
+                callgrind::count(args.older_binary().map(PathBuf::as_path), common, allow_outside)?;
             Some((base, counted(context, common)?))
         } else {
             None
@@ -121,10 +122,12 @@ impl Check<'_> {
 
     /// The older program, the newer one, and a copy of the newer one.
     fn programs(&self, context: &Context<'_>, own: &Path, copy: &Path) -> [Program; 3] {
-        let plugins = context.plugins.arguments().to_vec();
-        let old = Program {
-            path: self.args.against.clone().unwrap_or_else(|| own.to_owned()),
-            plugins: self.args.plugins.arguments_for(&self.args.against_plugin),
+        let (args, plugins) = (self.args, context.plugins.arguments().to_vec());
+        let old = match args.older_binary() {
+            Some(binary) => Program { path: binary.clone(), plugins: Vec::new() },
+            None => {
+                Program { path: own.to_owned(), plugins: args.plugins.arguments_for(&args.against) }
+            }
         };
         let new = Program { path: own.to_owned(), plugins: plugins.clone() };
         [old, new, Program { path: copy.to_owned(), plugins }]

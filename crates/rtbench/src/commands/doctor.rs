@@ -103,17 +103,14 @@ struct Check {
     look: fn(&System) -> Option<(bool, String)>,
 }
 
-/// Shown only where they are off, which is rare.
-const HUGE_PAGES: &str = "huge pages";
-
 const CHECKS: [Check; 11] = [
     Check {
         name: "governor",
-        meaning: "any governor but `performance` changes the clock frequency with the load: the \
-                  first rounds are slower than the rest",
+        meaning: "the clock frequency follows the load: the first rounds are slower than the rest",
         advice: "sudo cpupower frequency-set -g performance",
         look: |system| {
-            let governor = |cpu| system.cpu_file(&format!("cpu{cpu}/cpufreq/scaling_governor"));
+            let file = |cpu| format!("sys/devices/system/cpu/cpu{cpu}/cpufreq/scaling_governor");
+            let governor = |cpu| system.read(&file(cpu));
             let governors: BTreeSet<String> = (0..4096).map_while(governor).collect();
             let all = Vec::from_iter(governors).join(", ");
             (!all.is_empty()).then_some((all == "performance", all))
@@ -121,14 +118,10 @@ const CHECKS: [Check; 11] = [
     },
     Check {
         name: "boost",
-        meaning: "with boost the clock frequency depends on heat and on the other cores; ratios of \
-                  the same round suffer least",
+        meaning: "the clock frequency depends on heat and other cores; ratios suffer least",
         advice: "echo 0 | sudo tee /sys/devices/system/cpu/cpufreq/boost (Intel: echo 1 | sudo tee \
                  /sys/devices/system/cpu/intel_pstate/no_turbo)",
-        look: |system| {
-            let boosts = boost(&system.root)?;
-            Some((!boosts, on_or_off(boosts)))
-        },
+        look: |system| boost(&system.root).map(better_off),
     },
     Check {
         name: "load",
@@ -143,8 +136,7 @@ const CHECKS: [Check; 11] = [
     },
     Check {
         name: "cores",
-        meaning: "on a single core, or with a quota, every other program and every thread of our \
-                  own stops the measurement",
+        meaning: "other programs, and other threads of our own, stop the measurement",
         advice: "use a machine with two cores or more and no quota",
         look: |system| {
             let quota = system.read("sys/fs/cgroup/cpu.max").filter(|q| !q.starts_with("max"));
@@ -158,10 +150,7 @@ const CHECKS: [Check; 11] = [
         meaning: "two threads share a core: what runs on the other one halves the speed",
         advice: "keep the other threads idle, or echo off | sudo tee \
                  /sys/devices/system/cpu/smt/control",
-        look: |system| {
-            let shares = system.cpu_file("smt/active")? == "1";
-            Some((!shares, on_or_off(shares)))
-        },
+        look: |system| Some(better_off(system.read("sys/devices/system/cpu/smt/active")? == "1")),
     },
     Check {
         name: "memory",
@@ -185,9 +174,9 @@ const CHECKS: [Check; 11] = [
         look: |system| {
             let info = system.read("proc/cpuinfo")?;
             let is_virtual = value(&info, "flags", ':')?.split(' ').any(|f| f == "hypervisor");
-            let product = system.read("sys/class/dmi/id/product_name");
+            let product = system.read("sys/class/dmi/id/product_name").filter(|_| is_virtual);
             let name = product.map(|name| format!(" ({name})")).unwrap_or_default();
-            Some((!is_virtual, if is_virtual { format!("yes{name}") } else { "no".into() }))
+            Some((!is_virtual, if is_virtual { "yes" } else { "no" }.to_owned() + &name))
         },
     },
     Check {
@@ -209,24 +198,22 @@ const CHECKS: [Check; 11] = [
         meaning: "the program is slower than it could be, some structures more than others",
         advice: world::ADVICE,
         look: |system| {
-            let unused = system.unused.join(", ");
-            let without = format!("compiled without {unused}, which the processor has");
-            let is_good = unused.is_empty();
-            Some((is_good, if is_good { "those of the processor".into() } else { without }))
+            Some(match &*system.unused.join(", ") {
+                "" => (true, "those of the processor".into()),
+                names => (false, format!("compiled without {names}, which the processor has")),
+            })
         },
     },
     Check {
         name: "noise",
-        meaning: "times of the same work differ by so much: differences below it are not seen in a \
-                  few rounds",
+        meaning: "times of equal work differ so much: a few rounds show no smaller differences",
         advice: "end other programs, or take more rounds (--time-budget 10m) and trust ratios and \
                  counters, not seconds",
         look: |system| Some(system.noise.clone()),
     },
     Check {
-        name: HUGE_PAGES,
-        meaning: "a ray that goes through many megabytes waits for translations of addresses in \
-                  small pages; figures of machines that have huge pages are better",
+        name: "huge pages",
+        meaning: "rays through many megabytes wait for translations of addresses in small pages",
         advice: "echo madvise | sudo tee /sys/kernel/mm/transparent_hugepage/enabled",
         look: |system| {
             let state = huge_pages_in(&system.read("sys/kernel/mm/transparent_hugepage/enabled")?)?;
@@ -238,91 +225,76 @@ const CHECKS: [Check; 11] = [
 impl System {
     fn findings(&self) -> Vec<Finding> {
         let finding = |Check { name, meaning, advice, look }: Check| {
-            let (level, value) = match look(self) {
-                None => (Level::Unknown, "the system does not say".to_owned()),
-                Some((true, words)) => (Level::Good, words),
-                Some((false, words)) => (Level::Warning, words),
+            let (level, value, advice) = match look(self) {
+                None => (Level::Unknown, "the system does not say".to_owned(), None),
+                Some((true, words)) => (Level::Good, words, None),
+                Some((false, words)) => (Level::Warning, words, Some(advice)),
             };
-            let advice = (level == Level::Warning).then_some(advice);
             Finding { name, level, value, meaning, advice }
         };
-        let is_shown = |found: &Finding| found.name != HUGE_PAGES || found.level == Level::Warning;
+        // huge pages that are off are rare
+        let is_shown = |f: &Finding| f.name != "huge pages" || f.level == Level::Warning;
         CHECKS.into_iter().map(finding).filter(is_shown).collect()
     }
 
     fn read(&self, path: &str) -> Option<String> {
         line(self.root.join(path))
     }
-
-    fn cpu_file(&self, path: &str) -> Option<String> {
-        self.read(&format!("sys/devices/system/cpu/{path}"))
-    }
 }
 
-fn on_or_off(is_on: bool) -> String {
-    if is_on { "on" } else { "off" }.to_owned()
+fn better_off(is_on: bool) -> (bool, String) {
+    (!is_on, if is_on { "on" } else { "off" }.to_owned())
 }
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
-    const CPU: &str = "sys/devices/system/cpu";
-    /// Files of a quiet machine and of a busy one.
-    const FILES: [(&str, [&str; 2]); 10] = [
-        ("cpu0/cpufreq/scaling_governor", ["performance", "powersave"]),
-        ("intel_pstate/no_turbo", ["", "0"]),
-        ("cpufreq/boost", ["0", "1"]),
-        ("smt/active", ["0", "1"]),
-        ("/proc/loadavg", ["0.10 0.2 0.3 1/100 7", "3.90 2 1 1/100 7"]),
+    /// Files of a quiet machine, of a busy one, and of one that is only short of memory.
+    const FILES: [(&str, &[&str]); 10] = [
+        ("sys/devices/system/cpu/cpu0/cpufreq/scaling_governor", &["performance", "powersave"]),
+        ("sys/devices/system/cpu/intel_pstate/no_turbo", &["", "0"]),
+        ("sys/devices/system/cpu/cpufreq/boost", &["0", "1"]),
+        ("sys/devices/system/cpu/smt/active", &["0", "1"]),
+        ("proc/loadavg", &["0.10 0.2 0.3 1/100 7", "3.90 2 1 1/100 7"]),
         (
-            "/proc/meminfo",
-            [
+            "proc/meminfo",
+            &[
                 "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB",
                 "MemTotal: 8000000 kB\nMemAvailable: 7000000 kB\nSwapTotal: 900000 kB\nSwapFree: 9 kB",
+                "MemTotal: 8000000 kB\nMemAvailable: 70000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB",
             ],
         ),
-        ("/proc/cpuinfo", ["model name\t: X\nflags\t\t: fpu", "flags\t\t: fpu hypervisor sse"]),
-        ("/proc/stat", ["cpu  100 0 100 1000 0 0 0 0 0 0", "cpu  100 0 100 1000 0 0 0 100 0 0"]),
-        ("/sys/fs/cgroup/cpu.max", ["max 100000", "50000 100000"]),
-        (
-            "/sys/kernel/mm/transparent_hugepage/enabled",
-            ["always [madvise] never", "always madvise [never]"],
-        ),
+        ("proc/cpuinfo", &["model name\t: X\nflags\t\t: fpu", "flags\t\t: fpu hypervisor sse"]),
+        ("proc/stat", &["cpu  100 0 100 1000 0 0 0 0 0 0", "cpu  100 0 100 1000 0 0 0 100 0 0"]),
+        ("sys/fs/cgroup/cpu.max", &["max 100000", "50000 100000"]),
+        ("sys/kernel/mm/transparent_hugepage/enabled", &["always [madvise]", "madvise [never]"]),
     ];
-
-    fn findings(files: &[(&str, &str)], unused: Vec<&'static str>) -> Vec<Finding> {
-        let folder = tempfile::tempdir().unwrap();
-        for (path, text) in files {
-            let within = path.strip_prefix('/').map(Into::into);
-            let path = folder.path().join(within.unwrap_or_else(|| format!("{CPU}/{path}")));
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, format!("{text}\n")).unwrap();
-        }
-        let noise = (unused.is_empty(), String::new());
-        System { root: folder.path().to_owned(), threads: 4, unused, noise }.findings()
-    }
 
     #[test]
     fn a_quiet_machine_is_good_and_a_busy_one_is_warned_of_with_advice() {
-        let of = |machine: usize, unused| {
-            findings(&FILES.map(|(path, texts)| (path, texts[machine])), unused)
+        let of = |machine: usize, unused: Vec<&'static str>| {
+            let folder = tempfile::tempdir().unwrap();
+            for (path, texts) in FILES {
+                let path = folder.path().join(path);
+                std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+                std::fs::write(path, format!("{}\n", texts.get(machine).unwrap_or(&texts[0])))
+                    .unwrap();
+            }
+            let noise = (unused.is_empty(), String::new());
+            System { root: folder.path().to_owned(), threads: 4, unused, noise }.findings()
         };
         for finding in of(0, Vec::new()) {
             assert_eq!((finding.level, finding.advice), (Level::Good, None), "{finding:?}");
         }
         let busy = of(1, vec!["avx2"]);
         let last = busy.last().unwrap();
-        assert_eq!((last.name, &*last.value), (HUGE_PAGES, "off"));
+        assert_eq!((last.name, &*last.value), ("huge pages", "off"));
         for finding in busy {
             assert_eq!(finding.level, Level::Warning, "{finding:?}");
             assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");
         }
-        let little =
-            "MemTotal: 8000000 kB\nMemAvailable: 70000 kB\nSwapTotal: 0 kB\nSwapFree: 0 kB";
-        let found = findings(&[("/proc/meminfo", little)], Vec::new());
-        assert!(found.iter().any(|f| f.name == "memory" && f.level == Level::Warning));
+        let warned = of(2, Vec::new()).into_iter().filter(|found| found.level != Level::Good);
+        assert_eq!(warned.map(|found| found.name).collect::<Vec<_>>(), ["memory"]);
     }
 }

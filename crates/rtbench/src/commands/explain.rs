@@ -4,22 +4,21 @@ use crate::args::{Color, ExplainArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::Error;
+use crate::outputs::OutputFile;
 use measurement::record::file;
 use presentation::json;
 use studies::explain::{Explain, table};
-
-/// The files of `-o`.
-const EXPLAIN_FILES: [&str; 3] = [file::NAME, "explain.csv", "explain.md"];
 
 /// Measures and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &ExplainArgs, color: Color) -> Result<u8, Error> {
     let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
     let screen = context.terminal.screen(color);
-    let [json_name, csv_name, markdown_name] = EXPLAIN_FILES;
-    let mut outputs = context.outputs_in(args.output.as_ref(), &EXPLAIN_FILES)?;
-    outputs.add_in_folder(json_name, json::written)?;
-    outputs.add_in_folder(csv_name, |run| table::to_csv(&explain, run))?;
-    outputs.add_in_folder(markdown_name, |run| Ok(table::to_markdown(&explain, run)))?;
+    let files: [OutputFile<'_>; 3] = [
+        (file::NAME, Box::new(json::written)),
+        ("explain.csv", Box::new(|run| table::to_csv(&explain, run))),
+        ("explain.md", Box::new(|run| Ok(table::to_markdown(&explain, run)))),
+    ];
+    let mut outputs = context.outputs_in(args.output.as_ref(), files)?;
     let measured = measure_scenes(context, &explain.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
         table::write(context.out, &explain, run, scene, screen)?;

@@ -6,29 +6,34 @@
 //! --lib generate` writes them anew. Those of the formats of others restate what these say of them.
 
 use clap::CommandFactory;
+use clap_complete::Shell;
 use clap_mangen::Man;
 
-use crate::args::{Cli, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
+use crate::args::{Cli, ManArgs, SchemaOf};
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::error::PlanError;
 use measurement::system::files::WriteError;
 
-pub fn schema(context: &mut Context<'_>, args: &SchemaArgs) -> Result<(), Error> {
-    let text = match args.what {
-        SchemaOf::RunRecord => RUN_RECORD,
-        SchemaOf::GithubActionBenchmark => GITHUB_ACTION_BENCHMARK,
-        SchemaOf::BencherMetricFormat => BENCHER_METRIC_FORMAT,
-        SchemaOf::Scene => SCENE,
+pub fn schema(context: &mut Context<'_>, what: SchemaOf) -> Result<(), Error> {
+    let text = match what {
+        SchemaOf::RunRecord => include_str!("../../schema/run-record.schema.json"),
+        SchemaOf::GithubActionBenchmark => {
+            include_str!("../../schema/github-action-benchmark.schema.json")
+        }
+        SchemaOf::BencherMetricFormat => {
+            include_str!("../../schema/bencher-metric-format.schema.json")
+        }
+        SchemaOf::Scene => include_str!("../../schema/scene.schema.json"),
     };
     context.out.write_all(text.as_bytes())?;
     Ok(context.out.flush()?)
 }
 
-pub fn completions(context: &mut Context<'_>, args: &CompletionsArgs) -> Result<(), Error> {
+pub fn completions(context: &mut Context<'_>, shell: Shell) -> Result<(), Error> {
     // the library takes no error of its writer
     let mut text = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "rtbench", &mut text);
+    clap_complete::generate(shell, &mut Cli::command(), "rtbench", &mut text);
     context.out.write_all(&text)?;
     Ok(context.out.flush()?)
 }
@@ -73,17 +78,6 @@ pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
     Man::new(page.clone()).render(context.out)?;
     Ok(context.out.flush()?)
 }
-
-/// Of `results.json`.
-pub const RUN_RECORD: &str = include_str!("../../schema/run-record.schema.json");
-/// Of `--export-github-smaller` and `--export-github-bigger`.
-pub const GITHUB_ACTION_BENCHMARK: &str =
-    include_str!("../../schema/github-action-benchmark.schema.json");
-pub const BENCHER_METRIC_FORMAT: &str =
-    include_str!("../../schema/bencher-metric-format.schema.json");
-
-/// Of JSON scene files, which `scene_loading::scene_file` reads.
-pub const SCENE: &str = include_str!("../../schema/scene.schema.json");
 
 #[cfg(test)]
 mod tests {

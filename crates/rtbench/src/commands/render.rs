@@ -132,7 +132,7 @@ pub fn settings(size: u32, sampling: &SamplingArgs) -> RenderSettings {
         resolution: [size; 2],
         max_depth: sampling.depth,
         samples: sampling.wishes(),
-        seed: sampling.seed,
+        ..RenderSettings::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! `rtbench reproduce`: published figures beside ours.
 
-use crate::args::{Color, HavranArgs, Publication, ReproduceArgs, ZachmannArgs};
+use crate::args::{Color, HavranArgs, Publication, ZachmannArgs};
 use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
@@ -23,8 +23,8 @@ use studies::reproduce::verdict::Verdict;
 use studies::reproduce::{ReproduceError, ReproducedRow, reproduce_scene, structures};
 
 /// Reproduces the publication and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &ReproduceArgs) -> Result<u8, Error> {
-    match &args.publication {
+pub fn run(context: &mut Context<'_>, publication: &Publication) -> Result<u8, Error> {
+    match publication {
         Publication::Havran1999(args) => havran(context, args),
         Publication::Zachmann2007(args) => zachmann(context, args),
     }
@@ -104,11 +104,11 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
     let scenes = chosen("scene of the lecture", &args.scenes, &lecture::SCENES)?;
     let plan = plan(context, args.measuring.settings(), &scenes)?;
     let published = published().map_err(ReproduceError::from)?;
-    let mut outputs = context.outputs_in(args.output.as_ref(), &[ZACHMANN])?;
-    outputs.add_in_folder(ZACHMANN, |run| {
+    let rows = |run: &RunRecord| {
         let comparisons = comparisons(run, &published);
         column::csv(&columns(), comparisons.iter().flat_map(of_scene))
-    })?;
+    };
+    let mut outputs = context.outputs_in(args.output.as_ref(), [(ZACHMANN, Box::new(rows))])?;
     let screen = context.terminal.screen(Color::Never);
     let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
         warn_of(context, scene);

@@ -108,7 +108,6 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             focus,
             size: f64::from(args.size),
             scale: args.scale,
-            has_legend: !args.no_legend,
         };
         save(&picture(&frame, &shown), path, format)?;
         let rows: Vec<String> = rows.iter().map(Row::label).collect();

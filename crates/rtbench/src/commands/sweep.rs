@@ -8,7 +8,7 @@ use crate::commands::measuring::{
 use crate::commands::run_state::RunState;
 use crate::context::Context;
 use crate::error::Error;
-use crate::outputs::Outputs;
+use crate::outputs::OutputFile;
 use measurement::record::{RunRecord, file};
 use presentation::json;
 use presentation::text::Screen;
@@ -33,10 +33,13 @@ fn over_values(
 ) -> Result<PlanResults, Error> {
     let sweep = Sweep::new(&args.settings()?, context.registry, context.scenes)?;
     context.warn_of_instructions();
-    let mut outputs = outputs(context, args, &[])?;
-    outputs.add_in_folder(CSV, |run| report::to_csv(&sweep, run))?;
-    outputs.add_in_folder(MARKDOWN, |run| Ok(report::to_markdown(&sweep, run)))?;
-    outputs.add_in_folder(SVG, |run| Ok(report::to_svg(&sweep, run)))?;
+    let files: [OutputFile<'_>; 4] = [
+        (file::NAME, Box::new(json::written)),
+        ("sweep.csv", Box::new(|run| report::to_csv(&sweep, run))),
+        ("sweep.md", Box::new(|run| Ok(report::to_markdown(&sweep, run)))),
+        ("sweep.svg", Box::new(|run| Ok(report::to_svg(&sweep, run)))),
+    ];
+    let mut outputs = context.outputs_in(args.output.as_ref(), files)?;
     let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
         warn_of(context, scene);
         report::write(context.out, &sweep, run, scene, screen)?;
@@ -49,24 +52,6 @@ fn over_values(
     Ok(measured)
 }
 
-/// The files of `-o`, beside the record.
-const CSV: &str = "sweep.csv";
-const MARKDOWN: &str = "sweep.md";
-const SVG: &str = "sweep.svg";
-const SLOPES: &str = "slopes.csv";
-
-/// The record in the folder of `-o`, which must not hold other results in these files.
-fn outputs<'a>(
-    context: &Context<'_>,
-    args: &SweepArgs,
-    more: &[&str],
-) -> Result<Outputs<'a>, Error> {
-    let names = [&[file::NAME, CSV, MARKDOWN, SVG][..], more].concat();
-    let mut outputs = context.outputs_in(args.output.as_ref(), &names)?;
-    outputs.add_in_folder(file::NAME, json::written)?;
-    Ok(outputs)
-}
-
 fn over_sizes(
     context: &mut Context<'_>,
     args: &SweepArgs,
@@ -76,11 +61,14 @@ fn over_sizes(
     let settings = args.size_settings(asked)?;
     let sweep = SizeSweep::new(&settings, context.registry, context.occluders, context.scenes)?;
     context.warn_of_instructions();
-    let mut outputs = outputs(context, args, &[SLOPES])?;
-    outputs.add_in_folder(CSV, sizes::table::sizes_csv)?;
-    outputs.add_in_folder(SLOPES, sizes::table::slopes_csv)?;
-    outputs.add_in_folder(MARKDOWN, |run| Ok(sizes::table::to_markdown(run)))?;
-    outputs.add_in_folder(SVG, |run| Ok(sizes::table::to_svg(run)))?;
+    let files: [OutputFile<'_>; 5] = [
+        (file::NAME, Box::new(json::written)),
+        ("sweep.csv", Box::new(sizes::table::sizes_csv)),
+        ("slopes.csv", Box::new(sizes::table::slopes_csv)),
+        ("sweep.md", Box::new(|run| Ok(sizes::table::to_markdown(run)))),
+        ("sweep.svg", Box::new(|run| Ok(sizes::table::to_svg(run)))),
+    ];
+    let mut outputs = context.outputs_in(args.output.as_ref(), files)?;
     let record = RunRecord {
         scale: Some(sweep.record.clone()),
         ..begin(context.world, &context.command_line, &sweep.plan)
@@ -161,7 +149,7 @@ mod tests {
 
     #[test]
     fn whole_numbers_are_swept_without_rules() {
-        let s = sweep("-s kd-tree -p max-depth --values 1..16 --steps 5").unwrap();
+        let s = sweep("-s kd-tree -p max-depth --values 1..16:5").unwrap();
         let values: Vec<_> = s.lines.iter().filter(|l| l.is_swept).map(|l| &l.value).collect();
         assert_eq!(values.len(), 5);
         assert!(s.lines.iter().all(|l| l.rules.is_empty()));

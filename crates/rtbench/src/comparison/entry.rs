@@ -11,10 +11,6 @@ use statistics::verdict::{Change, Rule, Verdict};
 /// The probability of one false alarm in a comparison.
 pub const SIGNIFICANCE: f64 = 0.05;
 
-/// The equivalence margin where none is asked for. Smaller differences are those of where code and
-/// memory happen to lie, and what `check` lets pass.
-pub const MARGIN: f64 = 0.05;
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ComparisonOutcome {

@@ -6,7 +6,7 @@
 use std::fmt;
 
 use crate::comparison::CompareError;
-use measurement::record::{RowRecord, RunRecord};
+use measurement::record::{RowRecord, RunRecord, label};
 
 /// A row, or all rows of a structure, and what it is called now.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,17 +16,17 @@ pub struct Renaming {
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
-enum Name {
-    Row { structure: String, settings: String },
-    Structure(String),
+struct Name {
+    structure: String,
+    /// Those of one row; none stands for all rows of the structure.
+    settings: Option<String>,
 }
 
 impl fmt::Display for Name {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Row { structure, settings } if settings.is_empty() => f.write_str(structure),
-            Self::Row { structure, settings } => write!(f, "{structure} {settings}"),
-            Self::Structure(structure) => write!(f, "all rows of {structure}"),
+        match &self.settings {
+            Some(settings) => f.write_str(&label(&self.structure, settings)),
+            None => write!(f, "all rows of {}", self.structure),
         }
     }
 }
@@ -43,83 +43,63 @@ pub fn matched(
     old: &RunRecord,
     others: &[RunRecord],
 ) -> Result<Renaming, CompareError> {
-    let cuts = text
-        .match_indices('=')
-        .filter_map(|(place, _)| Some((text.get(..place)?, text.get(place + 1..)?)));
-    let mut found: Vec<Renaming> = Vec::new();
-    for (before, after) in cuts.clone() {
-        let row = |text: &str, runs: &[RunRecord]| runs.iter().find_map(|run| row(text, run));
-        let structure =
-            |text: &str, runs: &[RunRecord]| runs.iter().find_map(|run| structure(text, run));
-        let old = std::slice::from_ref(old);
-        let rows = row(before, old).zip(row(after, others));
-        let all = || structure(before, old).zip(structure(after, others));
+    let old = std::slice::from_ref(old);
+    let found = halves(text).filter_map(|(before, after)| {
+        let named = |is_row| name_in(before, old, is_row).zip(name_in(after, others, is_row));
         // a structure without settings is all its rows
-        let is_plain =
-            |name: &Name| matches!(name, Name::Row { settings, .. } if settings.is_empty());
-        let rows = rows.filter(|(old, new)| !(is_plain(old) && is_plain(new)));
-        let either = rows.or_else(all);
-        found.extend(either.map(|(old, new)| Renaming { old, new }));
-    }
-    let message = match (found.len(), cuts.count()) {
-        (1, _) => return found.pop().ok_or_else(|| error(text, "nothing")),
-        (0, 0) => "it has no '='",
-        (0, _) => "no row of the first results or none of the others has this name",
-        _ => "it is ambiguous",
+        let has_settings = |name: &Name| name.settings.as_ref().is_some_and(|s| !s.is_empty());
+        let row = named(true).filter(|(old, new)| has_settings(old) || has_settings(new));
+        let (old, new) = row.or_else(|| named(false))?;
+        Some(Renaming { old, new })
+    });
+    let none = match text.contains('=') {
+        true => "no row of the first results or none of the others has this name",
+        false => "it has no '='",
     };
-    Err(error(text, message))
+    only_one(text, found.collect(), none)
 }
 
 /// The same of two programs, of which the newer knows the new name.
 pub fn of_programs(text: &str, is_known: &dyn Fn(&str) -> bool) -> Result<Renaming, CompareError> {
-    let name = |text: &str| {
+    let name = |text: &str, is_row: bool| {
         let label = text.trim().replace(':', " ");
         let (structure, settings) = label.split_once(' ').unwrap_or((&label, ""));
-        Name::Row { structure: structure.to_owned(), settings: settings.to_owned() }
+        Name { structure: structure.to_owned(), settings: is_row.then(|| settings.to_owned()) }
     };
-    let all_of = |row: Name| match row {
-        Name::Row { structure, .. } => Name::Structure(structure),
-        structure => structure,
-    };
-    let mut found: Vec<Renaming> = Vec::new();
-    for (place, _) in text.match_indices('=') {
-        let halves = text.get(..place).zip(text.get(place + 1..));
-        let Some((old, new)) = halves.filter(|(old, new)| !old.is_empty() && is_known(new)) else {
-            continue;
-        };
-        let has_settings = |text: &str| text.trim().contains([' ', ':']);
-        found.push(if has_settings(old) || has_settings(new) {
-            Renaming { old: name(old), new: name(new) }
-        } else {
-            // a structure without settings is all its rows
-            Renaming { old: all_of(name(old)), new: all_of(name(new)) }
-        });
-    }
-    match (found.len(), found.pop()) {
-        (1, Some(renamed)) => Ok(renamed),
-        (0, _) => Err(error(text, "this program has no row of the new name")),
-        _ => Err(error(text, "it is ambiguous")),
-    }
+    let known = halves(text).filter(|(old, new)| !old.is_empty() && is_known(new));
+    let found = known.map(|(old, new)| {
+        // a structure without settings is all its rows
+        let is_row = [old, new].iter().any(|text| text.trim().contains([' ', ':']));
+        Renaming { old: name(old, is_row), new: name(new, is_row) }
+    });
+    only_one(text, found.collect(), "this program has no row of the new name")
 }
 
-fn error(text: &str, message: &str) -> CompareError {
-    CompareError::Match { text: text.to_owned(), message: message.to_owned() }
+/// What is before and behind each `=`.
+fn halves(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    text.match_indices('=').filter_map(|(at, _)| text.get(..at).zip(text.get(at + 1..)))
+}
+
+fn only_one(text: &str, mut found: Vec<Renaming>, none: &str) -> Result<Renaming, CompareError> {
+    let message = match (found.pop(), found.len()) {
+        (Some(only), 0) => return Ok(only),
+        (None, _) => none,
+        _ => "it is ambiguous",
+    };
+    Err(CompareError::Match { text: text.to_owned(), message: message.to_owned() })
 }
 
 fn rows(run: &RunRecord) -> impl Iterator<Item = &RowRecord> {
     run.scenes.iter().flat_map(|scene| &scene.rows)
 }
 
-/// The row that is written so: `hug density=4` or `hug:density=4`.
-fn row(text: &str, run: &RunRecord) -> Option<Name> {
+/// The structure, or the row that is written so: `hug density=4` or `hug:density=4`.
+fn name_in(text: &str, runs: &[RunRecord], is_row: bool) -> Option<Name> {
     let text = text.trim().replace(':', " ");
-    let row = rows(run).find(|row| row.label() == text)?;
-    Some(Name::Row { structure: row.structure.clone(), settings: row.settings.clone() })
-}
-
-fn structure(text: &str, run: &RunRecord) -> Option<Name> {
-    let row = rows(run).find(|row| row.structure == text.trim())?;
-    Some(Name::Structure(row.structure.clone()))
+    let is_named =
+        |row: &&RowRecord| text == if is_row { row.label() } else { row.structure.clone() };
+    let row = runs.iter().flat_map(rows).find(is_named)?;
+    Some(Name { structure: row.structure.clone(), settings: is_row.then(|| row.settings.clone()) })
 }
 
 impl Renaming {
@@ -130,22 +110,14 @@ impl Renaming {
 
     /// Gives the rows of a run their new name.
     pub fn apply(&self, run: &mut RunRecord) {
-        for row in run.scenes.iter_mut().flat_map(|scene| &mut scene.rows) {
+        let Name { structure, settings } = &self.old;
+        let is_meant = |row: &&mut RowRecord| {
+            row.structure == *structure && settings.as_ref().is_none_or(|own| row.settings == *own)
+        };
+        for row in run.scenes.iter_mut().flat_map(|scene| &mut scene.rows).filter(is_meant) {
             let was = row.label();
-            match (&self.old, &self.new) {
-                (
-                    Name::Row { structure, settings },
-                    Name::Row { structure: name, settings: with },
-                ) if row.structure == *structure && row.settings == *settings => {
-                    (row.structure, row.settings) = (name.clone(), with.clone());
-                }
-                (Name::Structure(structure), Name::Structure(name))
-                    if row.structure == *structure =>
-                {
-                    row.structure.clone_from(name);
-                }
-                _ => continue,
-            }
+            row.structure.clone_from(&self.new.structure);
+            row.settings = self.new.settings.clone().unwrap_or_else(|| row.settings.clone());
             // the reference of the run, too
             if run.settings.reference == was {
                 run.settings.reference = row.label();

@@ -24,7 +24,7 @@ fn choice() -> ComparisonSettings {
         metrics: default_metrics(),
         shows_equal: false,
         filter: None,
-        margin: entry::MARGIN,
+        margin: 0.05,
         threshold: None,
         is_forced: false,
     }

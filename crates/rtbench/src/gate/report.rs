@@ -118,7 +118,7 @@ impl Report {
                 screen.write_fitted(out, &table, &FIRST)?;
             }
         }
-        for remark in self.missing_in_words().iter().chain(&self.remarks) {
+        for remark in in_words(&self.missing).iter().chain(&self.remarks) {
             screen.write_line(out, remark)?;
         }
         screen.write_notes(out, GLOSSARY)?;
@@ -147,11 +147,6 @@ impl Report {
     pub fn worst(findings: &[Finding]) -> GateOutcome {
         let judged = findings.iter().map(|f| f.outcome).filter(|o| *o != GateOutcome::NotJudged);
         judged.max().unwrap_or(GateOutcome::NotJudged)
-    }
-
-    /// The rows that one side lacks.
-    pub fn missing_in_words(&self) -> Vec<String> {
-        in_words(&self.missing)
     }
 
     /// One line: what came of it.
@@ -308,7 +303,7 @@ pub fn markdown(report: &Report, all: bool) -> String {
             push_table(&mut text, &table);
         }
     }
-    let missing = report.missing_in_words();
+    let missing = in_words(&report.missing);
     let remarks = missing.iter().chain(&report.remarks).map(|remark| escaped(remark));
     for line in remarks.chain(GLOSSARY.iter().map(|&line| line.to_owned())) {
         let _ = writeln!(text, "{line}\n");
@@ -349,7 +344,7 @@ pub fn annotations(report: &Report) -> Vec<Annotation> {
             annotations.push(Annotation { level, title: "rtbench check".into(), text });
         }
     }
-    annotations.extend(report.missing_in_words().into_iter().take(MOST_ANNOTATIONS).map(|text| {
+    annotations.extend(in_words(&report.missing).into_iter().take(MOST_ANNOTATIONS).map(|text| {
         Annotation { level: "warning", title: "rtbench check: not compared".into(), text }
     }));
     annotations

@@ -12,7 +12,7 @@ mod pages;
 mod visit;
 
 pub use lines::{Change, History, Key, Line, MachineSetup, Point, Quantity};
-pub use visit::{Git, GitError, HistoryError, Visit, visits};
+pub use visit::{HistoryError, Visit, visits};
 
 use crate::history::layout::Names;
 

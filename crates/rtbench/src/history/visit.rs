@@ -1,6 +1,5 @@
 //! The runs of a history: records in folders, in the order of their commits, which git is asked for.
 
-use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -26,7 +25,7 @@ impl Visit {
     /// The commit's name, short.
     pub fn id(&self) -> String {
         let id = self.run.tool.git_revision.as_ref();
-        id.map_or_else(|| "unknown".to_owned(), |id| short(id))
+        id.map_or_else(|| "unknown".to_owned(), |id| id.chars().take(SHOWN).collect())
     }
 
     /// The first line of the commit's message, where it is known.
@@ -38,17 +37,20 @@ impl Visit {
 /// The runs of all folders, each of which has a record or folders with records, in the order of
 /// their commits where a repository says when these were made, else of their own beginnings.
 pub fn visits(folders: &[PathBuf], repository: Option<&Path>) -> Result<Vec<Visit>, HistoryError> {
-    let git = repository.map(Git::at).transpose()?;
+    if let Some(folder) = repository {
+        ask_git(folder, &["rev-parse", "--git-dir"])?;
+    }
     let mut visits = Vec::new();
     for record in records(folders)? {
         let run = file::read(&record)?;
-        let commit = match (&git, &run.tool.git_revision) {
-            (Some(git), Some(id)) => Some(git.commit(id).map_err(|source| match source {
-                GitError::UnknownCommit { .. } => {
-                    HistoryError::UnknownCommit { record: record.clone(), source }
-                }
-                other => other.into(),
-            })?),
+        let commit = match (repository, &run.tool.git_revision) {
+            (Some(folder), Some(id)) => {
+                let found = commit(folder, id)?;
+                let (folder, commit) = (folder.to_owned(), id.clone());
+                let unknown =
+                    HistoryError::UnknownCommit { record: record.clone(), folder, commit };
+                Some(found.ok_or(unknown)?)
+            }
             _ => None,
         };
         let name = record.parent().and_then(Path::file_name).unwrap_or_default();
@@ -98,26 +100,19 @@ pub enum HistoryError {
         folder.display()
     )]
     NoRecords { folder: PathBuf },
-    #[error(transparent)]
-    Git(#[from] GitError),
-    #[error("{}: {source}", record.display())]
-    UnknownCommit { record: PathBuf, source: GitError },
-}
-
-/// Git did not answer.
-#[derive(Debug, thiserror::Error)]
-pub enum GitError {
     #[error("cannot start git: {0}")]
-    Start(io::Error),
-    #[error("{}: no commit `{commit}` in this repository", folder.display())]
-    UnknownCommit { commit: String, folder: PathBuf },
+    NoGit(io::Error),
     #[error("{}: git {asked}: {said}", folder.display())]
-    Failed { folder: PathBuf, asked: String, said: String },
+    Git { folder: PathBuf, asked: String, said: String },
+    #[error(
+        "{}: {}: no commit `{commit}` in this repository",
+        record.display(), folder.display()
+    )]
+    UnknownCommit { record: PathBuf, folder: PathBuf, commit: String },
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Commit {
-    pub id: String,
     /// When it was committed, seconds since 1970.
     pub unix_s: u64,
     /// The first line of its message.
@@ -127,67 +122,37 @@ pub struct Commit {
 /// As many letters of a commit's name as are shown.
 const SHOWN: usize = 10;
 
-/// A commit's name as it is shown.
-pub fn short(id: &str) -> String {
-    id.chars().take(SHOWN).collect()
+/// Output of git about a repository, without the final line break.
+fn ask_git(folder: &Path, arguments: &[&str]) -> Result<String, HistoryError> {
+    let mut command = Command::new("git");
+    command.arg("-C").arg(folder).args(arguments).stdin(Stdio::null());
+    // a hook that calls us names its own repository
+    for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX"] {
+        command.env_remove(name);
+    }
+    let ended = command.output().map_err(HistoryError::NoGit)?;
+    if ended.status.success() {
+        return Ok(String::from_utf8_lossy(&ended.stdout).trim_end().to_owned());
+    }
+    let said = String::from_utf8_lossy(&ended.stderr);
+    let said = said.lines().rev().map(str::trim).find(|line| !line.is_empty());
+    Err(HistoryError::Git {
+        folder: folder.to_owned(),
+        asked: arguments.join(" "),
+        said: said.map_or_else(|| ended.status.to_string(), str::to_owned),
+    })
 }
 
-#[derive(Debug, Clone)]
-pub struct Git {
-    program: PathBuf,
-    folder: PathBuf,
-}
-
-impl Git {
-    pub fn at(folder: &Path) -> Result<Self, GitError> {
-        Self::with(Path::new("git"), folder)
-    }
-
-    /// The same by a program of the caller's choice.
-    pub fn with(program: &Path, folder: &Path) -> Result<Self, GitError> {
-        let git = Self { program: program.into(), folder: folder.into() };
-        git.ask(["rev-parse", "--git-dir"])?;
-        Ok(git)
-    }
-
-    /// Output of git without the final line break.
-    fn ask<A: AsRef<OsStr>>(
-        &self,
-        arguments: impl IntoIterator<Item = A>,
-    ) -> Result<String, GitError> {
-        let mut command = Command::new(&self.program);
-        command.arg("-C").arg(&self.folder).args(arguments).stdin(Stdio::null());
-        // a hook that calls us names its own repository
-        for name in ["GIT_DIR", "GIT_WORK_TREE", "GIT_INDEX_FILE", "GIT_PREFIX"] {
-            command.env_remove(name);
-        }
-        let ended = command.output().map_err(GitError::Start)?;
-        if ended.status.success() {
-            return Ok(String::from_utf8_lossy(&ended.stdout).trim_end().to_owned());
-        }
-        let said = String::from_utf8_lossy(&ended.stderr);
-        let said = said.lines().rev().map(str::trim).find(|line| !line.is_empty());
-        let asked = command.get_args().skip(2).map(OsStr::to_string_lossy);
-        Err(GitError::Failed {
-            folder: self.folder.clone(),
-            asked: asked.collect::<Vec<_>>().join(" "),
-            said: said.map_or_else(|| ended.status.to_string(), str::to_owned),
-        })
-    }
-
-    pub fn commit(&self, name: &str) -> Result<Commit, GitError> {
-        let unknown =
-            || GitError::UnknownCommit { commit: name.into(), folder: self.folder.clone() };
-        let exact = format!("{name}^{{commit}}");
-        let verified = self.ask(["rev-parse", "--verify", "--quiet", "--end-of-options", &exact]);
-        let id = match verified {
-            Ok(id) => id,
-            Err(GitError::Failed { .. }) => return Err(unknown()),
-            Err(other) => return Err(other),
-        };
-        let shown = self.ask(["show", "--no-patch", "--format=%ct %s", &id])?;
-        let (unix_s, subject) = shown.split_once(' ').unwrap_or((&shown, ""));
-        let unix_s = unix_s.parse().map_err(|_| unknown())?;
-        Ok(Commit { id, unix_s, subject: subject.to_owned() })
-    }
+/// The commit of that name, if the repository has one.
+fn commit(folder: &Path, name: &str) -> Result<Option<Commit>, HistoryError> {
+    let exact = format!("{name}^{{commit}}");
+    let verify = ["rev-parse", "--verify", "--quiet", "--end-of-options", &exact];
+    let id = match ask_git(folder, &verify) {
+        Err(HistoryError::Git { .. }) => return Ok(None),
+        other => other?,
+    };
+    let shown = ask_git(folder, &["show", "--no-patch", "--format=%ct %s", &id])?;
+    let (unix_s, subject) = shown.split_once(' ').unwrap_or((&shown, ""));
+    let commit = |unix_s| Commit { unix_s, subject: subject.to_owned() };
+    Ok(unix_s.parse().ok().map(commit))
 }

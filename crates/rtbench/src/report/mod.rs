@@ -9,7 +9,7 @@ mod plots;
 mod sections;
 
 pub use material::ReportError;
-pub use page::{Page, SectionOutcome, file_name};
+pub use page::{Page, file_name};
 
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
@@ -25,7 +25,7 @@ pub struct Section {
     /// The command that makes what it shows; `DIR` is the folder.
     pub made_by: &'static str,
     /// Writes it, or nothing where the folder has nothing for it.
-    pub write: fn(&Material, &mut Page) -> SectionOutcome,
+    pub write: fn(&Material, &mut Page),
 }
 
 /// Command that creates the data of the sections that every page has.
@@ -54,7 +54,7 @@ const fn section(
     id: &'static str,
     title: &'static str,
     made_by: &'static str,
-    write: fn(&Material, &mut Page) -> SectionOutcome,
+    write: fn(&Material, &mut Page),
 ) -> Section {
     Section { id, title, made_by, write }
 }
@@ -150,9 +150,9 @@ fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
 fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> Vec<ReportSection> {
     let mut parts = Vec::new();
     for section in SECTIONS.iter().filter(|section| is_wanted(section.id)) {
-        let shown = (section.write)(run, page);
+        (section.write)(run, page);
         let body = std::mem::take(&mut page.html).finish();
-        if shown == SectionOutcome::Yes {
+        if !body.is_empty() {
             parts.push(ReportSection { id: page.anchor(section.id), title: section.title, body });
         }
     }

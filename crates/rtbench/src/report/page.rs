@@ -10,14 +10,6 @@ use presentation::html::{Attribute, Html};
 use presentation::page::{TableStyle, figure};
 use presentation::svg_plot::Drawing;
 
-/// True if there was something to show.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SectionOutcome {
-    Yes,
-    /// The folder has nothing of it.
-    Missing,
-}
-
 #[derive(Default)]
 pub struct Page {
     pub(super) html: Html,
@@ -117,7 +109,7 @@ pub fn numbered(numbers: &[usize]) -> TableStyle<'_> {
 }
 
 /// The list, and the papers.
-pub fn glossary(_: &Material, page: &mut Page) -> SectionOutcome {
+pub fn glossary(_: &Material, page: &mut Page) {
     let html = &mut page.html;
     html.definitions(MEANINGS.iter().copied());
     html.paragraph(
@@ -128,7 +120,6 @@ pub fn glossary(_: &Material, page: &mut Page) -> SectionOutcome {
          differ by chance. All answers are compared, and a wrong row shows no time.",
     );
     papers(html);
-    SectionOutcome::Yes
 }
 
 fn papers(html: &mut Html) {

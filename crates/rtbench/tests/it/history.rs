@@ -9,7 +9,6 @@ use crate::common::{Ended, Folder, files_below, run_stepping};
 use measurement::record::RunRecord;
 use measurement::record::made_up;
 use roxmltree::{Document, ParsingOptions};
-use rtbench::history::{Git, GitError};
 use rtbench::history::{History, visits};
 use statistics::change_points::Sensitivity;
 use statistics::random::Random;
@@ -229,8 +228,9 @@ fn unreadable_inputs_are_errors_that_name_them() {
     for usage in ["history", "history DIR"] {
         assert_eq!(run_stepping(usage).code, 2, "{usage}");
     }
-    let error = Git::with(Path::new("/nowhere/git"), Path::new(".")).unwrap_err();
-    assert!(
-        matches!(error, GitError::Start(_)) && error.to_string().starts_with("cannot start git")
-    );
+    let mut without_git = Command::new(env!("CARGO_BIN_EXE_rtbench"));
+    without_git.env("PATH", "/nowhere").args(["history", &nights.path(), "--repository", "."]);
+    let ended = without_git.args(["-o", "/nowhere/site"]).output().unwrap();
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.code() == Some(1) && said.contains("cannot start git"), "{said}");
 }

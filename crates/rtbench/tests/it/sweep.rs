@@ -26,7 +26,7 @@ fn svg_texts(folder: &Folder) -> Vec<String> {
 #[test]
 fn density_is_swept_with_the_rules_of_thumb_beside_it() {
     let folder = Folder::new();
-    let arguments = "sweep tetra:2 balls:1 -s uniform-grid -p density --values 0.5..8 --steps 3";
+    let arguments = "sweep tetra:2 balls:1 -s uniform-grid -p density --values 0.5..8:3";
     let ended = run_stepping(&format!("{arguments} --quick -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let rows = csv(&folder);
@@ -81,8 +81,8 @@ fn words_are_swept_as_typed_and_the_default_is_added() {
 #[test]
 fn whole_numbers_of_a_range_are_distinct() {
     let folder = Folder::new();
-    let arguments = "sweep tetra:2 -s uniform-grid:mailbox=hash -p mailbox-slots --values 2..4 \
-                     --steps 9 --rays primary";
+    let arguments = "sweep tetra:2 -s uniform-grid:mailbox=hash -p mailbox-slots --values 2..4:9 \
+                     --rays primary";
     let ended = run_stepping(&format!("{arguments} --quick -o {}", folder.path()));
     assert_eq!(ended.code, 0, "{}", ended.err);
     let rows = csv(&folder);
@@ -105,8 +105,7 @@ fn invalid_sweeps_are_usage_errors_that_name_valid_values() {
         (format!("tetra:2 -s uniform-grid:mailbox -p density {range}"), "PARAM=VALUE"),
         (format!("tetra:2 -s uniform-grid:mailbox=x -p density {range}"), "one of none"),
         (format!("tetra:2 -s uniform-grid:mailbix=x -p density {range}"), "'mailbox'?"),
-        ("tetra:2 -s uniform-grid -p density --values 1,2 --steps 3".into(), "a range of --values"),
-        (format!("tetra:2 -s uniform-grid -p density {range} --steps 1"), "--steps"),
+        (format!("tetra:2 -s uniform-grid -p density {range}:1"), "a number from"),
         (format!("tetra:2 -s uniform-grid -p density {range} --reference x"), "unknown structure"),
         (format!("tetra:2 -s uniform-grid -p density {range} --rays primery"), "'primary'?"),
         (format!("-s uniform-grid -p density {range}"), "SCENE"),

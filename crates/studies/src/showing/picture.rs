@@ -64,7 +64,6 @@ pub struct Frame<'a> {
     pub size: f64,
     /// References that the darkest colour stands for; the most of any cell if it is not said.
     pub scale: Option<u64>,
-    pub has_legend: bool,
 }
 
 /// Coordinates of a view as places in a panel.
@@ -177,15 +176,11 @@ pub fn picture(frame: &Frame<'_>, structures: &[DrawnStructure]) -> Drawing {
     let below = top + (head + height + foot + MARGIN) * rows as f64;
     let wide = wide.max(420.0);
     let has_path = structures.iter().any(|shown| shown.path.is_some());
-    let end = if frame.has_legend {
-        let is_exceeded = classes != Classes::up_to(most.max(frame.scale.unwrap_or(most)));
-        let is_cut = matches!(frame.view, View::Cut(..));
-        let shown = [is_cut, has_path, is_exceeded];
-        legend(&mut drawing, [MARGIN, below], wide, classes, shown) + MARGIN
-    } else {
-        below
-    };
-    drawing.size = [wide + 2.0 * MARGIN, end];
+    let is_exceeded = classes != Classes::up_to(most.max(frame.scale.unwrap_or(most)));
+    let is_cut = matches!(frame.view, View::Cut(..));
+    let shown = [is_cut, has_path, is_exceeded];
+    let end = legend(&mut drawing, [MARGIN, below], wide, classes, shown);
+    drawing.size = [wide + 2.0 * MARGIN, end + MARGIN];
     drawing
 }
 

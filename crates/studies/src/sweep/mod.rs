@@ -29,10 +29,8 @@ pub struct SweepSettings {
     pub structure: String,
     pub parameter: String,
     pub values: Vec<String>,
-    /// In their place the first value and the last, equal ratios between them.
-    pub range: Option<[f64; 2]>,
-    /// Values of a range.
-    pub steps: u16,
+    /// Values to measure instead, if the parameter is a number.
+    pub range: Option<Range>,
     pub measuring: MeasuringSettings,
 }
 
@@ -139,7 +137,7 @@ impl<'r, 't> SweptParameter<'r, 't> {
 
     /// The values that the command line names or spans, in ascending order where they are numbers.
     fn values(&self, args: &SweepSettings) -> Result<Vec<String>, PlanError> {
-        let Some([from, to]) = args.range else {
+        let Some(range) = args.range else {
             for value in &args.values {
                 self.row(value)?;
             }
@@ -155,6 +153,7 @@ impl<'r, 't> SweptParameter<'r, 't> {
                 )));
             }
         };
+        let Range { from, to, .. } = range;
         for end in [from, to] {
             self.row(&end.to_string())?;
         }
@@ -169,7 +168,6 @@ impl<'r, 't> SweptParameter<'r, 't> {
                  values"
             )));
         }
-        let range = Range { from, to, steps: usize::from(args.steps) };
         Ok(if is_whole { range.whole_numbers() } else { range.real_numbers() })
     }
 

@@ -2,7 +2,7 @@
 //! worth it against each other.
 
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome, look};
+use crate::report::page::{Page, look};
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
@@ -16,9 +16,9 @@ use studies::run::lines::{count, names, seconds};
 /// Powers of ten that are asked about.
 const DECADES: std::ops::RangeInclusive<i32> = 0..=9;
 
-pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn write(material: &Material, page: &mut Page) {
     if material.profiles.iter().all(|p| p.len() < 2) {
-        return SectionOutcome::Missing;
+        return;
     }
     page.html.paragraph(
         "The time for n rays is the build and n times the time per ray, on the mix of rays of this \
@@ -39,7 +39,6 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
         write_table(&mut page.html, &decades(&scene.name, profiles, seed), look());
         matrix(&mut page.html, &scene.name, profiles);
     }
-    SectionOutcome::Yes
 }
 
 /// Lower envelope of the cost lines.

@@ -3,7 +3,7 @@
 //! The figures and the verdicts are those of `rtbench reproduce havran1999`.
 
 use crate::report::material::{Material, ReproducedFigure};
-use crate::report::page::{Page, SectionOutcome, look};
+use crate::report::page::{Page, look};
 use presentation::numbers::short;
 use presentation::page::write_table;
 use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
@@ -15,9 +15,9 @@ const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];
 const BEST: &str = "best";
 
 /// Number of figures that agree, a plot of then and now, and the table of the best settings.
-pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn write(material: &Material, page: &mut Page) {
     let Some(rows) = material.counters.as_deref().filter(|rows| !rows.is_empty()) else {
-        return SectionOutcome::Missing;
+        return;
     };
     page.html.paragraph(
         "Every published counter, on the scenes and rays of the paper. Figures on the diagonal are \
@@ -31,7 +31,6 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
             write_table(&mut page.html, &table, look());
         }
     }
-    SectionOutcome::Yes
 }
 
 /// A word for each kind of verdict; its reason is left out.

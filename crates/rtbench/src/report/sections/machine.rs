@@ -2,7 +2,7 @@
 //! caveats of its times: warnings, and outliers, which are counted and never dropped.
 
 use crate::report::material::{DataFile, Material};
-use crate::report::page::{Page, SectionOutcome, look};
+use crate::report::page::{Page, look};
 use measurement::record::{Outliers, RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::{mebibytes, utc};
@@ -29,7 +29,7 @@ pub fn one_line(material: &Material, html: &mut Html) {
     ));
 }
 
-pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn write(material: &Material, page: &mut Page) {
     let (run, html) = (&material.run, &mut page.html);
     html.definitions(facts(run));
     html.element("h3", &[], "Commands");
@@ -52,7 +52,6 @@ pub fn write(material: &Material, page: &mut Page) -> SectionOutcome {
     html.text(".");
     html.close();
     write_table(html, &scenes(&run.scenes), look());
-    SectionOutcome::Yes
 }
 
 fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
@@ -104,7 +103,7 @@ fn scenes(scenes: &[SceneRecord]) -> Table {
     words("Scenes", header, rows)
 }
 
-pub fn write_warnings(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn write_warnings(material: &Material, page: &mut Page) {
     let scenes = &material.run.scenes;
     let mut all: Vec<String> = material.run.warnings.iter().map(ToString::to_string).collect();
     for scene in scenes {
@@ -128,7 +127,6 @@ pub fn write_warnings(material: &Material, page: &mut Page) -> SectionOutcome {
         write_table(&mut page.html, &table, look());
         page.html.close();
     }
-    SectionOutcome::Yes
 }
 
 /// Rows that have some: how many of how many samples, below and above.

@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 
 use crate::comparison::pairing::row_like;
 use crate::report::material::Material;
-use crate::report::page::{Page, SectionOutcome, image, look, numbered};
+use crate::report::page::{Page, image, look, numbered};
 use crate::report::plots;
 use measurement::record::{RowRecord, SceneRecord, Verdict, reference};
 use presentation::html::Html;
@@ -24,7 +24,7 @@ use studies::run::view::{View, by_weight};
 use studies::run::{columns, kind_tables};
 
 /// Over all scenes; those of each stand with it.
-pub fn headlines(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn headlines(material: &Material, page: &mut Page) {
     let (run, html) = (&material.run, &mut page.html);
     if !run.complete {
         let (finished, all) = (run.scenes.len(), run.planned.len());
@@ -54,7 +54,6 @@ pub fn headlines(material: &Material, page: &mut Page) -> SectionOutcome {
             alert(&mut page.html, &format!("{}: {wrong}. Their times are not shown.", scene.name));
         }
     }
-    SectionOutcome::Yes
 }
 
 /// To the answers of each scene.
@@ -83,18 +82,17 @@ fn alert(html: &mut Html, text: &str) {
 }
 
 /// The geometric means, the fastest first.
-pub fn summary(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn summary(material: &Material, page: &mut Page) {
     let run = &material.run;
     // of a single scene they are its own ratios
     if run.summary.is_empty() || run.scenes.len() < 2 {
-        return SectionOutcome::Missing;
+        return;
     }
     page.plot("all-scenes", plots::summary_bars(run));
     let rows = View::fastest_first().summary(&run.summary);
     let table = summary_table(run, rows.iter().copied(), false);
     let numbers = places(&run.summary, &rows);
     write_table(&mut page.html, &table, numbered(&numbers));
-    SectionOutcome::Yes
 }
 
 /// The places of rows among all, from 1: their numbers, however they are sorted.
@@ -104,11 +102,11 @@ fn places<R>(all: &[R], shown: &[&R]) -> Vec<usize> {
 }
 
 /// Missing of records from before there were ratios by kind.
-pub fn by_kind(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn by_kind(material: &Material, page: &mut Page) {
     let run = &material.run;
     let rows = || run.scenes.iter().flat_map(|scene| &scene.rows);
     if rows().all(|row| row.ratio_by_kind.is_empty()) {
-        return SectionOutcome::Missing;
+        return;
     }
     let of = |table: &Table, page: &mut Page| write_table(&mut page.html, table, look());
     of(&kind_tables::picture_table(run), page);
@@ -119,14 +117,10 @@ pub fn by_kind(material: &Material, page: &mut Page) -> SectionOutcome {
     for scene in &run.scenes {
         of(&kind_tables::scene_table(run, scene, view.rows(&scene.rows), false), page);
     }
-    SectionOutcome::Yes
 }
 
-pub fn scenes(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn scenes(material: &Material, page: &mut Page) {
     let run = &material.run;
-    if run.scenes.is_empty() {
-        return SectionOutcome::Missing;
-    }
     for scene in &run.scenes {
         let anchor = page.anchor(&format!("scene-{}", scene.name));
         page.html.element("h3", &[("id", &anchor)], &scene.name);
@@ -146,7 +140,6 @@ pub fn scenes(material: &Material, page: &mut Page) -> SectionOutcome {
             write_table(&mut page.html, &table, numbered(&[]));
         }
     }
-    SectionOutcome::Yes
 }
 
 fn picture(html: &mut Html, scene: &SceneRecord, png: &[u8]) {

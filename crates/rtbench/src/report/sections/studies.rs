@@ -2,7 +2,7 @@
 //! times.
 
 use crate::report::material::{LectureRow, Material};
-use crate::report::page::{Page, SectionOutcome, image, look};
+use crate::report::page::{Page, image, look};
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
 use presentation::page::write_table;
@@ -12,10 +12,7 @@ use studies::accuracy::{report, summary};
 use studies::tracer_comparison::record::{Outcome, TracersRecord};
 use studies::tracer_comparison::report::error_over_time;
 
-pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
-    if material.sweeps.is_empty() {
-        return SectionOutcome::Missing;
-    }
+pub fn sweeps(material: &Material, page: &mut Page) {
     let html = &mut page.html;
     for sweep in &material.sweeps {
         html.element("h3", &[], &sweep.name);
@@ -26,12 +23,11 @@ pub fn sweeps(material: &Material, page: &mut Page) -> SectionOutcome {
         html.close();
         html.close();
     }
-    SectionOutcome::Yes
 }
 
 /// What to take, then each axis as a plot and as tables.
-pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
-    let Some(run) = &material.accuracy else { return SectionOutcome::Missing };
+pub fn accuracy(material: &Material, page: &mut Page) {
+    let Some(run) = &material.accuracy else { return };
     page.html.list(report::facts(run));
     write_table(&mut page.html, &summary::advice(run), look());
     for axis in &run.axes {
@@ -48,7 +44,6 @@ pub fn accuracy(material: &Material, page: &mut Page) -> SectionOutcome {
         page.html.close();
     }
     page.html.list(report::GLOSSARY.iter().map(|line| (*line).to_owned()));
-    SectionOutcome::Yes
 }
 
 static CAPTIONS: &[(&str, &str)] = &[
@@ -57,10 +52,7 @@ static CAPTIONS: &[(&str, &str)] = &[
     ("time", "microseconds of each pixel"),
 ];
 
-pub fn heat_maps(material: &Material, page: &mut Page) -> SectionOutcome {
-    if material.heat_maps.is_empty() {
-        return SectionOutcome::Missing;
-    }
+pub fn heat_maps(material: &Material, page: &mut Page) {
     let html = &mut page.html;
     for (i, map) in material.heat_maps.iter().enumerate() {
         let is_first =
@@ -77,12 +69,11 @@ pub fn heat_maps(material: &Material, page: &mut Page) -> SectionOutcome {
         html.element("figcaption", &[], &text);
         html.close();
     }
-    SectionOutcome::Yes
 }
 
-pub fn lecture(material: &Material, page: &mut Page) -> SectionOutcome {
+pub fn lecture(material: &Material, page: &mut Page) {
     let Some(rows) = material.lecture.as_deref().filter(|rows| !rows.is_empty()) else {
-        return SectionOutcome::Missing;
+        return;
     };
     let now = |row: &LectureRow, estimate: Option<Estimate>| match estimate {
         _ if row.verdict != Verdict::Ok.name() => {
@@ -117,19 +108,14 @@ pub fn lecture(material: &Material, page: &mut Page) -> SectionOutcome {
         notes: Vec::new(),
     };
     write_table(&mut page.html, &table, look());
-    SectionOutcome::Yes
 }
 
-pub fn tracers(material: &Material, page: &mut Page) -> SectionOutcome {
-    if material.tracers.is_empty() {
-        return SectionOutcome::Missing;
-    }
+pub fn tracers(material: &Material, page: &mut Page) {
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
         page.plot(&format!("tracers-{}", record.scene), error_over_time(record));
         write_table(&mut page.html, &tracer_table(record), look());
     }
-    SectionOutcome::Yes
 }
 
 fn tracer_table(record: &TracersRecord) -> Table {

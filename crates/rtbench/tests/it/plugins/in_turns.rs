@@ -22,7 +22,7 @@ fn two_builds_of_a_plugin_are_compared() {
             "minimal-cpp",
             "--plugin",
             new.to_str().unwrap(),
-            "--against-plugin",
+            "--against",
             old.to_str().unwrap(),
             "--rounds",
             "2",
@@ -58,7 +58,7 @@ fn rows_that_neither_build_of_a_plugin_can_build_do_not_pass() {
     let Some(new) = compiled(&newer, source, &["-pthread", "-DNDEBUG"]) else { return };
     let (new, old) = (new.to_str().unwrap(), old.to_str().unwrap());
     let check = |scenes: &[&str]| {
-        let plugins = ["--plugin", new, "--against-plugin", old];
+        let plugins = ["--plugin", new, "--against", old];
         let how = ["--quick", "--size", "16", "-s", "wide-bvh", "--rounds", "2", "-t", "900%"];
         let ended = rtbench(&[&["check"], scenes, &plugins, &how].concat());
         let said = [ended.stdout, ended.stderr].concat();
