@@ -15,18 +15,13 @@ use wide::f32x8;
 
 use crate::bvh::build::agglomerated::limit_levels;
 use crate::bvh::items::Groups;
+use crate::bvh::node::WIDTH;
 use crate::geometry::lanes::Eight;
 use crate::parallel::forks;
 use crate::primitives::TriangleBlock;
 
-/// Children of a node at most.
-pub(super) const WIDTH: usize = 8;
-
 /// Upper bound on the depth of the binary tree; collapsing only makes it shallower.
 pub(super) const LEVELS: u32 = 96;
-
-/// Set in the child of a node that is a leaf.
-pub(super) const LEAF: u32 = 1 << 31;
 
 /// Cost model that the collapse minimises.
 #[derive(Debug, Clone, Copy)]

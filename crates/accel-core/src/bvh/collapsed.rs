@@ -1,6 +1,7 @@
 //! The eight-wide nodes and the leaves that a planned collapse makes, numbered.
 
-use super::collapse::{Collapse, LEAF, WIDTH};
+use super::collapse::Collapse;
+use super::node::{LEAF, WIDTH};
 use crate::parallel::{self, ForkedTree};
 
 /// The nodes of the collapsed tree, the first its root, none if that is a leaf; children come after

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb as ObvhsAabb;
 
-use crate::bvh::box_ray::RaySetup;
+use crate::bvh::node::RaySetup;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::historical::bounds_rule::{BoundsOf, BoundsRule, PADDING_ULPS};
@@ -216,8 +216,11 @@ fn grouped(single: &[ObvhsAabb]) -> (Vec<ObvhsAabb>, Groups) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bvh::node::{BoxRay, Length, Node, NodeRay, WIDTH};
+    use crate::geometry::ray::Ray;
     use crate::params::config::Settings;
-    use crate::primitives::MixedSetBuilder;
+    use crate::primitives::{MixedSetBuilder, PrimSet, TriangleSet, Watertight};
+    use crate::structures::test_scenes::Random;
 
     #[test]
     fn numbers_are_rounded_outwards() {
@@ -259,5 +262,91 @@ mod tests {
         let mut sorted = ids.clone();
         sorted.sort_unstable();
         assert_eq!(sorted, (0..1000).collect::<Vec<_>>());
+    }
+
+    /// One of these powers of ten, evenly by logarithm.
+    fn power(random: &mut Random, low: f64, high: f64) -> f64 {
+        10f64.powf(low + (high - low) * random.unit())
+    }
+
+    fn signed(random: &mut Random) -> DVec3 {
+        random.point([2.0; 3]) - 1.0
+    }
+
+    /// Half of them flat on an axis, a third narrow; far from the origin of coordinates, or around
+    /// it.
+    fn triangle(random: &mut Random) -> [DVec3; 3] {
+        let (size, at) = (power(random, -5.0, 0.0), signed(random) * power(random, -6.0, 0.0));
+        let narrow = if random.unit() < 0.3 { power(random, -5.0, 0.0) } else { 1.0 };
+        let mut edges = [signed(random) * size, signed(random) * (size * narrow)];
+        let axis = (random.unit() * 6.0) as usize;
+        if axis < 3 {
+            edges.iter_mut().for_each(|e| e[axis] = 0.0);
+        }
+        let [a, b] = edges;
+        [at - (a + b) / 3.0, at + a, at + b].map(|p| p.clamp(DVec3::splat(-1.0), DVec3::ONE))
+    }
+
+    /// At a point of a triangle, often on its outline, from however near.
+    fn ray(random: &mut Random, [a, b, c]: [DVec3; 3]) -> Ray<f32> {
+        let [u, v] = [0; 2].map(|_| if random.unit() < 0.3 { 0.0 } else { random.unit() });
+        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
+        let point = a + (b - a) * u + (c - a) * v;
+        let mut d = signed(random);
+        if random.unit() < 0.5 {
+            let part = power(random, -4.0, 0.0);
+            d[(random.unit() * 3.0) as usize] *= part;
+        }
+        let t = match (random.unit() * 3.0) as u32 {
+            0 => 0.0,
+            1 => power(random, -8.0, -5.0) * (random.unit() - 0.2),
+            _ => power(random, -5.0, 0.5),
+        };
+        let mut o = (point - d * t).as_vec3();
+        for k in 0..3 {
+            for _ in 0..(random.unit() * 5.0) as u32 {
+                o[k] = if random.unit() < 0.5 { o[k].next_up() } else { o[k].next_down() };
+            }
+        }
+        Ray::new(o, d.as_vec3())
+    }
+
+    /// By ray: whether the triangle is hit, and whether its box is met.
+    fn hits_and_boxes(rounds: u32) -> Vec<[bool; 2]> {
+        let mut random = Random(71);
+        let mut all = Vec::new();
+        for _ in 0..rounds {
+            let triangles: [_; WIDTH] =
+                std::array::from_fn(|_| triangle(&mut random).map(|p| p.as_vec3()));
+            let corners = triangles.map(|t| t.map(|p| p.to_array())).to_vec();
+            let set = TriangleSet::<f32, Watertight>::new(corners, |_| false).unwrap();
+            let (boxes, setup) = boxes(&set, "", Padding::OF_CORNERS).unwrap();
+            let mut node = Node::empty();
+            for (child, b) in boxes.iter().enumerate() {
+                node.set_box(child, b.min.to_array(), b.max.to_array());
+            }
+            for number in 0..WIDTH * 8 {
+                let id = number % WIDTH;
+                let ray = ray(&mut random, triangles[id].map(|p| p.as_dvec3()));
+                if ray.direction.abs().max_element() < 1e-3 {
+                    continue;
+                }
+                let hit = set.intersect(id as u32, &ray, &set.setup(&ray), f32::INFINITY);
+                let BoxRay { origin, direction, parameters } = setup.ray(&ray, Length::Own);
+                let of_nodes = NodeRay::of(origin, direction, true);
+                let end = parameters.bound(hit.unwrap_or(f32::INFINITY));
+                all.push([hit.is_some(), of_nodes.test(&node, end).0 >> id & 1 == 1]);
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn a_triangle_that_is_hit_has_a_box_that_is_met() {
+        let all = hits_and_boxes(40_000);
+        let count = |wanted: [bool; 2]| all.iter().filter(|found| **found == wanted).count();
+        assert_eq!(count([true, false]), 0);
+        let counts = [count([true, true]), count([false, false])];
+        assert!(counts[0] > 1_000_000 && counts[1] > 50_000, "{counts:?}");
     }
 }

@@ -11,12 +11,11 @@
 //! 2(2), 2013, pads the slabs' rounding alone; the children that a ray meets are sorted by where it
 //! enters them, unless any hit ends the query.
 
-pub(crate) mod box_ray;
 pub(crate) mod build;
 mod collapse;
 mod collapsed;
 pub(crate) mod items;
-mod node;
+pub(crate) mod node;
 mod node_ray_lanes;
 mod packet;
 mod refit;
@@ -39,13 +38,12 @@ use crate::query::sink::Sink;
 use crate::structure::{Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, REBUILD_AT, REFIT, refitted_until};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
-use box_ray::RaySetup;
 use build::agglomerated::{preset_named, reinserted};
 use build::{BINNED, BUILDS, MORTON, binned, morton};
-use collapse::{Collapse, Costs, LEAF, LEVELS, WIDTH};
+use collapse::{Collapse, Costs, LEVELS};
 use collapsed::CollapsedTree;
 use items::{Padding, items_of};
-use node::Node;
+use node::{LEAF, Node, RaySetup, WIDTH};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",

@@ -1,10 +1,21 @@
-//! A node of eight boxes, which a ray is tested against at once.
+//! A node of eight boxes, and a ray as it is tested against them at once: in units of the scene's
+//! size and in f32 first ([`BoxRay`]), which trees of obvhs are traversed with too, then padded
+//! ([`NodeRay`]).
 
-use glam::{BVec3A, Vec3A};
+use glam::{BVec3A, Vec3, Vec3A};
+use obvhs::ray::Ray as ObvhsRay;
 use wide::f32x8;
 
-use super::collapse::{LEAF, WIDTH};
+use crate::geometry::aabb::Aabb;
 use crate::geometry::lanes::{Eight, Lanes};
+use crate::geometry::ray::Ray;
+use crate::geometry::scalar::{Scalar, Vector};
+
+/// Children of a node at most.
+pub(super) const WIDTH: usize = 8;
+
+/// Set in the child of a node that is a leaf.
+pub(super) const LEAF: u32 = 1 << 31;
 
 /// Eight boxes in f32, by plane; 224 bytes in four cache lines of their own, which is faster than
 /// without the gap.
@@ -36,6 +47,164 @@ impl Node {
             plane.as_mut_array()[child] = x;
         }
     }
+}
+
+/// How rays are told to a tree: in units of the scene's size, so that its largest coordinate lies
+/// in [1, 2).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct RaySetup<S> {
+    /// A power of two.
+    pub(super) unit: S,
+}
+
+impl<S: Scalar> RaySetup<S> {
+    /// For a scene whose largest coordinate is `magnitude`.
+    pub(super) fn new(magnitude: S) -> Self {
+        Self { unit: magnitude.to_unit_size() }
+    }
+
+    /// Factor that coordinates are multiplied by.
+    pub(crate) fn unit(&self) -> f64 {
+        self.unit.to_f64()
+    }
+
+    /// A box as the tree has it, in world units.
+    pub(crate) fn world(&self, [low, high]: [[f32; 3]; 2]) -> Aabb<f64> {
+        let [min, max] = [low, high].map(|p| Vec3::from_array(p).as_dvec3() / self.unit());
+        Aabb { min, max }
+    }
+
+    /// The ray as boxes see it.
+    #[inline(always)]
+    pub(crate) fn ray(&self, ray: &Ray<S>, length: Length) -> BoxRay<S> {
+        BoxRay::new(ray, self.unit, length)
+    }
+}
+
+/// Rule for the length of the ray direction in box tests.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Length {
+    /// The ray's own in f32, its largest component in [1, 2) in f64 or where it starts earlier.
+    Own,
+    /// Its largest component lies in [1, 2) times [`BRIEF`].
+    Brief,
+}
+
+/// A ray for box tests.
+pub(crate) struct BoxRay<S: Scalar> {
+    pub(crate) origin: Vec3A,
+    pub(crate) direction: Vec3A,
+    pub(crate) parameters: BoxParameters<S>,
+}
+
+/// Maps our ray parameters to those of a [`BoxRay`].
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct BoxParameters<S> {
+    /// Ratio of its parameters to ours.
+    pub(super) scale: S,
+    /// Our `t` is at most `t * scale + lead`: how far the ray starts before the true origin, or a
+    /// little more.
+    pub(super) lead: f32,
+}
+
+/// CwBvh ignores boxes that begin or end before t = 1e-4. A ray that starts this much before its
+/// origin finds them, in units of the scene's size if the largest component of its direction is in
+/// [1, 2).
+const LEAD: f32 = 1.0625e-4;
+/// For a direction shorter by this factor, 1e-4 is a tenth of an ulp: no padded box ends before it.
+const BRIEF: f32 = f32::from_bits((127 - 14) << 23);
+
+/// Half the side of a cube around the origin that holds the scene, in units of its size.
+const CUBE: f64 = 3.0;
+
+/// More than the rounding of both terms where a negative parameter and a lead are added: origins
+/// lie within 16 of the cube's centre, and so leads are below 20.
+const LEAD_SLACK: f32 = 32.0 * f32::EPSILON;
+
+impl<S: Scalar> BoxRay<S> {
+    #[inline(always)]
+    fn new(ray: &Ray<S>, unit: S, length: Length) -> Self {
+        if ray.t_min < S::ZERO {
+            return Self::starting_earlier(ray, unit);
+        }
+        let is_own = length == Length::Own && size_of::<S>() == size_of::<f32>();
+        let mut shorter = if is_own { S::ONE } else { ray.unit_factor() };
+        let mut lead = 0.0;
+        if length == Length::Brief {
+            shorter = shorter * S::from_f64(f64::from(BRIEF));
+            lead = LEAD;
+        }
+        let origin = to_f32::<S>(ray.origin * unit);
+        Self::scaled(ray, origin, unit, shorter, lead)
+    }
+
+    /// Moves the origin of a ray whose interval begins before it.
+    #[cold]
+    #[inline(never)]
+    fn starting_earlier(ray: &Ray<S>, unit: S) -> Self {
+        let shorter = ray.unit_factor();
+        let (start, lead) = earlier_start(ray, unit, shorter);
+        Self::scaled(ray, start, unit, shorter, lead)
+    }
+
+    #[inline(always)]
+    fn scaled(ray: &Ray<S>, origin: Vec3, unit: S, shorter: S, lead: f32) -> Self {
+        let origin = Vec3A::from(origin);
+        let direction = Vec3A::from(to_f32::<S>(ray.direction * shorter)) + Vec3A::ZERO;
+        let scale = unit / shorter;
+        Self { origin, direction, parameters: BoxParameters { scale, lead } }
+    }
+
+    /// This for obvhs, up to `t_max`.
+    #[inline(always)]
+    pub(crate) fn for_obvhs(&self, t_max: S) -> ObvhsRay {
+        let (origin, direction) = (self.origin, self.direction);
+        // all axes at once
+        let is_small = direction.abs().cmplt(Vec3A::splat(1e-30));
+        let large = Vec3A::splat(f32::from_bits(0x7180_0000)).copysign(direction);
+        let inv_direction = Vec3A::select(is_small, large, direction.recip());
+        let tmax = self.parameters.bound(t_max);
+        ObvhsRay { origin, direction, inv_direction, tmin: 0.0, tmax }
+    }
+}
+
+impl<S: Scalar> BoxParameters<S> {
+    /// Returns whether its origin is not the true one.
+    #[inline(always)]
+    pub(crate) fn starts_earlier(&self) -> bool {
+        self.lead > 0.0
+    }
+
+    /// A bound for box tests that no rounding makes too small (`proofs/ray_end.gappa`).
+    #[inline(always)]
+    pub(crate) fn bound(&self, t_max: S) -> f32 {
+        let t = (t_max * self.scale).to_f64() as f32;
+        // 0 * infinity: `max` gives 0 for NaN
+        (t + self.lead).max(0.0) * (1.0 + 2.0 * f32::EPSILON)
+    }
+}
+
+/// The start of a ray whose interval begins before its origin, and its lead: at the begin of the
+/// interval, or where the ray enters the cube around the scene if that is later.
+fn earlier_start<S: Scalar>(ray: &Ray<S>, unit: S, shorter: S) -> (Vec3, f32) {
+    let origin = ray.origin.to_dvec3() * unit.to_f64();
+    let direction = ray.direction.to_dvec3() * shorter.to_f64();
+    let (o, d) = (origin.to_array(), direction.to_array());
+    let mut start = ray.t_min.to_f64() * (unit / shorter).to_f64();
+    for k in 0..3 {
+        if d[k] != 0.0 {
+            start = start.max((-CUBE.copysign(d[k]) - o[k]) / d[k]);
+        }
+    }
+    // never later than rays without negative parameters
+    let start = start.min(0.0) - f64::from(LEAD);
+    ((origin + direction * start).as_vec3(), -start as f32 + LEAD_SLACK)
+}
+
+#[inline(always)]
+fn to_f32<S: Scalar>(v: crate::Vec3<S>) -> Vec3 {
+    let [x, y, z] = v.to_array();
+    Vec3::new(x.to_f64() as f32, y.to_f64() as f32, z.to_f64() as f32)
 }
 
 /// A ray as nodes are tested with it.
@@ -184,109 +353,17 @@ impl NodeRay {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
-    use crate::bvh::box_ray::{BoxRay, Length};
-    use crate::bvh::items::{Padding, boxes};
-    use crate::geometry::ray::Ray;
-    use crate::primitives::{PrimSet, TriangleSet, Watertight};
     use crate::structures::test_scenes::Random;
-
-    /// One of these powers of ten, evenly by logarithm.
-    fn power(random: &mut Random, low: f64, high: f64) -> f64 {
-        10f64.powf(low + (high - low) * random.unit())
-    }
-
-    fn signed(random: &mut Random) -> DVec3 {
-        random.point([2.0; 3]) - 1.0
-    }
-
-    /// Half of them flat on an axis, a third narrow; far from the origin of coordinates, or around
-    /// it.
-    fn triangle(random: &mut Random) -> [DVec3; 3] {
-        let (size, at) = (power(random, -5.0, 0.0), signed(random) * power(random, -6.0, 0.0));
-        let narrow = if random.unit() < 0.3 { power(random, -5.0, 0.0) } else { 1.0 };
-        let mut edges = [signed(random) * size, signed(random) * (size * narrow)];
-        let axis = (random.unit() * 6.0) as usize;
-        if axis < 3 {
-            edges.iter_mut().for_each(|e| e[axis] = 0.0);
-        }
-        let [a, b] = edges;
-        [at - (a + b) / 3.0, at + a, at + b].map(|p| p.clamp(DVec3::splat(-1.0), DVec3::ONE))
-    }
-
-    /// At a point of a triangle, often on its outline, from however near.
-    fn ray(random: &mut Random, [a, b, c]: [DVec3; 3]) -> Ray<f32> {
-        let [u, v] = [0; 2].map(|_| if random.unit() < 0.3 { 0.0 } else { random.unit() });
-        let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        let point = a + (b - a) * u + (c - a) * v;
-        let mut d = signed(random);
-        if random.unit() < 0.5 {
-            let part = power(random, -4.0, 0.0);
-            d[(random.unit() * 3.0) as usize] *= part;
-        }
-        let t = match (random.unit() * 3.0) as u32 {
-            0 => 0.0,
-            1 => power(random, -8.0, -5.0) * (random.unit() - 0.2),
-            _ => power(random, -5.0, 0.5),
-        };
-        let mut o = (point - d * t).as_vec3();
-        for k in 0..3 {
-            for _ in 0..(random.unit() * 5.0) as u32 {
-                o[k] = if random.unit() < 0.5 { o[k].next_up() } else { o[k].next_down() };
-            }
-        }
-        Ray::new(o, d.as_vec3())
-    }
-
-    /// By ray: whether the triangle is hit, and whether its box is met.
-    fn hits_and_boxes(rounds: u32) -> Vec<[bool; 2]> {
-        let mut random = Random(71);
-        let mut all = Vec::new();
-        for _ in 0..rounds {
-            let triangles: [_; WIDTH] =
-                std::array::from_fn(|_| triangle(&mut random).map(|p| p.as_vec3()));
-            let corners = triangles.map(|t| t.map(|p| p.to_array())).to_vec();
-            let set = TriangleSet::<f32, Watertight>::new(corners, |_| false).unwrap();
-            let (boxes, setup) = boxes(&set, "", Padding::OF_CORNERS).unwrap();
-            let mut node = Node::empty();
-            for (child, b) in boxes.iter().enumerate() {
-                node.set_box(child, b.min.to_array(), b.max.to_array());
-            }
-            for number in 0..WIDTH * 8 {
-                let id = number % WIDTH;
-                let ray = ray(&mut random, triangles[id].map(|p| p.as_dvec3()));
-                if ray.direction.abs().max_element() < 1e-3 {
-                    continue;
-                }
-                let hit = set.intersect(id as u32, &ray, &set.setup(&ray), f32::INFINITY);
-                let BoxRay { origin, direction, parameters } = setup.ray(&ray, Length::Own);
-                let of_nodes = NodeRay::of(origin, direction, true);
-                let end = parameters.bound(hit.unwrap_or(f32::INFINITY));
-                all.push([hit.is_some(), of_nodes.test(&node, end).0 >> id & 1 == 1]);
-            }
-        }
-        all
-    }
 
     #[test]
     fn a_box_that_ends_where_a_ray_begins_is_met() {
         let mut random = Random(72);
         for _ in 0..100_000 {
-            let [o, d] = [0; 2].map(|_| signed(&mut random).as_vec3a());
+            let [o, d] = [0; 2].map(|_| (random.point([2.0; 3]) - 1.0).as_vec3a());
             let mut node = Node::empty();
             node.set_box(3, o.to_array(), o.to_array());
             assert_eq!(NodeRay::of(o, d, true).test(&node, 1.0).0, 8, "{o} {d}");
         }
-    }
-
-    #[test]
-    fn a_triangle_that_is_hit_has_a_box_that_is_met() {
-        let all = hits_and_boxes(40_000);
-        let count = |wanted: [bool; 2]| all.iter().filter(|found| **found == wanted).count();
-        assert_eq!(count([true, false]), 0);
-        let counts = [count([true, true]), count([false, false])];
-        assert!(counts[0] > 1_000_000 && counts[1] > 50_000, "{counts:?}");
     }
 }

@@ -1,13 +1,49 @@
-//! Eight rays as nodes are tested with them, made in lanes: the same as [`NodeRay::of`] to the last
-//! bit.
+//! Eight rays as nodes are tested with them, made in lanes: the same as [`RaySetup::ray`] and
+//! [`NodeRay::of`] to the last bit.
 
 use wide::f32x8;
 
 use super::node::{
-    EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING, SHIFT,
+    BoxParameters, EPSILON, LARGE, LEAST_PART, Node, NodeRay, PLANE_ROUNDING, PRODUCT_ROUNDING,
+    RaySetup, SHIFT,
 };
 use crate::geometry::lanes::{Eight, Lanes};
-use crate::geometry::ray_lanes::LANES;
+use crate::geometry::ray::unit_factor;
+use crate::geometry::ray_lanes::{LANES, RayLanes};
+use crate::geometry::scalar::Scalar;
+
+/// Eight rays for box tests, by axis and lane.
+pub(super) struct BoxRayLanes<S: Scalar> {
+    pub(super) origin: [[f32; LANES]; 3],
+    pub(super) direction: [[f32; LANES]; 3],
+    pub(super) parameters: [BoxParameters<S>; LANES],
+}
+
+impl<S: Scalar> RaySetup<S> {
+    /// [`RaySetup::ray`] of `Length::Own` for eight rays whose intervals begin at their origins
+    /// or later.
+    #[inline(always)]
+    pub(super) fn ray_lanes(&self, rays: &RayLanes<S>) -> BoxRayLanes<S> {
+        let unit = self.unit;
+        let is_own = size_of::<S>() == size_of::<f32>();
+        let mut lanes = BoxRayLanes {
+            origin: [[0.0; LANES]; 3],
+            direction: [[0.0; LANES]; 3],
+            parameters: [BoxParameters { scale: unit, lead: 0.0 }; LANES],
+        };
+        for lane in 0..LANES {
+            let direction = [0, 1, 2].map(|k| rays.direction[k][lane]);
+            let shorter = if is_own { S::ONE } else { unit_factor(direction) };
+            lanes.parameters[lane].scale = unit / shorter;
+            for (k, d) in direction.into_iter().enumerate() {
+                lanes.origin[k][lane] = (rays.origin[k][lane] * unit).to_f64() as f32;
+                // -0 becomes 0
+                lanes.direction[k][lane] = (d * shorter).to_f64() as f32 + 0.0;
+            }
+        }
+        lanes
+    }
+}
 
 /// By axis and lane; of planes where boxes are entered, and of those where they are left.
 #[derive(Debug, Clone, Copy)]

@@ -13,10 +13,8 @@
 //! would alone. A node that the rays visit together counts as one step of one of them.
 
 use crate::bvh::WideBvh;
-use crate::bvh::box_ray::{BoxParameters, BoxRayLanes};
-use crate::bvh::collapse::{LEAF, WIDTH};
-use crate::bvh::node::{EPSILON, LARGE, LEAST_PART, NodeRay};
-use crate::bvh::node_ray_lanes::NodeRayLanes;
+use crate::bvh::node::{BoxParameters, EPSILON, LARGE, LEAF, LEAST_PART, NodeRay, WIDTH};
+use crate::bvh::node_ray_lanes::{BoxRayLanes, NodeRayLanes};
 use crate::bvh::traverse::Stack;
 use crate::geometry::lanes::{Eight, Lanes, take_lowest};
 use crate::geometry::ray_lanes::{LANES, RayLanes};

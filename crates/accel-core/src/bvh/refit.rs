@@ -9,8 +9,8 @@
 
 use obvhs::aabb::Aabb;
 
-use super::collapse::{Costs, LEAF, WIDTH};
-use super::node::Node;
+use super::collapse::Costs;
+use super::node::{LEAF, Node, WIDTH};
 use super::{WideBvh, WideBvhConfig};
 use crate::bvh::items::BoxScale;
 use crate::geometry::scalar::Scalar;

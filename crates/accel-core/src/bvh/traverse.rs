@@ -3,8 +3,8 @@
 //!
 //! Paper: I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray
 //! Traversal using Multi-branching BVHs", RT 2008. Deviation: where any hit ends the query, the
-//! children are not sorted. The test of the boxes is in `node.rs`, where a ray's interval ends in
-//! `box_ray.rs`; eight rays at once are in `node_ray_lanes.rs` and `packet.rs`.
+//! children are not sorted. The test of the boxes, and where a ray's interval ends, is in `node.rs`;
+//! eight rays at once are in `node_ray_lanes.rs` and `packet.rs`.
 
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
@@ -12,9 +12,8 @@ use std::ops::ControlFlow;
 use wide::f32x8;
 
 use super::WideBvh;
-use super::box_ray::{BoxParameters, BoxRay, Length};
-use super::collapse::{LEAF, LEVELS, WIDTH};
-use super::node::{Node, NodeRay};
+use super::collapse::LEVELS;
+use super::node::{BoxParameters, BoxRay, LEAF, Length, Node, NodeRay, WIDTH};
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;

@@ -62,11 +62,7 @@ fn run_planted(arguments: &str) -> Ended {
 #[test]
 fn the_light_buffer_is_right_in_every_scene_and_is_timed_on_shadow_rays_alone() {
     let scenes = "balls:2 gears:1 lattice:3 mount:3 rings:1 teapot:3 tetra:3 tree:5";
-    for (precision, settings) in [
-        ("f32", "light-buffer"),
-        ("f64", "light-buffer:resolution=64"),
-        ("f32", "light-buffer:fill=demand:resolution=64"),
-    ] {
+    for (precision, settings) in [("f32", "light-buffer"), ("f64", "light-buffer:resolution=64")] {
         let folder = Folder::new();
         let arguments = format!("run {scenes} --quick --precision {precision} --rounds 1");
         let ended = run(&format!("{arguments} -s {settings},obvhs-bvh2 -o {}", folder.path()));
@@ -153,7 +149,6 @@ fn images_are_the_same_whatever_answers_shadow_rays() {
     assert!(expected == image("default", ""));
     assert!(expected == image("buffer", "--shadows light-buffer -s obvhs-bvh2"));
     assert!(expected == image("settings", "--shadows light-buffer:resolution=64 -j 2"));
-    assert!(expected == image("demand", "--shadows light-buffer:fill=demand:resolution=64"));
     // planted fault: without shadows the image must differ
     assert!(expected != image("bright", "--shadows bright"));
 }
@@ -171,7 +166,6 @@ fn lights_with_an_extent_and_moving_things_cast_the_same_shadows() {
         };
         let expected = image("structure");
         assert!(expected == image("light-buffer"), "{scene}");
-        assert!(expected == image("light-buffer:fill=demand:resolution=64"), "{scene}, on demand");
     }
 }
 

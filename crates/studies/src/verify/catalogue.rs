@@ -213,7 +213,6 @@ pub static GROUPS: &[Group] = &[
         case!("Q10occluders", shadow_rays::lights, "all tests",
             "the same, asked of structures for shadow rays alone").one_in(2).asked_of(&[
                 "light-buffer", "light-buffer query=batch", "light-buffer resolution=64",
-                "light-buffer fill=demand resolution=32",
                 "light-buffer resolution=128 cut-off=none",
             ]),
         case!("Q11", motion::frames, "exact",

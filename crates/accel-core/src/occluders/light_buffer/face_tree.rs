@@ -55,11 +55,11 @@ pub(super) struct Face<S> {
     /// Spots of finest cells per side; 0 for a face that shows nothing.
     side: S,
     /// The first cell of the coarse grid.
-    pub(super) first: u32,
+    first: u32,
     /// Bits of a coordinate, in spots of finest cells, below the coarse grid.
     shift: u32,
     /// Bits of the coarse grid.
-    pub(super) bits: u32,
+    bits: u32,
 }
 
 /// Result of looking up a direction on a face.
@@ -103,11 +103,10 @@ impl<S: Scalar> Face<S> {
         (Self { low, scale, side, first, shift, bits: coarse }, start, step)
     }
 
-    /// The cell of the coarse grid that a direction is in; `None` outside.
+    /// The cell of the coarse grid that a spot is in.
     #[inline(always)]
-    pub(super) fn index(&self, at: [S; 2]) -> Option<usize> {
-        let (x, y) = self.spot(at)?;
-        Some((self.first + ((y >> self.shift) << self.bits) + (x >> self.shift)) as usize)
+    fn coarse(&self, (x, y): (u32, u32)) -> usize {
+        (self.first + ((y >> self.shift) << self.bits) + (x >> self.shift)) as usize
     }
 
     /// The spot of a finest cell that a direction is in; `None` outside.
@@ -123,7 +122,7 @@ impl<S: Scalar> Face<S> {
     /// Begins to load the cell of the coarse grid that a direction is in.
     #[inline(always)]
     pub(super) fn prefetch(&self, cells: &[u32], at: [S; 2]) {
-        if let Some(cell) = self.index(at).and_then(|index| cells.get(index)) {
+        if let Some(cell) = self.spot(at).and_then(|spot| cells.get(self.coarse(spot))) {
             prefetch(cell);
         }
     }
@@ -133,7 +132,7 @@ impl<S: Scalar> Face<S> {
     pub(super) fn find(&self, cells: &[u32], at: [S; 2]) -> Option<FaceLookup> {
         let (x, y) = self.spot(at)?;
         let mut shift = self.shift;
-        let mut cell = cells[(self.first + ((y >> shift) << self.bits) + (x >> shift)) as usize];
+        let mut cell = cells[self.coarse((x, y))];
         let mut levels = 1;
         while cell & DIVIDED != 0 {
             shift -= LEVEL_BITS;

@@ -27,19 +27,18 @@ const SHORT: usize = 48;
 /// Rows of the coarse grid that are kept apart at once.
 const ROWS_AT_ONCE: u32 = 32;
 
+/// Finest cells per side of a face where the user leaves it open.
+const AUTO_RESOLUTION: u32 = 16384;
+
 config! {
     /// How the buffer is filled and asked.
     pub struct BufferConfig {
-        /// finest cells per side of a face, at most; auto: 16384, or 1024 on demand
+        /// finest cells per side of a face, at most; auto: 16384
         resolution: Option<u32> = ParamSpec::choice(
             "resolution",
             "auto",
             &["16", "32", "64", "128", "256", "512", "1024", "2048", "4096", "16384", "auto"],
         ) => |cells| cells.parse().ok(),
-        /// before: all primitives are projected; demand: a cell remembers the last occluder that
-        /// wide-bvh found (of the others only resolution matters)
-        pub(super) is_on_demand: bool = ParamSpec::choice("fill", "before", &["before", "demand"])
-            => |fill| fill == "demand",
         /// cells with longer lists are divided
         divide: usize = ParamSpec::integer("divide", "16", 1, 1_000_000),
         /// cells are not divided further where that makes more references of one than this
@@ -50,23 +49,10 @@ config! {
         /// room are left to wide-bvh
         pub(super) memory: usize = ParamSpec::integer("memory", "2048", 1, 1_000_000),
         /// rays one by one, or 16 of a batch in turns: each step asks for the memory of the next
-        /// (only with fill=before)
         pub(super) is_batch: bool = ParamSpec::choice("query", "one", &["one", "batch"])
             => |query| query == "batch",
         /// full: what something that covers a cell hides is not listed; none: it is
         cut_off: bool = ParamSpec::choice("cut-off", "full", &["full", "none"]) => |cut| cut == "full",
-    }
-}
-
-impl BufferConfig {
-    /// Finest cells per side of a face, as a power of 2; where that is not given, more if cells are
-    /// divided only as lists call for it than if each one is there from the start.
-    pub(super) fn bits(&self) -> u32 {
-        match self.resolution {
-            Some(cells) => cells.max(1).ilog2(),
-            None if self.is_on_demand => 10,
-            None => 14,
-        }
     }
 }
 
@@ -81,9 +67,10 @@ pub(super) fn fill_face<S: Scalar>(
     let Some(first) = all.next() else { return Face::empty() };
     let bounds = (first.low, first.high);
     let (low, high) = all.fold(bounds, |(l, h), f| (l.min(f.low), h.max(f.high)));
-    let bits = coarse_bits(shown, high - low).min(config.bits());
+    let finest = config.resolution.unwrap_or(AUTO_RESOLUTION).ilog2();
+    let bits = coarse_bits(shown, high - low).min(finest);
     // whole levels below
-    let shift = (config.bits() - bits) / LEVEL_BITS * LEVEL_BITS;
+    let shift = (finest - bits) / LEVEL_BITS * LEVEL_BITS;
     let first = out.cells.len() as u32;
     let (face, low, step) = Face::over(low, high, margins, [bits + shift, bits], first);
     out.cells.resize(out.cells.len() + (1 << (2 * bits)), 0);

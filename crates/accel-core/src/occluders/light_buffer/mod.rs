@@ -22,7 +22,6 @@ mod facing;
 mod filling;
 mod footprint;
 mod margins;
-mod on_demand;
 mod projected;
 mod remainder;
 #[cfg(test)]
@@ -30,18 +29,17 @@ mod tests;
 
 use glam::DVec3;
 
-use self::direction_cube::{Cube, Cubes, FACES};
+use self::direction_cube::{Cube, Cubes};
 use self::face_tree::{Cells, ID_LIMIT, INDEX_LIMIT};
 use self::filling::{BufferConfig, fill_face};
 use self::margins::Margins;
-use self::on_demand::LazyBuffer;
 use self::projected::{Bodies, FaceCells};
 use self::remainder::Remainder;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::BoundsRule;
 use crate::occluders::BoxedOccluder;
 use crate::params::config::Settings;
-use crate::primitives::{PrimSet, Primitives, PrimsRef};
+use crate::primitives::{PrimSet, PrimsRef};
 use crate::registry::Buildable;
 use crate::structure::{BuildError, StructureInfo, bounds_of};
 
@@ -57,7 +55,6 @@ pub static INFO: StructureInfo = StructureInfo {
         "resolution=512 divide=1000000 longest=1000000",
         "resolution=4096 divide=1 growth=64",
         "resolution=1024 divide=16 longest=64 memory=1",
-        "fill=demand resolution=64",
         "query=batch",
         "query=batch resolution=16 divide=1 longest=2",
     ],
@@ -86,57 +83,13 @@ pub fn build<'a, S: Buildable>(
     lights: &[DVec3],
     settings: &Settings<BufferConfig>,
 ) -> Result<BoxedOccluder<'a, S>, BuildError> {
-    match prims {
-        PrimsRef::Watertight(p) => over(p, prims, lights, settings),
-        PrimsRef::Mixed(p) if p.has_motion() => over(p.in_motion(), prims, lights, settings),
-        PrimsRef::Mixed(p) => over(p, prims, lights, settings),
-    }
-}
-
-fn over<'a, S: Buildable, P: PrimSet<S>>(
-    prims: &'a P,
-    any: PrimsRef<'a, S>,
-    lights: &[DVec3],
-    settings: &Settings<BufferConfig>,
-) -> Result<BoxedOccluder<'a, S>, BuildError> {
-    if !settings.is_on_demand {
-        return Ok(Box::new(LightBuffer::new(prims, any, lights, settings)?));
-    }
-    let margins = checked(prims, lights, settings.structure())?;
-    let bits = settings.bits();
-    let faces = lights.len() as u128 * FACES as u128;
-    is_below("number of cells", faces << (2 * bits), INDEX_LIMIT, settings.structure())?;
-    // an id of each
-    settings.fits(4 * (faces << (2 * bits)))?;
-    Ok(Box::new(LazyBuffer::new(prims, any, lights, &margins, bits)?))
-}
-
-fn is_below(
-    what: &'static str,
-    needed: u128,
-    limit: u128,
-    structure: &'static str,
-) -> Result<(), BuildError> {
-    if needed < limit {
-        Ok(())
-    } else {
-        Err(BuildError::TooLarge { structure, what, needed, limit })
-    }
-}
-
-/// The margins for a set that can be served.
-fn checked<S: Scalar>(
-    prims: &dyn Primitives<S>,
-    lights: &[DVec3],
-    structure: &'static str,
-) -> Result<Margins, BuildError> {
-    if prims.is_empty() {
-        return Err(BuildError::NoPrimitives { structure });
-    }
-    is_below("number of primitives", prims.len() as u128, ID_LIMIT, structure)?;
-    bounds_of(prims, BoundsRule::Padded, structure)?;
-    let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
-    Ok(Margins::new::<S>(prims.magnitude().to_f64().max(of_lights)))
+    Ok(match prims {
+        PrimsRef::Watertight(p) => Box::new(LightBuffer::new(p, prims, lights, settings)?),
+        PrimsRef::Mixed(p) if p.has_motion() => {
+            Box::new(LightBuffer::new(p.in_motion(), prims, lights, settings)?)
+        }
+        PrimsRef::Mixed(p) => Box::new(LightBuffer::new(p, prims, lights, settings)?),
+    })
 }
 
 impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
@@ -146,7 +99,18 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
         lights: &[DVec3],
         settings: &Settings<BufferConfig>,
     ) -> Result<Self, BuildError> {
-        let margins = checked(prims, lights, settings.structure())?;
+        let structure = settings.structure();
+        if prims.is_empty() {
+            return Err(BuildError::NoPrimitives { structure });
+        }
+        let is_below = |limit, what, needed| {
+            let error = BuildError::TooLarge { structure, what, needed, limit };
+            if needed < limit { Ok(()) } else { Err(error) }
+        };
+        is_below(ID_LIMIT, "number of primitives", prims.len() as u128)?;
+        bounds_of(prims, BoundsRule::Padded, structure)?;
+        let of_lights = lights.iter().fold(0.0, |m: f64, l| m.max(l.abs().max_element()));
+        let margins = Margins::new::<S>(prims.magnitude().to_f64().max(of_lights));
         let bodies = Bodies::of(prims, margins.position);
         let mut cells = Cells::new();
         let mut cubes = Cubes::new(prims, &margins);
@@ -156,7 +120,7 @@ impl<'a, S: Buildable, P: PrimSet<S>> LightBuffer<'a, S, P> {
             let faces = FaceCells::around(&bodies, position.to_dvec3(), &margins)
                 .map(|shown| fill_face(&shown, settings, &margins, &mut cells));
             let needed = cells.cells.len().max(cells.records.len()) as u128;
-            is_below("number of cells or references", needed, INDEX_LIMIT, settings.structure())?;
+            is_below(INDEX_LIMIT, "number of cells or references", needed)?;
             if cells.bytes() > settings.memory << 20 {
                 cells.cut(before);
                 break;

@@ -4,7 +4,7 @@
 use std::sync::OnceLock;
 
 use crate::geometry::far_ray;
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::primitives::{PrimSet, PrimsRef};
 use crate::query::batch::each_near;
@@ -91,13 +91,6 @@ impl<'a, S: Buildable, P: PrimSet<S>> Remainder<'a, S, P> {
                     && self.prims.intersect(id, ray, &setup, ray.t_max).is_some()
             })
         });
-    }
-
-    /// A primitive that blocks the ray: the closest hit, if that is opaque.
-    pub(super) fn occluder(&self, ray: &Ray<S>) -> Option<u32> {
-        let mut hits = [Hit::NONE];
-        self.tracer()?.closest_hits(std::slice::from_ref(ray), &mut hits);
-        hits.iter().find(|h| h.is_hit() && self.prims.is_opaque(h.id)).map(|h| h.id)
     }
 
     fn tracer(&self) -> Option<&(dyn Tracer<S> + 'a)> {

@@ -22,14 +22,6 @@ fn config(settings: &str) -> Settings<BufferConfig> {
     Settings::of(&find(INFO.name).unwrap().params(pairs).unwrap())
 }
 
-fn boxed<'a, S: Buildable>(
-    set: &'a MixedSet<S>,
-    lights: &[DVec3],
-    settings: &str,
-) -> BoxedOccluder<'a, S> {
-    build(PrimsRef::Mixed(set), lights, &config(settings)).unwrap()
-}
-
 fn buffer<'a, S: Buildable>(
     set: &'a MixedSet<S>,
     lights: &[DVec3],
@@ -149,7 +141,7 @@ fn agrees<S: Buildable>() {
         let hidden = right.iter().filter(|b| **b).count();
         assert!(hidden * 20 > n || scene == "one", "{scene}: {hidden}");
         for settings in settings() {
-            let buffer = boxed(&set, &lights, settings);
+            let buffer = build(PrimsRef::Mixed(&set), &lights, &config(settings)).unwrap();
             let timed = said(&*buffer, &all, &to, &right);
             let mut counted: Vec<bool> = right.iter().map(|b| !b).collect();
             let work = buffer.count_occlusions(&all, &to, &mut counted);
@@ -208,7 +200,7 @@ fn a_lost_reference_is_caught() {
 #[test]
 fn lists_are_sorted_and_end() {
     let set = mixed_scene::<f32>(300, 1, [1.0; 3]);
-    for settings in settings().filter(|s| !s.contains("fill")) {
+    for settings in settings() {
         let buffer = buffer(&set, &lights(&set), settings);
         let records = buffer.cells.records.as_slice();
         assert_eq!(records.last().map(|r| r.id), Some(END));
@@ -305,26 +297,4 @@ fn no_lights_and_no_primitives() {
     let empty = MixedSetBuilder::<f32>::default().finish();
     let refused = build(PrimsRef::Mixed(&empty), &[DVec3::ZERO], &config(""));
     assert!(matches!(refused, Err(BuildError::NoPrimitives { structure: "light-buffer" })));
-}
-
-#[test]
-fn a_buffer_filled_on_demand_remembers_occluders_for_all_threads() {
-    let set = mixed_scene::<f32>(300, 1, [1.0; 3]);
-    let lights = lights(&set);
-    let (rays, to) = shadow_rays(&set, &lights, 3000);
-    let right = brute_force(&set, &rays);
-    let buffer = boxed(&set, &lights, "fill=demand resolution=64");
-    assert_eq!(buffer.stats().references, 0);
-    std::thread::scope(|scope| {
-        for _ in 0..4 {
-            scope.spawn(|| {
-                assert!(said(&*buffer, &rays, &to, &right) == right);
-            });
-        }
-    });
-    assert!(buffer.stats().references > 0);
-    let count = || buffer.count_occlusions(&rays, &to, &mut vec![false; rays.len()]);
-    let none = boxed(&set, &lights, "fill=demand resolution=64");
-    let fresh = none.count_occlusions(&rays, &to, &mut vec![false; rays.len()]);
-    assert_eq!(count(), fresh);
 }

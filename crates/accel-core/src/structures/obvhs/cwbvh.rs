@@ -13,9 +13,9 @@ use obvhs::aabb::Aabb as ObvhsAabb;
 use obvhs::cwbvh::{CwBvh, Traversal};
 use obvhs::ray::Ray as ObvhsRay;
 
-use crate::bvh::box_ray::{Length, RaySetup};
 use crate::bvh::build::agglomerated::{agglomerated, preset_named};
 use crate::bvh::items::{Groups, Items, Padding, items_of};
+use crate::bvh::node::{Length, RaySetup};
 use crate::config;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;

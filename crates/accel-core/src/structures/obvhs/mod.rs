@@ -12,7 +12,7 @@
 //! the library everything in units of the scene's size (powers of two, so that nothing is rounded),
 //! adds +0.0 to the direction, sets reciprocals itself, starts the box tests a little before the
 //! ray's origin, or where an interval begins that begins before it, pads boxes, refuses what is not
-//! finite, and groups primitives with the same centre: `bvh/box_ray.rs` and `bvh/items.rs`.
+//! finite, and groups primitives with the same centre: `bvh/node.rs` and `bvh/items.rs`.
 
 mod builder;
 pub mod bvh2;
