@@ -44,7 +44,7 @@ pub fn check<S: Buildable>(
     // the same rays in another order are compared in every round
     let asked = asked.distinct();
     let limits = &scope.plan.limits;
-    let fixed = scope.plan.strides.checked(&scope.stage.scene.name, &row.label());
+    let fixed = scope.plan.strides.of_row(&scope.stage.scene.name, &row.label()).checked;
     let stride = fixed.unwrap_or_else(|| {
         if row.is_sampled() {
             let tests = asked.total() as f64 * scope.stage.geometry.len() as f64;

@@ -98,8 +98,7 @@ fn swap([before, after]: &[Load; 2]) -> Option<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Ticks;
-    use crate::record::made_up;
+    use crate::record::{Ticks, made_up};
 
     /// A run whose reference took those times, a scene each.
     fn run(scenes: &[&[f64]]) -> RunRecord {

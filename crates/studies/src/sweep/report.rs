@@ -30,7 +30,6 @@ const TAKEN: [&str; 15] = [
 const FIRST: [&str; 9] =
     ["verdict", RATIO, "mark", "to best", "N_IT", "N_TS", "build ms", "trace ms", "MiB"];
 
-/// Prints the table of a scene.
 pub fn write(
     out: &mut dyn Write,
     sweep: &Sweep<'_>,
@@ -100,7 +99,6 @@ fn number(x: Option<f64>) -> Cell {
     x.map_or(Cell { text: "-".into(), style: Style::Dim }, |x| numbers::short(x).into())
 }
 
-/// Best value, and its advantage.
 pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     let of = |standing| {
         let lines = sweep.lines.iter().zip(judgements);
