@@ -37,7 +37,7 @@ pub fn check<S: Buildable>(
     row: &MeasuredRow<'_>,
 ) -> Result<RowCheck, BuildError> {
     let prims = scope.stage.geometry.prims();
-    let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
+    let built = scope.pools.measured.install(|| row.prepare()(prims, scope.lights))?;
     let asked = scope.all.restricted(|kind| row.answers(kind));
     let full_pass_s = pilot(&built, &asked, scope.clock);
     built.alive()?;

@@ -94,14 +94,6 @@ impl MeasuredRow<'_> {
             }
         }
     }
-
-    pub fn build<'a, S: Buildable>(
-        &self,
-        prims: PrimsRef<'a, S>,
-        lights: &[DVec3],
-    ) -> Result<BuiltRow<'a, S>, BuildError> {
-        self.prepare()(prims, lights)
-    }
 }
 
 /// A row whose settings have been read, to be built over a scene with those lights.
