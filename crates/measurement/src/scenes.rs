@@ -49,9 +49,6 @@ pub trait SceneSource {
     }
 
     /// Every scene that has a name: name and title.
-    ///
-    /// # Errors
-    /// [`LoadError`] when the catalogue is damaged.
     fn scenes(&self) -> Result<Vec<(String, String)>, LoadError> {
         Ok(Vec::new())
     }
@@ -65,17 +62,11 @@ pub trait SceneSource {
     }
 
     /// Every set.
-    ///
-    /// # Errors
-    /// [`LoadError`] when the catalogue is damaged.
     fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
         Ok(Vec::new())
     }
 
     /// The set of that name; none where there is none.
-    ///
-    /// # Errors
-    /// As [`SceneSource::sets`].
     fn set(&self, name: &str) -> Result<Option<SceneSet>, LoadError> {
         Ok(self.sets()?.into_iter().find(|set| set.name == name))
     }

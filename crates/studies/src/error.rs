@@ -6,14 +6,11 @@ use measurement::plan::error::PlanError;
 use measurement::rounds::MeasureError;
 use renderer::{GeometryError, ImageError};
 
-/// Why a study ended early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StudyError {
-    /// The request is invalid.
     #[error(transparent)]
     Plan(#[from] PlanError),
-    /// A scene could not be measured.
     #[error(transparent)]
     Measure(Box<MeasureError>),
     /// A scene has nothing that an axis of accuracy is about.
@@ -24,12 +21,10 @@ pub enum StudyError {
         "{axis} on {place}: process {process} measured {found}, which differs from what was judged"
     )]
     Unlike { axis: String, place: String, process: u32, found: String },
-    /// An image could not be written.
     #[error(transparent)]
     Image(#[from] UnsavedImage),
 }
 
-/// An image cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct UnsavedImage {

@@ -33,7 +33,6 @@ type RayId = (String, usize);
 /// A ray, the bits of an answer to it, and how far that must agree.
 type GivenAnswer = (RayId, Vec<u8>, Exactness);
 
-/// Decides answers that differ.
 pub struct Arbiter<'a, S: Buildable> {
     pub oracle: Oracle<'a>,
     at_edges: Oracle<'a>,
@@ -46,8 +45,6 @@ pub struct Arbiter<'a, S: Buildable> {
 }
 
 impl<'a, S: Buildable> Arbiter<'a, S> {
-    /// # Errors
-    /// [`BuildError`] for an empty scene.
     pub fn new(geometry: &'a Geometry<S>, exact: &'a Geometry<f64>) -> Result<Self, BuildError> {
         let oracle = Oracle::new(exact)?;
         let entry = find(BRUTE_FORCE).ok_or(BuildError::NoPrimitives { structure: BRUTE_FORCE })?;

@@ -37,14 +37,14 @@ pub fn check<S: Buildable>(
     row: &MeasuredRow<'_>,
 ) -> Result<RowCheck, BuildError> {
     let prims = scope.stage.geometry.prims();
-    let built = scope.pools.measured.install(|| row.build(prims, scope.lights))?;
+    let built = scope.pools.measured.install(|| row.prepare()(prims, scope.lights))?;
     let asked = scope.all.restricted(|kind| row.answers(kind));
     let full_pass_s = pilot(&built, &asked, scope.clock);
     built.alive()?;
     // the same rays in another order are compared in every round
     let asked = asked.distinct();
     let limits = &scope.plan.limits;
-    let fixed = scope.plan.strides.checked(&scope.stage.scene.name, &row.label());
+    let fixed = scope.plan.strides.of_row(&scope.stage.scene.name, &row.label()).checked;
     let stride = fixed.unwrap_or_else(|| {
         if row.is_sampled() {
             let tests = asked.total() as f64 * scope.stage.geometry.len() as f64;

@@ -14,8 +14,7 @@
 use std::sync::Arc;
 
 use accel_core::params::Params;
-use accel_core::primitives::PrimSet;
-use accel_core::primitives::PrimsRef;
+use accel_core::primitives::{PrimSet, PrimsRef};
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
@@ -56,7 +55,6 @@ pub enum Opinion {
     Wrong(String),
 }
 
-/// Brute force in f64.
 pub struct Oracle<'a> {
     pub(super) prims: PrimsRef<'a, f64>,
     tracer: Arc<dyn Tracer<f64> + 'a>,
@@ -68,9 +66,6 @@ pub struct Oracle<'a> {
 
 impl<'a> Oracle<'a> {
     /// Over a scene's geometry.
-    ///
-    /// # Errors
-    /// [`BuildError`] for an empty scene.
     pub fn new(geometry: &'a Geometry<f64>) -> Result<Self, BuildError> {
         let entry = find(BRUTE_FORCE).ok_or(BuildError::NoPrimitives { structure: BRUTE_FORCE })?;
         Self::over(geometry.prims(), entry, &entry.params([])?, ULPS)
@@ -83,9 +78,6 @@ impl<'a> Oracle<'a> {
 
     /// The same by a structure, for many rays, which are moved by so many ulps of the tested
     /// precision.
-    ///
-    /// # Errors
-    /// [`BuildError`] where it cannot be built in f64.
     pub fn over(
         prims: PrimsRef<'a, f64>,
         entry: &Entry,

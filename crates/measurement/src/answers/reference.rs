@@ -47,30 +47,25 @@ impl<S: Buildable> Stage<'_, S> {
         let mut unconfirmed = None;
         let mut refused = Vec::new();
         for row in &plan.answers {
-            match caught(|| pools.helper.install(|| self.candidate(row, plan))) {
-                Err(panicked) => refused.push(format!("{}: {panicked}", row.label())),
-                Ok(Err(error)) => refused.push(format!("{}: {error}", row.label())),
+            let why = match caught(|| pools.helper.install(|| self.candidate(row, plan))) {
+                Err(panicked) => panicked.to_string(),
+                Ok(Err(error)) => error.to_string(),
                 Ok(Ok((mut reference, None))) => {
                     reference.record.reference = Some(row.label());
                     reference.record.refused = refused;
                     return Ok(reference);
                 }
                 Ok(Ok((reference, Some(example)))) => {
-                    refused.push(format!("{}: {example}", row.label()));
                     unconfirmed = Some(reference);
+                    example
                 }
-            }
+            };
+            refused.push(format!("{}: {why}", row.label()));
         }
-        match unconfirmed {
-            Some(mut reference) => {
-                reference.record.refused = refused;
-                Ok(reference)
-            }
-            None => Err(MeasureError::NoAnswers {
-                scene: self.scene.name.clone(),
-                reasons: refused.join("; "),
-            }),
-        }
+        let (scene, reasons) = (self.scene.name.clone(), refused.join("; "));
+        let mut reference = unconfirmed.ok_or(MeasureError::NoAnswers { scene, reasons })?;
+        reference.record.refused = refused;
+        Ok(reference)
     }
 
     /// Rays and answers of one candidate, and its first wrong answer. Runs in the current pool.

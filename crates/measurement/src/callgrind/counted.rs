@@ -47,9 +47,6 @@ pub fn counted_phase(work: &mut dyn FnMut()) {
 }
 
 /// Builds and asks all rows of the plan in all its scenes.
-///
-/// # Errors
-/// [`MeasureError`] for scenes that cannot be loaded and structures that cannot answer.
 pub fn count_all(plan: &Plan<'_>) -> Result<Vec<CountedCalls>, MeasureError> {
     let mut counted = Vec::new();
     let mut calls = 0;

@@ -22,7 +22,6 @@ use crate::system::child_process::{ChildError, answer, arguments, without_sample
 /// two options with the same pattern, callgrind 3.19 follows only one.
 const PHASE: &str = "*::callgrind::counted::counted_phase";
 
-/// Why nothing was counted.
 #[derive(Debug, thiserror::Error)]
 pub enum CallgrindError {
     #[error(
@@ -54,15 +53,12 @@ fn name(revision: &Option<String>) -> &str {
     revision.as_deref().unwrap_or("an unknown commit")
 }
 
-/// Instruction counts of rows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Counts {
     pub valgrind: String,
-    /// One per scene and row.
     pub rows: Vec<CountedRow>,
 }
 
-/// Instructions of a row in a scene.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CountedRow {
     pub scene: String,
@@ -75,7 +71,6 @@ pub struct CountedRow {
     pub trace: Option<u64>,
 }
 
-/// The version of the valgrind that is installed.
 pub fn version() -> Result<String, CallgrindError> {
     let output = Command::new("valgrind").arg("--version").output();
     let output = output.map_err(|e| CallgrindError::NoValgrind(e.to_string()))?;

@@ -24,18 +24,15 @@ pub struct Manifest {
     pub tool: Tool,
     /// Hash of the program's file, where it can be read.
     pub program_sha256: Option<String>,
-    /// Compiler and flags of the program.
     pub compiler: Compiler,
     pub machine: Machine,
     pub settings: Settings,
     pub rounds: String,
-    /// The scenes, in order.
     pub scenes: Vec<String>,
     pub rows: Vec<String>,
     /// The request of the user, by which the run is resumed. Earlier versions kept the arguments.
     #[serde(default)]
     pub asked: Option<RunSettings>,
-    /// Its plugins, by name.
     #[serde(default)]
     pub plugins: Vec<String>,
     /// The files that it was begun with, beside those in its folder.
@@ -64,7 +61,6 @@ pub enum Line {
         scene: usize,
         record: Box<SceneRecord>,
     },
-    /// A scene could not be measured.
     Failed {
         scene: usize,
         error: String,

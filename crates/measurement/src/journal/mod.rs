@@ -20,7 +20,6 @@ pub const NAME: &str = "run.jsonl";
 /// The most bytes of a journal that are read: a full run writes about 2 MB.
 const MAX_BYTES: u64 = 1 << 30;
 
-/// Why a journal cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     #[error("cannot write the journal {}: {source}", path.display())]
@@ -62,9 +61,6 @@ pub struct Journal {
 
 impl Journal {
     /// Begins the journal of a new run in a folder, in place of the one that is there.
-    ///
-    /// # Errors
-    /// [`JournalError::Busy`], or that of [`Journal::append`].
     pub fn begin(folder: &Path, manifest: Manifest) -> Result<Self, JournalError> {
         let mut journal = Self::open(folder, true)?;
         journal.cut()?;
@@ -261,7 +257,6 @@ mod tests {
         let within = tempfile::tempdir().unwrap();
         let (out, temporary) = (within.path().join("a/out"), within.path().join("temporary"));
         fs::create_dir(&temporary).unwrap();
-        /// Callback for a folder's fate.
         type FolderFate = fn(&Path);
         let fates: [(FolderFate, bool); 4] = [
             (|_| {}, true),

@@ -13,20 +13,13 @@ const BEFORE_CHECK: &str = "{\"check\":\"";
 const BEFORE_LINE: &str = "\",\"line\":";
 const BEHIND_LINE: &str = "}";
 
-/// Seals the lines of one run.
+const NO_CHECK: &str = "no checksum: the line is damaged, or was written by another version";
+const WRONG_CHECK: &str = "wrong checksum: the line was edited, or belongs to another run";
+
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Seal {
     /// The checksum of the run's first line; empty before it.
     run: String,
-}
-
-/// Faults of a sealed line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum SealError {
-    #[error("no checksum: the line is damaged, or was written by another version")]
-    None,
-    #[error("wrong checksum: the line was edited, or belongs to another run")]
-    Differs,
 }
 
 impl Seal {
@@ -40,10 +33,10 @@ impl Seal {
         format!("{BEFORE_CHECK}{}{BEFORE_LINE}{text}{BEHIND_LINE}", self.check(text))
     }
 
-    /// The text of a sealed line.
-    pub fn opened<'l>(&self, line: &'l str) -> Result<&'l str, SealError> {
-        let (check, text) = parts(line).ok_or(SealError::None)?;
-        if check == self.check(text) { Ok(text) } else { Err(SealError::Differs) }
+    /// The text of a sealed line; what is wrong with one that is not.
+    pub fn opened<'l>(&self, line: &'l str) -> Result<&'l str, &'static str> {
+        let (check, text) = parts(line).ok_or(NO_CHECK)?;
+        if check == self.check(text) { Ok(text) } else { Err(WRONG_CHECK) }
     }
 
     fn check(&self, text: &str) -> String {
@@ -71,10 +64,10 @@ mod tests {
         assert_eq!(seal.opened(&line), Ok("{\"scene\":0}"));
         assert_eq!(seal.opened(&format!("{line}\n")), Ok("{\"scene\":0}"));
         for other in [Seal::default(), Seal::behind("{\"begun\":2}")] {
-            assert_eq!(other.opened(&line), Err(SealError::Differs));
+            assert_eq!(other.opened(&line), Err(WRONG_CHECK));
         }
-        assert_eq!(seal.opened("{\"scene\":0}"), Err(SealError::None));
-        assert_eq!(seal.opened(""), Err(SealError::None));
+        assert_eq!(seal.opened("{\"scene\":0}"), Err(NO_CHECK));
+        assert_eq!(seal.opened(""), Err(NO_CHECK));
         serde_json::from_str::<serde_json::Value>(&line).expect("one JSON value");
     }
 

@@ -5,7 +5,6 @@ use accel_core::params::ParamError;
 use crate::scenes::LoadError;
 use crate::settings::choice;
 
-/// Invalid requests on the command line.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PlanError {

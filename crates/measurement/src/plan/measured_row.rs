@@ -21,7 +21,6 @@ use crate::system::clock::{Clock, timed};
 
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeasuredRow<'r> {
-    /// Answers rays of all kinds.
     Structure(Row<'r>),
     Occluder(Row<'r, occluders::OccluderRegistry>),
 }
@@ -34,12 +33,6 @@ macro_rules! either {
             MeasuredRow::Occluder($row) => $call,
         }
     };
-}
-
-impl<'r> From<Row<'r>> for MeasuredRow<'r> {
-    fn from(row: Row<'r>) -> Self {
-        Self::Structure(row)
-    }
 }
 
 impl MeasuredRow<'_> {
@@ -63,7 +56,6 @@ impl MeasuredRow<'_> {
         either!(self, row => row.is_sampled())
     }
 
-    /// Returns whether it answers rays of that kind.
     pub fn answers(&self, kind: RayKind) -> bool {
         match self {
             Self::Structure(_) => true,
@@ -101,15 +93,6 @@ impl MeasuredRow<'_> {
                 Box::new(move |prims, lights| Ok(BuiltRow::Occluder(build(prims, lights)?)))
             }
         }
-    }
-
-    /// Builds it for a scene with those lights.
-    pub fn build<'a, S: Buildable>(
-        &self,
-        prims: PrimsRef<'a, S>,
-        lights: &[DVec3],
-    ) -> Result<BuiltRow<'a, S>, BuildError> {
-        self.prepare()(prims, lights)
     }
 }
 
@@ -231,9 +214,6 @@ impl<S: Buildable> BuiltRow<'_, S> {
     }
 
     /// Why nothing that it answered counts.
-    ///
-    /// # Errors
-    /// [`BuildError::Died`] with the reason.
     pub fn alive(&self) -> Result<(), BuildError> {
         let failure = self.foreign().and_then(Foreign::failure);
         failure.map_or(Ok(()), |how| Err(BuildError::Died(how)))
@@ -247,7 +227,6 @@ impl<S: Buildable> BuiltRow<'_, S> {
     }
 }
 
-/// The work of two chunks.
 pub(crate) fn sum(mut one: WorkCounters, other: WorkCounters) -> WorkCounters {
     one += other;
     one

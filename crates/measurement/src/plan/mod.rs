@@ -46,9 +46,7 @@ pub enum Rounds {
     Fixed(usize),
     /// As many as fit in the time, all scenes together, but at least so many.
     Budget {
-        /// Time for the whole run.
         total: Duration,
-        /// Smallest number of rounds.
         at_least: usize,
     },
 }
@@ -92,26 +90,16 @@ pub struct Limits {
 impl Limits {
     /// Defaults of a full or a quick run.
     pub fn new(quick: bool) -> Self {
-        if quick {
-            Self {
-                sampled_pass: 0.01,
-                sampled_tests: 4_000_000,
-                timed_pass: 0.03,
-                render_pass: 0.03,
-                checked_pass: 0.3,
-                oracle_rays: 128,
-                oracle_tests: 50_000_000,
-            }
-        } else {
-            Self {
-                sampled_pass: 0.05,
-                sampled_tests: 16_000_000,
-                timed_pass: 0.2,
-                render_pass: 0.4,
-                checked_pass: 8.0,
-                oracle_rays: 512,
-                oracle_tests: 400_000_000,
-            }
+        let seconds = |full: f64, first_look: f64| if quick { first_look } else { full };
+        let tests = |full: u64, first_look: u64| if quick { first_look } else { full };
+        Self {
+            sampled_pass: seconds(0.05, 0.01),
+            sampled_tests: tests(16_000_000, 4_000_000),
+            timed_pass: seconds(0.2, 0.03),
+            render_pass: seconds(0.4, 0.03),
+            checked_pass: seconds(8.0, 0.3),
+            oracle_rays: if quick { 128 } else { 512 },
+            oracle_tests: tests(400_000_000, 50_000_000),
         }
     }
 }
@@ -128,7 +116,6 @@ pub struct OneProcess {
 pub struct Plan<'r> {
     /// Scenes, in the order given, without duplicates.
     pub scenes: Vec<Box<dyn KnownScene>>,
-    /// Rows of every scene's table.
     pub rows: Vec<MeasuredRow<'r>>,
     /// Index of the reference row.
     pub baseline: usize,
@@ -156,7 +143,6 @@ pub struct Plan<'r> {
     pub quick: bool,
     /// The stride of each row (every k-th ray is issued to it), where an earlier record says so.
     pub strides: FixedStrides,
-    /// The shard, if this is one.
     pub part: Option<PlannedPart>,
     /// Processes in which each scene is built and timed: this one, and those that it starts.
     pub processes: u32,
@@ -273,7 +259,7 @@ impl<'r> Plan<'r> {
         Ok(Self {
             scenes,
             answers: answers(registry)?.into_iter().map(limited).collect(),
-            rows: rows.into_iter().map(|row| limited(row).into()).collect(),
+            rows: rows.into_iter().map(|row| MeasuredRow::Structure(limited(row))).collect(),
             baseline,
             keeps_baseline: false,
             same_rays: false,
@@ -326,9 +312,6 @@ pub fn default_rank(structure: &str, settings: &str) -> Option<usize> {
 }
 
 /// The best row that ratios can be taken to when none is named.
-///
-/// # Errors
-/// [`PlanError`] when the registry has none of them.
 pub fn default_baseline(registry: &[Entry]) -> Result<Row<'_>, PlanError> {
     let [best, next] = DEFAULT_BASELINES.map(|(structure, settings)| {
         Row::parse(registry, format!("{structure} {settings}").trim_end())

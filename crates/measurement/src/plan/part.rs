@@ -10,7 +10,7 @@ use crate::plan::error::PlanError;
 use crate::plan::measured_row::MeasuredRow;
 use crate::scenes::SceneSource;
 use crate::settings::RunSettings;
-use crate::settings::shard::{Matrix, PlannedPart, Shard, ShardRecord};
+use crate::settings::shard::{PlannedPart, Shard, ShardRecord};
 
 impl<'r> Plan<'r> {
     /// [`Plan::new`], or the part of it that the settings name.
@@ -28,15 +28,6 @@ impl<'r> Plan<'r> {
     }
 
     pub fn part_of(mut self, shard: Shard) -> Result<Self, PlanError> {
-        let matrix =
-            Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.baseline };
-        if shard.count as usize > matrix.cells() {
-            let cells = matrix.cells();
-            return Err(PlanError::Invalid(format!(
-                "--shard {shard}: this run has {cells} cells (scenes times rows, without the \
-                 reference); use at most {cells} shards"
-            )));
-        }
         let record = ShardRecord {
             index: shard.index,
             count: shard.count,
@@ -45,6 +36,13 @@ impl<'r> Plan<'r> {
             reference: self.baseline,
             rounds: format!("{:?}", self.rounds),
         };
+        let cells = record.cells();
+        if shard.count as usize > cells {
+            return Err(PlanError::Invalid(format!(
+                "--shard {shard}: this run has {cells} cells (scenes times rows, without the \
+                 reference); use at most {cells} shards"
+            )));
+        }
         let mut names = BTreeSet::new();
         if let Some(name) = record.scenes.iter().find(|name| !names.insert(*name)) {
             return Err(PlanError::Invalid(format!(
@@ -52,7 +50,7 @@ impl<'r> Plan<'r> {
             )));
         }
         let mut rows: Vec<Vec<usize>> =
-            (0..matrix.scenes).map(|scene| matrix.rows_of(shard, scene)).collect();
+            (0..record.scenes.len()).map(|scene| record.rows_of(scene)).collect();
         let mut of_scenes = rows.iter();
         self.scenes.retain(|_| of_scenes.next().is_some_and(|rows| !rows.is_empty()));
         rows.retain(|rows| !rows.is_empty());

@@ -58,9 +58,6 @@ impl<'r, L: RegistryItem> Row<'r, L> {
     }
 
     /// The structure's defaults.
-    ///
-    /// # Errors
-    /// [`PlanError::Param`] when the registry's own defaults are not valid.
     pub fn defaults(entry: &'r Entry<L>) -> Result<Self, PlanError> {
         Self::with(entry, &[], &[])
     }
@@ -198,7 +195,6 @@ fn assignment<'t>(part: &'t str, whole: &str) -> Result<(&'t str, &'t str), Plan
     })
 }
 
-/// The entry of that name.
 pub fn find<'r, L: RegistryItem>(
     registry: &'r [Entry<L>],
     name: &str,

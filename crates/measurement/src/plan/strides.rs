@@ -13,10 +13,12 @@ use crate::record::{AnsweredRays, RowRecord, RunRecord, SceneRecord};
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct FixedStrides(BTreeMap<(String, String), RowStrides>);
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct RowStrides {
-    checked: Option<usize>,
-    timed: Option<usize>,
+/// Strides of the rays that are compared, and of those that are timed; none where the record does
+/// not say.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct RowStrides {
+    pub checked: Option<usize>,
+    pub timed: Option<usize>,
 }
 
 impl FixedStrides {
@@ -34,18 +36,8 @@ impl FixedStrides {
         Self(strides)
     }
 
-    /// Stride of the rays that are compared; none where the record does not say.
-    pub fn checked(&self, scene: &str, label: &str) -> Option<usize> {
-        self.of_row(scene, label)?.checked
-    }
-
-    /// Stride of the rays that are timed; none where the record does not say.
-    pub fn timed(&self, scene: &str, label: &str) -> Option<usize> {
-        self.of_row(scene, label)?.timed
-    }
-
-    fn of_row(&self, scene: &str, label: &str) -> Option<&RowStrides> {
-        self.0.get(&(scene.to_owned(), label.to_owned()))
+    pub fn of_row(&self, scene: &str, label: &str) -> RowStrides {
+        self.0.get(&(scene.to_owned(), label.to_owned())).copied().unwrap_or_default()
     }
 }
 

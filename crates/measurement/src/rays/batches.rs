@@ -188,36 +188,36 @@ impl<S: Buildable> Batch<'_, S> {
 
     /// The same rays, not copied.
     pub fn borrowed(&self) -> Batch<'_, S> {
-        Batch {
-            kind: self.kind,
-            order: self.order,
-            rays: Cow::Borrowed(&self.rays),
-            lights: self.lights.clone(),
-            expected: self.expected.clone(),
-        }
+        self.window(0..self.rays.len())
     }
 
+    /// The rays at those places, not copied.
     pub fn window(&self, places: Range<usize>) -> Batch<'_, S> {
-        Batch {
-            kind: self.kind,
-            order: self.order,
-            rays: Cow::Borrowed(self.rays.get(places.clone()).unwrap_or_default()),
-            lights: self.lights.get(places.clone()).unwrap_or_default().to_vec(),
-            expected: self.expected.picked(places),
-        }
+        let rays = self.rays.get(places.clone()).unwrap_or_default();
+        self.of_places(rays.into(), places)
     }
 
     pub fn thinned(&self, stride: usize) -> Batch<'_, S> {
-        if stride == 1 {
-            return self.borrowed();
+        match stride {
+            1 => self.borrowed(),
+            _ => self.picked((0..self.rays.len()).step_by(stride)),
         }
-        Batch {
-            kind: self.kind,
-            order: self.order,
-            rays: Cow::Owned(self.rays.iter().copied().step_by(stride).collect()),
-            lights: self.lights.iter().copied().step_by(stride).collect(),
-            expected: self.expected.picked((0..self.expected.len()).step_by(stride)),
-        }
+    }
+
+    /// The rays at those places, in that order.
+    pub fn picked<'b>(&self, places: impl Iterator<Item = usize> + Clone) -> Batch<'b, S> {
+        let rays = places.clone().filter_map(|i| self.rays.get(i).copied()).collect();
+        self.of_places(rays, places)
+    }
+
+    fn of_places<'b>(
+        &self,
+        rays: Cow<'b, [Ray<S>]>,
+        places: impl Iterator<Item = usize> + Clone,
+    ) -> Batch<'b, S> {
+        let lights = places.clone().filter_map(|i| self.lights.get(i).copied()).collect();
+        let expected = self.expected.picked(places);
+        Batch { kind: self.kind, order: self.order, rays, lights, expected }
     }
 }
 
@@ -257,7 +257,6 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
         BatchSet { stride: self.stride, batches: kept.map(Batch::borrowed).collect() }
     }
 
-    /// Rays of all kinds together.
     pub fn total(&self) -> usize {
         self.batches.iter().map(|b| b.rays.len()).sum()
     }

@@ -23,11 +23,9 @@ pub enum RayOrder {
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Orders {
-    /// As the image has them, line by line
     #[default]
     Scanline,
     Shuffled,
-    /// One after the other
     Both,
 }
 

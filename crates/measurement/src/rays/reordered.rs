@@ -1,7 +1,5 @@
 //! Rays asked in another order than the image has them.
 
-use std::borrow::Cow;
-
 use accel_core::registry::Buildable;
 use renderer::RayKind;
 
@@ -36,14 +34,8 @@ impl<'a, S: Buildable> BatchSet<'a, S> {
 fn shuffled<'a, S: Buildable>(batch: &Batch<'_, S>, seed: u64, scene: &str) -> Batch<'a, S> {
     let mut places: Vec<u32> = (0..batch.rays.len() as u32).collect();
     purpose(seed, scene, batch.kind).shuffle(&mut places);
-    let places = || places.iter().map(|&place| place as usize);
-    Batch {
-        kind: batch.kind,
-        order: RayOrder::Shuffled,
-        rays: Cow::Owned(places().filter_map(|i| batch.rays.get(i).copied()).collect()),
-        lights: places().filter_map(|i| batch.lights.get(i).copied()).collect(),
-        expected: batch.expected.picked(places()),
-    }
+    let picked = batch.picked(places.iter().map(|&place| place as usize));
+    Batch { order: RayOrder::Shuffled, ..picked }
 }
 
 fn purpose(seed: u64, scene: &str, kind: RayKind) -> Random {
@@ -52,6 +44,7 @@ fn purpose(seed: u64, scene: &str, kind: RayKind) -> Random {
 
 #[cfg(test)]
 mod tests {
+    use std::borrow::Cow;
     use std::collections::BTreeMap;
 
     use accel_core::{Hit, Ray, Vec3, Vector};

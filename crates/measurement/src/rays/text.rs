@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use accel_core::Ray;
 use glam::DVec3;
 
-/// Why rays cannot be read.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{}:{line}: {what}", file.display())]
 pub struct RayTextError {

@@ -134,9 +134,6 @@ fn syntax(path: &Path, error: &serde_json::Error, written_by: &'static str) -> R
 const RENAMED: [&str; 2] = ["obvhs-cwbvh", "obvhs-bvh2"];
 
 /// The same record with the names of today.
-///
-/// # Errors
-/// That of serde, which no record that was read has.
 fn raised(record: &RunRecord) -> serde_json::Result<RunRecord> {
     let mut value = serde_json::to_value(record)?;
     rename(&mut value);

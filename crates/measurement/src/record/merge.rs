@@ -32,9 +32,6 @@ pub struct PartialRun {
 
 /// Joins parts, read or not, in any order. `mixed` allows parts of different machines. The result
 /// has everything but a command line of its own.
-///
-/// # Errors
-/// [`MergeError`] with everything that is wrong with the parts.
 pub fn merge(
     parts: Vec<Result<PartialRun, RecordError>>,
     mixed: bool,
@@ -130,7 +127,7 @@ fn has_its_rows(shard: &ShardRecord, part: &PartialRun, problems: &mut Vec<Strin
         return;
     }
     for (i, name) in shard.scenes.iter().enumerate() {
-        let expected = shard.matrix().rows_of(shard.shard(), i).into_iter();
+        let expected = shard.rows_of(i).into_iter();
         let expected = expected.filter_map(|row| shard.rows.get(row).map(String::as_str));
         let expected: Vec<&str> = expected.collect();
         let scene = scene_at(shard, part, i);

@@ -65,10 +65,7 @@ fn summarize_row(row: &RowRecord, rows: &[RowInScene<'_>], seed: u64) -> Summary
             }
         }
     }
-    let mean = |groups: &[Series]| {
-        let groups: Vec<&Series> = groups.iter().collect();
-        if groups.is_empty() { None } else { geometric_mean_of(&groups, seed) }
-    };
+    let mean = |groups: &[Series]| geometric_mean_of(groups, seed);
     let of_kind = |(kind, groups): (&&str, &Vec<_>)| Some(((*kind).to_owned(), mean(groups)?));
     let count = |v: Verdict| verdicts.iter().filter(|x| **x == v).count() as u64;
     let (wrong, shipped) = (count(Verdict::Wrong), count(Verdict::WrongAsShipped));

@@ -1,8 +1,7 @@
 //! Finds in a record what makes its figures less certain than they look.
 //!
 //! The reference row stands for the machine: it is the same work in every round, so what its times
-//! do beyond that is the machine's doing. Every warning has a threshold, documented where it is
-//! defined, that a machine left alone stays below, and ends in advice.
+//! do beyond that is the machine's doing.
 
 use std::collections::BTreeMap;
 
@@ -98,8 +97,7 @@ fn swap([before, after]: &[Load; 2]) -> Option<Warning> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::Ticks;
-    use crate::record::made_up;
+    use crate::record::{Ticks, made_up};
 
     /// A run whose reference took those times, a scene each.
     fn run(scenes: &[&[f64]]) -> RunRecord {

@@ -260,7 +260,7 @@ fn strides(
         let limits = &plan.limits;
         let cap = if row.is_sampled() { limits.sampled_pass } else { limits.timed_pass };
         let by_cost = || stride_for(checked.full_pass_s / plan.threads as f64, cap);
-        Some(plan.strides.timed(scene, &row.label()).unwrap_or_else(by_cost))
+        Some(plan.strides.of_row(scene, &row.label()).timed.unwrap_or_else(by_cost))
     };
     let own: Vec<Option<usize>> = plan.rows.iter().zip(checked).map(own).collect();
     let least = if plan.same_rays {

@@ -13,7 +13,6 @@ use renderer::GeometryError;
 use crate::scenes::LoadError;
 use crate::system::panics::CaughtPanic;
 
-/// Why a scene could not be measured.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeasureError {

@@ -131,13 +131,11 @@ pub enum Event {
     /// The scene is loaded, its primitives are made.
     Loaded,
     Built {
-        /// Peak memory of the build.
         peak_bytes: Option<u64>,
         /// The largest resident set during the build.
         process_bytes: Option<u64>,
         build_s: f64,
     },
-    /// The structure refused the scene.
     Refused,
 }
 

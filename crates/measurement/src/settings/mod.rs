@@ -61,7 +61,6 @@ pub struct MeasuringSettings {
     /// The order in which rays are issued to rows.
     #[serde(with = "as_typed")]
     pub order: Orders,
-    /// Which lights shadow rays run to.
     #[serde(with = "as_typed")]
     pub lights: Lights,
     /// Longest pass over the rays; none means that of a full run or of a quick one.
@@ -77,7 +76,6 @@ pub struct MeasuringSettings {
     pub seed: u64,
     /// The reference row of ratios; none means the default.
     pub reference: Option<String>,
-    /// Arithmetic of primitives and rays.
     #[serde(with = "as_typed")]
     pub precision: Precision,
     /// Width and height of the image; none means that of a full run or of a quick one.

@@ -54,48 +54,6 @@ impl std::fmt::Display for Shard {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Matrix {
-    pub scenes: usize,
-    /// Number of rows of each.
-    pub rows: usize,
-    /// The place of the reference row.
-    pub reference: usize,
-}
-
-impl Matrix {
-    /// Cells that are divided: those of the reference only where there are no others.
-    pub fn cells(self) -> usize {
-        self.scenes * self.width()
-    }
-
-    /// Cells of a scene.
-    fn width(self) -> usize {
-        self.rows.saturating_sub(1).max(1)
-    }
-
-    /// The places of the rows that a shard measures in a scene, in their order, the reference
-    /// among them; none where it has nothing to do there.
-    pub fn rows_of(self, shard: Shard, scene: usize) -> Vec<usize> {
-        let bound = |index: u32| index as usize * self.cells() / shard.count as usize;
-        let own = bound(shard.index.saturating_sub(1))..bound(shard.index);
-        let first = scene * self.width();
-        let others = (0..self.rows).filter(|&row| row != self.reference);
-        let taken: Vec<usize> = match self.rows {
-            0 => Vec::new(),
-            1 => Vec::from_iter(own.contains(&first).then_some(self.reference)),
-            _ => others
-                .enumerate()
-                .filter(|(i, _)| own.contains(&(first + i)))
-                .map(|c| c.1)
-                .collect(),
-        };
-        (0..self.rows)
-            .filter(|row| !taken.is_empty() && (*row == self.reference || taken.contains(row)))
-            .collect()
-    }
-}
-
 /// What a part of a run records of the whole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "testing", derive(schemars::JsonSchema))]
@@ -129,8 +87,30 @@ impl ShardRecord {
         Shard { index: self.index, count: self.count }
     }
 
-    pub fn matrix(&self) -> Matrix {
-        Matrix { scenes: self.scenes.len(), rows: self.rows.len(), reference: self.reference }
+    /// Cells that are divided: those of the reference only where there are no others.
+    pub fn cells(&self) -> usize {
+        self.scenes.len() * self.width()
+    }
+
+    /// Cells of a scene.
+    fn width(&self) -> usize {
+        self.rows.len().saturating_sub(1).max(1)
+    }
+
+    /// The places of the rows that it measures in a scene, in their order, the reference among
+    /// them; none where it has nothing to do there.
+    pub fn rows_of(&self, scene: usize) -> Vec<usize> {
+        let bound = |index: u32| index as usize * self.cells() / self.count as usize;
+        let own = bound(self.index.saturating_sub(1))..bound(self.index);
+        let first = scene * self.width();
+        let rows = 0..self.rows.len();
+        let others = rows.clone().filter(|&row| row != self.reference);
+        let taken: Vec<usize> = match self.rows.len() {
+            1 => Vec::from_iter(own.contains(&first).then_some(self.reference)),
+            _ => others.zip(first..).filter(|(_, cell)| own.contains(cell)).map(|c| c.0).collect(),
+        };
+        rows.filter(|row| !taken.is_empty() && (*row == self.reference || taken.contains(row)))
+            .collect()
     }
 }
 
@@ -154,17 +134,24 @@ mod tests {
         }
     }
 
+    /// A part of a table of so many scenes and rows, with the place of the reference.
+    fn part(index: u32, count: u32, [scenes, rows, reference]: [usize; 3]) -> ShardRecord {
+        let names = |n| vec![String::new(); n];
+        let (scenes, rows, rounds) = (names(scenes), names(rows), String::new());
+        ShardRecord { index, count, scenes, rows, reference, rounds }
+    }
+
     #[test]
     fn every_cell_is_in_one_shard_and_the_reference_in_all_that_need_it() {
         for (scenes, rows, reference) in [(8, 29, 5), (3, 2, 0), (5, 1, 0), (2, 4, 3), (1, 7, 2)] {
-            let matrix = Matrix { scenes, rows, reference };
-            for count in 1..=matrix.cells() as u32 {
+            let table = [scenes, rows, reference];
+            for count in 1..=part(1, 1, table).cells() as u32 {
                 let mut seen = vec![0; scenes * rows];
                 let mut sizes = Vec::new();
                 for index in 1..=count {
-                    let mut size = 0;
+                    let (mut size, shard) = (0, part(index, count, table));
                     for scene in 0..scenes {
-                        let own = matrix.rows_of(Shard { index, count }, scene);
+                        let own = shard.rows_of(scene);
                         assert!(own.is_sorted());
                         assert!(own.is_empty() || own.contains(&reference));
                         for row in own {
@@ -185,8 +172,7 @@ mod tests {
 
     #[test]
     fn surplus_shards_are_empty() {
-        let matrix = Matrix { scenes: 1, rows: 3, reference: 0 };
-        let works = |index| !matrix.rows_of(Shard { index, count: 3 }, 0).is_empty();
+        let works = |index| !part(index, 3, [1, 3, 0]).rows_of(0).is_empty();
         assert_eq!([works(1), works(2), works(3)].iter().filter(|w| **w).count(), 2);
     }
 }

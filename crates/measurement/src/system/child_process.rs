@@ -12,7 +12,6 @@ use tempfile::TempDir;
 
 use crate::record::RunRecord;
 
-/// Why a child gave no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum ChildError {
     #[error("cannot start {}: {source}", program.display())]
@@ -64,7 +63,6 @@ pub fn ended_early(program: &Path, status: ExitStatus, said: &str) -> ChildError
     ChildError::Failed { program, how: status.to_string(), said: last(said) }
 }
 
-/// The last lines, joined.
 fn last(text: &str) -> String {
     let lines: Vec<&str> = text.lines().map(str::trim).filter(|l| !l.is_empty()).collect();
     lines.get(lines.len().saturating_sub(3)..).unwrap_or_default().join("; ")
@@ -78,7 +76,6 @@ pub fn without_samples(record: &RunRecord) -> RunRecord {
     record
 }
 
-/// A program's file could not be copied.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot copy {} into {}: {source}", program.display(), folder.display())]
 pub struct CopyError {

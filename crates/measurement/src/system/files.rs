@@ -66,7 +66,6 @@ impl Drop for CreatedFiles {
     }
 }
 
-/// A file or folder cannot be written.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {}: {source}", path.display())]
 pub struct WriteError {
@@ -188,9 +187,6 @@ pub fn create(within: &Path) -> io::Result<PathBuf> {
 }
 
 /// From here on a write beyond the limit is an error.
-///
-/// # Errors
-/// The system's, when the signal cannot be had.
 #[cfg(unix)]
 pub fn refuse_writes_beyond() -> std::io::Result<()> {
     let was_reached = std::sync::Arc::default();

@@ -68,11 +68,12 @@ pub fn end_if_stopping() {
 /// until the signal comes again.
 #[cfg(unix)]
 fn wait_for_scene(signals: &mut signal_hook::iterator::Signals) {
-    let (begin, mut requests) = (Instant::now(), Requests::default());
-    requests.next(begin);
+    let begin = Instant::now();
+    let mut first = Some(begin);
     while !IS_SCENE_KEPT.load(SeqCst) {
         let limit = if HAS_ROUNDS.load(SeqCst) { LAST_ROW } else { LAST_SCENE };
-        let is_again = signals.pending().any(|_| requests.next(Instant::now()) == Request::Again);
+        let is_again =
+            signals.pending().any(|_| request(&mut first, Instant::now()) == Request::Again);
         if begin.elapsed() >= limit || is_again {
             break;
         }
@@ -102,7 +103,6 @@ pub type Mark = Box<dyn FnOnce(i32) -> io::Result<Option<PathBuf>> + Send>;
 pub struct InterruptedOutput {
     pub journal: Option<(Mark, PathBuf)>,
     pub scenes: usize,
-    /// Number of finished ones.
     pub finished: Arc<AtomicUsize>,
 }
 
@@ -126,9 +126,6 @@ impl InterruptedOutput {
 
 /// From here on SIGINT, SIGTERM and SIGHUP mark the run and end the process with the code
 /// 128 + signal.
-///
-/// # Errors
-/// The system's, when signals cannot be had.
 #[cfg(unix)]
 pub fn watch(unfinished: InterruptedOutput) -> std::io::Result<()> {
     take_over(move |mut signals| {
@@ -166,17 +163,14 @@ pub fn watch(_: InterruptedOutput) -> std::io::Result<()> {
 /// For work that can stop between two of its steps: the number of the first SIGINT, SIGTERM or
 /// SIGHUP that comes from here on, and 0 until then. One that comes later than [`GRACE`] after the
 /// first ends the process at once, with the code 128 + signal.
-///
-/// # Errors
-/// The system's, when signals cannot be had.
 #[cfg(unix)]
 pub fn flag() -> std::io::Result<Arc<AtomicUsize>> {
     let signalled = Arc::new(AtomicUsize::new(0));
     let told = Arc::clone(&signalled);
     take_over(move |mut signals| {
-        let mut requests = Requests::default();
+        let mut first = None;
         for signal in signals.forever() {
-            match requests.next(Instant::now()) {
+            match request(&mut first, Instant::now()) {
                 Request::First => told.store(signal as usize, SeqCst),
                 Request::Same => {}
                 Request::Again => signal_hook::low_level::exit(128 + signal),
@@ -197,25 +191,16 @@ enum Request {
     Again,
 }
 
-/// The signals of a process, as they come.
+/// Interprets a signal that arrives now; `first` is when the first one did.
 #[cfg(any(unix, test))]
-#[derive(Debug, Default)]
-struct Requests {
-    first: Option<Instant>,
-}
-
-#[cfg(any(unix, test))]
-impl Requests {
-    /// Interprets a signal that arrives now.
-    fn next(&mut self, now: Instant) -> Request {
-        match self.first {
-            None => {
-                self.first = Some(now);
-                Request::First
-            }
-            Some(first) if now.saturating_duration_since(first) < GRACE => Request::Same,
-            Some(_) => Request::Again,
+fn request(first: &mut Option<Instant>, now: Instant) -> Request {
+    match *first {
+        None => {
+            *first = Some(now);
+            Request::First
         }
+        Some(first) if now.saturating_duration_since(first) < GRACE => Request::Same,
+        Some(_) => Request::Again,
     }
 }
 
@@ -249,8 +234,8 @@ mod tests {
     #[test]
     fn a_signal_that_comes_twice_at_once_is_one_request() {
         let begin = Instant::now();
-        let mut requests = Requests::default();
-        let mut after = |ms| requests.next(begin + Duration::from_millis(ms));
+        let mut first = None;
+        let mut after = |ms| request(&mut first, begin + Duration::from_millis(ms));
         assert_eq!(after(0), Request::First);
         assert_eq!([0, 1, 499].map(&mut after), [Request::Same, Request::Same, Request::Same]);
         // counted from the first, not from the one before

@@ -61,7 +61,6 @@ pub fn line(path: impl AsRef<Path>) -> Option<String> {
     Some(text.trim().to_owned()).filter(|line| !line.is_empty())
 }
 
-/// Load of the machine until now.
 pub fn load() -> Load {
     let read = |path| fs::read_to_string(path).unwrap_or_default();
     Load {

@@ -11,20 +11,16 @@ use serde::Serialize;
 use crate::system::clock::Clock;
 use statistics::estimate::quantile;
 
-/// Number of times that the loop is timed.
 const LOOPS: usize = 100;
 /// Seconds that a loop should take: long against a reading of the clock, short against a slice of
 /// the scheduler.
 const SECONDS: f64 = 2e-3;
 /// Rounds of the loop that calibration begins and ends with.
 const CALIBRATION: [u64; 2] = [1 << 12, 1 << 24];
-/// The largest spread of a quiet machine.
 const QUIET: f64 = 0.01;
 
-/// Results of the timing loops.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Noise {
-    /// Number of timed loops.
     loops: usize,
     /// Median time of a loop, seconds.
     loop_s: f64,

@@ -77,7 +77,6 @@ impl Progress {
         Self::new(false, 1, None)
     }
 
-    /// Says what is being done.
     pub fn message(&self, message: impl Into<String>) {
         if !self.bar.is_hidden() {
             self.bar.set_message(line(&message.into()).into_owned());
@@ -105,7 +104,6 @@ impl Progress {
         self.bar.suspend(print)
     }
 
-    /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

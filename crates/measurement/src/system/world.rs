@@ -15,7 +15,6 @@ use crate::system::machine;
 pub trait World: Sync {
     fn tool(&self) -> Tool;
 
-    /// Compiler and flags of the program.
     fn compiler(&self) -> Compiler;
 
     /// Seconds since 1970.
@@ -47,12 +46,10 @@ pub trait World: Sync {
         let _ = machine::reset_peak_rss();
     }
 
-    /// Builds a row in a separate process.
     fn trial_build(&self, trial: &TrialBuild) -> TrialOutcome {
         trial.run()
     }
 
-    /// Load of the machine until now.
     fn load(&self) -> Load {
         machine::load()
     }
@@ -67,7 +64,6 @@ pub trait World: Sync {
 #[derive(Debug, Clone)]
 pub struct SystemWorld {
     pub tool: Tool,
-    /// Compiler and flags of the program.
     pub compiler: Compiler,
 }
 
@@ -85,9 +81,7 @@ impl World for SystemWorld {
 #[derive(Debug)]
 pub struct FixedWorld {
     pub machine: Machine,
-    /// Features of x86-64-v3 that its processor has.
     pub processor_features: Vec<&'static str>,
-    /// Compiler and flags of the program.
     pub compiler: Compiler,
     /// What the loads are, one reading after another; the last one stays.
     pub loads: Mutex<VecDeque<Load>>,
@@ -189,7 +183,6 @@ pub fn unused(world: &dyn World) -> Vec<&'static str> {
     features
 }
 
-/// Advice for unused features.
 pub const ADVICE: &str =
     "take the binary for x86-64-v3, or compile with RUSTFLAGS=\"-C target-cpu=x86-64-v3\"";
 

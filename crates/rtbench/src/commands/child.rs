@@ -141,7 +141,7 @@ fn trial_build(context: &mut Context<'_>, args: &TrialArgs) -> Result<(), Error>
     let names = [args.row.clone()];
     let (structures, occluding) =
         measured_row::select(context.registry, context.occluders, &names, &[])?;
-    let rows = structures.into_iter().map(MeasuredRow::from);
+    let rows = structures.into_iter().map(MeasuredRow::Structure);
     let mut rows = rows.chain(occluding.into_iter().map(MeasuredRow::Occluder));
     let row = rows.next().ok_or(PlanError::NoRows)?;
     let scenes = context.scenes.resolve(std::slice::from_ref(&args.scene))?;

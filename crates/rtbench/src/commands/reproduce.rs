@@ -16,7 +16,8 @@ use presentation::numbers::short;
 use presentation::table::{Cell, Style, Table, dash, words};
 use renderer::RayKind;
 use studies::reproduce::lecture::{
-    self, Comparison, Line, MODERN, Ratios, STRUCTURES, SYMBOLS, SecondsTable, published,
+    self, Comparison, Line, MODERN, Ratios, STRUCTURES, SYMBOLS, SecondsTable, measured_seconds,
+    published, published_seconds,
 };
 use studies::reproduce::published::{Figure, SCENES, figures};
 use studies::reproduce::verdict::Verdict;
@@ -123,10 +124,11 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
         // an interrupted run has the first of them
         let scenes: Vec<&str> = scenes.into_iter().take(measured.record.scenes.len()).collect();
         for symbol in SYMBOLS {
-            let then = SecondsTable::published(&published, &scenes, symbol);
-            let now = SecondsTable::measured(&measured.record.scenes, symbol);
-            let then = seconds_table("the slides", &scenes, &then, |seconds| seconds.to_string());
-            let now = seconds_table("this machine", &scenes, &now, short);
+            let then = published_seconds(&published, &scenes, symbol);
+            let now = measured_seconds(&measured.record.scenes, symbol);
+            let title = |of: &str| format!("{symbol}, {of}");
+            let then = seconds_table(title("the slides"), &scenes, then, |s| s.to_string());
+            let now = seconds_table(title("this machine"), &scenes, now, short);
             screen.write_fitted(context.out, &then, &[])?;
             screen.write_fitted(context.out, &now, &[])?;
         }
@@ -139,21 +141,17 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
 
 /// Structures down and scenes across, as the slides have them.
 fn seconds_table(
-    of: &str,
+    title: String,
     scenes: &[&'static str],
-    table: &SecondsTable,
+    table: SecondsTable,
     text: fn(f64) -> String,
 ) -> Table {
     let cell = |seconds: &Option<f64>| seconds.map_or_else(dash, |s| Cell::from(text(s)));
-    let line = |(name, seconds): &(String, Vec<Option<f64>>)| {
-        std::iter::once(Cell::from(name.clone())).chain(seconds.iter().map(cell)).collect()
+    let line = |(name, seconds): (&str, Vec<Option<f64>>)| {
+        std::iter::once(Cell::from(name.to_owned())).chain(seconds.iter().map(cell)).collect()
     };
-    Table {
-        title: format!("{}, {of}", table.symbol),
-        header: [&["structure"], scenes].concat(),
-        rows: table.lines.iter().map(line).collect(),
-        notes: Vec::new(),
-    }
+    let rows = table.into_iter().map(line).collect();
+    Table { title, header: [&["structure"], scenes].concat(), rows, notes: Vec::new() }
 }
 
 /// The lecture's structures and the modern one, on the kinds of rays that the lecture's images

@@ -76,7 +76,7 @@ impl Scene {
     }
 
     /// Moves the scene so that its origin is the point `origin` of its file's coordinates.
-    fn rebase(&mut self, origin: DVec3) {
+    pub fn rebase(&mut self, origin: DVec3) {
         let by = origin - self.origin;
         if by == DVec3::ZERO {
             return;

@@ -27,11 +27,9 @@ pub struct Axis {
     pub scenes: &'static [&'static str],
     /// The setting of the product that varies.
     pub setting: &'static str,
-    /// All variants on a scene, timed and judged.
     pub measure: Measure,
 }
 
-/// How an axis is measured on a scene.
 #[derive(Debug, Clone, Copy)]
 pub enum Measure {
     Whole(fn(&Stage<'_>) -> Result<SceneOutcome, StudyError>),

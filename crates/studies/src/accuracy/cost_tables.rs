@@ -37,8 +37,7 @@ fn of_subject(axis: &AxisRecord, subject: &str, seed: u64) -> Option<Table> {
         let of_part = |part: &&str| {
             let groups: Vec<Series> =
                 scenes.iter().filter_map(|scene| of_variant(scene, &row.variant, part)).collect();
-            geometric_mean_of(&groups.iter().collect::<Vec<_>>(), seed)
-                .map_or_else(dash, |e| ratio(&e).into())
+            geometric_mean_of(&groups, seed).map_or_else(dash, |e| ratio(&e).into())
         };
         let cells = std::iter::once(row.variant.clone().into());
         cells.chain(parts.iter().map(of_part)).collect()
@@ -122,6 +121,9 @@ fn price(
     (scene.pixels > 0).then_some((added, price))
 }
 
+const EFFECT_HEADS: &str = "effect | scene | variant | error without | error with | \
+                            added us per pixel [95%] | price us per pixel [95%]";
+
 /// Cost of each effect in scenes that need it, against the error without it; `None` where none was
 /// measured. The price rises with the number of samples: the first ones remove the most.
 pub fn effects(run: &AccuracyRecord) -> Option<Table> {
@@ -147,15 +149,7 @@ pub fn effects(run: &AccuracyRecord) -> Option<Table> {
     ];
     (!rows.is_empty()).then(|| Table {
         title: "effects: the price of each in scenes that use it".into(),
-        header: vec![
-            "effect",
-            "scene",
-            "variant",
-            "error without",
-            "error with",
-            "added us per pixel [95%]",
-            "price us per pixel [95%]",
-        ],
+        header: EFFECT_HEADS.split(" | ").collect(),
         rows,
         notes,
     })

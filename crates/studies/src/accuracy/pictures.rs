@@ -50,7 +50,6 @@ const PICTURES: [Picture; 4] = [
     },
 ];
 
-/// Captions of the pictures, in Markdown.
 pub fn captions() -> String {
     let mut text = String::from("## What goes wrong\n\n");
     for Picture { file, caption, .. } in PICTURES {

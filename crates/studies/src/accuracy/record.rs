@@ -49,7 +49,6 @@ pub struct PartTime {
     pub ratio: Estimate,
 }
 
-/// A variant on a scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct VariantRecord {
     pub variant: String,
@@ -59,7 +58,6 @@ pub struct VariantRecord {
     pub known_defect: Option<String>,
     /// It is the one that all others are compared with, or has the same answers.
     pub is_reference: bool,
-    /// How wrong it is.
     pub error: ErrorOf,
     /// The error is too near to that of the reference itself to be told.
     pub is_below_reference: bool,
@@ -105,9 +103,7 @@ pub struct SceneOutcome {
     /// Pixels of the image that was timed; 0 where none was.
     #[serde(default, skip_serializing_if = "is_none")]
     pub pixels: u32,
-    /// Description of the timed work.
     pub timed: String,
-    /// Description of the judged answers.
     pub judged: String,
     /// The reference's own error; 0 where it is exact.
     pub reference_error: f64,
@@ -148,7 +144,6 @@ impl SceneOutcome {
     }
 }
 
-/// An axis on all its scenes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisRecord {
     pub axis: String,
@@ -195,21 +190,16 @@ pub struct AccuracyRecord {
     pub processes: u32,
     /// Seconds of the whole run so far.
     pub took_s: f64,
-    /// The axes so far.
     pub axes: Vec<AxisRecord>,
 }
 
-/// How wrong a variant is.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum ErrorOf {
     /// Answers, of which some are wrong.
     Counted { wrong: u64, trials: u64 },
     /// Root of the mean square of the differences to the reference's colours, a channel.
-    Rmse {
-        /// Error over all pixels.
-        rmse: f64,
-    },
+    Rmse { rmse: f64 },
 }
 
 impl ErrorOf {
@@ -251,7 +241,6 @@ impl TrialCounts {
         self.wrong += other.wrong;
     }
 
-    /// Wrong ones so far.
     pub fn wrong(self) -> u64 {
         self.wrong
     }

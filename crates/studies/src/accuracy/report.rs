@@ -28,7 +28,6 @@ pub const GLOSSARY: &[&str] = &[
      that the others are compared with.",
 ];
 
-/// The table of an axis on a scene.
 pub fn table(axis: &AxisRecord, scene: &SceneOutcome) -> Table {
     let mut notes = vec![
         format!("Timed: {}. Judged: {}.", scene.timed, scene.judged),
@@ -88,7 +87,6 @@ pub(super) fn push_facts(text: &mut String, run: &AccuracyRecord) {
     text.push('\n');
 }
 
-/// A time in words.
 pub fn took(seconds: f64) -> String {
     let whole = seconds.round() as u64;
     match whole / 60 {
@@ -97,7 +95,6 @@ pub fn took(seconds: f64) -> String {
     }
 }
 
-/// A variant on a scene of an axis.
 #[derive(Debug, Clone, Copy)]
 pub struct VariantRow<'a> {
     pub axis: &'a AxisRecord,
@@ -158,7 +155,6 @@ pub fn to_csv(run: &AccuracyRecord) -> Result<String, FormatError> {
     column::csv(&columns(), scenes.flat_map(|(axis, scene)| rows(axis, scene)))
 }
 
-/// The variants on a scene of an axis.
 pub fn rows<'a>(
     axis: &'a AxisRecord,
     scene: &'a SceneOutcome,
@@ -166,7 +162,6 @@ pub fn rows<'a>(
     scene.rows.iter().map(move |row| VariantRow { axis, scene, row })
 }
 
-/// The error of a row in words.
 fn error(row: &VariantRecord) -> String {
     if row.is_below_reference {
         return format!("below reference ({:.1e})", row.error.value());

@@ -14,8 +14,7 @@ use crate::accuracy::record::{ErrorOf, SceneOutcome};
 use crate::accuracy::stage::{Stage, Work};
 use crate::accuracy::timing::Variant;
 use crate::error::StudyError;
-use crate::images::plan_of;
-use crate::images::{ConvergedImage, rmse};
+use crate::images::{ConvergedImage, plan_of, rmse};
 use measurement::system::machine;
 use measurement::system::pools::pool;
 
@@ -26,7 +25,6 @@ const SEEDS: u64 = 8;
 pub struct SamplingPlan {
     /// Pixels of the image, an axis.
     pub size: u32,
-    /// Samples of the variants.
     pub samples: &'static [u32],
     /// Samples of each image of the reference.
     pub reference: u32,
@@ -48,7 +46,6 @@ pub struct SampledEffect<'a> {
     pub scene: &'a Scene,
     pub tracer: &'a dyn Tracer<f32>,
     pub max_depth: u32,
-    /// Sets the number of samples.
     pub wish: fn(&mut SampleWishes, u32),
     /// How to have a number of samples without this command.
     pub option: &'static str,
@@ -140,9 +137,7 @@ impl SampledEffect<'_> {
 /// Errors of sampled images, computed before they are timed.
 pub struct ImageCheck<'a> {
     pub variants: Vec<Variant<'a>>,
-    /// Report on the images.
     pub said: SceneOutcome,
-    /// Reference that they were compared with.
     pub reference: ConvergedImage,
 }
 

@@ -64,7 +64,6 @@ pub struct Stage<'a> {
     pub limits: Limits,
 }
 
-/// How much is measured on a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Limits {
     pub seed: u64,
@@ -100,7 +99,6 @@ impl StagedStructure<'_> {
 }
 
 impl<'a> Stage<'a> {
-    /// The stream of random numbers for a purpose.
     pub fn random(&self, purpose: &str) -> Random {
         Random::new(self.limits.seed, &format!("accuracy/{}/{}/{purpose}", self.axis, self.name))
     }
@@ -239,7 +237,6 @@ impl<'a, S: Buildable> Replay<'a, S> {
         })
     }
 
-    /// Batches that `ask` answers.
     pub fn answered_by(
         answers: Vec<Answers<S>>,
         ask: impl FnMut(usize, &mut Answers<S>) + 'a,
@@ -257,7 +254,6 @@ impl<'a, S: Buildable> Replay<'a, S> {
     }
 }
 
-/// The work of all rays, counted.
 pub fn counted<S: Scalar>(tracer: &dyn Tracer<S>, batches: &Batches<S>) -> WorkCounters {
     let mut total = WorkCounters::default();
     for (kind, rays) in batches {

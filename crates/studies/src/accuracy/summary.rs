@@ -94,7 +94,7 @@ fn advice_of(axis: &AxisRecord, seed: u64) -> Option<[String; 3]> {
         let pairs = axis.scenes.iter().zip(best.rows.iter().zip(&cheapest.rows));
         let ratios = pairs.map(|(scene, (best, of))| scene.ratios(&best.seconds, &of.seconds));
         let ratios: Vec<Series> = ratios.collect();
-        more(&geometric_mean_of(&ratios.iter().collect::<Vec<_>>(), seed)?)
+        more(&geometric_mean_of(&ratios, seed)?)
     };
     Some([best.name.into(), costs, worst.error_in_words()])
 }

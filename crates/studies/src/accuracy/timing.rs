@@ -21,9 +21,7 @@ pub struct Variant<'a> {
     pub setting: String,
     /// Known defect, by design.
     pub known_defect: Option<&'static str>,
-    /// True if all others are compared with it.
     pub is_reference: bool,
-    /// How wrong it is.
     pub error: ErrorOf,
     /// More of it, by name.
     pub also: Vec<(&'static str, f64)>,
@@ -142,7 +140,6 @@ fn cheapest(outcome: &SceneOutcome, first: usize) -> usize {
 
 const NO_TIME: Estimate = Estimate { median: f64::NAN, low: f64::NAN, high: f64::NAN };
 
-/// Record of a variant before it is timed.
 fn untimed(variant: &Variant<'_>, own_error: f64) -> VariantRecord {
     let part =
         |part: &&str| PartTime { part: (*part).to_owned(), seconds: Vec::new(), ratio: NO_TIME };

@@ -13,8 +13,7 @@ use measurement::answers::check::{count, stride_for};
 use measurement::answers::judge::judge;
 use measurement::answers::reference::{Reference, Stage};
 use measurement::plan::measured_row::{BuiltRow, MeasuredRow};
-use measurement::rays::batches::BatchSet;
-use measurement::rays::batches::{Answers, Batch};
+use measurement::rays::batches::{Answers, Batch, BatchSet};
 use measurement::record::WorkRecord;
 use measurement::rounds::MeasureError;
 use measurement::rounds::interleaved::round_order;
@@ -133,12 +132,10 @@ fn visit_all<S: Buildable>(
 /// Rays of a kind that a first look takes.
 const LOOK_RAYS: usize = 1024;
 
-/// Input of a frame for all rows.
 pub struct FrameInput<'a, 'r, S: Buildable> {
     pub frame: &'a Frame<S>,
     /// Its rays, with the answers expected.
     pub scope: Scope<'a, 'r, S>,
-    /// Points on its surface.
     pub points: &'a [SurfacePoint],
 }
 
@@ -300,7 +297,6 @@ pub struct Frame<S: Buildable> {
     pub scene: Scene,
     /// Geometry that structures are built over.
     pub geometry: Geometry<S>,
-    /// Geometry of the oracle.
     pub exact: Geometry<f64>,
     /// Ids of the primitives that are others than in the frame before, ascending; none in the
     /// first, and where there are not the same primitives in both.

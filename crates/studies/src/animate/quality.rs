@@ -21,7 +21,6 @@ const POINTS: usize = 512;
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
-    /// Expected cells and tests.
     pub expected_cost: f64,
     /// Overlap of surfaces; `None` without triangles.
     pub overlap: Option<f64>,

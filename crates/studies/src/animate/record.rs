@@ -9,11 +9,8 @@ pub struct AnimationRecord {
     pub tool: Tool,
     /// The command line, program first.
     pub command_line: Vec<String>,
-    /// The machine of the run.
     pub machine: Machine,
-    /// Compiler and flags of the program.
     pub compiler: Compiler,
-    /// Name of the scene.
     pub scene: String,
     /// Structures of a row, each updated and timed.
     pub rounds: usize,
@@ -27,9 +24,7 @@ pub struct AnimationRecord {
     pub took_s: f64,
     /// All frames asked for were measured.
     pub complete: bool,
-    /// The frames, in their order.
     pub frames: Vec<FrameRecord>,
-    /// The rows, each with a number of threads.
     pub lanes: Vec<LaneRecord>,
 }
 
@@ -66,10 +61,8 @@ pub struct LaneRecord {
     pub frames: Vec<LaneFrame>,
 }
 
-/// A row in a frame.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct LaneFrame {
-    /// Number of the frame.
     pub frame: u32,
     /// Number of rounds that updated it; the others rebuilt it.
     pub updated: usize,
@@ -77,7 +70,6 @@ pub struct LaneFrame {
     pub update_s: Vec<f64>,
     /// Seconds of all rays, a round each; where every n-th ray was timed, n times what they took.
     pub trace_s: Vec<f64>,
-    /// Bytes of the structure.
     pub bytes: u64,
     /// The work of the counting pass; with one thread alone.
     pub work: Option<WorkRecord>,

@@ -6,7 +6,6 @@ use statistics::estimate::Estimate;
 use crate::animate::record::{AnimationRecord, LaneRecord, Totals};
 use crate::run::costs::{Cost, envelope};
 
-/// A row and its times.
 type TimedLane<'a> = (&'a LaneRecord, Totals);
 
 /// Rows that are right, with that many threads.

@@ -154,9 +154,7 @@ pub struct CostRow {
     pub says: String,
     /// Counted work with all factors so far.
     pub work: CountedWork,
-    /// Seconds that the model predicts.
     pub predicted: f64,
-    /// Seconds that were measured.
     pub measured: f64,
     /// By how much the time grew with this factor.
     pub grew: f64,

@@ -19,11 +19,9 @@ use statistics::random::Random;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct CountedWork {
-    /// Rays of all kinds.
     pub rays: f64,
     pub steps: f64,
     pub tests: f64,
-    /// Seconds that such a test takes.
     pub seconds_per_test: f64,
 }
 

@@ -26,7 +26,6 @@ pub enum Adapter {
     Robust,
 }
 
-/// How triangles are tested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kernel {
     Scalar,
@@ -34,7 +33,6 @@ pub enum Kernel {
     Block,
 }
 
-/// How rays are asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum QueryMode {
     /// One at a time.
@@ -48,11 +46,8 @@ pub enum QueryMode {
 /// Properties of a row's code, as opposed to its structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodeDifferences {
-    /// Code that sets up rays and tests primitives.
     pub adapter: Adapter,
-    /// How triangles are tested.
     pub kernel: Kernel,
-    /// How rays are asked.
     pub query: QueryMode,
 }
 
@@ -112,35 +107,6 @@ impl CodeDifferences {
     }
 }
 
-impl Adapter {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Direct => "direct",
-            Self::AsShipped => "as-shipped",
-            Self::Robust => "robust",
-        }
-    }
-}
-
-impl QueryMode {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::OneRay => Query::OneRay.name(),
-            Self::Batch => Query::Batch.name(),
-            Self::Packets => "packets",
-        }
-    }
-}
-
-impl Kernel {
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scalar => "scalar",
-            Self::Block => "block",
-        }
-    }
-}
-
 /// A row of an explanation: a structure in a craft.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variant {
@@ -159,8 +125,21 @@ impl Variant {
 
     /// Its properties, in the order of [`AXES`](crate::explain::steps::AXES).
     pub fn values(&self) -> [&str; 4] {
-        let CodeDifferences { adapter, kernel, query } = self.craft;
-        [adapter.name(), kernel.name(), &self.structure, query.name()]
+        let adapter = match self.craft.adapter {
+            Adapter::Direct => "direct",
+            Adapter::AsShipped => "as-shipped",
+            Adapter::Robust => "robust",
+        };
+        let kernel = match self.craft.kernel {
+            Kernel::Scalar => "scalar",
+            Kernel::Block => "block",
+        };
+        let query = match self.craft.query {
+            QueryMode::OneRay => Query::OneRay.name(),
+            QueryMode::Batch => Query::Batch.name(),
+            QueryMode::Packets => "packets",
+        };
+        [adapter, kernel, &self.structure, query]
     }
 }
 

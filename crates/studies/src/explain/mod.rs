@@ -12,7 +12,7 @@ pub mod table;
 use accel_core::structures::Entry;
 
 use crate::explain::craft::{Variant, crafts_of};
-use crate::explain::steps::{AXES, Step, steps};
+use crate::explain::steps::{Step, steps};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::plan::{Plan, default_baseline};
@@ -39,7 +39,6 @@ pub struct ExplainSettings {
 
 #[derive(Debug)]
 pub struct Explain<'r> {
-    /// The rows, and how they are measured.
     pub plan: Plan<'r>,
     /// Variant of each row of the plan, over triangles in f32.
     pub variants: Vec<Variant>,
@@ -92,20 +91,11 @@ impl<'r> Explain<'r> {
     }
 }
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct Factor {
-    /// The changed properties, from old to new.
-    pub name: String,
-    /// How it is made of the times of rows.
-    pub step: Step,
-}
-
 /// The rays of a column of factors.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Rays<'k> {
     /// Rays of one kind, named as in records.
     Kind(&'k str),
-    /// Rays of all kinds, one after the other.
     All,
 }
 
@@ -141,8 +131,8 @@ pub struct Explanation<'a> {
     pub scene: &'a SceneRecord,
     /// Variant of each row in this scene; `None` for a duplicate of an earlier one.
     pub variants: Vec<Option<Variant>>,
-    /// The factors, in the order of [`AXES`]; empty where one of the two rows has no time.
-    pub factors: Vec<Factor>,
+    /// The factors; empty where one of the two rows has no time.
+    pub factors: Vec<Step>,
 }
 
 impl<'a> Explanation<'a> {
@@ -164,20 +154,13 @@ impl<'a> Explanation<'a> {
             variant.clone().filter(|_| row.verdict.is_timed() && row.ratio.is_some())
         };
         let timed: Vec<Option<Variant>> = scene.rows.iter().zip(&variants).map(is_timed).collect();
-        let at = |row: usize| timed.get(row).and_then(Option::as_ref);
-        let factors = match (at(explain.plan.baseline), at(explain.row)) {
-            (Some(from), Some(to)) => steps(&timed, explain.plan.baseline, explain.row)
-                .into_iter()
-                .map(|step| Factor { name: name(&step.axes, from, to), step })
-                .collect(),
-            _ => Vec::new(),
-        };
+        let factors = steps(&timed, explain.plan.baseline, explain.row);
         Self { run, scene, variants, factors }
     }
 
     /// A factor over those rays; none where a row has not all rounds.
-    pub fn factor(&self, factor: &Factor, rays: Rays<'_>) -> Option<Estimate> {
-        let rows = factor.step.powers.iter();
+    pub fn factor(&self, factor: &Step, rays: Rays<'_>) -> Option<Estimate> {
+        let rows = factor.powers.iter();
         let of = |(row, power): &(usize, f64)| Some((self.scene.rows.get(*row)?, *power));
         let rows: Vec<(&RowRecord, f64)> = rows.map(of).collect::<Option<_>>()?;
         let rounds = |row: &RowRecord| row.samples.iter().map(|s| s.round).collect::<Vec<_>>();
@@ -189,15 +172,6 @@ impl<'a> Explanation<'a> {
             rows.iter().map(|(row, power)| (rays.ratios(row), *power)).collect();
         product_of_series(&samples, self.run.settings.seed)
     }
-}
-
-/// Names the changes between two rows on these axes.
-fn name(axes: &[usize], from: &Variant, to: &Variant) -> String {
-    let all = AXES.iter().zip(from.values().into_iter().zip(to.values())).enumerate();
-    let changed = all.filter(|(axis, _)| axes.contains(axis));
-    let names: Vec<String> =
-        changed.map(|(_, (name, (from, to)))| format!("{name}: {from} to {to}")).collect();
-    names.join("; ")
 }
 
 #[cfg(test)]
@@ -252,7 +226,7 @@ mod tests {
 
     /// Names and medians of the factors.
     fn factors(explanation: &Explanation<'_>) -> Vec<(String, f64)> {
-        let of = |factor: &Factor| {
+        let of = |factor: &Step| {
             let [kind, all] = [Rays::Kind("primary"), Rays::All]
                 .map(|rays| explanation.factor(factor, rays).unwrap().median);
             assert!((kind - all).abs() < 1e-12);

@@ -14,6 +14,8 @@ pub const AXES: [&str; 4] = ["adapter", "kernel", "structure", "query"];
 /// A factor of the whole.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step {
+    /// The changed properties, from old to new.
+    pub name: String,
     /// Those of [`AXES`] that change; several if no row changes only one of them.
     pub axes: Vec<usize>,
     /// The factor: the product of the times of rows, by index, raised to these powers.
@@ -60,8 +62,11 @@ pub fn steps(rows: &[Option<Variant>], from: usize, to: usize) -> Vec<Step> {
             let known = steps.iter().position(|(of, _)| *of == changed);
             let place = known.unwrap_or_else(|| {
                 let bits = axes.iter().enumerate().filter(|(bit, _)| changed & (1 << bit) != 0);
-                let axes = bits.map(|(_, axis)| *axis).collect();
-                steps.push((changed, Step { axes, powers: Vec::new() }));
+                let axes: Vec<usize> = bits.map(|(_, axis)| *axis).collect();
+                let named = ends().zip(AXES).filter(|((axis, _), _)| axes.contains(axis));
+                let names = named.map(|((_, (a, b)), name)| format!("{name}: {a} to {b}"));
+                let name = names.collect::<Vec<_>>().join("; ");
+                steps.push((changed, Step { name, axes, powers: Vec::new() }));
                 steps.len() - 1
             });
             let Some((_, step)) = steps.get_mut(place) else { continue };

@@ -28,7 +28,6 @@ pub fn rays_of<'k>(run: &RunRecord, scene: &SceneRecord) -> Vec<Rays<'k>> {
     own.map(Rays::Kind).chain([Rays::All]).collect()
 }
 
-/// Prints the tables of a scene.
 pub fn write(
     out: &mut dyn Write,
     explain: &Explain<'_>,
@@ -125,7 +124,6 @@ fn factors(explain: &Explain<'_>, explanation: &Explanation<'_>, rays: &[Rays<'_
     }
 }
 
-/// Explanations of terms, printed below the tables.
 pub const GLOSSARY: &[&str] = &[
     "Ratios of times for the same rays in the same rounds, with their 95% intervals; below 1 is faster, = \
      where the interval contains 1. direct: a library as its authors use it; all others: our setup of rays \
@@ -136,23 +134,12 @@ pub const GLOSSARY: &[&str] = &[
      test. A factor measured both before and after another one is the geometric mean of both.",
 ];
 
-const CSV_COLUMNS: [&str; 10] = [
-    "scene",
-    "rays",
-    "part",
-    "name",
-    "structure",
-    "craft",
-    "ratio",
-    "ratio_low",
-    "ratio_high",
-    "verdict",
-];
+const CSV_COLUMNS: &str = "scene,rays,part,name,structure,craft,ratio,ratio_low,ratio_high,verdict";
 
 /// All finished scenes: of each kind of ray the rows, the factors and the whole.
 pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
-        writer.write_record(CSV_COLUMNS)?;
+        writer.write_record(CSV_COLUMNS.split(','))?;
         for scene in &run.scenes {
             let explanation = Explanation::of(explain, run, scene);
             for rays in rays_of(run, scene) {
@@ -209,7 +196,7 @@ fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
         }
     }
     notes.retain(|note| !note.is_empty());
-    for factor in explanation.factors.iter().filter(|factor| factor.step.axes.len() > 1) {
+    for factor in explanation.factors.iter().filter(|factor| factor.axes.len() > 1) {
         notes.push(format!("No row separates these factors: {}.", factor.name));
     }
     let ends = [explain.row, explain.plan.baseline];

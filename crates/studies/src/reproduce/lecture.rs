@@ -27,9 +27,6 @@ pub const STRUCTURES: [(&str, &str); 5] = [
 pub const MODERN: &str = "obvhs-cwbvh";
 
 /// All times of the lecture: seconds of structures on scenes, whose counters are [`SYMBOLS`].
-///
-/// # Errors
-/// When the embedded file is damaged; names the line.
 pub fn published() -> Result<Vec<Figure>, csv::Error> {
     csv::Reader::from_reader(TABLES.as_bytes()).deserialize().collect()
 }
@@ -54,39 +51,28 @@ pub struct Ratios {
 pub const SYMBOLS: [&str; 2] = ["T_B[s]", "T_R[s]"];
 
 /// Seconds by structure, each for all scenes in their order; none where there is no time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SecondsTable {
-    pub symbol: &'static str,
-    pub lines: Vec<(String, Vec<Option<f64>>)>,
+pub type SecondsTable = Vec<(&'static str, Vec<Option<f64>>)>;
+
+/// One of the slides' tables.
+pub fn published_seconds(times: &[Figure], scenes: &[&str], symbol: &str) -> SecondsTable {
+    let of = |name| scenes.iter().map(|scene| seconds(times, name, scene, symbol)).collect();
+    STRUCTURES.map(|(name, _)| (name, of(name))).into()
 }
 
-impl SecondsTable {
-    /// One of the slides' tables.
-    pub fn published(times: &[Figure], scenes: &[&str], symbol: &'static str) -> Self {
-        let line = |(name, _): (&str, &str)| {
-            let seconds = |scene: &&str| seconds(times, name, scene, symbol);
-            (name.to_owned(), scenes.iter().map(seconds).collect())
-        };
-        Self { symbol, lines: STRUCTURES.map(line).into() }
-    }
-
-    /// The same table of measured scenes, whose rows are those of [`STRUCTURES`] and [`MODERN`].
-    /// Where a part of the rays was timed, the time is multiplied to all of them.
-    pub fn measured(scenes: &[SceneRecord], symbol: &'static str) -> Self {
-        let seconds = |scene: &SceneRecord, i: usize| {
-            let row = scene.rows.get(i).filter(|row| row.verdict == Verdict::Ok)?;
-            if symbol == SYMBOLS[0] {
-                return row.build_s.map(|time| time.median);
-            }
-            let all: u64 = scene.rays.values().sum();
-            row.trace_s.map(|time| time.median * all as f64 / row.rays.max(1) as f64)
-        };
-        let names = STRUCTURES.iter().map(|(name, _)| *name).chain([MODERN]);
-        let line = |(i, name): (usize, &str)| {
-            (name.to_owned(), scenes.iter().map(|scene| seconds(scene, i)).collect())
-        };
-        Self { symbol, lines: names.enumerate().map(line).collect() }
-    }
+/// The same table of measured scenes, whose rows are those of [`STRUCTURES`] and [`MODERN`]. Where
+/// a part of the rays was timed, the time is multiplied to all of them.
+pub fn measured_seconds(scenes: &[SceneRecord], symbol: &str) -> SecondsTable {
+    let seconds = |scene: &SceneRecord, i: usize| {
+        let row = scene.rows.get(i).filter(|row| row.verdict == Verdict::Ok)?;
+        if symbol == SYMBOLS[0] {
+            return row.build_s.map(|time| time.median);
+        }
+        let all: u64 = scene.rays.values().sum();
+        row.trace_s.map(|time| time.median * all as f64 / row.rays.max(1) as f64)
+    };
+    let names = STRUCTURES.iter().map(|(name, _)| *name).chain([MODERN]).enumerate();
+    let of = |i| scenes.iter().map(|scene| seconds(scene, i)).collect();
+    names.map(|(i, name)| (name, of(i))).collect()
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -212,10 +198,10 @@ mod tests {
         assert!((ratio - 18.38 / 1517.0).abs() < 1e-12);
         assert_eq!(Comparison::then(&all, "balls", "adaptive", SYMBOLS[1]), None);
         // as the slides have them: adaptive has no build times, and run times of four scenes
-        let [build, run] = SYMBOLS.map(|symbol| SecondsTable::published(&all, &SCENES, symbol));
-        assert_eq!(build.lines[0].1, [0.19, 0.38, 0.26, 0.35, 0.3, 0.13, 0.22].map(Some));
-        assert_eq!(build.lines[4], ("adaptive".to_owned(), vec![None; 7]));
-        assert_eq!(run.lines[4].1[2..], [None, Some(167.7), Some(43.04), Some(8.71), Some(18.38)]);
+        let [build, run] = SYMBOLS.map(|symbol| published_seconds(&all, &SCENES, symbol));
+        assert_eq!(build[0].1, [0.19, 0.38, 0.26, 0.35, 0.3, 0.13, 0.22].map(Some));
+        assert_eq!(build[4], ("adaptive", vec![None; 7]));
+        assert_eq!(run[4].1[2..], [None, Some(167.7), Some(43.04), Some(8.71), Some(18.38)]);
     }
 
     #[test]

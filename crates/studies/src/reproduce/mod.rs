@@ -37,7 +37,6 @@ pub struct ReproducedRow {
     pub structure: String,
     pub params: String,
     pub counter: String,
-    /// Published figure, as printed.
     pub published: String,
     pub ours: f64,
     pub ratio: f64,

@@ -41,9 +41,6 @@ fn invariants() -> String {
 }
 
 /// All figures of the scenes we have, in the order of the files.
-///
-/// # Errors
-/// When an embedded file is damaged; names the line.
 pub fn figures() -> Result<Vec<Figure>, csv::Error> {
     let mut all: Vec<Figure> = Vec::new();
     for file in [INVARIANTS, GRIDS, OCTREES] {
@@ -80,28 +77,21 @@ pub(super) fn geometry(scene: &str) -> renderer::Geometry<f64> {
     renderer::Geometry::of(&scene).unwrap()
 }
 
-/// Why a reproduction could not be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReproduceError {
-    /// A published setting that has no counterpart here.
     #[error("no counterpart for the published setting '{0}'")]
     UnknownSetting(String),
-    /// An embedded file of figures is damaged.
     #[error("results/published: {0}")]
     Figures(#[from] csv::Error),
-    /// A scene could not be generated.
     #[error(transparent)]
     Scene(#[from] SpecError),
-    /// A scene could not be converted.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// A structure could not be built.
     #[error(transparent)]
     Build(#[from] BuildError),
     #[error(transparent)]
     Param(#[from] ParamError),
-    /// The registry lacks a structure.
     #[error("structure '{0}' is not in the registry")]
     Missing(&'static str),
 }
@@ -140,7 +130,6 @@ pub(crate) struct SceneWork {
 }
 
 impl PublishedScene {
-    /// Generates the scene and its rays.
     pub fn new(name: &str) -> Result<Self, ReproduceError> {
         let scene: Scene = generate_as_printed(name)?;
         let geometry = Geometry::<f64>::of(&scene)?;
@@ -182,7 +171,6 @@ impl PublishedScene {
         SceneWork { stats, counters, primary_hits, secondary_hits, shadow_hits, blocked }
     }
 
-    /// The figures that no structure changes.
     pub(super) fn invariants(&self, work: &SceneWork) -> PaperCounters {
         let of = |kind| self.rays.rays(kind).len() as u64;
         let secondary =

@@ -41,7 +41,6 @@ pub(super) fn count_uniform(
     Ok(scene.count(tracer.as_ref(), ShadowRule::Historical))
 }
 
-/// The counters of a setting of the uniform grid.
 pub(super) fn uniform(scene: &PublishedScene, setting: &Setting) -> Counted {
     let work = count_uniform(scene, setting.figures.get("resolution").copied())?;
     Ok(grid_counters(scene, &work))
@@ -66,7 +65,6 @@ fn build_recursive<'g>(
     build("recursive-grid", geometry, settings)
 }
 
-/// The counters of a setting of the recursive grid.
 pub(super) fn recursive(scene: &PublishedScene, setting: &Setting) -> Counted {
     let tracer = build_recursive(&scene.geometry, setting.params)?;
     let work = scene.count(tracer.as_ref(), ShadowRule::HistoricalInCell);
@@ -86,7 +84,6 @@ fn settings<'p>(
     same.iter().copied().map(Ok).chain(words).collect()
 }
 
-/// The counters of a setting of HUG.
 pub(super) fn hug(scene: &PublishedScene, setting: &Setting) -> Counted {
     let own = build_hug(&scene.geometry, setting.params, 0)?;
     let cells = own.stats().cells;
@@ -156,7 +153,6 @@ fn adaptive_settings(params: &str) -> Result<Vec<(&str, &str)>, ReproduceError> 
     })
 }
 
-/// The counters of a setting of the adaptive grid.
 pub(super) fn adaptive(scene: &PublishedScene, setting: &Setting) -> Counted {
     let params = registered("adaptive-grid")?.params(adaptive_settings(setting.params)?)?;
     match scene.geometry.prims() {

@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-/// The judgement of one figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Exact,

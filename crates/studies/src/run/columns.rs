@@ -160,7 +160,6 @@ pub fn fields(scene: &SceneRecord, row: &RowRecord) -> Vec<String> {
     column::fields(&columns(), &RowOf { scene, row, all_rays: 0 }).collect()
 }
 
-/// Note below the table of foreign rows.
 const FOREIGN: &str = "foreign: another program. It reported its times itself, on its own hardware; \
                     its answers were checked from a file (`rtbench rays check`). It is in no \
                     ratio, mean or comparison.";

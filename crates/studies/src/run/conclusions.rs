@@ -8,14 +8,12 @@
 use std::collections::BTreeSet;
 
 use measurement::record::query::Query;
-use measurement::record::with_query;
 use measurement::record::{
     AnsweredRays, Conclusion, Defective, LeastTime, NextRow, Question, RowRecord, RunRecord,
-    SceneRecord, Verdict,
+    SceneRecord, Verdict, with_query,
 };
 
-use crate::run::costs::{Cost, Profile, all_rays_s, profiles, reference};
-use crate::run::costs::{count_interval, envelope};
+use crate::run::costs::{Cost, Profile, all_rays_s, count_interval, envelope, profiles, reference};
 use crate::run::kind_tables::kinds_of;
 use crate::run::leads::{Ranking, TimedRow, lead};
 use crate::run::time_to_image::TimesToImage;
@@ -23,7 +21,6 @@ use crate::run::time_to_image::TimesToImage;
 use statistics::estimate::Estimate;
 use statistics::series::geometric_mean_of;
 
-/// Concludes from the rows of a scene.
 pub fn conclude_scene(scene: &mut SceneRecord, seed: u64) {
     scene.conclusions = conclusions(&[scene], seed);
     scene.least_time = least_time(&profiles(scene), seed);
@@ -135,7 +132,7 @@ fn closer_than_next(
         let own = own.collect::<Option<Vec<_>>>()?;
         let quotients: Vec<_> =
             own.iter().zip(&firsts).map(|(own, first)| own.timed.quotients(first)).collect();
-        let times = geometric_mean_of(&quotients.iter().collect::<Vec<_>>(), seed)?;
+        let times = geometric_mean_of(&quotients, seed)?;
         (times.low <= 1.0 || is_closer(&times)).then(|| Defective {
             row: label.clone(),
             times,

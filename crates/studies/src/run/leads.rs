@@ -47,7 +47,6 @@ pub struct Ranking {
     pub first: String,
     /// Its time; over several scenes the geometric mean.
     pub took: Estimate,
-    /// Rows that are not significantly slower.
     pub ties: Vec<String>,
     /// The nearest that is significantly slower, and how many times as much it takes.
     pub next: Option<(String, Estimate)>,
@@ -65,7 +64,7 @@ struct Competitor {
 
 impl Competitor {
     fn quotient(&self, seed: u64) -> Option<Estimate> {
-        mean(&self.groups, seed)
+        geometric_mean_of(&self.groups, seed)
     }
 
     /// The quotient without its interval.
@@ -93,10 +92,6 @@ impl Competitor {
     fn is_always_slower(&self) -> bool {
         self.groups.iter().flat_map(Series::values).all(|quotient| *quotient < 1.0)
     }
-}
-
-fn mean(groups: &[Series], seed: u64) -> Option<Estimate> {
-    geometric_mean_of(&groups.iter().collect::<Vec<_>>(), seed)
 }
 
 impl Ranking {
@@ -149,7 +144,7 @@ pub fn lead<R: AsRef<[TimedRow]>>(scenes: &[R], seed: u64) -> Option<Ranking> {
             groups: first.iter().zip(rows).map(|(a, b)| a.quotients(b)).collect(),
         });
     let own: Vec<Series> = first.iter().map(|t| series(&t.rounds)).collect();
-    Some(Ranking::new(label(first), mean(&own, seed)?, others.collect(), seed))
+    Some(Ranking::new(label(first), geometric_mean_of(&own, seed)?, others.collect(), seed))
 }
 
 #[cfg(test)]

@@ -26,7 +26,6 @@ pub struct Lines {
     pub lines: Vec<Line>,
 }
 
-/// Explanation of the terms.
 pub const NOTE: &str = "first image: build, one million primary rays and their shadow rays. next: \
                         the closest row that is significantly slower (or larger), and by what \
                         factor. A row with a known defect, or whose answers were not all \
@@ -194,7 +193,6 @@ fn interval(estimate: &Estimate, scale: f64) -> String {
     format!("[{}, {}]", short(estimate.low * scale), short(estimate.high * scale))
 }
 
-/// Bytes with the unit that suits them.
 fn bytes(bytes: f64) -> String {
     match bytes {
         n if n < 1024.0 => format!("{} bytes", short(n)),

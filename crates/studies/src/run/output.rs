@@ -11,8 +11,7 @@ use presentation::csv::written;
 use presentation::json::FormatError;
 use presentation::markdown::{code, escaped, push_table};
 use presentation::table::{Style, Table};
-use presentation::text::painted;
-use presentation::text::wrapped;
+use presentation::text::{painted, wrapped};
 
 use crate::run::few::{self, Few};
 use crate::run::lines::{self, Line, Lines};

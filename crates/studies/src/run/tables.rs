@@ -89,7 +89,6 @@ fn mark_best(
     }
 }
 
-/// Title of a scene: its primitives and rays.
 pub fn scene_title(scene: &SceneRecord) -> String {
     let rays: Vec<String> = scene.rays.iter().map(|(kind, n)| format!("{n} {kind}")).collect();
     format!("{}: {} primitives; rays: {}", scene.name, scene.primitives, rays.join(", "))
@@ -185,7 +184,6 @@ fn levels_note(row: &RowRecord) -> Option<String> {
     ))
 }
 
-/// Number of processes, and the A/A floor.
 fn process_notes(run: &RunRecord) -> impl Iterator<Item = String> {
     let processes = run.settings.processes;
     let many = (processes > 1).then(|| {

@@ -18,16 +18,14 @@ use crate::run::leads::TimedRow;
 use measurement::record::query::Query;
 use measurement::record::{AnsweredRays, RowRecord, Sample, SceneRecord, Verdict};
 use statistics::estimate::Estimate;
-use statistics::series::{Series, geometric_mean_of};
+use statistics::series::geometric_mean_of;
 
 /// Primary rays of the image.
 pub const PRIMARY_RAYS: f64 = 1e6;
 
-/// Times of a row by round.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TimeToImage {
     pub timed: TimedRow,
-    /// It is a row of obvhs.
     pub is_obvhs: bool,
     /// It may be called the best of anything.
     pub may_lead: bool,
@@ -67,22 +65,18 @@ impl<'a> TimesToImage<'a> {
         Self { scene, times: times.collect() }
     }
 
-    /// Times of the rows that may lead.
     pub fn leading(&self) -> impl Iterator<Item = &TimedRow> {
         self.times.iter().filter(|time| time.may_lead).map(|time| &time.timed)
     }
 
-    /// Time of the row with this label.
     pub fn of_row(&self, label: &str) -> Option<&TimeToImage> {
         self.times.iter().find(|time| time.timed.label == label)
     }
 
-    /// The row of obvhs that is done first.
     pub fn fastest_obvhs(&self) -> Option<&TimeToImage> {
         self.fastest(|time| time.is_obvhs)
     }
 
-    /// Fastest of all others with this query mode.
     pub fn fastest_other(&self, query: Query) -> Option<&TimeToImage> {
         self.fastest(|time| !time.is_obvhs && time.timed.query == query)
     }
@@ -111,9 +105,7 @@ pub fn over_scenes(
         by_scene.insert(times.scene.name.clone(), middle);
         groups.push(quotients);
     }
-    let groups: Vec<&Series> = groups.iter().collect();
-    let mean = if groups.is_empty() { None } else { geometric_mean_of(&groups, seed) };
-    Some((by_scene, mean?))
+    Some((by_scene, geometric_mean_of(&groups, seed)?))
 }
 
 /// The sum for a visit.

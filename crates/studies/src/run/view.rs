@@ -10,14 +10,11 @@ use crate::run::columns::RATIO;
 
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Sort {
-    /// Fastest at tracing first
     #[default]
     Trace,
-    /// Fastest to build first
     Build,
     /// Smallest first; in the table over all scenes as `trace`
     Memory,
-    /// As `rtbench list structures` has them
     Registry,
 }
 

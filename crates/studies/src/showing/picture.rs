@@ -7,10 +7,8 @@ use presentation::drawing::{Classes, Color, Drawing, Font, Item, PLAIN, Paint, c
 use presentation::svg_plot::pen::{BEST, GREY, INK, MARK};
 
 use super::ray_path::PathThrough;
-use super::sections::Line;
-use super::sections::{Body, Section};
-use super::view::Plane;
-use super::view::Projection;
+use super::sections::{Body, Line, Section};
+use super::view::{Plane, Projection};
 
 /// Room around and between.
 const MARGIN: f64 = 18.0;
@@ -21,7 +19,6 @@ const GROUND: Color = [252, 252, 250];
 /// Sides of empty cells.
 const FAINT: Color = [205, 205, 205];
 const SIDE: Color = [250, 250, 250];
-/// Surfaces of the scene.
 const SURFACE: Color = [20, 20, 20];
 /// Half the width of a number beside a ray.
 const NUMBER: f64 = 9.0;
@@ -29,12 +26,10 @@ const NUMBER: f64 = 9.0;
 /// Cells of a structure, as a picture shows them.
 #[derive(Debug, Clone, PartialEq)]
 pub enum SectionKind {
-    /// Cells cut by a plane.
     Sections(Vec<Section>),
     Bodies(Vec<Body>),
 }
 
-/// A structure as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnStructure {
     pub label: String,
@@ -43,7 +38,6 @@ pub struct DrawnStructure {
     pub path: Option<PathThrough>,
 }
 
-/// From where cells are seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum View<'a> {
     /// Cut by a plane, with what that cuts of the scene.
@@ -51,11 +45,9 @@ pub enum View<'a> {
     Boxes(Projection),
 }
 
-/// Settings shared by all panels of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame<'a> {
     pub title: String,
-    /// From where cells are seen.
     pub view: View<'a>,
     pub scene: Aabb<f64>,
     /// The part that panels show: left, lower, right, upper; all of the scene if it is not said.
@@ -192,7 +184,6 @@ fn most_references(shown: &DrawnStructure) -> u64 {
     most.unwrap_or(1).max(1)
 }
 
-/// Summary of a structure: its cells and references.
 fn counted(shown: &DrawnStructure) -> String {
     let stats = &shown.stats;
     let inner = match stats.inner_cells {
@@ -292,7 +283,6 @@ fn boxes(
     }
 }
 
-/// A ray and what it meets.
 fn overlay(drawing: &mut Drawing, placed: &ViewTransform, path: &PathThrough) {
     let outlined = |ends: &[[f64; 4]], color: Color, width: f64| {
         let boxes = ends.iter().filter_map(|ends| placed.rectangle(*ends)).collect();

@@ -11,7 +11,6 @@ use scene_loading::Scene;
 use super::sections::{Line, outline_of};
 use super::view::Plane;
 
-/// A cell that a ray enters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EnteredCell {
     /// Numbers of the first and the last step into it, from 1.
@@ -19,7 +18,6 @@ pub struct EnteredCell {
     /// End points of the section.
     pub ends: [f64; 4],
     pub depth: u32,
-    /// Midpoint of the ray within it.
     pub middle: [f64; 2],
 }
 
@@ -42,7 +40,6 @@ pub struct PathThrough {
     pub counters: WorkCounters,
 }
 
-/// Follows a ray through a structure.
 pub fn path_through(
     tracer: &dyn Tracer<f32>,
     ray: &Ray<f32>,

@@ -5,7 +5,6 @@ use crate::sweep::{Line, Sweep};
 use measurement::record::{RowRecord, SceneRecord, StatsRecord, Verdict};
 use statistics::estimate::Estimate;
 
-/// How a swept value stands among the others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ValueStanding {
     /// The lowest tracing time.
@@ -15,14 +14,12 @@ pub enum ValueStanding {
     Slower,
 }
 
-/// Judgement of a row of the sweep.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judgement {
     /// Among the swept values; none for other rows and for rows without a time.
     pub standing: Option<ValueStanding>,
     /// Tracing time over that of the best value.
     pub to_best: Option<f64>,
-    /// Elementary cells per primitive.
     pub cells_per_primitive: Option<f64>,
     /// `best`, `rule: woo`...
     pub marks: Vec<String>,

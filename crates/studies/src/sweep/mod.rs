@@ -60,7 +60,6 @@ pub enum Abscissa {
 
 #[derive(Debug)]
 pub struct Sweep<'r> {
-    /// The rows, and how they are measured.
     pub plan: Plan<'r>,
     /// Parameter value of each row of the plan.
     pub lines: Vec<Line>,

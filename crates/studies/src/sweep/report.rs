@@ -11,7 +11,6 @@ use presentation::numbers;
 use presentation::svg_plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series, figure};
 use presentation::table::{Cell, Style, Table};
 use presentation::text::Screen;
-use statistics::estimate::Estimate;
 
 use crate::run::columns::RATIO;
 use crate::run::{columns as run_columns, output, tables};
@@ -30,7 +29,6 @@ const TAKEN: [&str; 15] = [
 const FIRST: [&str; 9] =
     ["verdict", RATIO, "mark", "to best", "N_IT", "N_TS", "build ms", "trace ms", "MiB"];
 
-/// Prints the table of a scene.
 pub fn write(
     out: &mut dyn Write,
     sweep: &Sweep<'_>,
@@ -100,7 +98,6 @@ fn number(x: Option<f64>) -> Cell {
     x.map_or(Cell { text: "-".into(), style: Style::Dim }, |x| numbers::short(x).into())
 }
 
-/// Best value, and its advantage.
 pub fn best_notes(sweep: &Sweep<'_>, judgements: &[Judgement]) -> Vec<String> {
     let of = |standing| {
         let lines = sweep.lines.iter().zip(judgements);
@@ -191,8 +188,9 @@ fn panel(sweep: &Sweep<'_>, run: &RunRecord, scene: &SceneRecord) -> Plot {
     let placed: Vec<PlottedRow<'_>> = rows
         .filter(|(((row, _), _), _)| row.verdict == Verdict::Ok)
         .filter_map(|(((_, line), judgement), cost)| {
-            let x = abscissa(sweep, line, judgement, &words)?;
-            Some(PlottedRow { line, judgement, point: point(x, cost?) })
+            let (x, cost) = (abscissa(sweep, line, judgement, &words)?, cost?);
+            let point = Point { x, y: cost.median, low: cost.low, high: cost.high };
+            Some(PlottedRow { line, judgement, point })
         })
         .collect();
     let has_ratios = scene.rows.iter().any(|r| r.ratio.is_some());
@@ -255,10 +253,6 @@ fn subtitle(scene: &SceneRecord, rays: u64, sweep: &Sweep<'_>, judgements: &[Jud
         text.push_str("; dashed rings: not significantly different from the best");
     }
     text
-}
-
-fn point(x: f64, cost: Estimate) -> Point {
-    Point { x, y: cost.median, low: cost.low, high: cost.high }
 }
 
 /// The words of the horizontal axis: the values, the default among them.

@@ -78,9 +78,7 @@ pub struct ComparisonInput<'a> {
     pub frame: RenderSettings,
     /// Numbers of samples per pixel, in rising order.
     pub samples: &'a [u32],
-    /// The tracers to compare, by name.
     pub tracers: &'a [&'static str],
-    /// How often each image is made.
     pub rounds: u32,
 }
 

@@ -41,11 +41,9 @@ struct QuerySubject {
     missed: usize,
 }
 
-/// How often queries are repeated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rounds {
     pub rounds: u32,
-    /// Seed of their orders and of the intervals.
     pub seed: u64,
     /// Primitives of the scene: how many tests brute force makes a query.
     pub primitives: usize,

@@ -18,18 +18,15 @@ pub struct TracersRecord {
     /// Machine of the run; not read, as older records have other machines.
     #[serde(skip_deserializing)]
     pub machine: Option<Machine>,
-    /// Name of the scene.
     pub scene: String,
     #[serde(default)]
     pub primitives: usize,
-    /// Width and height of the images.
     pub resolution: [u32; 2],
     /// Structures of sampling, and of cones and beams.
     #[serde(default)]
     pub through: [String; 2],
     pub threads: usize,
     pub seed: u64,
-    /// Reference of the image errors.
     pub reference: ReferenceRecord,
     pub images: Vec<ImageRecord>,
     #[serde(default)]
@@ -68,7 +65,6 @@ impl ImageRecord {
     }
 }
 
-/// A way to make an image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct RowName {
     pub tracer: String,
@@ -98,7 +94,6 @@ impl RowName {
     }
 }
 
-/// Outcome of an image.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Outcome {
@@ -114,9 +109,7 @@ pub enum Outcome {
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ImageMeasurement {
-    /// Seconds of each round.
     pub seconds: Vec<f64>,
-    /// Root mean square error.
     #[serde(rename = "rmse")]
     pub error: f64,
     /// The same over the pixels of edges, if there are any.
@@ -152,7 +145,6 @@ pub struct QueryRecord {
     pub structure: String,
     /// Queries a round: all pixels, or every so many of them.
     pub queries: usize,
-    /// Time of a query.
     pub microseconds: Estimate,
     /// Its time over that of brute force on the same frusta in the same rounds.
     pub ratio_to_brute_force: Estimate,
@@ -170,7 +162,6 @@ pub struct QueryRecord {
 pub struct SampledImage {
     /// Samples per pixel.
     pub samples: f64,
-    /// Root mean square error.
     pub error: f64,
     pub seconds: f64,
 }

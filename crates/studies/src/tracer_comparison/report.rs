@@ -13,15 +13,17 @@ use renderer::Image;
 use statistics::estimate::estimate;
 
 use crate::accuracy::record::VariantStanding;
-use crate::tracer_comparison::record::AtError;
-use crate::tracer_comparison::record::{ImageMeasurement, ImageRecord, Outcome, TracersRecord};
+use crate::tracer_comparison::record::{
+    AtError, ImageMeasurement, ImageRecord, Outcome, TracersRecord,
+};
 
-/// A comparison with its images.
 pub struct Report {
     pub record: TracersRecord,
-    /// The image that all others are compared with.
     pub reference: Image,
 }
+
+const QUERY_HEADS: &str = "structure | us/query | to brute force [95%] | cells | references | \
+                           hull tests | found | verdict";
 
 impl Report {
     /// A structure did not find what it must.
@@ -102,16 +104,7 @@ impl Report {
         let (first, scene) = (self.record.queries.first()?, &self.record.scene);
         let mut table = Table {
             title: format!("{scene}: candidates of a pixel's beam or cone, one thread"),
-            header: vec![
-                "structure",
-                "us/query",
-                "to brute force [95%]",
-                "cells",
-                "references",
-                "hull tests",
-                "found",
-                "verdict",
-            ],
+            header: QUERY_HEADS.split(" | ").collect(),
             ..Table::default()
         };
         for q in &self.record.queries {

@@ -118,7 +118,6 @@ fn together<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> (Vec<Hit<S>>,
     (hits, blocked)
 }
 
-/// The closest hits alone.
 pub(super) fn closest<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
     let mut hits = vec![unwritten(); rays.len()];
     tracer.closest_hits(rays, &mut hits);
@@ -206,12 +205,10 @@ impl Digest {
         self.word(u64::from(hit.id));
     }
 
-    /// Goes on with an occlusion.
     pub fn blocked(&mut self, blocked: bool) {
         self.word(u64::from(blocked));
     }
 
-    /// Goes on with any word.
     pub fn word(&mut self, word: u64) {
         self.0 = mixed(self.0.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ word);
     }

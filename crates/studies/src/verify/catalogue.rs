@@ -249,7 +249,6 @@ pub static GROUPS: &[Group] = &[
 
 pub type CatalogueEntry = (&'static Group, &'static Case);
 
-/// All cases in the order of the catalogue.
 pub fn all() -> impl Iterator<Item = CatalogueEntry> {
     GROUPS.iter().flat_map(|g| g.cases.iter().map(move |c| (g, c)))
 }

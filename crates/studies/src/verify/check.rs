@@ -158,7 +158,6 @@ impl Drawing<'_> {
         draw(&mut self.random(), self.rays).map_err(|e| e.to_string())
     }
 
-    /// One round against all subjects.
     fn ask<S: Buildable>(
         &self,
         draw: Draw<S>,

@@ -11,8 +11,7 @@ use glam::DVec3;
 use robust::{Coord3D, orient3d};
 
 use super::double_double::{cross, difference, dot, vector};
-use super::round::Corners;
-use super::round::OracleAnswer;
+use super::round::{Corners, OracleAnswer};
 
 /// A triangle that the line of the ray meets, or passes closely.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -10,8 +10,7 @@ use accel_core::structure::BuildError;
 use accel_core::{Hit, MISS, Ray, Scalar};
 use renderer::Geometry;
 
-use super::answers::Digest;
-use super::answers::{Answers, Repeated, closest};
+use super::answers::{Answers, Digest, Repeated, closest};
 use super::mismatch::OwnTestJudge;
 pub use super::mismatch::{Difference, Mismatch};
 use super::round::{Invariant, MetamorphicPair, OracleAnswer, Round, corners_of, model_of};

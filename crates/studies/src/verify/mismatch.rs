@@ -59,7 +59,6 @@ impl Difference {
     }
 }
 
-/// An answer that differs from ours.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Mismatch {
     /// Index of the ray in the round.

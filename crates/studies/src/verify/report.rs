@@ -56,7 +56,6 @@ impl SubjectCounts {
         }
     }
 
-    /// Counts of a round that was refused.
     pub fn refused(round: u64, why: String) -> Self {
         Self { refused: 1, rounds: 1, reason: Some((round, why)), ..Self::default() }
     }
@@ -144,7 +143,6 @@ impl Line {
         Value::Count(self.differences.get(difference).copied().unwrap_or_default())
     }
 
-    /// Returns whether it fails the check.
     pub fn is_failure(&self) -> bool {
         self.mismatches > 0 && self.known_defect.is_none()
     }

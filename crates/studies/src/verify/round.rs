@@ -70,7 +70,6 @@ impl OracleAnswer {
         Self::Hit { id: None, t: [t - slack, t + slack] }
     }
 
-    /// Returns whether an answer is what is expected.
     pub fn admits<S: Scalar>(&self, hit: &Hit<S>) -> bool {
         match *self {
             Self::Anything => true,
@@ -140,6 +139,14 @@ impl<S: Buildable> Round<S> {
     pub fn push(&mut self, ray: Ray<S>, expected: OracleAnswer) {
         self.rays.push(ray);
         self.expected.push(expected);
+    }
+
+    /// The same of a ray that may have no direction, or numbers that are none: such a one is left
+    /// out.
+    pub fn push_traceable(&mut self, ray: Ray<S>, expect: impl FnOnce(&Self) -> OracleAnswer) {
+        if ray.is_traceable() {
+            self.push(ray, expect(self));
+        }
     }
 }
 

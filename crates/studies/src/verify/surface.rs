@@ -23,7 +23,6 @@ const SHIFT: f64 = 24.0;
 #[derive(Debug)]
 pub struct Surface {
     faces: Vec<Face>,
-    /// The polygons at each edge.
     beside: Vec<Vec<u32>>,
     bounds: [DVec3; 2],
 }

@@ -75,18 +75,10 @@ fn measure(stage: &Stage<'_>) -> Result<SceneOutcome, StudyError> {
 fn moved(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     let by = DVec3::new(0.62, -0.54, 0.57) * diagonal(&scene) * MOVED;
-    scene.vertices.iter_mut().for_each(|v| *v += by);
-    scene.spheres.iter_mut().for_each(|s| s.center += by);
-    for cone in &mut scene.cones {
-        cone.base += by;
-        cone.apex += by;
-    }
-    scene.camera.from += by;
-    scene.camera.at += by;
+    scene.rebase(scene.origin - by);
     scene
 }
 
-/// Self-hits and leaks.
 fn judged(secondary: &SecondaryRays<'_>, work: &SecondaryWork<'_>) -> [TrialCounts; 2] {
     let [mut self_hits, mut leaks] = [TrialCounts::default(); 2];
     for (departure, (point, ray, hit)) in secondary.departures.iter().zip(work.outcomes()) {

@@ -14,7 +14,7 @@ use renderer::ray_offset::{OffsetRule, RayOffset};
 use renderer::surface::SurfacePoint;
 use renderer::{Geometry, RayKind};
 
-use super::secondary_rays::{GAP, SecondaryRays, height};
+use super::secondary_rays::{Departure, GAP, SecondaryRays, height};
 use super::triangle_aims::{KnownHit, judged, known_hits};
 use crate::accuracy::axis::*;
 use crate::accuracy::cost_tables::OFFSET_RAYS;
@@ -103,7 +103,8 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
     let double = Geometry::<f64>::of(stage.scene())?;
     let is_timed = |kind| matches!(kind, RayKind::Primary | RayKind::Diffuse | RayKind::Shadow);
     let batches = stage.batches(stage.limits.timed_rays, is_timed);
-    let judge = Judge { stage, aims: &aims, secondary: &secondary, most };
+    let timed_most = stage.limits.timed_rays / KINDS;
+    let judge = Judge { aims: &aims, secondary: &secondary, judged: most, timed: timed_most };
     let mut variants = Vec::new();
     for step in steps(subject) {
         let label = format!("{subject}{}", step.settings);
@@ -131,7 +132,7 @@ fn measure(stage: &Stage<'_>, subject: &str) -> Result<SceneOutcome, StudyError>
         });
     }
     let (all, left) = (count(&batches), secondary.departures.len());
-    let (made, judged) = (left.min(stage.limits.timed_rays / KINDS), left.min(most));
+    let (made, judged) = (left.min(timed_most), left.min(most));
     let work = format!("{all} rays of the scene and {made} that leave surfaces, made and traced");
     let [edges, middles] = aims.each_ref().map(Vec::len);
     let judged = format!(
@@ -150,14 +151,15 @@ const WRONG: [&str; KINDS] = [
 ];
 
 struct Judge<'j, 'a> {
-    stage: &'j Stage<'j>,
     aims: &'j [Vec<KnownHit>; 2],
     secondary: &'j SecondaryRays<'a>,
-    most: usize,
+    /// Rays that leave surfaces, at most: judged ones and timed ones.
+    judged: usize,
+    timed: usize,
 }
 
 impl<'a> Judge<'_, 'a> {
-    /// The errors of a step, and its work.
+    /// The errors of a step, and its work: `batches`, and the rays that leave surfaces.
     fn step<S: Buildable>(
         &self,
         tracer: Box<dyn Tracer<S> + 'a>,
@@ -168,12 +170,45 @@ impl<'a> Judge<'_, 'a> {
             let rays: Vec<Ray<S>> = known.iter().map(|known| exactly(&known.ray)).collect();
             judged(&*tracer, known, &rays)
         };
-        let [edges, middles] = self.aims;
-        let off = judged_departures(&*tracer, offset, self.secondary, self.most);
-        let found = [of_aims(edges), of_aims(middles), off];
-        let most = self.stage.limits.timed_rays / KINDS;
-        let work = step_work(tracer, batches, offset, self.secondary, most);
+        let [edges, middles] = self.aims.each_ref().map(of_aims);
+        let found = [edges, middles, self.off_surfaces(&*tracer, offset)];
+        let leaving: Vec<_> = self.leaving(self.timed).collect();
+        let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
+        let answers = of_batches.chain([Answers::new(RayKind::Diffuse, leaving.len())]).collect();
+        let parts = batches.iter().map(|(kind, _)| kind.name()).chain([OFFSET_RAYS]).collect();
+        let mut made: Vec<Ray<S>> = Vec::new();
+        let mut work = Replay::answered_by(answers, move |part, answers| {
+            let rays = match batches.get(part) {
+                Some((_, rays)) => rays,
+                None => {
+                    made.clear();
+                    made.extend(leaving.iter().map(|(point, d)| offset.along(point, d.out)));
+                    &made
+                }
+            };
+            trace(&*tracer, rays, answers);
+        });
+        work.parts = parts;
         (found, Box::new(work))
+    }
+
+    /// Counts the rays that hit the surface they leave, or begin beyond a sheet close above it.
+    fn off_surfaces<S: Buildable>(&self, tracer: &dyn Tracer<S>, offset: RayOffset) -> TrialCounts {
+        let left: Vec<_> = self.leaving(self.judged).collect();
+        let rays: Vec<Ray<S>> = left.iter().map(|(point, d)| offset.along(point, d.out)).collect();
+        let mut hits = vec![Hit::NONE; rays.len()];
+        tracer.closest_hits(&rays, &mut hits);
+        let gap = GAP * self.secondary.diagonal;
+        let mut counts = TrialCounts::default();
+        for (((point, d), ray), hit) in left.iter().zip(&rays).zip(&hits) {
+            counts.add(hit.id == d.id || height(point, ray) > gap);
+        }
+        counts
+    }
+
+    /// The first `most` hits, and the points that rays leave there.
+    fn leaving(&self, most: usize) -> impl Iterator<Item = (SurfacePoint<'a>, Departure)> {
+        self.secondary.departures.iter().take(most).map(|d| (self.secondary.point(d), *d))
     }
 }
 
@@ -187,54 +222,4 @@ fn exactly<S: Scalar>(ray: &Ray<f32>) -> Ray<S> {
         t_max: S::from_f64(wide.t_max),
         time: S::from_f64(wide.time),
     }
-}
-
-/// Traces `batches`, and the first `most` of the rays that leave surfaces.
-fn step_work<'a, S: Buildable>(
-    tracer: Box<dyn Tracer<S> + 'a>,
-    batches: Batches<S>,
-    offset: RayOffset,
-    secondary: &SecondaryRays<'a>,
-    most: usize,
-) -> Replay<'a, S> {
-    let first = secondary.departures.iter().take(most);
-    let leaving: Vec<_> = first.map(|d| (secondary.point(d), d.out)).collect();
-    let of_batches = batches.iter().map(|(kind, rays)| Answers::new(*kind, rays.len()));
-    let answers = of_batches.chain([Answers::new(RayKind::Diffuse, leaving.len())]).collect();
-    let parts = batches.iter().map(|(kind, _)| kind.name()).chain([OFFSET_RAYS]).collect();
-    let mut made: Vec<Ray<S>> = Vec::new();
-    let mut replay = Replay::answered_by(answers, move |part, answers| {
-        let rays = match batches.get(part) {
-            Some((_, rays)) => rays,
-            None => {
-                made.clear();
-                made.extend(leaving.iter().map(|(point, out)| offset.along(point, *out)));
-                &made
-            }
-        };
-        trace(&*tracer, rays, answers);
-    });
-    replay.parts = parts;
-    replay
-}
-
-/// Counts the rays that hit the surface they leave, or begin beyond a sheet close above it.
-fn judged_departures<S: Buildable>(
-    tracer: &dyn Tracer<S>,
-    offset: RayOffset,
-    secondary: &SecondaryRays<'_>,
-    most: usize,
-) -> TrialCounts {
-    let secondary_rays: Vec<_> = secondary.departures.iter().take(most).collect();
-    let points: Vec<_> = secondary_rays.iter().map(|d| secondary.point(d)).collect();
-    let rays: Vec<Ray<S>> =
-        points.iter().zip(&secondary_rays).map(|(point, d)| offset.along(point, d.out)).collect();
-    let mut hits = vec![Hit::NONE; rays.len()];
-    tracer.closest_hits(&rays, &mut hits);
-    let all = secondary_rays.iter().zip(&points).zip(&rays).zip(&hits);
-    let is_wrong =
-        |point: &SurfacePoint<'_>, ray: &Ray<S>| height(point, ray) > GAP * secondary.diagonal;
-    let mut counts = TrialCounts::default();
-    all.for_each(|(((d, point), ray), hit)| counts.add(hit.id == d.id || is_wrong(point, ray)));
-    counts
 }

@@ -129,7 +129,6 @@ fn made(offset: RayOffset, (point, purpose): &(SurfacePoint<'_>, RayPurpose)) ->
     }
 }
 
-/// Rays made under a rule and traced.
 pub struct SecondaryWork<'a> {
     ways: Ways<'a>,
     offset: RayOffset,

@@ -21,7 +21,6 @@ use crate::accuracy::record::in_a_million;
 /// Shadow rays of points that the shading says are lit.
 #[derive(Default)]
 pub struct LitPoints<'a> {
-    /// The mesh of each primitive.
     meshes: Vec<u32>,
     ids: Vec<u32>,
     ways: Ways<'a>,

@@ -192,7 +192,6 @@ pub struct KnownHit {
 }
 
 impl KnownHit {
-    /// Returns whether an answer cannot be right.
     pub fn is_wrong<S: Scalar>(&self, hit: &Hit<S>) -> bool {
         !hit.is_hit() || hit.t.to_f64() > self.latest
     }

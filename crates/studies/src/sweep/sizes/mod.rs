@@ -37,7 +37,6 @@ const FAR: f64 = 3.163;
 /// Most memory of a trial build, in place of none.
 const MAX_MEMORY: u64 = 8 << 30;
 
-/// Settings of a sweep over sizes.
 #[derive(Debug, Clone)]
 pub struct SizeSettings {
     /// A generated scene, without a size.

@@ -82,8 +82,7 @@ pub fn slopes(scenes: &[SceneRecord]) -> Vec<SlopeRecord> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use measurement::record::Verdict;
-    use measurement::record::made_up;
+    use measurement::record::{Verdict, made_up};
 
     /// A row with build times n^2 and trace times that do not grow, in scenes of n primitives.
     fn scenes() -> Vec<SceneRecord> {

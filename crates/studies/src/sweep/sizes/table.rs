@@ -18,7 +18,6 @@ use presentation::table::{Cell, Style, Table, dash};
 use presentation::text::Screen;
 use statistics::estimate::Estimate;
 
-/// Prints the table of a size.
 pub fn write_size(
     out: &mut dyn Write,
     run: &RunRecord,
@@ -130,7 +129,6 @@ const GLOSSARY: &[&str] = &[
      there and not tried at larger sizes.",
 ];
 
-/// A row of a size.
 #[derive(Debug, Clone, Copy)]
 pub struct SizeRow<'a> {
     /// As of a run.

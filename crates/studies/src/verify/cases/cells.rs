@@ -17,7 +17,7 @@ pub fn flat_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
 pub fn long_scene<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let stretched = |p: DVec3| single(p * dvec3(1e9, 1.0, 1.0));
     let triangles: Vec<Corners> = soup(random, 200, 0.4).iter().map(|t| t.map(stretched)).collect();
-    soup_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, in_soup, |random| {
         let target = point_within(random, &triangles);
         let down = one_of(random, &[1.0, -1.0]);
         (single(target.with_z(-down * 3.0)), dvec3(0.0, 0.0, down))
@@ -29,7 +29,7 @@ pub fn stadium<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S>
     let mut triangles: Vec<Corners> = soup(random, 1000, 0.2).iter().map(place).collect();
     let floor = |t: &Corners| t.map(|p| (p - dvec3(0.5, 0.5, 0.0)) * 1e4);
     triangles.extend(sheet(1, |_, _| 0.0).iter().map(floor));
-    soup_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, in_soup, |random| {
         let target = point(random) * 0.06 + dvec3(0.0, 0.0, 0.1);
         let distance = one_of(random, &[0.1, 1.0, 30.0]);
         let (origin, along) = toward(random, target, distance);
@@ -45,7 +45,7 @@ pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
         let level = random.below(LATTICE as usize + 1) as f64;
         triangles.push([0; 3].map(|_| with(lattice_point(random), axis, level)));
     }
-    lattice_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, on_lattice, |random| {
         let d = sign_direction(random);
         (lattice_point(random) - d * random.below(20) as f64, d)
     })
@@ -53,7 +53,7 @@ pub fn on_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<
 
 pub fn hit_points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 60);
-    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+    let mut round: Round<S> = exact_round(random, rays, &triangles, on_lattice, |random| {
         let d = sign_direction(random);
         let d = d * (1.0 + 3.0 * f64::from(u8::from(unit(random) < 0.5)));
         (lattice_point(random) - d * random.below(6) as f64, d)
@@ -92,7 +92,7 @@ pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Roun
     let Geometry::Triangles(set) = &model else { return Ok(Round::new(model)) };
     let Ok(boxes) = BoundsOf::new(set, BoundsRule::Padded) else { return Ok(Round::new(model)) };
     let (low, size) = (boxes.scene().min.to_array(), boxes.scene().size().to_array());
-    soup_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, in_soup, |random| {
         let mut origin = point_within(random, &triangles);
         let axis = random.below(3);
         for k in (0..3).filter(|k| *k != axis) {
@@ -110,7 +110,7 @@ pub fn along_cell_planes<S: Buildable>(random: &mut Random, rays: usize) -> Roun
 
 pub fn lattice_ties<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 80);
-    lattice_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, on_lattice, |random| {
         // the largest component a power of two: all arithmetic stays exact
         let (a, b) = (random_integer(random, 4), random_integer(random, 4));
         let c = one_of(random, &[4.0, -4.0]);
@@ -121,7 +121,7 @@ pub fn lattice_ties<S: Buildable>(random: &mut Random, rays: usize) -> RoundResu
 
 pub fn within_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 80);
-    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+    let mut round: Round<S> = exact_round(random, rays, &triangles, on_lattice, |random| {
         let zero = one_of(random, &[0.0, -0.0]);
         let sign = one_of(random, &[1.0, -1.0]);
         let d = with(DVec3::splat(zero), random.below(3), sign);

@@ -17,9 +17,7 @@ pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         let target = one_of(random, &places);
         let (origin, along) = toward(random, target, 2.0);
         let ray = ray(one_of(random, &[origin, target]), along);
-        if ray.is_traceable() {
-            round.push(ray, OracleAnswer::Miss);
-        }
+        round.push_traceable(ray, |_| OracleAnswer::Miss);
     }
     Ok(round)
 }
@@ -104,10 +102,7 @@ pub fn denormal<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S
         let away = 1.0 + unit(random);
         let (origin, along) = toward(random, target, away);
         let ray = ray(tiny(random, origin), along);
-        if ray.is_traceable() {
-            let expected = expected_in(&exact, &ray);
-            round.push(ray, expected);
-        }
+        round.push_traceable(ray, |_| expected_in(&exact, &ray));
     }
     Ok(round)
 }
@@ -120,7 +115,6 @@ pub fn threads<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S>
     Ok(round)
 }
 
-/// Triangles of the object.
 const TRIANGLES: usize = 24;
 
 pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -153,10 +147,7 @@ pub fn copies<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
         let away = one_of(random, &[2.0 * size, 3.0, far]);
         let (origin, along) = toward(random, target, away);
         let ray = ray(origin, along);
-        if ray.is_traceable() {
-            let expected = expected_in(&exact, &ray);
-            round.push(ray, expected);
-        }
+        round.push_traceable(ray, |_| expected_in(&exact, &ray));
     }
     Ok(round)
 }

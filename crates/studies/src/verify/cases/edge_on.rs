@@ -100,10 +100,7 @@ pub fn slivers<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S>
         let away = f64::min(one_of(random, &[3.0, 30.0, 300.0]), 5.0 * largest);
         let origin = single(target - along * away);
         let ray: Ray<S> = ray(origin, single(along));
-        if ray.is_traceable() {
-            let expected = expected(&round.model, &exact, &ray);
-            round.push(ray, expected);
-        }
+        round.push_traceable(ray, |round| expected(&round.model, &exact, &ray));
     }
     Ok(round)
 }

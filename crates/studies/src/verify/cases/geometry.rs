@@ -53,7 +53,7 @@ pub fn bumpy_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResul
 
 pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let mesh = sheet(64, |_, _| 0.0);
-    lattice_round(random, rays, &mesh, |random| {
+    exact_round(random, rays, &mesh, on_lattice, |random| {
         let mut half = || random.below(129) as f64 / 2.0;
         let target = dvec3(half(), half(), 0.0);
         let mut sign = || one_of(random, &[-1.0, -0.0, 0.0, 1.0]);
@@ -65,7 +65,7 @@ pub fn flat_sheet<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
 
 pub fn needle<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = [[DVec3::ZERO, dvec3(1e4, 0.0, 0.0), dvec3(0.0, 1e-4, 0.0)].map(single)];
-    soup_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, in_soup, |random| {
         let target = dvec3(unit(random) * 1e4, unit(random) * 1.2e-4, 0.0);
         let down = one_of(random, &[1.0, -1.0]);
         (single(target - dvec3(0.0, 0.0, down * 4.0)), dvec3(0.0, 0.0, down))
@@ -117,7 +117,7 @@ pub fn fine_detail_far_away<S: Buildable>(random: &mut Random, rays: usize) -> R
     let center = dvec3(1e6, -1e6, 1e6);
     let far = |t: &Corners| t.map(|p| single(center + p));
     let triangles: Vec<Corners> = soup(random, 200, 0.4).iter().map(far).collect();
-    soup_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, in_soup, |random| {
         let target = point_within(random, &triangles);
         let d = point(random);
         (single(target - d * 2.0), d)

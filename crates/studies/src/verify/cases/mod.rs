@@ -38,35 +38,14 @@ use crate::verify::round::{
 /// A round of a case, or why its scene cannot be made.
 type RoundResult<S> = Result<Round<S>, PrimitiveError>;
 
-/// A round over lattice triangles: rays of `draw`, whole-numbered as well, compared with the
-/// exact oracle.
-fn lattice_round<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    triangles: &[Corners],
-    draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
-) -> RoundResult<S> {
-    exact_round(random, rays, triangles, on_lattice, draw)
-}
-
-/// A round over loose triangles: rays of `draw`, compared with the exact oracle.
-fn soup_round<S: Buildable>(
-    random: &mut Random,
-    rays: usize,
-    triangles: &[Corners],
-    draw: impl FnMut(&mut Random) -> (DVec3, DVec3),
-) -> RoundResult<S> {
-    exact_round(random, rays, triangles, in_soup, draw)
-}
-
-/// The same with rays at points within the triangles, from about `distance` away.
+/// A round over loose triangles: rays at points within them, from about `distance` away.
 fn aimed_round<S: Buildable>(
     random: &mut Random,
     rays: usize,
     triangles: &[Corners],
     distance: f64,
 ) -> RoundResult<S> {
-    soup_round(random, rays, triangles, |random| {
+    exact_round(random, rays, triangles, in_soup, |random| {
         let target = point_within(random, triangles);
         toward(random, target, distance)
     })

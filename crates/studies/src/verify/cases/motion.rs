@@ -23,7 +23,7 @@ pub fn frames<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> 
     };
     let after: Vec<Corners> = before.iter().map(|t| moved(random, t)).collect();
     let (before, after) = if random.below(2) == 0 { (before, after) } else { (after, before) };
-    let mut round = soup_round(random, rays, &after, |random| {
+    let mut round = exact_round(random, rays, &after, in_soup, |random| {
         let target: DVec3 = within_or_on_edge(random, &after);
         toward(random, target, 2.0)
     })?;

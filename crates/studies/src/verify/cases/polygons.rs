@@ -38,7 +38,6 @@ fn surface(random: &mut Random, most: f64) -> Outlines {
     placed(random, &outlines, most)
 }
 
-/// A line through a point.
 struct Aim {
     target: DVec3,
     /// To the origin, any length.

@@ -6,7 +6,7 @@ use crate::verify::round::MetamorphicPair;
 
 pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = lattice_soup(random, 60);
-    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+    let mut round: Round<S> = exact_round(random, rays, &triangles, on_lattice, |random| {
         let d = sign_direction(random);
         (lattice_point(random) - d * random_integer(random, 20).abs(), d)
     })?;
@@ -105,7 +105,7 @@ pub fn interval_ends<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
 
 pub fn far_origins<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let triangles = soup(random, 60, 1.0);
-    soup_round(random, rays, &triangles, |random| {
+    exact_round(random, rays, &triangles, in_soup, |random| {
         let target = point_within(random, &triangles);
         let from = direction(random) * one_of(random, &[1e4, 1e6, 1e7]) * 3.5;
         (target + from, -from)
@@ -117,7 +117,7 @@ pub fn on_the_box<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult
     let mut triangles = lattice_soup(random, 60);
     // the scene's box is that of the lattice
     triangles.push([DVec3::ZERO, dvec3(side, 0.0, 0.0), dvec3(0.0, side, side)]);
-    let mut round: Round<S> = lattice_round(random, rays, &triangles, |random| {
+    let mut round: Round<S> = exact_round(random, rays, &triangles, on_lattice, |random| {
         let mut origin = lattice_point(random);
         for _ in 0..=random.below(3) {
             let end = one_of(random, &[0.0, side]);

@@ -103,10 +103,7 @@ fn around_cone<S: Buildable>(random: &mut Random, rays: usize, is_split: bool) -
         let is_axial = along.distance(axis) < 1e-9 || along.distance(-axis) < 1e-9;
         let along = single(if is_axial { along } else { along - origin });
         let ray: Ray<S> = ray(origin, along);
-        if !ray.is_traceable() {
-            continue;
-        }
-        round.push(ray, shape.expected(&ray, magnitude));
+        round.push_traceable(ray, |_| shape.expected(&ray, magnitude));
     }
     Ok(round)
 }
