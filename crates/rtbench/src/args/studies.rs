@@ -120,9 +120,6 @@ pub struct CompareTracersArgs {
     /// Number of threads that trace
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1, value_parser = threads())]
     pub threads: u16,
-    /// Seed of samples, schedules and intervals
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub seed: u64,
     /// Write tracers.csv, tracers.json, tracers.md, tracers.svg and the images to DIR
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -210,6 +207,9 @@ pub struct VerifyArgs {
     /// Structures as for `run` [default: all with all their variants, and the negative control]
     #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
     pub structures: Vec<String>,
+    /// Also check further settings of these structures, which otherwise only tests cover
+    #[arg(long)]
+    pub also_tested: bool,
     /// Rays per case and precision; the default takes about 5 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = count(1..=100_000_000))]
     pub rays: u32,

@@ -60,12 +60,7 @@ pub fn run(
         given.unwrap_or(if args.quick { quick } else { full })
     };
     let resolution = [choice(args.size, 64, 32); 2];
-    let frame = RenderSettings {
-        resolution,
-        max_depth: MAX_DEPTH,
-        seed: args.seed,
-        ..RenderSettings::default()
-    };
+    let frame = RenderSettings { resolution, max_depth: MAX_DEPTH, ..RenderSettings::default() };
     let mut samples = args.samples.clone();
     if samples.is_empty() {
         samples = if args.quick { QUICK_SAMPLES.to_vec() } else { SAMPLES.to_vec() };

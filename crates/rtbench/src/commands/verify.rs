@@ -36,7 +36,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     let plan = CheckPlan {
         cases: select(&args.cases)?,
         registry: context.registry,
-        subjects: Subject::all(context.registry, &structures)?,
+        subjects: Subject::all(context.registry, &structures, args.also_tested)?,
         rays: args.rays as usize,
         seed: args.seed,
     };

@@ -282,6 +282,19 @@ fn out_of_time_prints_and_keeps_what_is_done() {
     assert_eq!(folder.csv_of("verify.csv").len(), 6);
 }
 
+#[test]
+fn further_settings_are_checked_on_request() {
+    let labels = |arguments: &str| -> Vec<String> {
+        rows(0, arguments).into_iter().map(|mut row| row.remove("structure").unwrap()).collect()
+    };
+    let usual = labels("--cases R4 --rays 10 -s uniform-grid");
+    let all = labels("--cases R4 --rays 10 -s uniform-grid --also-tested");
+    assert_eq!(usual.len(), 2);
+    let further = uniform_grid::INFO.also_tested.len();
+    assert_eq!(all.len(), 2 * (1 + further));
+    assert!(all.contains(&"uniform-grid resolution=cubic".to_owned()), "{all:?}");
+}
+
 /// A check as a real process, which would take hours; it is watching for signals.
 #[cfg(unix)]
 fn long_check(folder: &Folder, out: std::process::Stdio) -> std::process::Child {

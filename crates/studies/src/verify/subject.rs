@@ -33,17 +33,33 @@ pub enum Subject<'r> {
 
 impl<'r> Subject<'r> {
     /// The structures that `-s` asks for; all of them and the control where it asks for nothing in
-    /// particular.
-    pub fn all(registry: &'r [Entry], structures: &[String]) -> Result<Vec<Self>, PlanError> {
+    /// particular. With `also_tested` structures that are named without settings have
+    /// their further settings asked too.
+    pub fn all(
+        registry: &'r [Entry],
+        structures: &[String],
+        also_tested: bool,
+    ) -> Result<Vec<Self>, PlanError> {
         let (named, rest): (Vec<String>, Vec<String>) =
             structures.iter().cloned().partition(|name| is_occluder(name));
         let mut subjects = Vec::new();
         if structures.is_empty() || !rest.is_empty() {
             subjects.extend(select(registry, &rest, &[])?.into_iter().map(Self::Structure));
         }
+        let is_named = |entry: &&Entry| {
+            structures.is_empty() || structures.iter().any(|n| n == "all" || n == entry.info.name)
+        };
         let is_asked = |name: &str| structures.is_empty() || named.iter().any(|n| n == name);
         for entry in occluders::REGISTRY.iter().filter(|entry| is_asked(entry.info.name)) {
             subjects.push(Self::Occluder(Row::defaults(entry)?));
+        }
+        for entry in registry.iter().filter(is_named).filter(|_| also_tested) {
+            for settings in entry.info.also_tested {
+                let row = Row::parse(registry, &format!("{} {settings}", entry.info.name))?;
+                if !subjects.contains(&Self::Structure(row.clone())) {
+                    subjects.push(Self::Structure(row));
+                }
+            }
         }
         if structures.is_empty() {
             subjects.push(Self::Control);
