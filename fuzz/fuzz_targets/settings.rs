@@ -31,7 +31,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let memory = MemoryLimit::new(MEMORY);
     let limited = structures.into_iter().map(|mut row| {
         row.params = row.params.within(memory);
-        MeasuredRow::from(row)
+        MeasuredRow::Structure(row)
     });
     let limited = limited.chain(occluding.into_iter().map(|mut row| {
         row.params = row.params.within(memory);
@@ -45,7 +45,7 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
 /// Builds a row and asks it.
 fn asked(row: &MeasuredRow<'_>) {
     let geometry = geometry();
-    let Ok(built) = row.build(geometry.prims(), &[DVec3::new(0.0, 3.0, 5.0)]) else { return };
+    let Ok(built) = row.prepare()(geometry.prims(), &[DVec3::new(0.0, 3.0, 5.0)]) else { return };
     if let BuiltRow::Structure(tracer) = &built {
         let rays = [Ray::new([0.3, 0.2, 9.0].into(), [0.0, 0.0, -1.0].into())];
         let mut hits = [accel_core::Hit::NONE];
