@@ -121,9 +121,6 @@ fn price(
     (scene.pixels > 0).then_some((added, price))
 }
 
-const EFFECT_HEADS: &str = "effect | scene | variant | error without | error with | \
-                            added us per pixel [95%] | price us per pixel [95%]";
-
 /// Cost of each effect in scenes that need it, against the error without it; `None` where none was
 /// measured. The price rises with the number of samples: the first ones remove the most.
 pub fn effects(run: &AccuracyRecord) -> Option<Table> {
@@ -149,7 +146,15 @@ pub fn effects(run: &AccuracyRecord) -> Option<Table> {
     ];
     (!rows.is_empty()).then(|| Table {
         title: "effects: the price of each in scenes that use it".into(),
-        header: EFFECT_HEADS.split(" | ").collect(),
+        header: vec![
+            "effect",
+            "scene",
+            "variant",
+            "error without",
+            "error with",
+            "added us per pixel [95%]",
+            "price us per pixel [95%]",
+        ],
         rows,
         notes,
     })

@@ -15,9 +15,6 @@ use crate::animate::verdict;
 
 pub const FIRST: [&str; 5] = ["frames/s", "verdict", "update ms", "trace ms", "worst ms"];
 
-const HEADS: &str = "structure | frames/s | worst ms | frame | update ms | trace ms | updated % | \
-                     MiB | N_IT | N_TS | cost | cost x | overlap | verdict";
-
 /// The tables, with what is said below each.
 pub fn tables(run: &AnimationRecord) -> Vec<Table> {
     let mut threads: Vec<usize> = run.lanes.iter().map(|lane| lane.threads).collect();
@@ -39,6 +36,22 @@ fn table(run: &AnimationRecord, threads: usize) -> Table {
     // what is not timed comes last
     let rate = |rate: &Option<statistics::estimate::Estimate>| rate.map_or(-1.0, |r| r.median);
     lanes.sort_by(|a, b| rate(&b.1).total_cmp(&rate(&a.1)));
+    let header = vec![
+        "structure",
+        "frames/s",
+        "worst ms",
+        "frame",
+        "update ms",
+        "trace ms",
+        "updated %",
+        "MiB",
+        "N_IT",
+        "N_TS",
+        "cost",
+        "cost x",
+        "overlap",
+        "verdict",
+    ];
     let rows = lanes.iter().map(|(lane, rate)| {
         let mut cells: Vec<Cell> = vec![lane.label().into()];
         cells.push(rate.map_or_else(dash, |rate| numbers::interval(&rate).into()));
@@ -52,7 +65,6 @@ fn table(run: &AnimationRecord, threads: usize) -> Table {
         let said = lane.error.as_ref().or(lane.example.as_ref());
         notes.extend(said.map(|said| format!("{}: {said}", lane.label())));
     }
-    let header = HEADS.split(" | ").collect();
     Table { title: title(run, threads), header, rows: rows.collect(), notes }
 }
 
@@ -155,14 +167,29 @@ pub const GLOSSARY: &[&str] = &[
      overlap), of random points.",
 ];
 
-/// The first line of the CSV file.
-const CSV_COLUMNS: &str = "scene,frame,primitives,moved,rays,structure,settings,threads,rounds,\
-                           updated,update_s,trace_s,every_nth_ray,bytes,n_it,n_ts,expected_cost,\
-                           overlap,mismatches_of_all_frames";
-
 pub fn frames(run: &AnimationRecord) -> Result<String, FormatError> {
     written(|writer| {
-        writer.write_record(CSV_COLUMNS.split(','))?;
+        writer.write_record([
+            "scene",
+            "frame",
+            "primitives",
+            "moved",
+            "rays",
+            "structure",
+            "settings",
+            "threads",
+            "rounds",
+            "updated",
+            "update_s",
+            "trace_s",
+            "every_nth_ray",
+            "bytes",
+            "n_it",
+            "n_ts",
+            "expected_cost",
+            "overlap",
+            "mismatches_of_all_frames",
+        ])?;
         for lane in &run.lanes {
             for frame in &lane.frames {
                 let of = run.frames.iter().find(|f| f.frame == frame.frame);

@@ -134,12 +134,23 @@ pub const GLOSSARY: &[&str] = &[
      test. A factor measured both before and after another one is the geometric mean of both.",
 ];
 
-const CSV_COLUMNS: &str = "scene,rays,part,name,structure,craft,ratio,ratio_low,ratio_high,verdict";
+const CSV_COLUMNS: [&str; 10] = [
+    "scene",
+    "rays",
+    "part",
+    "name",
+    "structure",
+    "craft",
+    "ratio",
+    "ratio_low",
+    "ratio_high",
+    "verdict",
+];
 
 /// All finished scenes: of each kind of ray the rows, the factors and the whole.
 pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatError> {
     written(|writer| {
-        writer.write_record(CSV_COLUMNS.split(','))?;
+        writer.write_record(CSV_COLUMNS)?;
         for scene in &run.scenes {
             let explanation = Explanation::of(explain, run, scene);
             for rays in rays_of(run, scene) {

@@ -22,9 +22,6 @@ pub struct Report {
     pub reference: Image,
 }
 
-const QUERY_HEADS: &str = "structure | us/query | to brute force [95%] | cells | references | \
-                           hull tests | found | verdict";
-
 impl Report {
     /// A structure did not find what it must.
     pub fn is_failure(&self) -> bool {
@@ -104,7 +101,16 @@ impl Report {
         let (first, scene) = (self.record.queries.first()?, &self.record.scene);
         let mut table = Table {
             title: format!("{scene}: candidates of a pixel's beam or cone, one thread"),
-            header: QUERY_HEADS.split(" | ").collect(),
+            header: vec![
+                "structure",
+                "us/query",
+                "to brute force [95%]",
+                "cells",
+                "references",
+                "hull tests",
+                "found",
+                "verdict",
+            ],
             ..Table::default()
         };
         for q in &self.record.queries {
