@@ -44,6 +44,7 @@ pub(crate) fn rebase_origin<'r, S: Scalar>(
 /// pages made `wide-bvh` 9% slower on *kitchen*.
 #[inline(always)]
 fn align_frame() {
+    // a local that is as long as a line and aligned so, which the compiler must keep
     black_box(&mut MaybeUninit::<f64x8>::uninit());
 }
 

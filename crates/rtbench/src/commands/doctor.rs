@@ -103,6 +103,7 @@ struct Check {
     look: fn(&System) -> Option<(bool, String)>,
 }
 
+const HUGE_PAGES: &str = "huge pages";
 const CHECKS: [Check; 11] = [
     Check {
         name: "governor",
@@ -212,7 +213,7 @@ const CHECKS: [Check; 11] = [
         look: |system| Some(system.noise.clone()),
     },
     Check {
-        name: "huge pages",
+        name: HUGE_PAGES,
         meaning: "rays through many megabytes wait for translations of addresses in small pages",
         advice: "echo madvise | sudo tee /sys/kernel/mm/transparent_hugepage/enabled",
         look: |system| {
@@ -233,7 +234,7 @@ impl System {
             Finding { name, level, value, meaning, advice }
         };
         // huge pages that are off are rare
-        let is_shown = |f: &Finding| f.name != "huge pages" || f.level == Level::Warning;
+        let is_shown = |f: &Finding| f.name != HUGE_PAGES || f.level == Level::Warning;
         CHECKS.into_iter().map(finding).filter(is_shown).collect()
     }
 
@@ -288,8 +289,7 @@ mod tests {
             assert_eq!((finding.level, finding.advice), (Level::Good, None), "{finding:?}");
         }
         let busy = of(1, vec!["avx2"]);
-        let last = busy.last().unwrap();
-        assert_eq!((last.name, &*last.value), ("huge pages", "off"));
+        assert_eq!(busy.last().map(|f| (f.name, &*f.value)), Some((HUGE_PAGES, "off")));
         for finding in busy {
             assert_eq!(finding.level, Level::Warning, "{finding:?}");
             assert!(finding.advice.is_some() && !finding.meaning.is_empty(), "{finding:?}");

@@ -45,11 +45,12 @@ pub fn visits(folders: &[PathBuf], repository: Option<&Path>) -> Result<Vec<Visi
         let run = file::read(&record)?;
         let commit = match (repository, &run.tool.git_revision) {
             (Some(folder), Some(id)) => {
-                let found = commit(folder, id)?;
-                let (folder, commit) = (folder.to_owned(), id.clone());
-                let unknown =
-                    HistoryError::UnknownCommit { record: record.clone(), folder, commit };
-                Some(found.ok_or(unknown)?)
+                let unknown = || HistoryError::UnknownCommit {
+                    record: record.clone(),
+                    folder: folder.to_owned(),
+                    commit: id.clone(),
+                };
+                Some(commit(folder, id)?.ok_or_else(unknown)?)
             }
             _ => None,
         };
