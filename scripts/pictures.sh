@@ -31,7 +31,7 @@ show ray.svg teapot:5 -s uniform-grid,kd-tree,obvhs-bvh2 --ray 230,235 --size 30
 # the teapot in the stadium, which is a hare here
 show hare.svg stadium:24 -s uniform-grid,recursive-grid,wide-bvh --slice z=0 --window -0.25,-0.05,-0.25:0.25,0.45,0.25 --size 300
 "$RTBENCH" cost stadium:24 -s uniform-grid,wide-bvh --size 128 --heat-maps "$work/maps" > /dev/null
-mv "$work/maps/tests.png" "$out/stadium-tests.png"
+mv "$work/maps/tests.svg" "$out/stadium-tests.svg"
 for picture in "$out"/*; do
     bytes=$(wc -c < "$picture")
     echo "$picture $bytes"

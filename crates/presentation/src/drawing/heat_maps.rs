@@ -16,7 +16,7 @@ const LINE: f64 = 16.0;
 const BAR: f64 = 12.0;
 /// The legend is no narrower.
 const LEAST: f64 = 160.0;
-/// Images of more pixels are drawn half as large, one pixel of the PNG for each.
+/// Images of more pixels are drawn half as large.
 const LARGE: u32 = 512;
 /// Decades of the scale at most.
 const DECADES: i32 = 4;

@@ -1,16 +1,10 @@
-//! Elements of drawings; a drawing as SVG, and as the pixels that resvg draws of it, with the letters
-//! of DejaVu Sans.
+//! Elements of drawings; a drawing as SVG.
 
 use std::fmt::Write;
-use std::sync::{Arc, LazyLock};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use image::error::{EncodingError, ImageFormatHint};
-use image::{ImageEncoder, ImageError, ImageFormat};
-use resvg::tiny_skia::{Color as Fill, Pixmap, Transform};
-use resvg::usvg::fontdb::Database;
-use resvg::usvg::{Options, Tree};
+use image::{ImageEncoder, ImageError};
 
 use crate::svg_plot::pen::{Font, LETTER, PLAIN, Pen, dark_rules, document_of};
 
@@ -105,17 +99,6 @@ pub fn wrapped(text: &str, width: f64, size: f64) -> Vec<String> {
     lines
 }
 
-/// Pixels of the longest side, at most.
-const MOST: f32 = 32_768.0;
-
-static FONTS: LazyLock<Arc<Database>> = LazyLock::new(|| {
-    let mut fonts = Database::new();
-    fonts.load_font_data(dejavu::sans::regular().to_vec());
-    fonts.load_font_data(dejavu::sans::bold().to_vec());
-    fonts.set_sans_serif_family("DejaVu Sans");
-    Arc::new(fonts)
-});
-
 impl Drawing {
     /// As SVG.
     ///
@@ -177,15 +160,6 @@ impl Drawing {
         }
         Ok(document_of(&pen.out, self.size, &self.alternative))
     }
-
-    /// As PNG, two pixels for one.
-    ///
-    /// # Errors
-    /// [`ImageError`] for a drawing that is too large.
-    pub fn png(&self) -> Result<Vec<u8>, ImageError> {
-        let (width, pixels) = drawn(&self.svg()?, 2.0)?;
-        encoded(width, &pixels)
-    }
 }
 
 /// A number in as few letters as it needs, to a hundredth.
@@ -215,23 +189,6 @@ fn painted(paint: &Paint) -> String {
         let _ = write!(out, " stroke=\"{}\" stroke-width=\"{}\"", hex(color), short(width));
     }
     out
-}
-
-/// The pixels of a picture that is so many times as large, and their width.
-fn drawn(svg: &str, scale: f32) -> Result<(u32, Vec<Color>), ImageError> {
-    let failed = |error| {
-        ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::Png), error))
-    };
-    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
-    let tree = Tree::from_str(svg, &options).map_err(|error| failed(error.to_string()))?;
-    let size = tree.size();
-    let scale = scale.min(MOST / size.width().max(size.height()));
-    let [width, height] = [size.width(), size.height()].map(|x| (x * scale).ceil() as u32);
-    let mut pixels = Pixmap::new(width, height)
-        .ok_or_else(|| failed(format!("{width} x {height} pixels are too many")))?;
-    pixels.fill(Fill::WHITE);
-    resvg::render(&tree, Transform::from_scale(scale, scale), &mut pixels.as_mut());
-    Ok((width, pixels.pixels().iter().map(|p| [p.red(), p.green(), p.blue()]).collect()))
 }
 
 fn encoded(width: u32, pixels: &[Color]) -> Result<Vec<u8>, ImageError> {
@@ -293,38 +250,15 @@ mod tests {
     }
 
     #[test]
-    fn png_has_what_svg_has_at_the_same_places() {
-        let drawing = all_kinds();
-        let (width, pixels) = drawn(&drawing.svg().unwrap(), 2.0).unwrap();
-        assert_eq!((width, pixels.len()), (160, 160 * 80));
-        let at = |x: f64, y: f64| pixels[(2.0 * y) as usize * 160 + (2.0 * x) as usize];
-        let red = [200, 0, 0];
-        for (x, y) in [(2.0, 2.0), (11.5, 7.5), (25.0, 5.0), (4.0, 22.0), (25.0, 25.0)] {
-            assert_eq!(at(x, y), red, "{x} {y}");
-        }
-        for (x, y) in [(1.0, 1.0), (12.5, 5.0), (25.0, 8.0), (11.0, 28.0), (30.0, 30.0)] {
-            assert_eq!(at(x, y), [255; 3], "{x} {y}");
-        }
-        assert_eq!((at(41.0, 3.0), at(46.0, 3.0)), ([0, 0, 255], [0, 255, 0]));
-        let dark = |pixels: &[Color]| {
-            pixels.iter().filter(|p| p[0] < 0x80 && p[0] == p[1] && p[1] == p[2]).count()
-        };
-        assert!(dark(&pixels) > 60, "{}", dark(&pixels));
-        // planted fault: without its text
-        let mut silent = drawing.clone();
-        silent.items.pop();
-        assert_eq!(dark(&drawn(&silent.svg().unwrap(), 2.0).unwrap().1), 0);
-        let png = drawing.png().unwrap();
-        assert_eq!(&png[1..4], b"PNG");
-    }
-
-    #[test]
     fn drawings_are_moved_as_a_whole() {
         let mut page = Drawing { size: [200.0, 100.0], ..Drawing::default() };
         page.add(all_kinds(), [100.0, 50.0]);
-        let (width, pixels) = drawn(&page.svg().unwrap(), 1.0).unwrap();
-        let at = |x: usize, y: usize| pixels[y * width as usize + x];
-        assert_eq!((at(105, 55), at(125, 75), at(5, 5)), ([200, 0, 0], [200, 0, 0], [255; 3]));
+        let svg = page.svg().unwrap();
+        for moved in
+            ["M102 52h10v6", "M120 55L130 55", "cx=\"125\" cy=\"75\"", "x=\"140\" y=\"52\""]
+        {
+            assert!(svg.contains(moved), "{moved}: {svg}");
+        }
     }
 
     #[test]
@@ -337,7 +271,7 @@ mod tests {
         drawing.items.push(Item::Lines { lines, are_closed: true, paint });
         drawing.items.push(Item::Disc { at: [odd[0], odd[1]], radius: odd[2], paint });
         drawing.items.push(Item::Image([0.0; 4], 0, Vec::new()));
-        drawing.png().unwrap();
+        roxmltree::Document::parse(&drawing.svg().unwrap()).unwrap();
         assert_eq!(wrapped("ab cde f", 1.0, 12.0), ["ab", "cde", "f"]);
         assert_eq!(wrapped("ab cde f", 1e3, 12.0), ["ab cde f"]);
     }

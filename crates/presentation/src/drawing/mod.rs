@@ -1,9 +1,8 @@
-//! Drawings: boxes, lines, text and images at places, the same as SVG and as PNG.
+//! Drawings as SVG: boxes, lines, text and images at places.
 //!
-//! Places are in pixels from the upper left corner, to the right and down. As SVG, text is readable
-//! on light and dark grounds alike: what is drawn in a colour of
-//! [`pen`](crate::svg_plot::pen) follows the reader's choice. As PNG, it is drawn twice as
-//! large, on a light ground.
+//! Places are in pixels from the upper left corner, to the right and down. Text is readable on
+//! light and dark grounds alike: what is drawn in a colour of [`pen`](crate::svg_plot::pen) follows
+//! the reader's choice.
 
 mod heat_maps;
 mod item;

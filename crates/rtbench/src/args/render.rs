@@ -55,8 +55,8 @@ pub struct CostArgs {
     /// Number of threads that trace
     #[arg(short = 'j', long, value_name = "N", default_value_t = 1, value_parser = threads())]
     pub threads: u16,
-    /// Draw tests, steps and time of each pixel, structures side by side on one scale: tests.png,
-    /// steps.png, time.png
+    /// Draw tests, steps and time of each pixel, structures side by side on one scale: tests.svg,
+    /// steps.svg, time.svg
     #[arg(long, value_name = "DIR")]
     pub heat_maps: Option<PathBuf>,
     /// How finely to sample.

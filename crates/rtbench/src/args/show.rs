@@ -22,7 +22,7 @@ pub struct ShowArgs {
         required = true
     )]
     pub structures: Vec<String>,
-    /// Image to write: .svg or .png
+    /// SVG file to write
     #[arg(short, long, value_name = "FILE", required_unless_present = "ray")]
     pub output: Option<PathBuf>,
     /// Plane that cuts the cells [default: across the view, through the middle of the scene]

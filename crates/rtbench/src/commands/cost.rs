@@ -7,7 +7,7 @@ use scene_loading::Scene;
 
 use crate::args::{Color, CostArgs};
 use crate::commands::render::{one_scene, settings, structure};
-use crate::commands::show::{Format, save};
+use crate::commands::show::save;
 use crate::context::Context;
 use crate::error::Error;
 use measurement::plan::rows::Row;
@@ -29,7 +29,7 @@ use studies::images::plan_of;
 const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 
 /// The files of `--heat-maps`.
-pub const MAPS: [&str; 3] = ["tests.png", "steps.png", "time.png"];
+pub const MAPS: [&str; 3] = ["tests.svg", "steps.svg", "time.svg"];
 
 /// Prints the table and draws the maps.
 pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
@@ -96,7 +96,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         for ((maps, name), unit) in maps.iter().zip(MAPS).zip(units) {
             let title = format!("{}: {unit}", scene.name());
             let drawing = heat_maps(&title, &unit, image.as_ref(), maps);
-            save(&drawing, &folder.join(name), Format::Png)?;
+            save(&drawing, &folder.join(name))?;
         }
         context.wrote(folder, format_args!("heat maps {}", MAPS.join(", ")));
     }

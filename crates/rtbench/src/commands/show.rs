@@ -29,21 +29,17 @@ use studies::showing::{
     scene_box, sections,
 };
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Format {
-    Svg,
-    Png,
-}
-
 /// Draws the picture, and lists the steps of a ray.
 pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(), Error> {
     let rows: Vec<Row<'_>> =
         args.structures.iter().map(|text| row(context, text)).collect::<Result<_, _>>()?;
     let scene = one_scene(context.scenes, &args.scene)?;
-    let output = args.output.as_deref().map(|path| Ok::<_, PlanError>((path, format_of(path)?)));
-    let output = output.transpose()?;
     let mut created = CreatedFiles::default();
-    if let Some((path, _)) = output {
+    if let Some(path) = &args.output {
+        if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("svg")) {
+            let (text, expected) = (path.display().to_string(), "a file name that ends in .svg");
+            return Err(PlanError::Malformed { text, expected }.into());
+        }
         created.file(path)?;
     }
     let loaded = context.load(&*scene)?.scene;
@@ -94,7 +90,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         };
         shown.push(pool.install(one)?);
     }
-    if let Some((path, format)) = output {
+    if let Some(path) = &args.output {
         let surfaces = if args.project { Vec::new() } else { outline(&loaded, &plane) };
         let boxes = || View::Boxes(Projection::of(camera));
         let view = if args.project { boxes() } else { View::Cut(plane, &surfaces) };
@@ -109,7 +105,7 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
             size: f64::from(args.size),
             scale: args.scale,
         };
-        save(&picture(&frame, &shown), path, format)?;
+        save(&picture(&frame, &shown), path)?;
         let rows: Vec<String> = rows.iter().map(Row::label).collect();
         context.wrote(path, format_args!("cells of {} over {}", rows.join(", "), loaded.name));
     }
@@ -129,18 +125,6 @@ fn row<'r>(context: &Context<'r>, text: &str) -> Result<Row<'r>, PlanError> {
         });
     }
     Row::parse(context.registry, text)
-}
-
-fn format_of(path: &Path) -> Result<Format, PlanError> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    match ending.as_deref() {
-        Some("svg") => Ok(Format::Svg),
-        Some("png") => Ok(Format::Png),
-        _ => Err(PlanError::Malformed {
-            text: path.display().to_string(),
-            expected: "a file name that ends in .svg or .png",
-        }),
-    }
 }
 
 /// The ray that was asked for.
@@ -172,14 +156,10 @@ fn title(args: &ShowArgs, scene: &Scene, plane: &Plane) -> String {
     }
 }
 
-pub fn save(drawing: &Drawing, path: &Path, format: Format) -> Result<(), Error> {
-    let bytes = match format {
-        Format::Svg => drawing.svg().map(String::into_bytes),
-        Format::Png => drawing.png(),
-    };
-    let bytes = bytes.map_err(|source| Error::Undrawn { path: path.to_owned(), source })?;
-    let failed = |source| WriteError { path: path.to_owned(), source }.into();
-    std::fs::write(path, bytes).map_err(failed)
+/// Writes a drawing as SVG.
+pub fn save(drawing: &Drawing, path: &Path) -> Result<(), Error> {
+    let svg = drawing.svg().map_err(|source| Error::Undrawn { path: path.to_owned(), source })?;
+    std::fs::write(path, svg).map_err(|source| WriteError { path: path.to_owned(), source }.into())
 }
 
 /// The steps of a ray, one line each.

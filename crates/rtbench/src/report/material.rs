@@ -16,8 +16,10 @@ use studies::run::conclusions::conclude;
 use studies::run::costs::{Profile, profiles};
 use studies::tracer_comparison::record::TracersRecord;
 
-/// Signature of PNG files.
+/// How PNG files begin.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
+/// How the SVG files that this program writes begin.
+const SVG: &[u8] = b"<svg ";
 
 /// Why a page cannot be made.
 #[derive(Debug, thiserror::Error)]
@@ -28,10 +30,8 @@ pub enum ReportError {
     Folder { path: PathBuf, source: io::Error },
     #[error("{}: {message}; expected what `{written_by}` writes", path.display())]
     Csv { path: PathBuf, message: String, written_by: &'static str },
-    #[error("{}: not an SVG plot; expected what `rtbench sweep -o DIR` draws", path.display())]
-    NotAPlot { path: PathBuf },
-    #[error("{}: not a PNG image; expected what `{written_by}` draws", path.display())]
-    NotAPicture { path: PathBuf, written_by: &'static str },
+    #[error("{}: not {format}; expected what `{written_by}` draws", path.display())]
+    NotAPicture { path: PathBuf, format: &'static str, written_by: &'static str },
 }
 
 /// Everything that a folder has.
@@ -68,8 +68,7 @@ pub struct HeatMap {
     pub scene: String,
     /// Quantity shown: `tests`, `steps`, `time`.
     pub name: String,
-    pub size: [u32; 2],
-    pub png: Vec<u8>,
+    pub svg: Vec<u8>,
 }
 
 pub struct SweepPlot {
@@ -97,10 +96,6 @@ impl Material {
         for scene in folders(&folder.join("tracers"))? {
             tracers.extend(json(&scene.join("tracers.json"), "rtbench compare-tracers -o DIR")?);
         }
-        let mut of_scenes = BTreeMap::new();
-        pictures(&folder.join("pictures"), "rtbench render -o FILE", |name, _, png| {
-            of_scenes.insert(name, png);
-        })?;
         Ok(Self {
             accuracy: json(&accuracy, "rtbench accuracy -o DIR")?,
             tracers,
@@ -108,7 +103,9 @@ impl Material {
             sweeps: sweeps(&folder)?,
             counters: csv(&folder.join("havran1999.csv"), "rtbench reproduce havran1999 -o DIR")?,
             lecture: csv(&lecture, "rtbench reproduce zachmann2007 -o DIR")?,
-            pictures: of_scenes,
+            pictures: pictures(&folder.join("pictures"), "png", "rtbench render -o FILE")?
+                .into_iter()
+                .collect(),
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
             data,
@@ -176,27 +173,35 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
 /// The pictures in the folders of scenes.
 fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     let mut maps = Vec::new();
-    for scene in folders(folder)? {
-        pictures(&scene, "rtbench cost --heat-maps DIR", |name, size, png| {
-            maps.push(HeatMap { scene: text(scene.file_name()), name, size, png });
-        })?;
+    for folder in folders(folder)? {
+        let scene = text(folder.file_name());
+        for (name, svg) in pictures(&folder, "svg", "rtbench cost --heat-maps DIR")? {
+            maps.push(HeatMap { scene: scene.clone(), name, svg });
+        }
     }
     Ok(maps)
 }
 
-/// Takes name, size and bytes of each PNG file in a folder.
+/// Names and bytes of the files in a folder that have this extension.
 fn pictures(
     folder: &Path,
+    extension: &str,
     written_by: &'static str,
-    mut take: impl FnMut(String, [u32; 2], Vec<u8>),
-) -> Result<(), ReportError> {
-    let is_png = |path: &PathBuf| path.extension().is_some_and(|e| e == "png");
-    for path in entries(folder)?.into_iter().filter(is_png) {
-        let (name, png) = (text(path.file_stem()), file::bytes(&path)?);
-        let size = size_of_png(&png).ok_or(ReportError::NotAPicture { path, written_by })?;
-        take(name, size, png);
+) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
+    let is_one = |path: &PathBuf| path.extension().is_some_and(|e| e == extension);
+    let of_file = |path: PathBuf| Ok((text(path.file_stem()), picture(path, written_by)?));
+    entries(folder)?.into_iter().filter(is_one).map(of_file).collect()
+}
+
+/// The bytes of a picture, which begins as its extension says: `svg`, else PNG.
+fn picture(path: PathBuf, written_by: &'static str) -> Result<Vec<u8>, ReportError> {
+    let bytes = file::bytes(&path)?;
+    let is_svg = path.extension().is_some_and(|e| e == "svg");
+    let (signature, format) = if is_svg { (SVG, "an SVG image") } else { (PNG, "a PNG image") };
+    if !bytes.starts_with(signature) {
+        return Err(ReportError::NotAPicture { path, format, written_by });
     }
-    Ok(())
+    Ok(bytes)
 }
 
 fn text(part: Option<&std::ffi::OsStr>) -> String {
@@ -209,23 +214,10 @@ fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
     for sweep in folders(folder)? {
         let (name, path) = (text(sweep.file_name()), sweep.join("sweep.svg"));
         if name.starts_with("sweep-") && path.exists() {
-            let svg = file::bytes(&path)?;
-            if !svg.starts_with(b"<svg ") {
-                return Err(ReportError::NotAPlot { path });
-            }
-            plots.push(SweepPlot { name, svg });
+            plots.push(SweepPlot { name, svg: picture(path, "rtbench sweep -o DIR")? });
         }
     }
     Ok(plots)
-}
-
-/// Width and height, from the header that every PNG file begins with.
-fn size_of_png(bytes: &[u8]) -> Option<[u32; 2]> {
-    let header = bytes.strip_prefix(PNG)?;
-    let number =
-        |from: usize| Some(u32::from_be_bytes(header.get(from..from + 4)?.try_into().ok()?));
-    (header.get(4..8)? == b"IHDR").then_some(())?;
-    Some([number(8)?, number(12)?])
 }
 
 /// A figure as `rtbench reproduce havran1999 -o` writes it.
@@ -264,19 +256,5 @@ impl LectureRow {
 
     pub(super) fn run(&self) -> Option<Estimate> {
         Some(Estimate { median: self.run_now?, low: self.run_low?, high: self.run_high? })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sizes_of_pictures() {
-        let mut png = PNG.to_vec();
-        png.extend(b"\0\0\0\x0dIHDR\0\0\x01\x00\0\0\0\x40");
-        assert_eq!(size_of_png(&png), Some([256, 64]));
-        assert_eq!(size_of_png(&png[..20]), None);
-        assert_eq!(size_of_png(b"GIF89a"), None);
     }
 }

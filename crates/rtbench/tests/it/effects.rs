@@ -72,7 +72,7 @@ fn cost_switches_on_one_factor_after_the_other_and_draws_maps() {
     let maps = format!("{}/maps", folder.path());
     // a clock on which every image takes a millisecond
     let ended = run_stepping(&format!("cost effect-all --size 16 --heat-maps {maps}"));
-    let wrote = format!("wrote {maps}: heat maps tests.png, steps.png, time.png\n");
+    let wrote = format!("wrote {maps}: heat maps tests.svg, steps.svg, time.svg\n");
     assert_eq!((ended.code, ended.err), (0, wrote));
     let mut rows = ended.out.lines().skip(2);
     for factor in [
@@ -91,7 +91,7 @@ fn cost_switches_on_one_factor_after_the_other_and_draws_maps() {
     }
     assert!(rows.any(|row| row.starts_with("times from lattice and pavilion")));
     assert!(ended.out.contains("predicted over measured"));
-    for map in ["tests.png", "steps.png", "time.png"] {
-        assert!(std::fs::read(format!("{maps}/{map}")).unwrap().starts_with(b"\x89PNG"), "{map}");
+    for map in ["tests.svg", "steps.svg", "time.svg"] {
+        assert!(std::fs::read(format!("{maps}/{map}")).unwrap().starts_with(b"<svg "), "{map}");
     }
 }

@@ -63,9 +63,8 @@ pub fn heat_maps(material: &Material, page: &mut Page) {
         let known = CAPTIONS.iter().find(|(name, _)| *name == map.name);
         let caption = known.map_or(map.name.as_str(), |(_, caption)| caption);
         let text = format!("{}: {caption}", map.scene);
-        let [width, height] = map.size.map(|n| n.to_string());
         html.open("figure", &[("class", "picture")]);
-        image(html, "png", &map.png, &text, &[("width", &width), ("height", &height)]);
+        image(html, "svg+xml", &map.svg, &text, &[]);
         html.element("figcaption", &[], &text);
         html.close();
     }

@@ -139,7 +139,7 @@ fn every_command_that_writes_a_file_asks() {
     commands.extend([
         ("render tetra:1 --size 4 -o DIR/file.png".to_owned(), "file.png"),
         ("render tetra:1 --size 4 -o DIR/file.exr".to_owned(), "file.exr"),
-        ("cost tetra:1 --size 4 --heat-maps DIR".to_owned(), "steps.png"),
+        ("cost tetra:1 --size 4 --heat-maps DIR".to_owned(), "steps.svg"),
         ("generate man -o DIR".to_owned(), "rtbench-check.1"),
         (format!("report {record} -o DIR/file"), "file"),
         (format!("report {record} -o DIR/page --plots DIR"), "bars-tetra_1.svg"),
