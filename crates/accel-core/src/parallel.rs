@@ -5,6 +5,7 @@
 
 use std::mem::MaybeUninit;
 use std::ops::Range;
+use std::sync::Mutex;
 
 use rayon::prelude::*;
 
@@ -36,7 +37,7 @@ pub(crate) fn should_parallelize(references: usize) -> bool {
 /// Cuts `0..primitives` into [`parts`] and gives what `f` makes of each, in their order.
 pub(crate) fn map_parts<T: Send>(primitives: usize, f: impl Fn(Range<u32>) -> T + Sync) -> Vec<T> {
     let ranges = ranges(primitives, parts(primitives));
-    map(&ranges, &|range| f(range.start as u32..range.end as u32))
+    map(ranges, &|range| f(range.start as u32..range.end as u32))
 }
 
 /// Cuts `0..n` into at most so many parts, at least one, all of one length but for the last.
@@ -56,22 +57,27 @@ pub(crate) fn collect<T: Copy + Send>(n: usize, f: impl Fn(usize) -> T + Sync) -
 }
 
 /// Maps expensive items by `f` in parallel, keeping the order.
-pub(crate) fn map<I: Sync, T: Send>(items: &[I], f: &(dyn Fn(&I) -> T + Sync)) -> Vec<T> {
-    match items {
-        [_, _, ..] if rayon::current_num_threads() > 1 => items.par_iter().map(f).collect(),
-        _ => items.iter().map(f).collect(),
+pub(crate) fn map<I: Send, T: Send>(
+    items: impl IntoIterator<Item = I>,
+    f: &(dyn Fn(I) -> T + Sync),
+) -> Vec<T> {
+    let items = items.into_iter();
+    if rayon::current_num_threads() == 1 {
+        return items.map(f).collect();
     }
+    let pairs: Vec<_> = items.map(|item| Mutex::new((Some(item), None))).collect();
+    run(pairs.len(), &|i| {
+        let Ok(mut pair) = pairs[i].lock() else { return };
+        pair.1 = pair.0.take().map(f);
+    });
+    // a panic of `f` has been passed on, so that there is a value for each item
+    pairs.into_iter().filter_map(|pair| pair.into_inner().ok()?.1).collect()
 }
 
-/// The same of items that `f` changes.
-pub(crate) fn map_mut<I: Send, T: Send>(
-    items: &mut [I],
-    f: &(dyn Fn(&mut I) -> T + Sync),
-) -> Vec<T> {
-    match items {
-        [_, _, ..] if rayon::current_num_threads() > 1 => items.par_iter_mut().map(f).collect(),
-        _ => items.iter_mut().map(f).collect(),
-    }
+/// Calls `job` with each number below `n`. All work that is cut goes through here but for what is
+/// halved or sorted: what rayon makes of a closure's type is compiled once.
+fn run(n: usize, job: &(dyn Fn(usize) + Sync)) {
+    (0..n).into_par_iter().for_each(job);
 }
 
 /// Cuts off one piece of each length, from the front on.
@@ -92,12 +98,8 @@ pub(crate) fn sort<T: Ord + Send>(numbers: &mut [T]) {
 
 /// Calls `f` with each item.
 pub(crate) fn for_each<T: Send>(items: &mut [T], f: impl Fn(&mut T) + Sync) {
-    match parts(items.len()) {
-        1 => items.iter_mut().for_each(f),
-        parts => items
-            .par_chunks_mut(items.len().div_ceil(parts))
-            .for_each(|part| part.iter_mut().for_each(&f)),
-    }
+    let size = items.len().div_ceil(parts(items.len())).max(1);
+    map(items.chunks_mut(size), &|part| part.iter_mut().for_each(&f));
 }
 
 /// Exchanges the values of the first pieces, in their order, for those of the others, as many.
@@ -118,7 +120,7 @@ pub(crate) fn exchange<T: Send>(first: Vec<&mut [T]>, others: Vec<&mut [T]>) {
             pairs.extend(a.zip(b));
         }
     }
-    pairs.into_par_iter().for_each(|(a, b)| a.swap_with_slice(b));
+    map(pairs, &|(a, b)| a.swap_with_slice(b));
 }
 
 /// A piece of a tree, whose first node is its root, and those that other threads made below some of
@@ -160,7 +162,7 @@ pub(crate) fn concat<T: Copy + Send + Sync, M: Copy + Send + Sync>(
             rest = behind;
         }
     }
-    jobs.into_par_iter().for_each(|(slots, values, by)| {
+    map(jobs, &|(slots, values, by)| {
         slots.iter_mut().zip(values).for_each(|(slot, &value)| _ = slot.write(moved(value, by)));
     });
     // SAFETY: the jobs' slots are all of the first `n`, and each has been written
@@ -176,8 +178,8 @@ fn collect_in_parts<T: Copy + Send>(
 ) -> Vec<T> {
     let mut all = Vec::with_capacity(n);
     let size = n.div_ceil(parts(n)).max(1);
-    let parts = all.spare_capacity_mut()[..n].par_chunks_mut(size).enumerate();
-    parts.for_each(|(i, part)| write(i * size, part));
+    let parts = all.spare_capacity_mut()[..n].chunks_mut(size).enumerate();
+    map(parts, &|(i, part)| write(i * size, part));
     // SAFETY: the parts are all of the first `n`, and each has been written
     unsafe { all.set_len(n) };
     all
@@ -223,7 +225,7 @@ mod tests {
                 assert!(own == sorted);
                 for_each(&mut own, |n| *n += 1);
                 assert!(own.iter().zip(&sorted).all(|(n, before)| *n == before + 1));
-                let taken = map_mut(&mut own[..3], &|n| std::mem::take(n));
+                let taken = map(&mut own[..3], &|n| std::mem::take(n));
                 assert!(taken.iter().zip(&sorted).all(|(n, before)| *n == before + 1));
                 assert_eq!(own[..4], [0, 0, 0, sorted[3] + 1]);
                 assert!(map(&numbers, &|n| n + 1).iter().zip(&numbers).all(|(n, m)| *n == m + 1));

@@ -10,7 +10,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder, Placement, TooManyReferences};
 use crate::grid::sort_in_parts::{filled, useful_parts};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::parallel::{map_mut, split_mut};
+use crate::parallel::{map, split_mut};
 
 /// Says to which block of cells a primitive goes.
 pub(crate) trait BlockPlacement: Sync {
@@ -126,7 +126,7 @@ pub(crate) fn block_lists(
     let lengths = parts.iter().map(ExactSizeIterator::len);
     let mut kept_of: Vec<_> = parts.iter().zip(split_mut(&mut kept, lengths)).collect();
     let counted =
-        map_mut(&mut kept_of, &|(part, kept)| sort.count(part.start as u32, kept, max_references));
+        map(&mut kept_of, &|(part, kept)| sort.count(part.start as u32, kept, max_references));
     let fill = |part: Range<usize>, cursors: &mut [u32], ids: &[AtomicU32]| {
         sort.fill(part.start as u32, &kept[part], cursors, ids);
     };

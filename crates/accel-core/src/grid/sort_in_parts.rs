@@ -12,9 +12,7 @@
 use std::ops::Range;
 use std::sync::atomic::AtomicU32;
 
-use rayon::prelude::*;
-
-use crate::parallel::{parts, ranges};
+use crate::parallel::{map, parts, ranges};
 
 /// Counters of all parts together may take as much memory as this for each primitive.
 const COUNTER_BYTES: usize = 256;
@@ -89,8 +87,7 @@ pub(super) fn filled(
     turn_parts_into_ends(&mut cursors);
     let mut numbers = vec![0; total as usize];
     let shared = shared(&mut numbers);
-    let all = cursors.par_iter_mut().zip(parts);
-    all.for_each(|(cursors, part)| fill(part, cursors, shared));
+    map(cursors.iter_mut().zip(parts), &|(cursors, part)| fill(part, cursors, shared));
     Ok((cursors.into_iter().next().unwrap_or_default(), numbers))
 }
 
@@ -106,17 +103,15 @@ fn turn_parts_into_ends(counts: &mut [Vec<u32>]) {
             stretch.push(counts);
         }
     }
-    let sums: Vec<u32> = stretches
-        .par_iter()
-        .map(|parts| parts.iter().map(|counts| counts.iter().sum::<u32>()).sum())
-        .collect();
+    let sums: Vec<u32> =
+        map(&stretches, &|parts| parts.iter().map(|counts| counts.iter().sum::<u32>()).sum());
     let before = sums.iter().scan(0, |sum, n| {
         let before = *sum;
         *sum += n;
         Some(before)
     });
     let before: Vec<u32> = before.collect();
-    stretches.into_par_iter().zip(before).for_each(|(mut parts, mut sum)| {
+    map(stretches.into_iter().zip(before), &|(mut parts, mut sum)| {
         let length = parts.first().map_or(0, |counts| counts.len());
         for cell in 0..length {
             for counts in &mut parts {

@@ -19,7 +19,7 @@ use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::cell_traversal::{CellPosition, Traversal};
 use crate::grid::changed_cells::NewCells;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
-use crate::parallel::{map_mut, parts, ranges, sort, split_mut};
+use crate::parallel::{map, parts, ranges, sort, split_mut};
 use crate::params::ParamSpec;
 use crate::params::specs;
 use crate::structure::StructureInfo;
@@ -249,7 +249,7 @@ impl HashedCells {
             |part: &Range<usize>| slots[part.clone()].iter().map(|slot| slot.len as usize).sum();
         let mut jobs: Vec<_> =
             parts.iter().zip(split_mut(&mut self.ids, parts.iter().map(length))).collect();
-        map_mut(&mut jobs, &|(part, ids)| {
+        map(&mut jobs, &|(part, ids)| {
             let mut next = 0;
             for slot in slots[(*part).clone()].iter().filter(|slot| slot.key != VACANT) {
                 let end = next + slot.len as usize;

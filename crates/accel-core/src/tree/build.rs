@@ -2,13 +2,11 @@
 //! threads the children of the first cells at once. The cells are the same, in the same places, for
 //! any number of threads.
 
-use rayon::prelude::*;
-
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
-use crate::parallel::{concat, forks, should_parallelize};
+use crate::parallel::{concat, forks, map, should_parallelize};
 use crate::structure::BuildError;
 
 /// Chooses how cells are cut, and which become leaves.
@@ -200,8 +198,8 @@ fn forked<S: Scalar, D: Division<S>>(
         let bounds = D::child(&cell.bounds, &cut, child);
         forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, large)
     };
-    let below: Result<Vec<_>, BuildError> = (0..D::CHILDREN).into_par_iter().map(below).collect();
-    Ok(ForkedCells::Cut(cut, below?))
+    let below = map(0..D::CHILDREN, &below).into_iter().collect::<Result<_, _>>()?;
+    Ok(ForkedCells::Cut(cut, below))
 }
 
 struct Builder<'a, S: Scalar, D: Division<S>> {

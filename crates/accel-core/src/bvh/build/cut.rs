@@ -6,7 +6,7 @@ use wide::{f32x4, i32x4};
 use super::boxes::{Bounds, Item, SetBounds};
 use crate::bvh::collapse::blocks;
 use crate::geometry::lanes::Four;
-use crate::parallel::{exchange, map_mut, map_parts, parts};
+use crate::parallel::{exchange, map, map_parts, parts};
 
 /// Bins of an axis: a few, one more for so many boxes, at most so many.
 const FEWEST_BINS: usize = 4;
@@ -199,7 +199,7 @@ impl BinSplit {
     #[inline(never)]
     fn partition_in_parts(&self, items: &mut [Item], size: usize) -> (usize, [Bounds; 2]) {
         let mut parts: Vec<&mut [Item]> = items.chunks_mut(size).collect();
-        let divided = map_mut(&mut parts, &|part| self.partition_alone(part));
+        let divided = map(&mut parts, &|part| self.partition_alone(part));
         let middle: usize = divided.iter().map(|(own_middle, _)| own_middle).sum();
         let mut sides = [Bounds::NONE; 2];
         let (mut lower, mut upper) = (Vec::new(), Vec::new());

@@ -170,7 +170,7 @@ fn clusters(runs: &[Range<usize>], items: &mut [Item]) -> Vec<Cluster> {
     let parts = runs.chunks(size.max(1));
     let lengths = parts.clone().map(|runs| runs.iter().map(ExactSizeIterator::len).sum());
     let mut parts: Vec<_> = parts.clone().zip(parallel::split_mut(items, lengths)).collect();
-    let mut clusters = parallel::map_mut(&mut parts, &|(runs, items)| {
+    let mut clusters = parallel::map(&mut parts, &|(runs, items)| {
         let mut clusters = Vec::with_capacity(runs.len());
         let lengths = runs.iter().map(ExactSizeIterator::len);
         for (run, own) in runs.iter().zip(parallel::split_mut(items, lengths)) {
@@ -245,7 +245,7 @@ fn within(
     let mut sets = sets.into_iter();
     let mut parts: Vec<Vec<Set<'_>>> =
         (0..parts).map(|_| sets.by_ref().take(size).collect()).collect();
-    let built = parallel::map_mut(&mut parts, &|sets| {
+    let built = parallel::map(&mut parts, &|sets| {
         let room = sets.iter().map(|set| set.items.len()).sum::<usize>() / 2;
         let (mut nodes, mut bins) = (Nodes::with_root(room), Bins::NONE);
         let root = |set: Set<'_>| {

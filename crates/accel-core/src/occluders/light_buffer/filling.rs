@@ -5,7 +5,6 @@
 //! by what then remains.
 
 use glam::{DVec2, dvec2};
-use rayon::prelude::*;
 
 use crate::config;
 use crate::geometry::scalar::Scalar;
@@ -16,6 +15,7 @@ use crate::occluders::light_buffer::face_tree::{
 };
 use crate::occluders::light_buffer::margins::Margins;
 use crate::occluders::light_buffer::projected::FaceCells;
+use crate::parallel;
 use crate::params::ParamSpec;
 
 /// Subcells of a cell.
@@ -120,7 +120,7 @@ impl FillPlan<'_> {
         };
         for start in (0..side).step_by(ROWS_AT_ONCE as usize) {
             let end = (start + ROWS_AT_ONCE).min(side);
-            let rows: Vec<_> = (start..end).into_par_iter().map(row).collect();
+            let rows = parallel::map(start..end, &row);
             for (y, (words, cells)) in (start..end).zip(rows) {
                 let moved = out.append(cells);
                 let to = (first + (y << self.bits)) as usize;
@@ -135,8 +135,7 @@ impl FillPlan<'_> {
     fn coarse_lists(&self) -> CellLists {
         let cells = 1usize << (2 * self.bits);
         let batches = 0..self.shown.batches.len();
-        let pairs: Vec<Vec<(u32, u32)>> =
-            batches.into_par_iter().map(|batch| self.coarse_pairs(batch)).collect();
+        let pairs = parallel::map(batches, &|batch| self.coarse_pairs(batch));
         CellLists::of_pairs(cells, pairs.iter().flatten())
     }
 

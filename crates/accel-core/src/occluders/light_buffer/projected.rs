@@ -5,13 +5,13 @@
 //! that neither do the cells.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use crate::geometry::scalar::Scalar;
 use crate::occluders::light_buffer::direction_cube::{FACES, in_frame};
 use crate::occluders::light_buffer::facing::FacingPlane;
 use crate::occluders::light_buffer::footprint::{Footprint, HalfPlane, ProjectedBody, box_around};
 use crate::occluders::light_buffer::margins::Margins;
+use crate::parallel;
 use crate::primitives::{Ball, PrimitiveKind, Primitives};
 
 #[derive(Debug, Clone, Copy)]
@@ -86,10 +86,9 @@ pub(super) struct FaceCells {
 impl FaceCells {
     /// What each face around a light shows.
     pub(super) fn around(bodies: &Bodies, light: DVec3, margins: &Margins) -> [Self; FACES] {
-        let batches: Vec<[Batch; FACES]> = (0..bodies.bodies.len().div_ceil(BATCH))
-            .into_par_iter()
-            .map(|i| batches(bodies, light, i * BATCH, margins))
-            .collect();
+        let batches = parallel::map((0..bodies.bodies.len()).step_by(BATCH), &|first| {
+            batches(bodies, light, first, margins)
+        });
         let mut shown: [Self; FACES] = std::array::from_fn(|_| Self::default());
         for six in batches {
             shown.iter_mut().zip(six).for_each(|(all, batch)| all.batches.push(batch));

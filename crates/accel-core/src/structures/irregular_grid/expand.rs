@@ -10,22 +10,19 @@
 
 use std::cmp::Ordering;
 
-use rayon::prelude::*;
 use wide::i32x4;
 
+use crate::parallel;
 use crate::structures::irregular_grid::cells::{Cell, Cells};
 use crate::structures::irregular_grid::voxels::Voxels;
 
 /// Grows all cells; no face looks at more than `most_neighbours`.
 pub(super) fn expand(cells: &mut Cells, voxels: &Voxels, most_neighbours: usize) {
     let whole: &Cells = cells;
-    let grown = whole
-        .cells
-        .par_iter()
-        .with_min_len(256)
-        .map(|&cell| Growth { cells: whole, voxels, most_neighbours, cell }.run());
-    let grown: Vec<Cell> = grown.collect();
-    cells.cells = grown;
+    let grow = |&cell: &Cell| Growth { cells: whole, voxels, most_neighbours, cell }.run();
+    let grown =
+        parallel::map(whole.cells.chunks(256), &|part| part.iter().map(grow).collect::<Vec<_>>());
+    cells.cells = grown.concat();
 }
 
 struct Growth<'a> {

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use glam::DVec3;
-use rayon::prelude::*;
 
+use crate::parallel;
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
 use crate::structures::irregular_grid::overlap::Overlap;
 
@@ -45,8 +45,9 @@ impl Placement<'_> {
             let (first, last) = self.met(id, &whole);
             (0..3).map(|k| f64::from(last[k] - first[k] + 1)).product::<f64>()
         };
-        let met: f64 = (0..self.source.len()).into_par_iter().map(cells).sum();
-        met <= MOST_TOP_CELLS * f64::from(self.source.len())
+        let met =
+            parallel::map_parts(self.source.len() as usize, |ids| ids.map(cells).sum::<f64>());
+        met.iter().sum::<f64>() <= MOST_TOP_CELLS * f64::from(self.source.len())
     }
 
     /// The first and last part, on each axis, that the box of a primitive meets.
@@ -67,7 +68,7 @@ impl Placement<'_> {
             self.place(ids, division, &mut pairs);
             pairs
         };
-        ids.par_chunks(CHUNK).map(part).collect()
+        parallel::map(ids.chunks(CHUNK), &part)
     }
 
     /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.

@@ -5,8 +5,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
+use crate::parallel;
 use crate::structures::irregular_grid::cells::REFERENCES;
 use crate::structures::irregular_grid::cells::{Cell, Cells, DIVIDED, TooLarge};
 use crate::structures::irregular_grid::empty_boxes::EmptyBoxes;
@@ -99,15 +98,12 @@ impl<'a> SharedInput<'a> {
             }
             Ok(worker.cells)
         };
-        let groups: Vec<(Range<usize>, Cells)> = groups
-            .into_par_iter()
-            .map(|group| Ok((group.clone(), divide(&group)?)))
-            .collect::<Result<_, TooLarge>>()?;
+        let divided = parallel::map(&groups, &divide);
         let mut cells = Cells { lists: vec![0], ..Cells::default() };
         cells.entries.resize(count, 0);
         cells.divided = 1;
-        for (group, part) in groups {
-            cells.absorb(part, group.start, group.len())?;
+        for (group, part) in groups.iter().zip(divided) {
+            cells.absorb(part?, group.start, group.len())?;
         }
         empty.share(&mut cells.entries[..count]);
         Ok(cells)

@@ -1,8 +1,8 @@
 //! Records that traversals read: 16 bytes per part of the grid, found by lattice coordinates.
 
-use rayon::prelude::*;
 use wide::{i32x4, i32x8, u8x16, u32x4, u32x8};
 
+use crate::parallel;
 use crate::structures::irregular_grid::cells::{Cells, DIVIDED, FIRST_PART};
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
 
@@ -188,14 +188,16 @@ impl Voxels {
 
     /// Writes boxes and lists of cells into the records of undivided parts.
     pub(super) fn fill(&mut self, cells: &Cells) {
-        self.records.par_iter_mut().zip(&cells.entries).with_min_len(1 << 12).for_each(
-            |(record, entry)| {
+        const PART: usize = 1 << 12;
+        let parts = self.records.chunks_mut(PART).zip(cells.entries.chunks(PART));
+        parallel::map(parts, &|(records, entries)| {
+            for (record, entry) in records.iter_mut().zip(entries) {
                 if entry & DIVIDED == 0 {
                     let cell = &cells.cells[*entry as usize];
                     *record = Voxel::leaf(cell.first, cell.last.map(|x| x + 1), cell.list);
                 }
-            },
-        );
+            }
+        });
     }
 
     /// Lattice cells on each axis.

@@ -3,8 +3,6 @@
 
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use rayon::prelude::*;
-
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
@@ -12,7 +10,7 @@ use crate::grid::block_lists::{BoxPlacement, DenseRows, block_lists};
 use crate::grid::cell_lists::{CellLists, ListOrder, TooManyReferences};
 use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
-use crate::parallel::should_parallelize;
+use crate::parallel::{map, should_parallelize};
 use crate::query::cells::{Cell, CellVisitor};
 use crate::structures::recursive_grid::budget::{Budget, ExcessCounts};
 
@@ -323,7 +321,7 @@ impl<S: Scalar> Division<S> {
         let is_crowded = |&cell: &usize| lists.list(cell).len() > self.threshold;
         let crowded: Vec<usize> = (0..frame.cells()).filter(is_crowded).collect();
         let child = |&cell: &usize| self.child(frame, cell, lists.list(cell), depth);
-        crowded.par_iter().map(child).collect::<Result<_, _>>().map(Some)
+        map(&crowded, &child).into_iter().collect::<Result<_, _>>().map(Some)
     }
 
     /// Divides a crowded voxel of a grid of this depth, now or later; `None` if it stays as it is.

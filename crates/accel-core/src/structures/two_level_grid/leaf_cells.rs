@@ -14,7 +14,7 @@ use crate::grid::regular_grid::Contents;
 use crate::grid::resolution::resolve_by_density;
 use crate::grid::voxel_traversal::{CellDivision, GridFrame};
 use crate::historical::bounds_rule::smallest_cell;
-use crate::parallel::{map, map_mut, split_mut};
+use crate::parallel::{map, split_mut};
 use crate::structure::BuildError;
 
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
@@ -117,7 +117,7 @@ pub(super) fn divide<S: Scalar>(
     for (range, counters) in stretches.iter().zip(split_mut(&mut starts, leaves_of)) {
         parts.push(CellRange { range: range.clone(), cells: &cells[range.clone()], counters });
     }
-    let references = map_mut(&mut parts, &|part| upper.count(part));
+    let references = map(&mut parts, &|part| upper.count(part));
     let total: u64 = references.iter().sum();
     rules.room.check([all_cells, total])?;
     let mut ids = vec![0u32; total as usize];
@@ -129,7 +129,7 @@ pub(super) fn divide<S: Scalar>(
         filled.push((part, ids, before));
         before += length;
     }
-    map_mut(&mut filled, &|(part, ids, before)| upper.fill(part, ids, *before));
+    map(&mut filled, &|(part, ids, before)| upper.fill(part, ids, *before));
     if let Some(last) = starts.last_mut() {
         *last = total as u32;
     }
