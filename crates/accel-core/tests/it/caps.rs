@@ -3,6 +3,7 @@
 //! error which limit it would break. None takes the machine down. Numbers that are not finite, or
 //! whose products are not, are refused.
 
+use crate::common::planted_entry;
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimitiveError, Primitives, PrimsRef, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
@@ -251,8 +252,7 @@ const fn planted(name: &'static str) -> StructureInfo {
 
 static REFUSES: StructureInfo = planted("refuses");
 static FAT: StructureInfo = planted("fat");
-static PLANTED: &[Entry] =
-    &[accel_core::entry!(crate::caps::Refuses, REFUSES), accel_core::entry!(crate::caps::Fat, FAT)];
+static PLANTED: &[Entry] = &[planted_entry!(Refuses, REFUSES), planted_entry!(Fat, FAT)];
 
 #[test]
 fn structures_that_refuse_or_exceed_memory_are_caught() {

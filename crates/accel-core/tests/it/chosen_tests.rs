@@ -1,13 +1,13 @@
 //! Tests of primitives chosen by name: what is compiled for them, what they answer, and where they
 //! are refused.
 
-use accel_core::params::config::Settings;
 use accel_core::params::{ParamError, ParamKind, ParamSpec};
 use accel_core::primitives::{PrimSet, PrimsRef};
-use accel_core::query::tracer::{Bound, Tracer};
+use accel_core::query::counters::NoCounters;
+use accel_core::query::sink::{Answer, Query, Sink};
+use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
-use accel_core::structure::{BuildError, Structure};
-use accel_core::structures::brute_force::{self, BruteForce};
+use accel_core::structure::BuildError;
 use accel_core::structures::find;
 use accel_core::variants::chosen_tests::{
     Choice, SPHERE_TEST, TRIANGLE_TEST, TestedSetVisitor, visit_tested,
@@ -47,9 +47,22 @@ impl<'a> TestedSetVisitor<'a> for Oracle<'_> {
     type Output = (Vec<Hit<f32>>, Vec<bool>);
 
     fn visit<P: PrimSet<f32>>(self, set: &'a P) -> Self::Output {
-        let all = BruteForce::build(set, &Settings::of(&brute_force::INFO.defaults())).unwrap();
-        answers(&Bound::<_, _, _, false>::new(set, all), self.0)
+        let ids: Vec<u32> = (0..set.len() as u32).collect();
+        (answers_of_all(set, &ids, self.0), answers_of_all(set, &ids, self.0))
     }
+}
+
+fn answers_of_all<P: PrimSet<f32>, A: Answer<f32>>(
+    set: &P,
+    ids: &[u32],
+    rays: &[Ray<f32>],
+) -> Vec<A> {
+    let answer = |ray: &Ray<f32>| {
+        let mut query = Query::<_, _, NoCounters, A>::new(set, ray);
+        let _ = query.test(ids);
+        query.finish().0
+    };
+    rays.iter().map(answer).collect()
 }
 
 fn expected(

@@ -250,3 +250,16 @@ pub fn build<'a, S: Buildable>(
     let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
     entry.build(prims, &entry.params(settings).unwrap())
 }
+
+/// An entry for a structure with a planted fault. Its queries are called, not compiled into its
+/// traversal: `entry!` would compile all of them once more for each such structure.
+macro_rules! planted_entry {
+    ($structure:ident, $info:expr) => {
+        accel_core::structures::Entry::new(
+            &$info,
+            |params| accel_core::structures::prepare::<f32, $structure<f32>, false>(params),
+            |params| accel_core::structures::prepare::<f64, $structure<f64>, false>(params),
+        )
+    };
+}
+pub(crate) use planted_entry;

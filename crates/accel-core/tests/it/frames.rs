@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use accel_core::bvh;
-use accel_core::entry;
+
 use accel_core::params::Params;
 use accel_core::params::config::Settings;
 use accel_core::primitives::{
@@ -19,7 +19,7 @@ use accel_core::{Ray, Scalar};
 use glam::{DAffine3, DQuat, DVec3, dvec3};
 
 use crate::agreement::Answers;
-use crate::common::{Random, Set, rays_for, triangle_set};
+use crate::common::{Random, Set, planted_entry, rays_for, triangle_set};
 
 const FRAMES: Range<u32> = 0..8;
 /// Objects of the rigid parts; some stand several times.
@@ -246,7 +246,7 @@ fn planted_faults_are_found() {
     let rigid = frames::<f32>(false, Free::Rests);
     let asked = asked(&rigid);
     // boxes that are not fitted
-    let stale = entry!(Stale, bvh::INFO);
+    let stale = planted_entry!(Stale, bvh::INFO);
     assert!(wrong_of(&stale, &stale.defaults(), &rigid, &asked).0 > 100);
     // stale cells: half of what moved is not said to have
     let mut few = frames::<f32>(false, Free::Rests);

@@ -7,11 +7,11 @@ use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use accel_core::structures::{REGISTRY, find};
-use accel_core::{Aabb, Hit, Ray, Scalar, entry};
+use accel_core::{Aabb, Hit, Ray, Scalar};
 use glam::{DVec3, dvec3};
 
 use crate::agreement::{Answers, mismatches_under};
-use crate::common::{Random, rays_for};
+use crate::common::{Random, planted_entry, rays_for};
 
 /// Settings that are tested, as many segments each.
 const SEGMENTS: [usize; 4] = [1, 2, 3, 8];
@@ -137,7 +137,7 @@ fn bounds_that_miss_the_end_of_a_motion_are_caught() {
     rays.iter_mut().for_each(|ray| ray.time = 1.0);
     for segments in ["1", "2", "3", "8"] {
         let also = [("time-segments", segments)];
-        let planted = [entry!(CutShort, CUT_SHORT)];
+        let planted = [planted_entry!(CutShort, CUT_SHORT)];
         let wrong = mismatches_under(&planted, &also, "planted", PrimsRef::Mixed(&set), &rays);
         assert!(wrong.len() > 10, "{segments}: {wrong:?}");
     }
