@@ -1,8 +1,7 @@
 //! Numbers of twice the digits of f64, as unevaluated sums of two.
 //!
 //! T. J. Dekker, "A Floating-Point Technique for Extending the Available Precision", Numerische
-//! Mathematik 18, 1971; the product's error by fused multiplication. Vectors are written out:
-//! `array::map` takes most of the time where this crate is compiled with little optimisation.
+//! Mathematik 18, 1971; the product's error by fused multiplication.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

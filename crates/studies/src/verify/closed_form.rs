@@ -7,8 +7,8 @@
 use accel_core::{Ray, Scalar, Vector};
 use glam::DVec3;
 
-use super::double_double::{DoubleDouble, difference, dot, vector};
 use super::round::OracleAnswer;
+use exact_geometry::double_double::{DoubleDouble, difference, dot, vector};
 
 /// Epsilons of the distance to the farthest point, or of the largest coordinate, by which the
 /// product's rounding may move a ray sideways: half of what structures pad boxes by.

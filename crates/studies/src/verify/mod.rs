@@ -11,7 +11,6 @@ pub mod cases;
 pub mod catalogue;
 pub mod check;
 pub mod closed_form;
-mod double_double;
 pub mod draw;
 pub mod every_hit;
 pub mod exact;

@@ -7,7 +7,7 @@ use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::DVec3;
 use renderer::Geometry;
 
-pub type Corners = [DVec3; 3];
+pub use exact_geometry::triangles::Corners;
 
 /// Triangles with the watertight test; the coordinates are rounded to `S`.
 pub fn model_of<S: Buildable>(corners: &[Corners]) -> Result<Geometry<S>, PrimitiveError> {

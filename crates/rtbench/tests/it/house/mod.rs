@@ -16,8 +16,9 @@ use imports::Imports;
 use crate::common::files_below;
 
 /// The crates, each above those before it.
-const FLOORS: [&str; 9] = [
+const FLOORS: [&str; 10] = [
     "accel_core",
+    "exact_geometry",
     "plugins",
     "scene_loading",
     "renderer",

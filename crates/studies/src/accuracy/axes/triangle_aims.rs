@@ -19,7 +19,8 @@ use statistics::random::Random;
 
 use crate::accuracy::axis::*;
 use crate::verify::draw::{point, unit};
-use crate::verify::exact::{ExactRay, Soup};
+use crate::verify::exact::exact;
+use exact_geometry::triangles::Soup;
 
 /// A ray, and the primitives of which it is asked: here the triangles around its target, of which
 /// it must hit one.
@@ -252,7 +253,7 @@ fn middle(t: [DVec3; 3], k: usize, sign: f64, away: f64, nearest: f64) -> Option
     let mut direction = glam::Vec3::splat(-0.0);
     direction[k] = -sign as f32;
     let ray = Ray::<f32>::new(from.as_vec3(), direction);
-    let met = ExactRay::new(&ray)?.meetings(&Soup::new(&[t]), 0.0, 0.0);
+    let met = exact(&ray)?.meetings(&Soup::new(&[t]), 0.0, 0.0);
     let met = met.first().filter(|met| met.depth > DEEP && met.t > nearest)?;
     let latest = met.t * (1.0 + BEHIND) + nearest;
     ray.is_traceable().then_some(KnownHit { ray, latest })

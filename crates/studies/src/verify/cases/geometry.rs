@@ -1,7 +1,7 @@
 //! Awkward primitives.
 
 use super::*;
-use crate::verify::exact::{ExactRay, on_mesh};
+use crate::verify::exact::{exact, on_mesh};
 use crate::verify::round::MetamorphicPair;
 
 pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
@@ -133,7 +133,7 @@ pub fn nearly_parallel<S: Buildable>(random: &mut Random, rays: usize) -> RoundR
     let side = normal.cross(along);
     let triangle = [-along - side, along - side, side].map(|p| single(p * size));
     let oracle = |soup: &Soup, ray: &Ray<S>| {
-        let meetings = ExactRay::new(ray)?.meetings(soup, 0.0, 0.0);
+        let meetings = exact(ray)?.meetings(soup, 0.0, 0.0);
         meetings.is_empty().then_some(OracleAnswer::Miss)
     };
     exact_round(random, rays, &[triangle], oracle, |random| {

@@ -6,8 +6,9 @@
 //! Adapters of libraries clamp intervals.
 
 use super::*;
-use crate::verify::exact::{ExactRay, LineCrossing};
+use crate::verify::exact::{exact, reach};
 use crate::verify::subject::with_brute_force;
+use exact_geometry::triangles::LineCrossing;
 
 /// Links of a chain that are asked.
 const LINKS: usize = 40;
@@ -130,8 +131,8 @@ pub fn far_intervals<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
 /// The first hit of the whole line, where it is clear of edges and other triangles.
 fn first_on_line<S: Scalar>(soup: &Soup, ray: &Ray<S>) -> Option<OracleAnswer> {
     let epsilon = SHIFT * S::EPSILON.to_f64();
-    let shift = epsilon * soup.reach(ray.origin.to_dvec3());
-    let meetings = ExactRay::new(ray)?.meetings(soup, 0.0, shift);
+    let shift = epsilon * reach(soup, ray);
+    let meetings = exact(ray)?.meetings(soup, 0.0, shift);
     let slack = |m: &LineCrossing| m.blur.t * shift + epsilon * m.t.abs();
     let is_inside = |m: &&LineCrossing| m.depth >= m.blur.depth * shift;
     let Some(first) = meetings.first() else { return Some(OracleAnswer::Miss) };

@@ -29,11 +29,12 @@ use crate::verify::draw::{
     random_integer, sign_direction, signed, single, soup, toward, unit, within_or_on_edge,
 };
 use crate::verify::every_hit::{every_hit, first_within, push_chain};
-use crate::verify::exact::{Soup, in_soup, on_lattice};
+use crate::verify::exact::{in_soup, on_lattice};
 use crate::verify::meshes::{icosphere, sheet};
 use crate::verify::round::{
     Corners, NearbyPrimitives, OracleAnswer, Round, magnitude, mixed_model, model_of, ray,
 };
+use exact_geometry::triangles::Soup;
 
 /// A round of a case, or why its scene cannot be made.
 type RoundResult<S> = Result<Round<S>, PrimitiveError>;
