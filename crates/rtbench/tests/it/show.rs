@@ -115,7 +115,7 @@ fn requests_that_cannot_be_drawn_are_errors() {
     for (command, said) in [
         ("show teapot:2 -s uniform-grid".to_owned(), "--output"),
         (format!("show teapot:2 -o {path}/a.svg"), "--structure"),
-        (format!("show teapot:2 -s uniform-grid -o {path}/a.jpg"), ".svg or .png"),
+        (format!("show teapot:2 -s uniform-grid -o {path}/a.jpg"), ".svg"),
         (format!("show teapot:2 -s unifrom-grid -o {path}/a.svg"), "did you mean 'uniform-grid'?"),
         (format!("show teapot:2 -s light-buffer -o {path}/a.svg"), "not space"),
         (format!("show teapot:2 -s uniform-grid --slice w -o {path}/a.svg"), "expected x, y or z"),
