@@ -68,7 +68,14 @@ pub struct HeatMap {
     pub scene: String,
     /// Quantity shown: `tests`, `steps`, `time`.
     pub name: String,
-    pub svg: Vec<u8>,
+    pub image: ImageFile,
+}
+
+/// A picture as it is in its file.
+pub struct ImageFile {
+    /// `svg+xml` or `png`, as in a data URL.
+    pub kind: &'static str,
+    pub bytes: Vec<u8>,
 }
 
 pub struct SweepPlot {
@@ -103,8 +110,9 @@ impl Material {
             sweeps: sweeps(&folder)?,
             counters: csv(&folder.join("havran1999.csv"), "rtbench reproduce havran1999 -o DIR")?,
             lecture: csv(&lecture, "rtbench reproduce zachmann2007 -o DIR")?,
-            pictures: pictures(&folder.join("pictures"), "png", "rtbench render -o FILE")?
+            pictures: pictures(&folder.join("pictures"), &["png"], "rtbench render -o FILE")?
                 .into_iter()
+                .map(|(scene, image)| (scene, image.bytes))
                 .collect(),
             profiles: run.scenes.iter().map(profiles).collect(),
             folder,
@@ -170,38 +178,43 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
     Ok(entries(folder)?.into_iter().filter(|path| path.is_dir()).collect())
 }
 
-/// The pictures in the folders of scenes.
+/// The pictures in the folders of scenes; until November 2026 they were PNG files.
 fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
     let mut maps = Vec::new();
     for folder in folders(folder)? {
         let scene = text(folder.file_name());
-        for (name, svg) in pictures(&folder, "svg", "rtbench cost --heat-maps DIR")? {
-            maps.push(HeatMap { scene: scene.clone(), name, svg });
+        for (name, image) in pictures(&folder, &["svg", "png"], "rtbench cost --heat-maps DIR")? {
+            maps.push(HeatMap { scene: scene.clone(), name, image });
         }
     }
     Ok(maps)
 }
 
-/// Names and bytes of the files in a folder that have this extension.
+/// The files in a folder that have one of these extensions, with their names.
 fn pictures(
     folder: &Path,
-    extension: &str,
+    extensions: &[&str],
     written_by: &'static str,
-) -> Result<Vec<(String, Vec<u8>)>, ReportError> {
-    let is_one = |path: &PathBuf| path.extension().is_some_and(|e| e == extension);
+) -> Result<Vec<(String, ImageFile)>, ReportError> {
+    let is_one = |path: &PathBuf| {
+        path.extension().is_some_and(|e| extensions.iter().any(|known| e == *known))
+    };
     let of_file = |path: PathBuf| Ok((text(path.file_stem()), picture(path, written_by)?));
     entries(folder)?.into_iter().filter(is_one).map(of_file).collect()
 }
 
-/// The bytes of a picture, which begins as its extension says: `svg`, else PNG.
-fn picture(path: PathBuf, written_by: &'static str) -> Result<Vec<u8>, ReportError> {
+/// A picture, which begins as its extension says: `svg`, else PNG.
+fn picture(path: PathBuf, written_by: &'static str) -> Result<ImageFile, ReportError> {
     let bytes = file::bytes(&path)?;
-    let is_svg = path.extension().is_some_and(|e| e == "svg");
-    let (signature, format) = if is_svg { (SVG, "an SVG image") } else { (PNG, "a PNG image") };
+    let (kind, signature, format) = if path.extension().is_some_and(|e| e == "svg") {
+        ("svg+xml", SVG, "an SVG image")
+    } else {
+        ("png", PNG, "a PNG image")
+    };
     if !bytes.starts_with(signature) {
         return Err(ReportError::NotAPicture { path, format, written_by });
     }
-    Ok(bytes)
+    Ok(ImageFile { kind, bytes })
 }
 
 fn text(part: Option<&std::ffi::OsStr>) -> String {
@@ -214,7 +227,7 @@ fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
     for sweep in folders(folder)? {
         let (name, path) = (text(sweep.file_name()), sweep.join("sweep.svg"));
         if name.starts_with("sweep-") && path.exists() {
-            plots.push(SweepPlot { name, svg: picture(path, "rtbench sweep -o DIR")? });
+            plots.push(SweepPlot { name, svg: picture(path, "rtbench sweep -o DIR")?.bytes });
         }
     }
     Ok(plots)

@@ -253,6 +253,8 @@ fn results_of_other_commands_are_shown() {
     assert_eq!(ended.code, 0, "{}", ended.err);
     let png: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\x40\0\0\0\x20";
     write(&folder, "heat-maps/tetra:2/tests.svg", "<svg xmlns=\"http://www.w3.org/2000/svg\"/>");
+    // as before November 2026
+    write(&folder, "heat-maps/tetra:2/time.png", png);
     write(&folder, "pictures/tetra:2.png", png);
     write(
         &folder,
@@ -276,9 +278,12 @@ fn results_of_other_commands_are_shown() {
     assert!(text(section(&tree, "accuracy")).contains("precision: tetra:2"));
     let tracers = section(&tree, "tracers");
     assert!(text(tracers).contains("whitted 4 samples") && by_name(tracers, "svg").count() == 2);
-    let image = by_name(section(&tree, "heat-maps"), "img").next().unwrap();
+    let mut images = by_name(section(&tree, "heat-maps"), "img");
+    let image = images.next().unwrap();
     assert!(image.attribute("src").unwrap().starts_with("data:image/svg+xml;base64,PHN2Zy"));
     assert_eq!(image.attribute("alt"), Some("tetra:2: intersection tests of each pixel"));
+    let older = images.next().unwrap().attribute("src").unwrap();
+    assert!(older.starts_with("data:image/png;base64,iVBORw0KGgo"));
     let sweep = by_name(section(&tree, "sweeps"), "img").next().unwrap();
     assert!(sweep.attribute("src").unwrap().starts_with("data:image/svg+xml;base64,PHN2Zy"));
     let counters = text(section(&tree, "counters"));
@@ -300,6 +305,7 @@ fn unreadable_files_are_errors_that_name_them() {
         ("zachmann2007.csv", "scene\nballs\n", "rtbench reproduce zachmann2007"),
         ("sweep-density/sweep.svg", "<html>", "not an SVG"),
         ("heat-maps/tetra/time.svg", "GIF89a", "not an SVG"),
+        ("heat-maps/tetra/steps.png", "GIF89a", "not a PNG"),
         ("pictures/tetra.png", "GIF89a", "rtbench render"),
     ] {
         let folder = Folder::new();

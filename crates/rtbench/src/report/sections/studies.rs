@@ -64,7 +64,7 @@ pub fn heat_maps(material: &Material, page: &mut Page) {
         let caption = known.map_or(map.name.as_str(), |(_, caption)| caption);
         let text = format!("{}: {caption}", map.scene);
         html.open("figure", &[("class", "picture")]);
-        image(html, "svg+xml", &map.svg, &text, &[]);
+        image(html, map.image.kind, &map.image.bytes, &text, &[]);
         html.element("figcaption", &[], &text);
         html.close();
     }
