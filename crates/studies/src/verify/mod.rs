@@ -6,6 +6,7 @@
 //! [`subject::Subject`] and compares, with the oracle and with brute force -> [`report`]. A
 //! [`subject::Replay`] names one trial, [`shrink`] reduces it to few triangles and a ray.
 
+pub mod among_triangles;
 mod answers;
 pub mod cases;
 pub mod catalogue;
@@ -13,7 +14,6 @@ pub mod check;
 pub mod closed_form;
 pub mod draw;
 pub mod every_hit;
-pub mod exact;
 pub mod judge;
 pub mod meshes;
 mod mismatch;

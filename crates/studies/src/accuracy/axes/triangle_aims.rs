@@ -18,8 +18,8 @@ use robust::{Coord3D, orient3d};
 use statistics::random::Random;
 
 use crate::accuracy::axis::*;
+use crate::verify::among_triangles::exact;
 use crate::verify::draw::{point, unit};
-use crate::verify::exact::exact;
 use exact_geometry::triangles::Soup;
 
 /// A ray, and the primitives of which it is asked: here the triangles around its target, of which

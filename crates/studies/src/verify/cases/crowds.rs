@@ -6,7 +6,7 @@ use accel_core::primitives::Instance;
 use glam::{DAffine3, DQuat};
 
 use super::*;
-use crate::verify::exact::on_mesh;
+use crate::verify::among_triangles::on_mesh;
 
 pub fn points<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
     let many = one_of(random, &[1, 2, 40, 300]);

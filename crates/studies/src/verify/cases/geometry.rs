@@ -1,7 +1,7 @@
 //! Awkward primitives.
 
 use super::*;
-use crate::verify::exact::{exact, on_mesh};
+use crate::verify::among_triangles::{exact, on_mesh};
 use crate::verify::round::MetamorphicPair;
 
 pub fn closed_mesh<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {

@@ -6,7 +6,7 @@
 //! Adapters of libraries clamp intervals.
 
 use super::*;
-use crate::verify::exact::{exact, reach};
+use crate::verify::among_triangles::{exact, reach};
 use crate::verify::subject::with_brute_force;
 use exact_geometry::triangles::LineCrossing;
 

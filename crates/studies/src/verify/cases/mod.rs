@@ -24,12 +24,12 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use renderer::Geometry;
 use statistics::random::Random;
 
+use crate::verify::among_triangles::{in_soup, on_lattice};
 use crate::verify::draw::{
     LATTICE, direction, lattice_point, lattice_soup, on_edge, one_of, point, point_within,
     random_integer, sign_direction, signed, single, soup, toward, unit, within_or_on_edge,
 };
 use crate::verify::every_hit::{every_hit, first_within, push_chain};
-use crate::verify::exact::{in_soup, on_lattice};
 use crate::verify::meshes::{icosphere, sheet};
 use crate::verify::round::{
     Corners, NearbyPrimitives, OracleAnswer, Round, magnitude, mixed_model, model_of, ray,

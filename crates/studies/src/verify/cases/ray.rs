@@ -1,7 +1,7 @@
 //! Awkward rays.
 
 use super::*;
-use crate::verify::exact::in_soup_within;
+use crate::verify::among_triangles::in_soup_within;
 use crate::verify::round::MetamorphicPair;
 
 pub fn signs<S: Buildable>(random: &mut Random, rays: usize) -> RoundResult<S> {
