@@ -62,7 +62,8 @@ pub(crate) fn map<I: Send, T: Send>(
     f: &(dyn Fn(I) -> T + Sync),
 ) -> Vec<T> {
     let items = items.into_iter();
-    if rayon::current_num_threads() == 1 {
+    let is_single = items.size_hint().1.is_some_and(|most| most < 2);
+    if is_single || rayon::current_num_threads() == 1 {
         return items.map(f).collect();
     }
     let pairs: Vec<_> = items.map(|item| Mutex::new((Some(item), None))).collect();

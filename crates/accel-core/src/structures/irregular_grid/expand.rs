@@ -18,11 +18,13 @@ use crate::structures::irregular_grid::voxels::Voxels;
 
 /// Grows all cells; no face looks at more than `most_neighbours`.
 pub(super) fn expand(cells: &mut Cells, voxels: &Voxels, most_neighbours: usize) {
-    let whole: &Cells = cells;
-    let grow = |&cell: &Cell| Growth { cells: whole, voxels, most_neighbours, cell }.run();
-    let grown =
-        parallel::map(whole.cells.chunks(256), &|part| part.iter().map(grow).collect::<Vec<_>>());
-    cells.cells = grown.concat();
+    let mut grown = cells.cells.clone();
+    parallel::map(grown.chunks_mut(256), &|part| {
+        for cell in part {
+            *cell = Growth { cells, voxels, most_neighbours, cell: *cell }.run();
+        }
+    });
+    cells.cells = grown;
 }
 
 struct Growth<'a> {
