@@ -123,7 +123,7 @@ fn ten_thousand_duplicates() {
 #[test]
 fn duplicates_need_the_memory_of_one_tree() {
     let one = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.2], [1.0, 1.0, 0.5]];
-    let set = set(vec![one; 30_000]);
+    let set = set(vec![one; 100_000]);
     let bytes = |entry: &Entry| build(entry, &set).unwrap();
     let cap = 4 * bytes(find("wide-bvh").unwrap());
     // obvhs as its authors use it takes the square of their number in time

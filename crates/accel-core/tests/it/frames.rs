@@ -3,7 +3,6 @@
 use std::ops::Range;
 
 use accel_core::bvh;
-
 use accel_core::params::Params;
 use accel_core::params::config::Settings;
 use accel_core::primitives::{

@@ -58,7 +58,7 @@ fn any_number_of_threads_builds_the_same() {
 /// Refusals, their messages, and omissions for a limit depend on what was built before.
 #[test]
 fn limits_are_the_same_for_any_number_of_threads() {
-    let set = many_triangles(9_000);
+    let set = many_triangles(13_000);
     let prims = PrimsRef::Watertight(&set);
     for name in ["recursive-grid", "hug", "adaptive-grid", "kay-kajiya"] {
         let entry = find(name).unwrap();
