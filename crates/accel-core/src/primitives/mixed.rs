@@ -1,11 +1,12 @@
 //! Triangles, polygons, spheres and cones under one id space, in file order. They may move: see
 //! [`crate::primitives::moving`].
 
+pub(super) mod builder;
+
 use crate::geometry::aabb::Aabb;
-use crate::geometry::ray::{MISS, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::historical::bounds_rule::PADDING_ULPS;
-use crate::primitives::collinear::without_sliver;
 use crate::primitives::motion::Motion;
 use crate::primitives::polygon::Polygon;
 use crate::primitives::prim_set::TaggedIndex;
@@ -14,8 +15,8 @@ use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::{
-    Cone, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Primitives, Sphere,
-    TransmissiveSet, precise, watertight,
+    Cone, Instance, Instances, PrimSet, PrimitiveKind, Primitives, Sphere, TransmissiveSet,
+    precise, watertight,
 };
 use glam::DVec3;
 
@@ -30,7 +31,7 @@ pub struct MovingSetup<S: Scalar> {
     pub(crate) squared_length: S,
 }
 
-/// Primitives of any kind. Built by [`MixedSetBuilder`].
+/// Primitives of any kind. Built by [`MixedSetBuilder`](super::MixedSetBuilder).
 #[derive(Debug, Clone, Default)]
 pub struct MixedSet<S: Scalar> {
     order: Vec<TaggedIndex>,
@@ -45,120 +46,6 @@ pub struct MixedSet<S: Scalar> {
     /// The spheres where anything moves, each with its velocity (and a zero): one look-up per test.
     moving_spheres: Vec<(Sphere<S>, [S; 4])>,
     instances: Instances,
-}
-
-/// Collects primitives in id order.
-#[derive(Debug, Default)]
-pub struct MixedSetBuilder<S: Scalar> {
-    set: MixedSet<S>,
-}
-
-impl<S: Scalar> MixedSetBuilder<S> {
-    /// Gives the primitive its id, unless its coordinates do not fit.
-    fn push(
-        &mut self,
-        kind: PrimitiveKind,
-        count: usize,
-        is_finite: bool,
-    ) -> Result<(), PrimitiveError> {
-        let id = self.set.order.len() as u32;
-        let limit = 1 << TaggedIndex::BITS;
-        if count > limit as usize || id == MISS {
-            return Err(PrimitiveError::TooMany { limit });
-        }
-        if !is_finite {
-            return Err(PrimitiveError::NotFinite { id });
-        }
-        self.set.order.push(TaggedIndex::new(kind, count - 1));
-        Ok(())
-    }
-
-    /// Adds a triangle.
-    ///
-    /// # Errors
-    /// [`PrimitiveError`], as every method here; the builder is of no further use then.
-    pub fn triangle(&mut self, v: [glam::DVec3; 3]) -> Result<(), PrimitiveError> {
-        let v = without_sliver(v.map(|p| Vec3::<S>::from_dvec3(p).to_array()));
-        self.set.triangles.push(v);
-        let finite = v.as_flattened().iter().all(|x| x.is_finite());
-        self.push(PrimitiveKind::Triangle, self.set.triangles.len(), finite)
-    }
-
-    /// Adds a polygon; one with three vertices is stored and tested as a triangle (the box rules
-    /// of both are the same).
-    ///
-    /// # Errors
-    /// [`PrimitiveError`].
-    pub fn polygon(&mut self, vertices: &[glam::DVec3]) -> Result<(), PrimitiveError> {
-        if let &[a, b, c] = vertices {
-            return self.triangle([a, b, c]);
-        }
-        let id = self.set.order.len() as u32;
-        let first = self.set.polygon_vertices.len();
-        let polygon = Polygon::new(vertices, &mut self.set.polygon_vertices)
-            .map_err(|e| PrimitiveError::TooFewVertices { id, vertices: e.0 })?;
-        self.set.polygons.push(polygon);
-        let added = &self.set.polygon_vertices[first..];
-        let finite = added.as_flattened().iter().all(|x| x.is_finite());
-        self.push(PrimitiveKind::Polygon, self.set.polygons.len(), finite)
-    }
-
-    /// Adds a sphere.
-    ///
-    /// # Errors
-    /// [`PrimitiveError`].
-    pub fn sphere(&mut self, center: glam::DVec3, radius: f64) -> Result<(), PrimitiveError> {
-        if radius < 0.0 {
-            return Err(PrimitiveError::NegativeRadius { id: self.set.order.len() as u32 });
-        }
-        let center = Vec3::<S>::from_dvec3(center);
-        let sphere = Sphere { center, radius: S::from_f64(radius) };
-        self.set.spheres.push(sphere);
-        let finite = sphere.bounds().is_finite();
-        self.push(PrimitiveKind::Sphere, self.set.spheres.len(), finite)
-    }
-
-    /// Adds a truncated cone; see [`Cone::new`].
-    ///
-    /// # Errors
-    /// [`PrimitiveError`].
-    pub fn cone(&mut self, cone: Cone<S>) -> Result<(), PrimitiveError> {
-        self.set.cones.push(cone);
-        let finite = cone.bounds().is_finite();
-        self.push(PrimitiveKind::Cone, self.set.cones.len(), finite)
-    }
-
-    /// Lets the last primitive move by `velocity` a unit of time, from time 0 to `exposure`, which
-    /// must be the same for all primitives. The last call for a primitive counts.
-    ///
-    /// # Errors
-    /// [`PrimitiveError`] when its way is not finite, or the exposure is negative or not finite.
-    pub fn last_moves(&mut self, velocity: DVec3, exposure: f64) -> Result<(), PrimitiveError> {
-        let Some(id) = (self.set.order.len() as u32).checked_sub(1) else { return Ok(()) };
-        if !(exposure >= 0.0 && exposure.is_finite()) {
-            return Err(PrimitiveError::Exposure { id });
-        }
-        self.set.motion.set(id, velocity, exposure);
-        if self.set.bounds(id).is_finite() { Ok(()) } else { Err(PrimitiveError::NotFinite { id }) }
-    }
-
-    /// Marks the last primitive as one that lets shadow rays pass.
-    pub fn last_is_transmissive(&mut self) {
-        if let Some(last) = self.set.order.len().checked_sub(1) {
-            self.set.transmissive.insert(last as u32);
-        }
-    }
-
-    pub fn finish(mut self) -> MixedSet<S> {
-        if self.set.has_motion() {
-            self.set.motion.settle(self.set.len());
-            self.set.moving_spheres = self.set.spheres_with_velocities();
-        }
-        if !self.set.is_empty() {
-            self.set.magnitude = self.set.scene_bounds().magnitude();
-        }
-        self.set
-    }
 }
 
 impl<S: Scalar> MixedSet<S> {

@@ -28,7 +28,8 @@ pub(crate) mod watertight;
 
 pub use cone::Cone;
 pub use instances::{Instance, Instances};
-pub use mixed::{MixedSet, MixedSetBuilder};
+pub use mixed::MixedSet;
+pub use mixed::builder::MixedSetBuilder;
 pub use moving::MovingSet;
 pub use polygon::{Polygon, newell_normal};
 pub(crate) use prim_set::TransmissiveSet;
