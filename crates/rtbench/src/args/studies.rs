@@ -210,7 +210,7 @@ pub struct VerifyArgs {
     /// Also check further settings of these structures, which otherwise only tests cover
     #[arg(long)]
     pub also_tested: bool,
-    /// Rays per case and precision; the default takes about 5 minutes of processor time
+    /// Rays per case and precision; the default takes more than 13 minutes of processor time
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = count(1..=100_000_000))]
     pub rays: u32,
     /// Seed of scenes and rays

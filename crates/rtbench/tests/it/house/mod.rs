@@ -17,8 +17,8 @@ use crate::common::files_below;
 
 /// The crates, each above those before it.
 const FLOORS: [&str; 10] = [
-    "accel_core",
     "exact_geometry",
+    "accel_core",
     "plugins",
     "scene_loading",
     "renderer",
