@@ -84,7 +84,8 @@ fn parse(path: &Path, json: &[u8]) -> Result<Root, LoadError> {
     // bounds what it can grow to
     let count = memchr::memchr_iter(b'{', json).count();
     limits::check(count, MAX_OBJECTS, "the number of JSON objects", || FilePlace::file(path))?;
-    let error = match serde_json::from_slice(json) {
+    // compiled once, in the crate that it is of
+    let error = match Root::from_slice(json) {
         Ok(root) => return Ok(root),
         Err(error) => error,
     };
@@ -92,7 +93,7 @@ fn parse(path: &Path, json: &[u8]) -> Result<Root, LoadError> {
         return Err(error);
     }
     // the crate wants a node in each channel, where an extension may name something else
-    let kept = node_channels(json).and_then(|json| serde_json::from_slice(&json).ok());
+    let kept = node_channels(json).and_then(|json| Root::from_slice(&json).ok());
     kept.ok_or_else(|| LoadError::parser(path, error))
 }
 
