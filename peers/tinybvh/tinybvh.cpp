@@ -1,12 +1,19 @@
 // tinybvh as a plugin of rtbench: four of its layouts, its builders and its own triangle tests.
 // Its rays have no smallest t: one that begins later is given an origin that lies further on.
-#define TINYBVH_IMPLEMENTATION
-#include "tiny_bvh.h"
-
+// One source for 1.6 (one header) and for 1.9 (several headers, templates and hooks for threads).
 #include <algorithm>
+#include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <stdexcept>
 #include <variant>
+
+#define INST_IDX_BITS 32 // else hit.prim has 22 bits for the triangle in some of 1.9
+#define TINYBVH_IMPLEMENTATION
+#include "tiny_bvh.h"
+#if TINY_BVH_VERSION_MAJOR == 1 && TINY_BVH_VERSION_MINOR < 8
+#define HAS_SOA // 1.8 calls BVH_SoA deprecated, 1.9 has none
+#endif
 
 #include "peer.h"
 
@@ -16,13 +23,33 @@ using namespace tinybvh;
 
 // The binary tree that each layout is made from.
 BVH &base(BVH &bvh) { return bvh; }
+#ifdef HAS_SOA
 BVH &base(BVH_SoA &bvh) { return bvh.bvh; }
+#endif
 BVH &base(BVH4_CPU &bvh) { return bvh.bvh4.bvh; }
 BVH &base(BVH8_CPU &bvh) { return bvh.bvh8.bvh; }
 
+// Builds with one thread: by a switch, from 1.8 on by taking away the functions that start tasks.
+template <class Layout> void one_thread(Layout &bvh) {
+    base(bvh).threadedBuild = false;
+    if constexpr (requires { bvh.context.spawn; })
+        bvh.context.spawn = nullptr, bvh.context.barrier = nullptr, bvh.context.parallel_for = nullptr;
+}
+
+// The binned builder with SIMD: 1.8's Build() chooses it, that of 1.6 is the scalar one.
+template <class Layout> void binned(Layout &bvh, const bvhvec4 *vertices, uint32_t count) {
+    if constexpr (requires { bvh.settings; }) bvh.Build(vertices, count);
+    else if constexpr (requires { bvh.BuildAVX(vertices, count); }) bvh.BuildAVX(vertices, count);
+    else bvh.Build(vertices, count);
+}
+
 class Peer {
     std::vector<bvhvec4> vertices; // of 16 bytes, as it wants them
+#ifdef HAS_SOA
     std::variant<BVH, BVH_SoA, BVH4_CPU, BVH8_CPU> layout;
+#else
+    std::variant<BVH, BVH4_CPU, BVH8_CPU> layout;
+#endif
 
   public:
     static constexpr peer::Shadows shadows = peer::Shadows::ALL;
@@ -32,15 +59,18 @@ class Peer {
             vertices[i] = bvhvec4(positions[3 * i], positions[3 * i + 1], positions[3 * i + 2], 0);
         std::string name = scene.settings[0], builder = scene.settings[1];
         uint32_t count = uint32_t(triangles), optimize = uint32_t(std::atoi(scene.settings[2]));
+#ifdef HAS_SOA
         if (name == "soa") layout.emplace<BVH_SoA>();
+#else
+        if (name == "soa") throw std::runtime_error("this version has no BVH_SoA");
+#endif
         if (name == "bvh4") layout.emplace<BVH4_CPU>();
         if (name == "bvh8") layout.emplace<BVH8_CPU>();
         if (builder == "hq" && optimize > 0) throw std::runtime_error("a tree with spatial splits cannot be optimized");
         std::visit([&](auto &bvh) {
-            base(bvh).threadedBuild = scene.threads > 1;
+            if (scene.threads == 1) one_thread(bvh);
             if (builder == "hq") bvh.BuildHQ(vertices.data(), count);
-            else if constexpr (std::is_same_v<decltype(bvh), BVH &>) bvh.BuildAVX(vertices.data(), count);
-            else bvh.Build(vertices.data(), count);
+            else binned(bvh, vertices.data(), count);
             if (optimize > 0) bvh.Optimize(optimize, true);
         }, layout);
     }
