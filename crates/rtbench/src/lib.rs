@@ -53,7 +53,7 @@ use crate::args::{Cli, Command, GeneratedText, RaysAction};
 use crate::command_line::{GivenView, files_of_folder, files_read, named_files, recorded, usage};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS};
-use crate::outputs::refuse_shared;
+use crate::outputs::{OutputError, refuse_shared};
 use crate::plugin_rows::Plugins;
 use crate::set_options::{added_by_set, join};
 use measurement::plan::error::PlanError;
@@ -205,6 +205,9 @@ fn refuse_files(cli: &Cli) -> Result<(), Error> {
     let named = named_files(&cli.command);
     let all = [files_of_folder(&cli.command), named.clone()].concat();
     refuse_shared(&all, &files_read(&cli.command))?;
+    if named.iter().any(|path| path.as_os_str() == "-") {
+        return Err(OutputError::StandardOutput.into());
+    }
     if cli.overwrite { Ok(()) } else { Ok(outputs::refuse_files(named)?) }
 }
 

@@ -33,6 +33,8 @@ pub enum OutputError {
     SameFile(PathBuf),
     #[error("{}: the command also reads this file; write to another one", .0.display())]
     IsRead(PathBuf),
+    #[error("'-' is standard output for `report` alone; name a file")]
+    StandardOutput,
     #[error(
         "--export-select '{0}' matches no series; their names are SCENE: STRUCTURE SETTINGS / NAME, \
          like '{1}'"
@@ -223,9 +225,8 @@ fn identity(path: &Path) -> Option<PathBuf> {
 /// Refuses files that are there and hold something. What is no file, a pipe or a device, is written
 /// to.
 pub fn refuse_files(paths: impl IntoIterator<Item = PathBuf>) -> Result<(), OutputError> {
-    let holds_something = |path: &PathBuf| {
-        path.as_os_str() != "-" && fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0)
-    };
+    let holds_something =
+        |path: &PathBuf| fs::metadata(path).is_ok_and(|m| m.is_file() && m.len() > 0);
     let found = paths.into_iter().find(holds_something);
     found.map_or(Ok(()), |path| Err(OutputError::File { path }))
 }

@@ -70,9 +70,14 @@ pub fn restrict(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunRecor
     let rows = || record.scenes.iter().flat_map(|s| &s.rows);
     for name in &asked {
         if !rows().any(|r| r.structure == *name || r.label() == *name) {
-            let mut labels: Vec<String> = rows().map(|r| r.label()).collect();
-            labels.dedup();
-            return Err(unknown("row", name, labels.iter().map(|l| &**l).collect()));
+            let labels: Vec<String> = rows().map(|r| r.label()).collect();
+            let mut valid: Vec<&str> = Vec::new();
+            for label in &labels {
+                if !valid.contains(&&**label) {
+                    valid.push(label);
+                }
+            }
+            return Err(unknown("row", name, valid));
         }
     }
     let mut references = vec![record.settings.reference.clone()];

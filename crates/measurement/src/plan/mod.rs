@@ -10,6 +10,7 @@ pub mod ray_overrides;
 pub mod rows;
 pub mod strides;
 
+use std::collections::HashSet;
 use std::time::Duration;
 
 use accel_core::memory::MemoryLimit;
@@ -222,6 +223,7 @@ impl<'r> Plan<'r> {
         args: &MeasuringSettings,
         registry: &'r [Entry],
     ) -> Result<Self, PlanError> {
+        refuse_same_names(&scenes)?;
         let kinds = kinds(&args.rays)?;
         within("threads", args.threads.into(), MeasuringSettings::MOST_THREADS.into())?;
         within("rounds", args.rounds.unwrap_or(1).into(), MeasuringSettings::MOST_ROUNDS.into())?;
@@ -282,6 +284,18 @@ impl<'r> Plan<'r> {
             build_limits: None,
             memory,
         })
+    }
+}
+
+/// Refuses two scenes of one name: records are compared, and files named, by it.
+fn refuse_same_names(scenes: &[Box<dyn KnownScene>]) -> Result<(), PlanError> {
+    let mut seen = HashSet::new();
+    match scenes.iter().find(|scene| !seen.insert(scene.name())) {
+        None => Ok(()),
+        Some(scene) => Err(PlanError::Invalid(format!(
+            "two scenes have the name '{}'; give one another by a scene file (docs/scenes.md)",
+            scene.name()
+        ))),
     }
 }
 

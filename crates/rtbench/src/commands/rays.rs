@@ -274,6 +274,11 @@ fn read(
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             wrong(error.valid_up_to(), "neither a file of `rays export` nor text".into())
         })?;
+        if args.output.is_some() {
+            let what =
+                "text: hits are written for a file of `rays export`, as `rays check` reads them";
+            return Err(wrong(0, what.into()).into());
+        }
         let mut rays = text::read(&args.rays, text)?;
         // text has the coordinates of the scene's file
         rays.iter_mut().for_each(|ray| ray.origin -= loaded.scene.origin);

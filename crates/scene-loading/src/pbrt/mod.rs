@@ -255,6 +255,12 @@ impl Loader<'_> {
             let what = format!("cameras {} taken as perspective", shortened(&kind));
             self.leave_out(what, || params.place());
         }
+        let has_lens = params.number("lensradius", 0.0)? != 0.0;
+        for name in ["screenwindow", "frameaspectratio", "lensradius"] {
+            if params.has(name) && (name != "lensradius" || has_lens) {
+                self.leave_out(format!("parameters {name} of cameras left out"), || params.place());
+            }
+        }
         self.state.name_system("camera", to_world, || params.place())
     }
 

@@ -263,6 +263,23 @@ fn normals_and_vertices_that_are_none_are_counted() {
 }
 
 #[test]
+fn what_a_camera_has_besides_its_angle_is_counted() {
+    let of = |more: &str| {
+        let text = format!("Camera \"perspective\" {more}\nWorldBegin\n{TRIANGLE}");
+        warnings(&pbrt(&text).unwrap())
+    };
+    let none: [String; 0] = [];
+    assert_eq!(of("\"float fov\" 40 \"float lensradius\" 0"), none);
+    assert_eq!(
+        of("\"float lensradius\" 0.5 \"float screenwindow\" [-2 2 -1 1]"),
+        [
+            "a.pbrt: 1 parameters lensradius of cameras left out (first: line 1)",
+            "a.pbrt: 1 parameters screenwindow of cameras left out (first: line 1)",
+        ]
+    );
+}
+
+#[test]
 fn every_cut_of_a_pbrt_file_ends_in_a_scene_or_an_error() {
     let text = format!("LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\"\nWorldBegin\n{TRIANGLE}");
     for cut in 0..text.len() {

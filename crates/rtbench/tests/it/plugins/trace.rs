@@ -69,6 +69,9 @@ fn rays_as_text_are_traced_by_several_rows() {
     .unwrap();
     let mut arguments =
         vec!["rays", "trace", &scene, "--rays", &rays, "-s", "brute-force,wide-bvh"];
+    let hits = file("a.hits");
+    let (code, _, err) = ended(&[&arguments[..6], &["octree", "-o", &hits]].concat());
+    assert!(code == 1 && err.contains("byte 0: text: hits are written for"), "{err}");
     let plugin = minimal(&folder);
     if let Some(plugin) = &plugin {
         arguments.extend(["--plugin", plugin.to_str().unwrap()]);

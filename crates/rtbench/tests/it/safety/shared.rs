@@ -29,6 +29,29 @@ fn two_outputs_to_one_file_are_refused_before_measuring() {
 }
 
 #[test]
+fn a_dash_is_no_file_and_a_name_is_of_one_scene() {
+    let folder = Folder::new();
+    let path = folder.path();
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    for place in ["a", "b"] {
+        std::fs::create_dir(format!("{path}/{place}")).unwrap();
+        std::fs::write(format!("{path}/{place}/hall.obj"), corners).unwrap();
+    }
+    for (command, said) in [
+        ("run tetra:1 --size 8 -s obvhs-cwbvh --export-bencher -", "'-' is standard output"),
+        ("rays export tetra:1 --size 8 -o -", "'-' is standard output"),
+        ("run DIR/a/hall.obj DIR/b/hall.obj --size 8", "two scenes have the name 'hall'"),
+    ] {
+        let ended = run_stepping(&command.replace("DIR", &path));
+        assert_eq!((ended.code, ended.out.as_str()), (2, ""), "{command}: {}", ended.err);
+        assert!(ended.err.contains(said), "{command}: {}", ended.err);
+    }
+    let twice = "run DIR/a/hall.obj DIR/a/hall.obj --size 8 -s obvhs-cwbvh";
+    let ended = run_stepping(&twice.replace("DIR", &path));
+    assert_eq!(ended.code, 0, "{}", ended.err);
+}
+
+#[test]
 fn no_output_destroys_a_record() {
     let folder = Folder::new();
     let path = folder.path();
