@@ -134,17 +134,22 @@ impl<S: Scalar> BoxScale<S> {
     /// The box of a primitive with these bounds.
     #[inline(always)]
     fn padded(&self, tight: Aabb<S>) -> ObvhsAabb {
+        self.padded_part(tight.size().to_dvec3(), &tight)
+    }
+
+    /// The box of a part with these bounds of a primitive that has these extents.
+    #[inline(always)]
+    pub(super) fn padded_part<T: Scalar>(&self, extents: DVec3, part: &Aabb<T>) -> ObvhsAabb {
         // obvhs tests boxes in f32 whatever the scalar is, so f64 boxes need the padding of f32
         let epsilon = f64::from(f32::EPSILON);
         let margins = match self.padding {
             Padding::Rounding => DVec3::ZERO,
             Padding::OfScene => DVec3::splat(epsilon * PADDING_ULPS * self.magnitude),
             Padding::OfExtent { along, largest } => {
-                let extents = tight.size().to_dvec3();
                 (extents * along + extents.max_element() * largest) * epsilon
             }
         };
-        outward(&tight, margins.to_array(), self.setup.unit())
+        outward(part, margins.to_array(), self.setup.unit())
     }
 
     /// The box around some primitives.
@@ -217,6 +222,7 @@ fn grouped(single: &[ObvhsAabb]) -> (Vec<ObvhsAabb>, Groups) {
 mod tests {
     use super::*;
     use crate::bvh::node::{BoxRay, Length, Node, NodeRay, WIDTH};
+    use crate::bvh::parts::Splitting;
     use crate::geometry::ray::Ray;
     use crate::params::config::Settings;
     use crate::primitives::{MixedSetBuilder, PrimSet, TriangleSet, Watertight};
@@ -311,8 +317,8 @@ mod tests {
         Ray::new(o, d.as_vec3())
     }
 
-    /// By ray: whether the triangle is hit, and whether its box is met.
-    fn hits_and_boxes(rounds: u32) -> Vec<[bool; 2]> {
+    /// By ray: whether the triangle is hit, and whether a box of it is met.
+    fn hits_and_boxes(rounds: u32, splitting: Splitting, padding: Padding) -> Vec<[bool; 2]> {
         let mut random = Random(71);
         let mut all = Vec::new();
         for _ in 0..rounds {
@@ -320,11 +326,19 @@ mod tests {
                 std::array::from_fn(|_| triangle(&mut random).map(|p| p.as_vec3()));
             let corners = triangles.map(|t| t.map(|p| p.to_array())).to_vec();
             let set = TriangleSet::<f32, Watertight>::new(corners, |_| false).unwrap();
-            let (boxes, setup) = boxes(&set, "", Padding::OF_CORNERS).unwrap();
-            let mut node = Node::empty();
-            for (child, b) in boxes.iter().enumerate() {
-                node.set_box(child, b.min.to_array(), b.max.to_array());
-            }
+            let limits = Settings::<()>::of(&crate::bvh::INFO.defaults()).limits();
+            let (boxes, setup) = boxes(&set, "", padding).unwrap();
+            let items = Items { boxes, groups: Groups::Single, setup };
+            let Items { boxes, groups, setup } =
+                splitting.cut(&set, items, padding, limits).unwrap();
+            let numbers: Vec<u32> = (0..boxes.len() as u32).collect();
+            // each in a node of its own
+            let nodes = boxes.iter().zip(&numbers).map(|(b, number)| {
+                let mut node = Node::empty();
+                node.set_box(0, b.min.to_array(), b.max.to_array());
+                (groups.ids(number)[0] as usize, node)
+            });
+            let nodes: Vec<(usize, Node)> = nodes.collect();
             for number in 0..WIDTH * 8 {
                 let id = number % WIDTH;
                 let ray = ray(&mut random, triangles[id].map(|p| p.as_dvec3()));
@@ -335,7 +349,8 @@ mod tests {
                 let BoxRay { origin, direction, parameters } = setup.ray(&ray, Length::Own);
                 let of_nodes = NodeRay::of(origin, direction, true);
                 let end = parameters.bound(hit.unwrap_or(f32::INFINITY));
-                all.push([hit.is_some(), of_nodes.test(&node, end).0 >> id & 1 == 1]);
+                let mut own = nodes.iter().filter(|(owner, _)| *owner == id);
+                all.push([hit.is_some(), own.any(|(_, node)| of_nodes.test(node, end).0 == 1)]);
             }
         }
         all
@@ -343,10 +358,15 @@ mod tests {
 
     #[test]
     fn a_triangle_that_is_hit_has_a_box_that_is_met() {
-        let all = hits_and_boxes(40_000);
-        let count = |wanted: [bool; 2]| all.iter().filter(|found| **found == wanted).count();
-        assert_eq!(count([true, false]), 0);
-        let counts = [count([true, true]), count([false, false])];
-        assert!(counts[0] > 1_000_000 && counts[1] > 50_000, "{counts:?}");
+        for (splitting, rounds) in [(Splitting::Never, 40_000), (Splitting::Always, 8000)] {
+            let all = hits_and_boxes(rounds, splitting, Padding::OF_CORNERS);
+            let count = |wanted: [bool; 2]| all.iter().filter(|found| **found == wanted).count();
+            assert_eq!(count([true, false]), 0, "{splitting:?}");
+            let counts = [count([true, true]), count([false, false])].map(|n| n as u32);
+            assert!(counts[0] > 25 * rounds && counts[1] > rounds, "{splitting:?} {counts:?}");
+            // planted fault: boxes that are not padded
+            let unpadded = hits_and_boxes(2000, splitting, Padding::Rounding);
+            assert!(unpadded.contains(&[true, false]), "{splitting:?}");
+        }
     }
 }

@@ -4,7 +4,8 @@
 //! Compressed Wide BVHs", HPG 2017 (the collapse, `collapse.rs`); I. Wald, C. Benthin, S. Boulos,
 //! "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-branching BVHs", RT
 //! 2008 (one ray against all boxes of a node; for packets of rays see `packet.rs`). The binary tree
-//! is built in `build/`: binned, in Morton order, or with a `preset` by obvhs.
+//! is built in `build/`: binned, in Morton order, or with a `preset` by obvhs; over parts of triangles
+//! where most are long and thin (`parts.rs`).
 //!
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays
 //! are padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT
@@ -18,6 +19,7 @@ pub(crate) mod items;
 pub(crate) mod node;
 mod node_ray_lanes;
 mod packet;
+mod parts;
 mod refit;
 mod traverse;
 
@@ -44,11 +46,13 @@ use collapse::{Collapse, Costs, LEVELS};
 use collapsed::CollapsedTree;
 use items::{Padding, items_of};
 use node::{LEAF, Node, RaySetup, WIDTH};
+use parts::{SPLIT, Splitting};
 
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
     summary: "eight-wide BVH with exact boxes, collapsed from a binary tree binned from the top down",
-    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008",
+    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008; \
+            Ernst, Greiner 2007",
     deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs",
     params: &[
         ParamSpec::choice("query", "one", &["one", "batch", PACKETS])
@@ -63,6 +67,7 @@ pub static INFO: StructureInfo = StructureInfo {
         ParamSpec::integer("max-leaf", "16", 1, 64).about("primitives of a leaf at most"),
         ParamSpec::real("node-cost", "1", 0.01, 100.0)
             .about("cost of a visit to a node, that of a block of triangles being 1"),
+        SPLIT,
         REFIT,
         REBUILD_AT,
         TRIANGLE_TEST,
@@ -80,6 +85,7 @@ pub static INFO: StructureInfo = StructureInfo {
         "preset=fastest",
         "max-leaf=1",
         "max-leaf=4 node-cost=4",
+        "split=always",
     ],
     known_defect: |params| {
         (params.text("padding") == "none")
@@ -124,6 +130,7 @@ pub struct WideBvhConfig {
     build: Build,
     is_unpadded: bool,
     refitted_until: Option<f64>,
+    splitting: Splitting,
 }
 
 /// Builder of the binary tree.
@@ -151,6 +158,7 @@ impl Config for WideBvhConfig {
             },
             is_unpadded: params.text("padding") == "none",
             refitted_until: refitted_until(params),
+            splitting: Splitting::of(params),
         }
     }
 }
@@ -180,7 +188,9 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
         settings: &Settings<WideBvhConfig>,
     ) -> Result<Self, BuildError> {
         let structure = settings.structure();
-        let items = items_of(prims, settings.limits(), settings.padding(prims))?;
+        let (padding, limits) = (settings.padding(prims), settings.limits());
+        let items = items_of(prims, limits, padding)?;
+        let items = settings.splitting.cut(prims, items, padding, limits)?;
         let longest_leaf = settings.costs.longest_leaf;
         let mut bvh = match settings.build.clone() {
             Build::Binned => binned::tree(&items.boxes, longest_leaf),
