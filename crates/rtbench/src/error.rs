@@ -133,7 +133,7 @@ impl Error {
     /// The exit code it stands for.
     pub fn exit_code(&self) -> u8 {
         use CompareError::{Filter, Match, NothingMatches};
-        use OutputError::{IsRead, NothingSelected, SameFile};
+        use OutputError::{IsRead, NothingSelected, SameFile, StandardOutput};
         match self {
             Self::Plan(PlanError::Scene(e)) | Self::Load(e) => {
                 use LoadError::{NoSizes, Procedural, UnknownScene};
@@ -147,7 +147,7 @@ impl Error {
             Self::NothingCompared(_) => NOTHING_COMPARED,
             Self::Plan(_) => USAGE,
             Self::Plugin(PluginError::NameTaken { .. } | PluginError::NoProcesses { .. }) => USAGE,
-            Self::Outputs(SameFile(_) | IsRead(_) | NothingSelected(..)) => USAGE,
+            Self::Outputs(SameFile(_) | IsRead(_) | NothingSelected(..) | StandardOutput) => USAGE,
             _ => FAILURE,
         }
     }
