@@ -51,9 +51,9 @@ use parts::{SPLIT, Splitting};
 pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
     summary: "eight-wide BVH with exact boxes, collapsed from a binary tree binned from the top down",
-    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008; \
-            Ernst, Greiner 2007",
-    deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs",
+    paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008",
+    deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs; \
+                 thin triangles in parts (Ernst, Greiner 2007)",
     params: &[
         ParamSpec::choice("query", "one", &["one", "batch", PACKETS])
             .about(

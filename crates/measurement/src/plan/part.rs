@@ -1,7 +1,5 @@
 //! The part of a plan that one shard measures; see [`crate::settings::shard`].
 
-use std::collections::BTreeSet;
-
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
@@ -41,12 +39,6 @@ impl<'r> Plan<'r> {
             return Err(PlanError::Invalid(format!(
                 "--shard {shard}: this run has {cells} cells (scenes times rows, without the \
                  reference); use at most {cells} shards"
-            )));
-        }
-        let mut names = BTreeSet::new();
-        if let Some(name) = record.scenes.iter().find(|name| !names.insert(*name)) {
-            return Err(PlanError::Invalid(format!(
-                "--shard: two scenes are named {name}; shards are merged by names"
             )));
         }
         let mut rows: Vec<Vec<usize>> =
