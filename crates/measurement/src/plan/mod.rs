@@ -293,7 +293,7 @@ fn refuse_same_names(scenes: &[Box<dyn KnownScene>]) -> Result<(), PlanError> {
     match scenes.iter().find(|scene| !seen.insert(scene.name())) {
         None => Ok(()),
         Some(scene) => Err(PlanError::Invalid(format!(
-            "two scenes have the name '{}'; give one another by a scene file (docs/scenes.md)",
+            "two scenes are named {}; give one another name by a scene file (docs/scenes.md)",
             scene.name()
         ))),
     }

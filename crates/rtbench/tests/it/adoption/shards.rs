@@ -197,7 +197,7 @@ fn scenes_of_the_same_name_are_not_divided() {
     }
     let ended = run_stepping(&format!("run {} -s obvhs-cwbvh --shard 1/2", paths.join(" ")));
     assert_eq!(ended.code, 2, "{}", ended.err);
-    assert!(ended.err.contains("two scenes have the name 'same'"), "{}", ended.err);
+    assert!(ended.err.contains("two scenes are named same"), "{}", ended.err);
 }
 
 #[test]

@@ -40,7 +40,7 @@ fn a_dash_is_no_file_and_a_name_is_of_one_scene() {
     for (command, said) in [
         ("run tetra:1 --size 8 -s obvhs-cwbvh --export-bencher -", "'-' is standard output"),
         ("rays export tetra:1 --size 8 -o -", "'-' is standard output"),
-        ("run DIR/a/hall.obj DIR/b/hall.obj --size 8", "two scenes have the name 'hall'"),
+        ("run DIR/a/hall.obj DIR/b/hall.obj --size 8", "two scenes are named hall"),
     ] {
         let ended = run_stepping(&command.replace("DIR", &path));
         assert_eq!((ended.code, ended.out.as_str()), (2, ""), "{command}: {}", ended.err);
