@@ -70,14 +70,8 @@ pub fn restrict(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunRecor
     let rows = || record.scenes.iter().flat_map(|s| &s.rows);
     for name in &asked {
         if !rows().any(|r| r.structure == *name || r.label() == *name) {
-            let labels: Vec<String> = rows().map(|r| r.label()).collect();
-            let mut valid: Vec<&str> = Vec::new();
-            for label in &labels {
-                if !valid.contains(&&**label) {
-                    valid.push(label);
-                }
-            }
-            return Err(unknown("row", name, valid));
+            let labels = labels_of(&record);
+            return Err(unknown("row", name, labels.iter().map(|l| &**l).collect()));
         }
     }
     let mut references = vec![record.settings.reference.clone()];
@@ -155,15 +149,20 @@ fn by_source<'r>(
     found.map_err(|_| error)
 }
 
+/// The labels of all rows, each once.
+fn labels_of(record: &RunRecord) -> Vec<String> {
+    let mut labels: Vec<String> = Vec::new();
+    for row in record.scenes.iter().flat_map(|s| &s.rows) {
+        if !labels.contains(&row.label()) {
+            labels.push(row.label());
+        }
+    }
+    labels
+}
+
 /// Settings of a run that measures the record's scenes and rows.
 fn settings_of(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunSettings, ReplanError> {
     let of = &record.settings;
-    let mut structures: Vec<String> = Vec::new();
-    for row in record.scenes.iter().flat_map(|s| &s.rows) {
-        if !structures.contains(&row.label()) {
-            structures.push(row.label());
-        }
-    }
     let [width, height] = of.resolution;
     if width != height {
         return Err(ReplanError::Settings(format!("an image of {width} x {height} pixels")));
@@ -184,7 +183,7 @@ fn settings_of(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunSettin
     };
     Ok(RunSettings {
         scenes: record.scenes.iter().map(|scene| scene.name.clone()).collect(),
-        structures,
+        structures: labels_of(record),
         // the record's settings do not say what was set of its rays
         overrides: overrides_in(&record.command_line)
             .into_iter()

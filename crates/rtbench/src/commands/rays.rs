@@ -232,8 +232,7 @@ fn traced<S: Buildable>(
     loaded: &LoadedScene,
 ) -> Result<(), Error> {
     let geometry = Geometry::<S>::of(&loaded.scene)?;
-    let (about, by_kind) = read(args, loaded, geometry.len())?;
-    let mut file = about.header(Content::Hits);
+    let (mut file, by_kind) = read(args, loaded)?;
     for row in rows {
         let answers = answers::<S>(geometry.prims(), row, &by_kind)
             .map_err(MeasureError::of_build(&loaded.scene.name))?;
@@ -260,16 +259,11 @@ fn traced<S: Buildable>(
     }
 }
 
-/// The rays of the file, and the header for their hits.
-fn read(
-    args: &TraceArgs,
-    loaded: &LoadedScene,
-    primitives: usize,
-) -> Result<(FileSubject, AskedRays), Error> {
+/// The header for the hits, which those of rays in text have none of, and the rays of the file.
+fn read(args: &TraceArgs, loaded: &LoadedScene) -> Result<(Vec<u8>, AskedRays), Error> {
     let read = |source| plugins::PluginError::Read { file: args.rays.clone(), source };
     let bytes = std::fs::read(&args.rays).map_err(read)?;
     let wrong = |offset, what| FileError { file: args.rays.clone(), offset, what };
-    let scene = digest(&loaded.sha256);
     if !bytes.starts_with(b"RTB") {
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             wrong(error.valid_up_to(), "neither a file of `rays export` nor text".into())
@@ -282,26 +276,17 @@ fn read(
         let mut rays = text::read(&args.rays, text)?;
         // text has the coordinates of the scene's file
         rays.iter_mut().for_each(|ray| ray.origin -= loaded.scene.origin);
-        let about = FileSubject {
-            rays: [rays.len() as u64, 0, 0, 0, 0],
-            triangles: primitives as u64,
-            size: 1,
-            first_light: false,
-            seed: 0,
-            scene,
-            origin: loaded.scene.origin.to_array(),
-        };
-        return Ok((about, vec![(RayKind::Primary, rays)]));
+        return Ok((Vec::new(), vec![(RayKind::Primary, rays)]));
     }
     let about = FileSubject::read(&args.rays, &bytes, Content::Rays)?;
-    if about.scene != scene {
+    if about.scene != digest(&loaded.sha256) {
         let what = format!("the rays belong to another scene than {}", args.scene);
         return Err(wrong(80, what).into());
     }
     let mut all = files::rays(&about, &bytes).map(|ray| Ray::<f32>::from(&ray).widened());
     let kinds = RayKind::ALL.into_iter().zip(about.rays);
     let by_kind = kinds.map(|(kind, n)| (kind, all.by_ref().take(n as usize).collect()));
-    Ok((about.clone(), by_kind.collect()))
+    Ok((about.header(Content::Hits), by_kind.collect()))
 }
 
 /// The answers of a row to the rays of each kind.

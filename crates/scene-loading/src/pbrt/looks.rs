@@ -2,7 +2,7 @@
 
 use glam::{DMat4, DVec3};
 
-use crate::error::LoadError;
+use crate::error::{LoadError, shortened};
 use crate::pbrt::params::Params;
 use crate::scene::{Camera, Light, Material, NO_HIGHLIGHT, Rgb, Scene};
 use crate::tray_racing::sun_position;
@@ -34,6 +34,22 @@ pub(super) fn camera(params: &Params, from_world: DMat4) -> Result<Camera, LoadE
     };
     camera.check(|| params.place())?;
     Ok(camera)
+}
+
+/// What [`camera`] does not take from a `Camera`, in words.
+pub(super) fn left_out_of_camera(kind: &str, params: &Params) -> Result<Vec<String>, LoadError> {
+    let parameters = [
+        ("screenwindow", params.has("screenwindow")),
+        ("frameaspectratio", params.has("frameaspectratio")),
+        ("lensradius", params.number("lensradius", 0.0)? != 0.0),
+    ];
+    let set = parameters.into_iter().filter(|(_, is_set)| *is_set);
+    let mut all: Vec<String> =
+        set.map(|(name, _)| format!("parameters {name} of cameras left out")).collect();
+    if kind != "perspective" {
+        all.push(format!("cameras {} taken as perspective", shortened(kind)));
+    }
+    Ok(all)
 }
 
 /// `LightSource`; none for kinds that scenes here do not have.

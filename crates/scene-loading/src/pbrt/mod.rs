@@ -251,15 +251,8 @@ impl Loader<'_> {
         let from_world = self.state.now.transform;
         let to_world = from_world.inverse();
         self.camera = Some(looks::camera(&params, from_world)?);
-        if kind != "perspective" {
-            let what = format!("cameras {} taken as perspective", shortened(&kind));
+        for what in looks::left_out_of_camera(&kind, &params)? {
             self.leave_out(what, || params.place());
-        }
-        let has_lens = params.number("lensradius", 0.0)? != 0.0;
-        for name in ["screenwindow", "frameaspectratio", "lensradius"] {
-            if params.has(name) && (name != "lensradius" || has_lens) {
-                self.leave_out(format!("parameters {name} of cameras left out"), || params.place());
-            }
         }
         self.state.name_system("camera", to_world, || params.place())
     }
