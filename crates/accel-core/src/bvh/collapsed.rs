@@ -1,4 +1,9 @@
-//! The eight-wide nodes and the leaves that a planned collapse makes, numbered.
+//! The eight-wide nodes and the leaves that a planned collapse makes, numbered, and which of a node's
+//! children comes first where any hit ends a query.
+//!
+//! Paper: T. Ize, C. Hansen, "RTSAH Traversal Order for Occlusion Rays", Computer Graphics Forum
+//! 30(2), 2011: the child first with the most hits for what it costs. Deviation: that a ray which
+//! meets a child hits something in it is taken to be as likely as the areas of its leaves are large.
 
 use super::collapse::Collapse;
 use super::node::{LEAF, WIDTH};
@@ -127,10 +132,114 @@ impl CollapsedTree {
         self.ends.push(self.ids.len());
     }
 
+    /// Brings the children of each node into the order in which shadow rays ask them.
+    pub(super) fn order(&mut self, collapse: &Collapse<'_>) {
+        let mut sums = vec![Areas::default(); self.nodes.len()];
+        for number in (0..self.nodes.len()).rev() {
+            let node = &mut self.nodes[number];
+            let mut all = Areas::default();
+            let mut children = [(0.0, 0, 0); WIDTH];
+            for (child, (subtree, place)) in children.iter_mut().zip(node.children()) {
+                let own = collapse.bounds(subtree).half_area();
+                let below = match place & LEAF {
+                    0 => sums[place as usize].within(own),
+                    _ => Areas { all: own, leaves: own },
+                };
+                all.all += below.all;
+                all.leaves += below.leaves;
+                *child = (below.hits_per_cost(own), subtree, place);
+            }
+            let children = &mut children[..node.children];
+            children.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+            for (k, &(_, subtree, place)) in children.iter().enumerate() {
+                (node.subtrees[k], node.places[k]) = (subtree, place);
+            }
+            sums[number] = all;
+        }
+    }
+
     /// The ids of each leaf.
     pub(super) fn leaves(&self) -> Vec<&[u32]> {
         let mut first = 0;
         let ids = |&end| &self.ids[std::mem::replace(&mut first, end)..end];
         self.ends.iter().map(ids).collect()
+    }
+}
+
+/// Sums of half areas of boxes below a node.
+#[derive(Clone, Copy, Default)]
+struct Areas {
+    /// Of nodes and of leaves: what visits of rays cost.
+    all: f32,
+    leaves: f32,
+}
+
+impl Areas {
+    /// These and that of the node itself.
+    fn within(self, own: f32) -> Self {
+        Self { all: self.all + own, ..self }
+    }
+
+    /// Hits of the rays that meet a child of this half area, over what they cost.
+    fn hits_per_cost(self, own: f32) -> f32 {
+        if self.all > 0.0 { self.leaves.min(own) / self.all } else { 1.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bvh::build::agglomerated::tests::scattered;
+    use crate::bvh::build::binned;
+    use crate::bvh::collapse::{Costs, LEVELS};
+    use crate::bvh::items::Groups;
+
+    /// What each child costs and hits, counted from the leaves up by itself.
+    fn areas(tree: &CollapsedTree, collapse: &Collapse<'_>, (subtree, place): (u32, u32)) -> Areas {
+        let own = collapse.bounds(subtree).half_area();
+        if place & LEAF != 0 {
+            return Areas { all: own, leaves: own };
+        }
+        let below = tree.nodes[place as usize].children().map(|child| areas(tree, collapse, child));
+        below.fold(Areas { all: own, leaves: 0.0 }, |sum, child| Areas {
+            all: sum.all + child.all,
+            leaves: sum.leaves + child.leaves,
+        })
+    }
+
+    #[test]
+    fn children_with_more_hits_for_their_cost_come_first() {
+        let boxes = scattered(30_000, 0.02);
+        let mut bvh = binned::tree(&boxes, 16);
+        let costs = Costs { node: 1.0, longest_leaf: 16 };
+        let collapse = Collapse::plan(&mut bvh, &Groups::Single, costs, LEVELS);
+        let mut tree = CollapsedTree::of(&collapse);
+        let before = tree.nodes.clone();
+        tree.order(&collapse);
+        let (mut moved, mut pairs) = (0, 0);
+        for (before, node) in before.iter().zip(&tree.nodes) {
+            let sorted = |node: &CollapsedNode| {
+                let mut children: Vec<_> = node.children().collect();
+                children.sort_unstable();
+                children
+            };
+            assert_eq!(sorted(before), sorted(node));
+            moved += usize::from(before.subtrees != node.subtrees);
+            let worth = |child: (u32, u32)| {
+                let own = collapse.bounds(child.0).half_area();
+                f64::from(areas(&tree, &collapse, child).hits_per_cost(own))
+            };
+            let worths: Vec<f64> = node.children().map(worth).collect();
+            for pair in worths.windows(2) {
+                // sums in another order
+                assert!(pair[0] > pair[1] - 1e-4, "{worths:?}");
+                pairs += usize::from(pair[0] > pair[1] + 1e-3);
+            }
+        }
+        assert!(moved > 100 && pairs > 300, "{moved} {pairs}");
+        let leaf = Areas { all: 2.0, leaves: 2.0 };
+        assert_eq!((leaf.hits_per_cost(2.0), Areas::default().hits_per_cost(0.0)), (1.0, 1.0));
+        // four times the node's own area in its leaves: a ray hits once
+        assert_eq!(Areas { all: 10.0, leaves: 8.0 }.hits_per_cost(2.0), 0.2);
     }
 }

@@ -10,7 +10,7 @@
 //! Deviations: boxes are not compressed; they are in units of the scene's size, and they and rays
 //! are padded so that no hit is lost (`node.rs`), where T. Ize, "Robust BVH Ray Traversal", JCGT
 //! 2(2), 2013, pads the slabs' rounding alone; the children that a ray meets are sorted by where it
-//! enters them, unless any hit ends the query.
+//! enters them or, where any hit ends the query, are in one order for all rays (`collapsed.rs`).
 
 pub(crate) mod build;
 mod collapse;
@@ -52,8 +52,8 @@ pub static INFO: StructureInfo = StructureInfo {
     name: "wide-bvh",
     summary: "eight-wide BVH with exact boxes, collapsed from a binary tree binned from the top down",
     paper: "Ylitie, Karras, Laine 2017; Wald 2007; Pantaleoni, Luebke 2010; Wald, Benthin, Boulos 2008",
-    deviations: "exact boxes; children sorted by distance; blocks of triangles; reinsertion by obvhs; \
-                 thin triangles in parts (Ernst, Greiner 2007)",
+    deviations: "exact boxes; children sorted by distance, for shadow rays in one order (Ize, Hansen 2011); blocks of \
+                 triangles; reinsertion by obvhs; thin triangles in parts (Ernst, Greiner 2007)",
     params: &[
         ParamSpec::choice("query", "one", &["one", "batch", PACKETS])
             .about(
@@ -198,7 +198,8 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             Build::Preset(preset) => reinserted(&items.boxes, &preset),
         };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
-        let collapsed = CollapsedTree::of(&collapse);
+        let mut collapsed = CollapsedTree::of(&collapse);
+        collapsed.order(&collapse);
         let leaves = collapsed.leaves();
         let references: u64 = leaves.iter().map(|ids| ids.len() as u64).sum();
         let layout = Layout::of(prims, &leaves, LEAF).ok_or(BuildError::TooLarge {
