@@ -15,7 +15,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::morton::morton_encode_u64;
 
-use super::binned::{REINSERTED_ABOVE, insert_anew};
+use super::binned::{MANY, insert_upper_anew};
 use super::boxes::{Item, SetBounds};
 use super::cut::Bins;
 use super::sets::{MOST_CUTS, Nodes, Set, Sizes};
@@ -57,12 +57,13 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     let mut heads: Vec<Item> = parallel::collect(clusters.len(), head);
     let around = SetBounds::of_all(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
-    let sizes = Sizes { few: 1, reinserted_above: MANY_CLUSTERS, is_parallel: true };
+    let (upper_above, middle_above) = (MANY_CLUSTERS, usize::MAX);
+    let sizes = Sizes { few: 1, upper_above, middle_above, is_parallel: true };
     let nodes = set.tree(sizes);
-    let nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
+    let mut nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
     let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
     let mut bvh = Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() };
-    insert_anew(&mut bvh, nodes.upper);
+    insert_upper_anew(&mut bvh, &mut nodes.upper);
     bvh
 }
 
@@ -221,7 +222,8 @@ fn within(
     items: &mut [Item],
     few: usize,
 ) -> Nodes {
-    let sizes = Sizes { few, reinserted_above: REINSERTED_ABOVE, is_parallel: false };
+    let (upper_above, middle_above) = (MANY, usize::MAX);
+    let sizes = Sizes { few, upper_above, middle_above, is_parallel: false };
     let items_in_all = items.len();
     let parts = parallel::parts(items_in_all);
     let lengths = clusters.iter().map(|cluster| cluster.items);

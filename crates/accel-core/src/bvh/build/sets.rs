@@ -17,6 +17,8 @@ pub(super) struct Nodes {
     pub(super) all: Vec<Bvh2Node>,
     /// Places of those below the root that are of many items.
     pub(super) upper: Vec<u32>,
+    /// Places of those of fewer.
+    pub(super) middle: Vec<u32>,
 }
 
 impl Nodes {
@@ -24,7 +26,7 @@ impl Nodes {
     pub(super) fn with_root(room: usize) -> Self {
         let mut all = Vec::with_capacity(room);
         all.push(Bvh2Node::new(Aabb::default(), 1, 0));
-        Self { all, upper: Vec::new() }
+        Self { all, upper: Vec::new(), middle: Vec::new() }
     }
 
     /// These nodes with others behind them, on all threads. Of each of those, which begin with a
@@ -36,19 +38,20 @@ impl Nodes {
             }
             node
         };
-        let (mut upper, mut roots) = (self.upper, Vec::new());
+        let (mut upper, mut middle, mut roots) = (self.upper, self.middle, Vec::new());
         let (mut pieces, mut next) = (vec![(&self.all[..], 0)], self.all.len());
         for (own_roots, below) in &others {
             // the first pair of the others is at 1
             let shift = next as u32 - 1;
             roots.extend(own_roots.iter().map(|&(place, root)| (place, moved(root, shift))));
             upper.extend(below.upper.iter().map(|place| place + shift));
+            middle.extend(below.middle.iter().map(|place| place + shift));
             pieces.push((&below.all[1..], shift));
             next += below.all.len() - 1;
         }
         let mut all = parallel::concat(&pieces, &moved);
         roots.into_iter().for_each(|(place, root)| all[place] = root);
-        Self { all, upper }
+        Self { all, upper, middle }
     }
 }
 
@@ -57,8 +60,10 @@ impl Nodes {
 pub(super) struct Sizes {
     /// So many are a leaf.
     pub(super) few: usize,
-    /// Nodes of more items are inserted anew.
-    pub(super) reinserted_above: usize,
+    /// Nodes of more items are upper ones.
+    pub(super) upper_above: usize,
+    /// Other nodes of more items are in the middle.
+    pub(super) middle_above: usize,
     /// Sets may be divided by several threads, so that the order of their items is nobody's.
     pub(super) is_parallel: bool,
 }
@@ -147,8 +152,13 @@ impl Set<'_> {
             Set { items: lower_items, first, around: lower, level, node: pair },
             Set { items: upper_items, first: first + middle, around: upper, level, node: pair + 1 },
         ];
-        let many = sides.iter().filter(|set| set.items.len() > sizes.reinserted_above);
-        nodes.upper.extend(many.map(|set| set.node as u32));
+        for set in &sides {
+            if set.items.len() > sizes.middle_above {
+                let is_upper = set.items.len() > sizes.upper_above;
+                let places = if is_upper { &mut nodes.upper } else { &mut nodes.middle };
+                places.push(set.node as u32);
+            }
+        }
         Some(sides)
     }
 }
