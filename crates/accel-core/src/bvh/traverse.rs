@@ -3,8 +3,8 @@
 //!
 //! Paper: I. Wald, C. Benthin, S. Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray
 //! Traversal using Multi-branching BVHs", RT 2008. Deviation: where any hit ends the query, the
-//! children come in the node's own order (`collapsed.rs`). The test of the boxes, and where a ray's interval ends, is in `node.rs`;
-//! eight rays at once are in `node_ray_lanes.rs` and `packet.rs`.
+//! children come in the node's own order (`collapsed.rs`). The test of the boxes, and where a ray's
+//! interval ends, is in `node.rs`; eight rays at once are in `node_ray_lanes.rs` and `packet.rs`.
 
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;

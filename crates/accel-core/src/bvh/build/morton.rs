@@ -18,7 +18,7 @@ use obvhs::ploc::morton::morton_encode_u64;
 use super::binned::{MANY, insert_upper_anew};
 use super::boxes::{Item, SetBounds};
 use super::cut::Bins;
-use super::sets::{MOST_CUTS, Nodes, Set, Sizes};
+use super::sets::{MOST_CUTS, Nodes, Set, Sizes, larger_than};
 use crate::counting_sort::{DIGIT_BITS, by_two_digits};
 use crate::memory::prefetch;
 use crate::parallel;
@@ -57,13 +57,12 @@ pub(crate) fn tree(boxes: &[Aabb], longest_leaf: u32) -> Bvh2 {
     let mut heads: Vec<Item> = parallel::collect(clusters.len(), head);
     let around = SetBounds::of_all(&heads);
     let set = Set { items: &mut heads, first: 0, around, level: 1 + LEVELS, node: 0 };
-    let (upper_above, middle_above) = (MANY_CLUSTERS, usize::MAX);
-    let sizes = Sizes { few: 1, upper_above, middle_above, is_parallel: true };
+    let sizes = Sizes { few: 1, upper_above: MANY_CLUSTERS, is_parallel: true };
     let nodes = set.tree(sizes);
-    let mut nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
+    let nodes = within(nodes, &heads, &clusters, &mut items, FEW.min(longest_leaf) as usize);
     let primitive_indices = parallel::collect(items.len(), |place| items[place].number());
     let mut bvh = Bvh2 { nodes: nodes.all, primitive_indices, ..Bvh2::default() };
-    insert_upper_anew(&mut bvh, &mut nodes.upper);
+    insert_upper_anew(&mut bvh, &mut larger_than(&nodes.upper, 0));
     bvh
 }
 
@@ -222,8 +221,7 @@ fn within(
     items: &mut [Item],
     few: usize,
 ) -> Nodes {
-    let (upper_above, middle_above) = (MANY, usize::MAX);
-    let sizes = Sizes { few, upper_above, middle_above, is_parallel: false };
+    let sizes = Sizes { few, upper_above: MANY, is_parallel: false };
     let items_in_all = items.len();
     let parts = parallel::parts(items_in_all);
     let lengths = clusters.iter().map(|cluster| cluster.items);

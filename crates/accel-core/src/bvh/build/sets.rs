@@ -15,10 +15,8 @@ pub(super) const MOST_CUTS: u32 = 48;
 /// the upper one.
 pub(super) struct Nodes {
     pub(super) all: Vec<Bvh2Node>,
-    /// Places of those below the root that are of many items.
-    pub(super) upper: Vec<u32>,
-    /// Places of those of fewer.
-    pub(super) middle: Vec<u32>,
+    /// Places of those below the root that are of many items, and of how many.
+    pub(super) upper: Vec<(u32, u32)>,
 }
 
 impl Nodes {
@@ -26,7 +24,7 @@ impl Nodes {
     pub(super) fn with_root(room: usize) -> Self {
         let mut all = Vec::with_capacity(room);
         all.push(Bvh2Node::new(Aabb::default(), 1, 0));
-        Self { all, upper: Vec::new(), middle: Vec::new() }
+        Self { all, upper: Vec::new() }
     }
 
     /// These nodes with others behind them, on all threads. Of each of those, which begin with a
@@ -38,21 +36,25 @@ impl Nodes {
             }
             node
         };
-        let (mut upper, mut middle, mut roots) = (self.upper, self.middle, Vec::new());
+        let (mut upper, mut roots) = (self.upper, Vec::new());
         let (mut pieces, mut next) = (vec![(&self.all[..], 0)], self.all.len());
         for (own_roots, below) in &others {
             // the first pair of the others is at 1
             let shift = next as u32 - 1;
             roots.extend(own_roots.iter().map(|&(place, root)| (place, moved(root, shift))));
-            upper.extend(below.upper.iter().map(|place| place + shift));
-            middle.extend(below.middle.iter().map(|place| place + shift));
+            upper.extend(below.upper.iter().map(|(place, items)| (place + shift, *items)));
             pieces.push((&below.all[1..], shift));
             next += below.all.len() - 1;
         }
         let mut all = parallel::concat(&pieces, &moved);
         roots.into_iter().for_each(|(place, root)| all[place] = root);
-        Self { all, upper, middle }
+        Self { all, upper }
     }
+}
+
+/// Places of the nodes that are of more items than this.
+pub(super) fn larger_than(nodes: &[(u32, u32)], items: usize) -> Vec<u32> {
+    nodes.iter().filter(|(_, own)| *own as usize > items).map(|(place, _)| *place).collect()
 }
 
 /// Thresholds of small and large sets.
@@ -62,8 +64,6 @@ pub(super) struct Sizes {
     pub(super) few: usize,
     /// Nodes of more items are upper ones.
     pub(super) upper_above: usize,
-    /// Other nodes of more items are in the middle.
-    pub(super) middle_above: usize,
     /// Sets may be divided by several threads, so that the order of their items is nobody's.
     pub(super) is_parallel: bool,
 }
@@ -152,13 +152,8 @@ impl Set<'_> {
             Set { items: lower_items, first, around: lower, level, node: pair },
             Set { items: upper_items, first: first + middle, around: upper, level, node: pair + 1 },
         ];
-        for set in &sides {
-            if set.items.len() > sizes.middle_above {
-                let is_upper = set.items.len() > sizes.upper_above;
-                let places = if is_upper { &mut nodes.upper } else { &mut nodes.middle };
-                places.push(set.node as u32);
-            }
-        }
+        let many = sides.iter().filter(|set| set.items.len() > sizes.upper_above);
+        nodes.upper.extend(many.map(|set| (set.node as u32, set.items.len() as u32)));
         Some(sides)
     }
 }
