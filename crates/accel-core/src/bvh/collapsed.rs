@@ -14,6 +14,8 @@ use crate::parallel::{self, ForkedTree};
 #[derive(Default)]
 pub(super) struct CollapsedTree {
     pub(super) nodes: Vec<CollapsedNode>,
+    /// By node what its children add up to; empty until they are in order.
+    sums: Vec<Areas>,
     /// The ids of all leaves, one after the other, and where each ends.
     ids: Vec<u32>,
     ends: Vec<usize>,
@@ -59,29 +61,43 @@ impl CollapsedTree {
         }
         // a level of eight-wide nodes is three of binary ones
         let forked = Self::forked(collapse, 0, parallel::forks().div_ceil(3));
-        Self::joined(&forked.pieces(|tree| tree.nodes.len()))
+        Self::joined(collapse, &forked.pieces(|tree| tree.nodes.len()))
     }
 
-    fn joined(pieces: &[(usize, Self)]) -> Self {
+    fn joined(collapse: &Collapse<'_>, pieces: &[(usize, Self)]) -> Self {
         // nodes and leaves in front of a piece, and ids
         let (mut shift, mut ids_in_front) = ((0, 0), 0);
-        let (mut roots, mut nodes) = (Vec::new(), vec![(&[CollapsedNode::NONE][..], shift)]);
-        let (mut ids, mut ends) = (Vec::new(), Vec::new());
+        let mut nodes = vec![(&[CollapsedNode::NONE][..], shift)];
+        let mut sums = vec![(&[Areas::NONE][..], ())];
+        let (mut roots, mut ids, mut ends) = (Vec::new(), Vec::new(), Vec::new());
         for (place, tree) in pieces {
-            roots.push((*place, tree.nodes[0].moved(shift)));
+            let (sum, below) = match tree.sums.split_first() {
+                Some((sum, below)) => (Some(sum), below),
+                None => (None, &Areas::UNKNOWN[..tree.nodes.len() - 1]),
+            };
+            roots.push((*place, tree.nodes[0].moved(shift), sum));
             nodes.push((&tree.nodes[1..], shift));
+            sums.push((below, ()));
             ids.push((&tree.ids[..], ()));
             ends.push((&tree.ends[..], ids_in_front));
             shift = (shift.0 + tree.nodes.len() as u32 - 1, shift.1 + tree.ends.len() as u32);
             ids_in_front += tree.ids.len();
         }
-        let mut nodes = parallel::concat(&nodes, &CollapsedNode::moved);
-        roots.into_iter().for_each(|(place, root)| nodes[place] = root);
-        Self {
-            nodes,
+        let mut tree = Self {
+            nodes: parallel::concat(&nodes, &CollapsedNode::moved),
+            sums: parallel::concat(&sums, &|sum, ()| sum),
             ids: parallel::concat(&ids, &|id, ()| id),
             ends: parallel::concat(&ends, &|end, ids| end + ids),
+        };
+        // pieces come before those below them
+        for (place, root, sum) in roots.into_iter().rev() {
+            tree.nodes[place] = root;
+            match sum {
+                Some(sum) => tree.sums[place] = *sum,
+                None => tree.order(collapse, place),
+            }
         }
+        tree
     }
 
     /// The tree of a subtree that is no leaf; those of its children at once, `forks` times one below
@@ -95,6 +111,10 @@ impl CollapsedTree {
             if forks > 0 {
                 break;
             }
+        }
+        if forks == 0 {
+            tree.sums = vec![Areas::NONE; tree.nodes.len()];
+            (0..tree.nodes.len()).rev().for_each(|number| tree.order(collapse, number));
         }
         waiting.reverse();
         let below = |&(number, subtree): &(usize, u32)| {
@@ -132,30 +152,28 @@ impl CollapsedTree {
         self.ends.push(self.ids.len());
     }
 
-    /// Brings the children of each node into the order in which shadow rays ask them.
-    pub(super) fn order(&mut self, collapse: &Collapse<'_>) {
-        let mut sums = vec![Areas::default(); self.nodes.len()];
-        for number in (0..self.nodes.len()).rev() {
-            let node = &mut self.nodes[number];
-            let mut all = Areas::default();
-            let mut children = [(0.0, 0, 0); WIDTH];
-            for (child, (subtree, place)) in children.iter_mut().zip(node.children()) {
-                let own = collapse.bounds(subtree).half_area();
-                let below = match place & LEAF {
-                    0 => sums[place as usize].within(own),
-                    _ => Areas { all: own, leaves: own },
-                };
-                all.all += below.all;
-                all.leaves += below.leaves;
-                *child = (below.hits_per_cost(own), subtree, place);
-            }
-            let children = &mut children[..node.children];
-            children.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
-            for (k, &(_, subtree, place)) in children.iter().enumerate() {
-                (node.subtrees[k], node.places[k]) = (subtree, place);
-            }
-            sums[number] = all;
+    /// Brings the children of a node into the order in which shadow rays ask them; nodes below it
+    /// are in order.
+    fn order(&mut self, collapse: &Collapse<'_>, number: usize) {
+        let node = &mut self.nodes[number];
+        let mut sum = Areas::NONE;
+        let mut children = [(0.0, 0, 0); WIDTH];
+        for (child, (subtree, place)) in children.iter_mut().zip(node.children()) {
+            let own = collapse.bounds(subtree).half_area();
+            let below = match place & LEAF {
+                0 => self.sums[place as usize].within(own),
+                _ => Areas { all: own, leaves: own },
+            };
+            sum.all += below.all;
+            sum.leaves += below.leaves;
+            *child = (below.hits_per_cost(own), subtree, place);
         }
+        let children = &mut children[..node.children];
+        children.sort_by(|(a, ..), (b, ..)| b.total_cmp(a));
+        for (k, &(_, subtree, place)) in children.iter().enumerate() {
+            (node.subtrees[k], node.places[k]) = (subtree, place);
+        }
+        self.sums[number] = sum;
     }
 
     /// The ids of each leaf.
@@ -167,7 +185,7 @@ impl CollapsedTree {
 }
 
 /// Sums of half areas of boxes below a node.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Areas {
     /// Of nodes and of leaves: what visits of rays cost.
     all: f32,
@@ -175,6 +193,10 @@ struct Areas {
 }
 
 impl Areas {
+    const NONE: Self = Self { all: 0.0, leaves: 0.0 };
+    /// Of the children of a node that is not in order yet.
+    const UNKNOWN: [Self; WIDTH] = [Self::NONE; WIDTH];
+
     /// These and that of the node itself.
     fn within(self, own: f32) -> Self {
         Self { all: self.all + own, ..self }
@@ -213,18 +235,27 @@ mod tests {
         let mut bvh = binned::tree(&boxes, 16);
         let costs = Costs { node: 1.0, longest_leaf: 16 };
         let collapse = Collapse::plan(&mut bvh, &Groups::Single, costs, LEVELS);
-        let mut tree = CollapsedTree::of(&collapse);
-        let before = tree.nodes.clone();
-        tree.order(&collapse);
+        let tree = CollapsedTree::of(&collapse);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+        let forked = pool.install(|| CollapsedTree::of(&collapse));
+        let children = |tree: &CollapsedTree| {
+            tree.nodes.iter().map(|node| (node.subtrees, node.places)).collect::<Vec<_>>()
+        };
+        assert!(children(&tree) == children(&forked));
         let (mut moved, mut pairs) = (0, 0);
-        for (before, node) in before.iter().zip(&tree.nodes) {
-            let sorted = |node: &CollapsedNode| {
-                let mut children: Vec<_> = node.children().collect();
-                children.sort_unstable();
-                children
-            };
-            assert_eq!(sorted(before), sorted(node));
-            moved += usize::from(before.subtrees != node.subtrees);
+        let mut waiting = vec![(0, 0)];
+        while let Some((place, subtree)) = waiting.pop() {
+            if place & LEAF != 0 {
+                continue;
+            }
+            let node = &tree.nodes[place as usize];
+            waiting.extend(node.children().map(|(subtree, place)| (place, subtree)));
+            let (mut planned, n) = collapse.children(subtree);
+            let mut subtrees = node.subtrees;
+            moved += usize::from(planned[..n] != subtrees[..n]);
+            planned[..n].sort_unstable();
+            subtrees[..n].sort_unstable();
+            assert_eq!(planned[..n], subtrees[..n]);
             let worth = |child: (u32, u32)| {
                 let own = collapse.bounds(child.0).half_area();
                 f64::from(areas(&tree, &collapse, child).hits_per_cost(own))
@@ -238,7 +269,7 @@ mod tests {
         }
         assert!(moved > 100 && pairs > 300, "{moved} {pairs}");
         let leaf = Areas { all: 2.0, leaves: 2.0 };
-        assert_eq!((leaf.hits_per_cost(2.0), Areas::default().hits_per_cost(0.0)), (1.0, 1.0));
+        assert_eq!((leaf.hits_per_cost(2.0), Areas::NONE.hits_per_cost(0.0)), (1.0, 1.0));
         // four times the node's own area in its leaves: a ray hits once
         assert_eq!(Areas { all: 10.0, leaves: 8.0 }.hits_per_cost(2.0), 0.2);
     }

@@ -198,8 +198,7 @@ impl<S: Scalar> Structure<S> for WideBvh<S> {
             Build::Preset(preset) => reinserted(&items.boxes, &preset),
         };
         let collapse = Collapse::plan(&mut bvh, &items.groups, settings.costs, LEVELS);
-        let mut collapsed = CollapsedTree::of(&collapse);
-        collapsed.order(&collapse);
+        let collapsed = CollapsedTree::of(&collapse);
         let leaves = collapsed.leaves();
         let references: u64 = leaves.iter().map(|ids| ids.len() as u64).sum();
         let layout = Layout::of(prims, &leaves, LEAF).ok_or(BuildError::TooLarge {
