@@ -126,6 +126,8 @@ pub struct IrregularGrid<S: Scalar> {
     place: LatticeFrame<S>,
     /// Rays of a batch are side by side.
     is_batch: bool,
+    /// Brings the scene to unit size.
+    unit: f64,
     stats: StructureStats,
     /// Position of cells, for `cells`.
     lattice: Lattice,
@@ -197,6 +199,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             lists,
             place: LatticeFrame::new(scene.min, per_length, lattice.resolution()),
             is_batch: config.is_batch,
+            unit: scene.magnitude().to_unit_size().to_f64(),
             stats,
             lattice,
         })
@@ -229,7 +232,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         _: Option<&ListBlocks<S>>,
         batch: RayBatch<'_, S>,
     ) -> C {
-        batch::answer::<LaneDriver, NoCounters, _, _, _>(self, prims, batch);
+        batch::answer_in_order::<LaneDriver, NoCounters, _, _, _>(self, prims, batch, self.unit);
         C::default()
     }
 
