@@ -117,7 +117,8 @@ impl Packet {
             *end = parameters.bound(sink.t_max());
         }
         let is_any_hit = sinks[0].is_any_hit();
-        let mut stack = Stack::new();
+        let mut room = Stack::room();
+        let mut stack = Stack::new(&mut room);
         let (mut end, mut at, mut first) = (ends.last(), bvh.root, 0);
         'nodes: loop {
             sinks[first].inner_step();

@@ -44,7 +44,8 @@ impl<S: Scalar> WideBvh<S> {
         mut end: f32,
         sink: &mut K,
     ) -> ControlFlow<()> {
-        let mut stack = Stack::new();
+        let mut room = Stack::room();
+        let mut stack = Stack::new(&mut room);
         loop {
             while at & LEAF == 0 {
                 sink.inner_step();
@@ -89,16 +90,23 @@ const SIGN: u32 = 1 << 31;
 
 /// Nodes to visit, with their entry distances; within one parent, nearer children lie above farther
 /// ones.
-pub(super) struct Stack {
-    /// Those below `waiting` were written.
-    entries: [MaybeUninit<Entry>; ROOM],
+pub(super) struct Stack<'r> {
+    /// Those below `waiting` were written. They lie apart from `waiting`, which then is in a
+    /// register.
+    entries: &'r mut [MaybeUninit<Entry>; ROOM],
     waiting: usize,
 }
 
-impl Stack {
+impl<'r> Stack<'r> {
+    /// Room for the entries of one.
     #[inline(always)]
-    pub(super) fn new() -> Self {
-        Self { entries: [const { MaybeUninit::uninit() }; ROOM], waiting: 0 }
+    pub(super) fn room() -> [MaybeUninit<Entry>; ROOM] {
+        [const { MaybeUninit::uninit() }; ROOM]
+    }
+
+    #[inline(always)]
+    pub(super) fn new(entries: &'r mut [MaybeUninit<Entry>; ROOM]) -> Self {
+        Self { entries, waiting: 0 }
     }
 
     #[inline(always)]
