@@ -13,7 +13,7 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::{parse_number, text_of, without_mark};
 use crate::limits;
 use crate::mesh::{TriangleList, is_usable};
-use crate::nff::tokens::Words;
+use crate::words::Words;
 use crate::progress;
 use crate::scene::{Scene, Warning};
 

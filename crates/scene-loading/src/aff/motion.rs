@@ -6,7 +6,7 @@ use crate::aff::spline::{Key, Track};
 use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::FirstAndCount;
-use crate::nff::tokens::Words;
+use crate::words::Words;
 use crate::scene::Scene;
 use glam::{DAffine3, DQuat, DVec3};
 

@@ -9,7 +9,7 @@ use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::{confined, read_at_most, text_of};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::{FaceCounts, FirstAndCount};
-use crate::nff::tokens::{Word, Words};
+use crate::words::{Word, Words};
 use crate::nff::{light, surface, view};
 use crate::scene::{Material, Warning};
 use glam::DAffine3;
@@ -89,11 +89,10 @@ impl Reader<'_> {
     fn file(&mut self, path: &Path, bytes: Vec<u8>, depth: usize) -> Result<(), LoadError> {
         let left = self.budget.checked_sub(bytes.len() as u64);
         self.budget = left.ok_or_else(|| LoadError::too_large(path, MAX_BYTES))?;
-        // braces are words of their own wherever they stand
-        let text = text_of(path, bytes)?.replace('{', " { ").replace('}', " } ");
+        let text = text_of(path, bytes)?;
         let next = self.files.len();
         let file = *self.files.entry(path.to_path_buf()).or_insert(next);
-        let words = Words::new(path, &text).with_comments(&['#', '%']);
+        let words = Words::new(path, &text).with_syntax(&['#', '%'], b"{}");
         let mut opened = OpenedFile { words, file, inclusion: self.included, runs: 0 };
         let base = self.branch;
         while let Some(word) = opened.words.next() {

@@ -8,7 +8,7 @@ use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::Mesh;
 use crate::nff::cone;
-use crate::nff::tokens::{Word, Words};
+use crate::words::{Word, Words};
 use crate::polygon::area_vector;
 use crate::scene::{Primitive, Shape, index};
 

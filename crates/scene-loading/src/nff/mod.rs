@@ -10,8 +10,6 @@
 //! - A patch with a normal that is NaN is a flat triangle, with a warning.
 //! - Surface properties are not clamped: the file is believed.
 
-pub(crate) mod tokens;
-
 use std::fmt;
 use std::path::Path;
 
@@ -21,9 +19,9 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::{parse_number, scene_name, unified};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
 use crate::mesh::{FaceCounts, push_outline, usable};
-use crate::nff::tokens::{Word, Words};
 use crate::polygon::ear_clipping::MAX_CORNERS;
 use crate::scene::{Camera, Cone, Light, Material, Scene, Warning};
+use crate::words::{Word, Words};
 
 const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
 

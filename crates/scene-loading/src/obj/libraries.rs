@@ -7,7 +7,7 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::{confined, is_missing, read_at_most};
 use crate::limits::{self, MAX_MATERIALS};
 use crate::obj::contents::ObjScan;
-use crate::obj::maps::{ColorMaps, Placement};
+use crate::obj::maps::{Placement, read_maps};
 use crate::obj::material::{MAX_LIBRARY_BYTES, parse_mtl};
 use crate::obj::scan::MAX_LIBRARIES;
 use crate::scene::{Material, Scene, Warning};
@@ -27,7 +27,7 @@ pub(super) struct Materials {
 /// the last counts. Names that are used but not defined get the default material under their name.
 pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Materials, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut maps = ColorMaps::default();
+    let mut maps = HashMap::new();
     let mut ids: HashMap<String, u32> = HashMap::new();
     let (mut left, mut count) = (MAX_LIBRARY_BYTES, 0);
     for (line, libraries) in &scan.libraries {
@@ -54,7 +54,6 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
             left -= bytes.len() as u64;
             let library = parse_mtl(&file, bytes)?;
             library.odd.warn(scene);
-            maps.begin(&file);
             for (material, map) in library.entries {
                 let id = match ids.get(&material.name) {
                     Some(&known) => known,
@@ -67,12 +66,15 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
                 if let Some(slot) = scene.materials.get_mut(id as usize) {
                     *slot = material;
                 }
-                maps.set(id, map);
+                match map {
+                    Some(map) => maps.insert(id, map),
+                    None => maps.remove(&id),
+                };
             }
         }
     }
     let id_of = |name: &str| ids.get(name).or_else(|| ids.get(before_comment(name))).copied();
-    let placements = maps.read(scan.used.iter().filter_map(|(_, name)| id_of(name)), scene);
+    let placements = read_maps(&maps, scan.used.iter().filter_map(|(_, name)| id_of(name)), scene);
     let (mut undefined, mut listed) = (0, Vec::new());
     let mut found = Vec::with_capacity(scan.used.len());
     for (line, name) in &scan.used {

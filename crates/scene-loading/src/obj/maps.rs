@@ -4,10 +4,10 @@
 //! leaves the plain colour, with a warning that names the line and the material.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 
-use crate::error::{FilePlace, shortened};
+use crate::error::shortened;
 use crate::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
@@ -23,68 +23,43 @@ pub(crate) struct Placement {
     pub offset: [f32; 2],
 }
 
-/// The colour maps of all materials.
-#[derive(Default)]
-pub(crate) struct ColorMaps {
-    files: Vec<PathBuf>,
-    /// By material of the scene: which of the files, and its map.
-    maps: HashMap<u32, (usize, ColorMap)>,
-}
-
-impl ColorMaps {
-    /// Starts an MTL file.
-    pub fn begin(&mut self, file: &Path) {
-        self.files.push(file.to_path_buf());
-    }
-
-    /// The map of a material of the scene, instead of one that it had before.
-    pub fn set(&mut self, material: u32, map: Option<ColorMap>) {
-        match map {
-            Some(map) => self.maps.insert(material, (self.files.len().saturating_sub(1), map)),
-            None => self.maps.remove(&material),
-        };
-    }
-
-    /// Reads the images of the materials that are used, in the order of their first use. Returns
-    /// those that lie otherwise than texture coordinates say.
-    pub fn read(
-        &self,
-        used: impl Iterator<Item = u32>,
-        scene: &mut Scene,
-    ) -> HashMap<u32, Placement> {
-        let mut reader = TextureReader::default();
-        let (mut failed, mut placements) = (0, HashMap::new());
-        for id in used {
-            let Some((file, map)) = self.maps.get(&id) else { continue };
-            let Some(file) = self.files.get(*file) else { continue };
-            let texture = read_one(file, map, scene, &mut reader);
-            let Some(material) = scene.materials.get_mut(id as usize) else { continue };
-            match texture {
-                Ok((texture, placement)) => {
-                    material.texture = Some(texture);
-                    placements.extend(placement.map(|placement| (id, placement)));
-                }
-                Err(error) => {
-                    failed += 1;
-                    if failed <= MAX_WARNINGS {
-                        let place = FilePlace::line(file, map.line);
-                        scene.warnings.push(warning(&place, &material.name, &map.text, &error));
-                    }
+/// Reads the images of materials that are used, by their index in the scene, in the order of their
+/// first use. Returns those that lie otherwise than texture coordinates say.
+pub(super) fn read_maps(
+    maps: &HashMap<u32, ColorMap>,
+    used: impl Iterator<Item = u32>,
+    scene: &mut Scene,
+) -> HashMap<u32, Placement> {
+    let mut reader = TextureReader::default();
+    let (mut failed, mut placements) = (0, HashMap::new());
+    for id in used {
+        let Some(map) = maps.get(&id) else { continue };
+        let texture = read_one(map, scene, &mut reader);
+        let Some(material) = scene.materials.get_mut(id as usize) else { continue };
+        match texture {
+            Ok((texture, placement)) => {
+                material.texture = Some(texture);
+                placements.extend(placement.map(|placement| (id, placement)));
+            }
+            Err(error) => {
+                failed += 1;
+                if failed <= MAX_WARNINGS {
+                    let text = warning(&map.place, &material.name, &map.text, &error);
+                    scene.warnings.push(text);
                 }
             }
         }
-        if failed > MAX_WARNINGS {
-            let more = failed - MAX_WARNINGS;
-            let text = format!("{more} more materials have their plain colour for similar reasons");
-            scene.warnings.push(Warning(text));
-        }
-        placements
     }
+    if failed > MAX_WARNINGS {
+        let more = failed - MAX_WARNINGS;
+        let text = format!("{more} more materials have their plain colour for similar reasons");
+        scene.warnings.push(Warning(text));
+    }
+    placements
 }
 
-/// Reads the image of a map in the MTL file `file` and returns its index.
+/// Reads the image of a map and returns its index.
 fn read_one(
-    file: &Path,
     map: &ColorMap,
     scene: &mut Scene,
     reader: &mut TextureReader,
@@ -92,7 +67,7 @@ fn read_one(
     let Options { name, wrap, placement } = Options::of(&map.text).map_err(Rc::new)?;
     // exporters of one system write its separators
     let name = name.replace('\\', "/");
-    let path = confined(file.parent().unwrap_or(Path::new("")), &name)
+    let path = confined(map.place.file.parent().unwrap_or(Path::new("")), &name)
         .ok_or_else(|| Rc::new(TextureError::OutsideFolder))?;
     let name = path.display().to_string();
     let key = ImageKey::of_file(&path);
@@ -114,10 +89,9 @@ impl<'a> Options<'a> {
         let mut rest = text;
         let (mut scale, mut offset, mut wrap) = ([1.0; 2], [0.0; 2], Wrap::Repeat);
         let mut turbulence = [0.0; 2];
-        while let Some((option, after)) =
-            rest.split_once(char::is_whitespace).filter(|(word, _)| word.starts_with('-'))
+        while let Some((option, after)) = split_word(rest).filter(|(word, _)| word.starts_with('-'))
         {
-            rest = after.trim_start();
+            rest = after;
             let fail = || TextureError::Options(shortened(option));
             match option {
                 "-s" | "-o" | "-t" => {
@@ -128,7 +102,7 @@ impl<'a> Options<'a> {
                     };
                     let mut place = 0;
                     // one to three numbers, then at least the name
-                    while let Some((word, after)) = rest.split_once(char::is_whitespace)
+                    while let Some((word, after)) = split_word(rest)
                         && let Ok(value) = word.parse::<f32>()
                         && place < 3
                     {
@@ -138,7 +112,7 @@ impl<'a> Options<'a> {
                         if let Some(slot) = slot.get_mut(place) {
                             *slot = value;
                         }
-                        rest = after.trim_start();
+                        rest = after;
                         place += 1;
                     }
                     if place == 0 {
@@ -146,8 +120,8 @@ impl<'a> Options<'a> {
                     }
                 }
                 "-clamp" | "-blendu" | "-blendv" | "-cc" | "-bm" | "-texres" | "-boost" => {
-                    let (value, after) = rest.split_once(char::is_whitespace).ok_or_else(fail)?;
-                    rest = after.trim_start();
+                    let value;
+                    (value, rest) = split_word(rest).ok_or_else(fail)?;
                     match (option, value) {
                         ("-clamp", "on") => wrap = Wrap::Clamp,
                         ("-cc", "on") => return Err(fail()),
@@ -155,13 +129,12 @@ impl<'a> Options<'a> {
                     }
                 }
                 "-mm" => {
-                    let (base, after) = rest.split_once(char::is_whitespace).ok_or_else(fail)?;
-                    let (gain, after) =
-                        after.trim_start().split_once(char::is_whitespace).ok_or_else(fail)?;
+                    let (base, gain);
+                    (base, rest) = split_word(rest).ok_or_else(fail)?;
+                    (gain, rest) = split_word(rest).ok_or_else(fail)?;
                     if (base.parse(), gain.parse()) != (Ok(0.0), Ok(1.0)) {
                         return Err(fail());
                     }
-                    rest = after.trim_start();
                 }
                 _ => return Err(fail()),
             }
@@ -170,6 +143,11 @@ impl<'a> Options<'a> {
         let placement = is_moved.then_some(Placement { scale, offset });
         Ok(Self { name: rest, wrap, placement })
     }
+}
+
+/// A word that something follows, and what that is.
+fn split_word(text: &str) -> Option<(&str, &str)> {
+    text.split_once(char::is_whitespace).map(|(word, after)| (word, after.trim_start()))
 }
 
 /// The texture coordinates of one face after the other.

@@ -33,8 +33,7 @@ pub(crate) type MtlEntry = (Material, Option<ColorMap>);
 
 /// The image that colours a material.
 pub(crate) struct ColorMap {
-    /// Line in the file, counted from 1.
-    pub line: usize,
+    pub place: FilePlace,
     /// Arguments of `map_Kd`: options and a file name.
     pub text: String,
 }
@@ -94,7 +93,7 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
             None => None,
             Some(stated) if keyword == "map_Kd" => {
                 // as with all properties, the last one counts
-                stated.map = Some(ColorMap { line: i + 1, text: rest.to_owned() });
+                stated.map = Some(ColorMap { place: place(), text: rest.to_owned() });
                 Some(())
             }
             Some(stated) => stated.property(keyword, rest),

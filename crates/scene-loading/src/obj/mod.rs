@@ -99,7 +99,11 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     let what = "faces of textured materials without texture coordinates have the plain colour";
     without_texcoords.warn(what, &mut scene);
     scan.odd.warn(&mut scene);
-    report(path, &scan, &mut scene);
+    if let Some((line, word)) = &scan.first_unknown {
+        let (file, count) = (path.display(), scan.unknown);
+        let text = format!("{file}:{line}: {count} lines with unknown keywords (first: {word})");
+        scene.warnings.push(Warning(text));
+    }
     scene.frame_camera();
     Ok(scene)
 }
@@ -243,23 +247,5 @@ impl Builder<'_> {
             self.without_texcoords.add(place);
         }
         Ok(())
-    }
-}
-
-/// A warning for each kind of thing that is no surface, and for unknown words.
-fn report(path: &Path, scan: &ObjScan, scene: &mut Scene) {
-    let file = path.display();
-    let mut warn = |count: usize, text: String| {
-        if count > 0 {
-            scene.warnings.push(Warning(text));
-        }
-    };
-    warn(scan.lines, format!("{file}: {} line elements left out", scan.lines));
-    warn(scan.points, format!("{file}: {} point elements left out", scan.points));
-    warn(scan.curves, format!("{file}: {} free-form curves and surfaces left out", scan.curves));
-    if let Some((line, word)) = &scan.first_unknown {
-        let count = scan.unknown;
-        let text = format!("{file}:{line}: {count} lines with unknown keywords (first: {word})");
-        warn(count, text);
     }
 }

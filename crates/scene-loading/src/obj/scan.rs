@@ -109,9 +109,9 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
                     scan.libraries.push((line, String::from_utf8_lossy(name).into_owned()));
                 }
             }
-            b"l" => scan.lines += 1,
-            b"p" => scan.points += 1,
-            b"curv" | b"curv2" | b"surf" => scan.curves += 1,
+            b"l" => scan.odd.lines.add(|| FilePlace::file(path)),
+            b"p" => scan.odd.points.add(|| FilePlace::file(path)),
+            b"curv" | b"curv2" | b"surf" => scan.odd.curves.add(|| FilePlace::file(path)),
             b"" => {}
             other if is_harmless(other) => {}
             other => {

@@ -38,10 +38,10 @@ use crate::pbrt::looks::{LightEntry, add_lights};
 use crate::pbrt::params::{InheritedParams, Params};
 use crate::pbrt::shapes::{ShapeSink, UnsupportedShape};
 use crate::pbrt::state::{Attributes, LIGHT, MATERIAL, SHAPE, State};
-use crate::pbrt::tokens::{Token, Tokens};
 use crate::ply::add_ply;
 use crate::progress;
 use crate::scene::{Camera, Material, Scene};
+use crate::words::{Word, Words};
 
 /// How deep files may include others, and how many there may be of all.
 const MAX_INCLUDES: usize = 16;
@@ -123,67 +123,67 @@ struct Loader<'a> {
 
 impl Loader<'_> {
     fn file(&mut self, path: &Path, text: &str, depth: usize) -> Result<(), LoadError> {
-        let mut tokens = Tokens::new(path, text);
+        let mut words = Words::new(path, text).of_pbrt();
         if depth == 0 {
             progress::begin(text.len());
         }
-        while let Some(token) = tokens.next()? {
+        while let Some(word) = words.next() {
             if depth == 0 {
-                progress::at(text.len() - tokens.remaining());
+                progress::at(text.len() - words.remaining());
             }
-            if !token.is_directive() {
+            if !word.is_directive() {
                 let expected = "a directive as Shape, Translate, AttributeBegin";
-                return Err(LoadError::syntax(tokens.place(token.line), token.text, expected));
+                return Err(LoadError::syntax(words.place(word.line), word.text, expected));
             }
-            self.statement(token, &mut tokens, depth)?;
+            self.statement(word, &mut words, depth)?;
         }
-        Ok(())
+        words.check_closed()
     }
 
     fn statement(
         &mut self,
-        token: Token<'_>,
-        tokens: &mut Tokens<'_>,
+        word: Word<'_>,
+        words: &mut Words<'_>,
         depth: usize,
     ) -> Result<(), LoadError> {
-        let (path, line) = (tokens.path, token.line);
+        let (path, line) = (words.path, word.line);
         let place = || FilePlace::line(path, line);
-        if self.state.statement(token, tokens)? {
+        if self.state.statement(word, words)? {
             return Ok(());
         }
-        match token.text {
+        match word.text {
             "WorldBegin" => {
                 self.state.now = Attributes::default();
                 self.state.name_system("world", DMat4::IDENTITY, place)?;
             }
-            "Camera" => self.camera(token, tokens)?,
-            "LightSource" => self.light(token, tokens)?,
+            "Camera" => self.camera(word, words)?,
+            "LightSource" => self.light(word, words)?,
             "AreaLightSource" => {
-                tokens.quoted("type")?;
-                Params::read(tokens, line)?;
+                words.quoted("type")?;
+                Params::read(words, line)?;
                 self.state.now.shines = true;
             }
             "Material" => {
-                let kind = tokens.name("type")?;
-                let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
+                let kind = words.name("type")?;
+                let params = Params::read(words, line)?.inheriting(self.inherited(MATERIAL));
                 self.state.now.material = Some(self.material("", &kind, &params)?);
             }
             "MakeNamedMaterial" => {
-                let name = tokens.name("name")?;
-                let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
+                let name = words.name("name")?;
+                let params = Params::read(words, line)?.inheriting(self.inherited(MATERIAL));
                 let kind = params.string("type").unwrap_or_default().to_owned();
                 let id = self.material(&name, &kind, &params)?;
                 self.materials.insert(name, id);
             }
             "NamedMaterial" => {
-                let name = tokens.name("name")?;
+                let name = words.name("name")?;
                 let Some(&id) = self.materials.get(&name) else {
                     return Err(LoadError::syntax(place(), &name, "a named material before it"));
                 };
                 self.state.now.material = Some(id);
             }
             "ObjectBegin" => {
-                let name = tokens.name("name")?;
+                let name = words.name("name")?;
                 if self.object.is_some() {
                     return Err(LoadError::syntax(place(), "ObjectBegin", "ObjectEnd before it"));
                 }
@@ -199,20 +199,20 @@ impl Loader<'_> {
                 self.scene.warnings.append(&mut object.warnings);
                 let number = self.objects.len() as u32;
                 self.objects.insert(name, (number, object));
-                self.state.restore(token.text, place)?;
+                self.state.restore(word.text, place)?;
             }
-            "ObjectInstance" => self.instance(token, tokens)?,
-            "Shape" => self.shape(token, tokens)?,
-            "Include" | "Import" => self.include(token, tokens, depth)?,
-            "Attribute" => self.attribute(token, tokens)?,
+            "ObjectInstance" => self.instance(word, words)?,
+            "Shape" => self.shape(word, words)?,
+            "Include" | "Import" => self.include(word, words, depth)?,
+            "Attribute" => self.attribute(word, words)?,
             "WorldEnd" | "SurfaceIntegrator" | "VolumeIntegrator" | "Renderer" | "Volume" => {
                 let what = "statements from before PBRT version 4; read as far as both agree";
                 self.leave_out(what.into(), place);
-                tokens.pass_over()?;
+                words.pass_over();
             }
             "Accelerator" | "ColorSpace" | "Film" | "Integrator" | "MakeNamedMedium"
             | "MediumInterface" | "Option" | "PixelFilter" | "ReverseOrientation" | "Sampler"
-            | "Texture" | "TransformTimes" => tokens.pass_over()?,
+            | "Texture" | "TransformTimes" => words.pass_over(),
             other => {
                 let expected = "a directive of PBRT, version 4";
                 return Err(LoadError::syntax(place(), other, expected));
@@ -222,9 +222,9 @@ impl Loader<'_> {
     }
 
     /// `Attribute "shape" ...`: parameters for statements of a kind that follow.
-    fn attribute(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let target = tokens.name("target")?;
-        let params = Params::read(tokens, token.line)?;
+    fn attribute(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let target = words.name("target")?;
+        let params = Params::read(words, word.line)?;
         let which = match target.as_str() {
             "shape" => SHAPE,
             "light" => LIGHT,
@@ -245,9 +245,9 @@ impl Loader<'_> {
         self.state.now.inherited.get(which)?.as_ref()
     }
 
-    fn camera(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?;
+    fn camera(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let kind = words.name("type")?;
+        let params = Params::read(words, word.line)?;
         let from_world = self.state.now.transform;
         let to_world = from_world.inverse();
         self.camera = Some(looks::camera(&params, from_world)?);
@@ -257,9 +257,9 @@ impl Loader<'_> {
         self.state.name_system("camera", to_world, || params.place())
     }
 
-    fn light(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?.inheriting(self.inherited(LIGHT));
+    fn light(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let kind = words.name("type")?;
+        let params = Params::read(words, word.line)?.inheriting(self.inherited(LIGHT));
         let place = || params.place();
         limits::check(self.lights.len() + 1, MAX_LIGHTS, "the number of lights", place)?;
         match looks::light(&kind, &params, self.state.now.transform)? {
@@ -286,9 +286,9 @@ impl Loader<'_> {
         self.left_out.entry(what).or_default().add(place);
     }
 
-    fn shape(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?.inheriting(self.inherited(SHAPE));
+    fn shape(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let kind = words.name("type")?;
+        let params = Params::read(words, word.line)?.inheriting(self.inherited(SHAPE));
         let place = || params.place();
         let material = self.state.now.material.unwrap_or_else(|| {
             let scene = &mut self.scene;
@@ -335,9 +335,9 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn instance(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let name = tokens.name("name")?;
-        let place = || tokens.place(token.line);
+    fn instance(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let name = words.name("name")?;
+        let place = || words.place(word.line);
         if self.object.is_some() {
             return Err(LoadError::syntax(place(), "ObjectInstance", "ObjectEnd before it"));
         }
@@ -359,18 +359,18 @@ impl Loader<'_> {
 
     fn include(
         &mut self,
-        token: Token<'_>,
-        tokens: &mut Tokens<'_>,
+        word: Word<'_>,
+        words: &mut Words<'_>,
         depth: usize,
     ) -> Result<(), LoadError> {
-        let name = tokens.name("filename")?;
-        let place = || tokens.place(token.line);
+        let name = words.name("filename")?;
+        let place = || words.place(word.line);
         limits::check(depth + 1, MAX_INCLUDES, "the depth of Include", place)?;
         let (path, bytes) = self.read(&name, place)?;
         let text = text_of(&path, bytes)?;
         let before = self.state.now.clone();
         self.file(&path, &text, depth + 1)?;
-        if token.text == "Import" {
+        if word.text == "Import" {
             self.state.now = before;
         }
         Ok(())

@@ -8,7 +8,7 @@ use glam::{DMat4, DVec3, DVec4};
 use crate::error::{FilePlace, LoadError};
 use crate::limits;
 use crate::pbrt::params::InheritedParams;
-use crate::pbrt::tokens::{Token, Tokens};
+use crate::words::{Word, Words};
 
 /// How deep attributes may nest.
 const MAX_DEPTH: usize = 1 << 12;
@@ -65,23 +65,23 @@ impl State {
     /// Does what a statement says of transforms and attributes; false where it is none of them.
     pub fn statement(
         &mut self,
-        token: Token<'_>,
-        tokens: &mut Tokens<'_>,
+        word: Word<'_>,
+        words: &mut Words<'_>,
     ) -> Result<bool, LoadError> {
-        let (path, line) = (tokens.path, token.line);
+        let (path, line) = (words.path, word.line);
         let place = || FilePlace::line(path, line);
-        match token.text {
+        match word.text {
             "Identity" => self.set_transform(DMat4::IDENTITY, place),
             "Translate" => {
-                let by = DVec3::from_array(tokens.numbers("Translate")?);
+                let by = DVec3::from_array(words.numbers("Translate")?);
                 self.transform(DMat4::from_translation(by), place)
             }
             "Scale" => {
-                let by = DVec3::from_array(tokens.numbers("Scale")?);
+                let by = DVec3::from_array(words.numbers("Scale")?);
                 self.transform(DMat4::from_scale(by), place)
             }
             "Rotate" => {
-                let [angle, x, y, z] = tokens.numbers("Rotate")?;
+                let [angle, x, y, z] = words.numbers("Rotate")?;
                 let Some(axis) = DVec3::new(x, y, z).try_normalize() else {
                     let expected = "an angle and an axis other than 0 0 0";
                     return Err(LoadError::syntax(place(), "Rotate", expected));
@@ -90,7 +90,7 @@ impl State {
                 self.transform(turn, place)
             }
             "LookAt" => {
-                let [a, b, c, d, e, f, g, h, i] = tokens.numbers("LookAt")?;
+                let [a, b, c, d, e, f, g, h, i] = words.numbers("LookAt")?;
                 let (from, at, up) =
                     (DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
                 let Some(matrix) = look_at(from, at, up) else {
@@ -100,31 +100,31 @@ impl State {
                 self.transform(matrix, place)
             }
             "Transform" => {
-                let matrix = DMat4::from_cols_array(&tokens.numbers("Transform")?);
+                let matrix = DMat4::from_cols_array(&words.numbers("Transform")?);
                 self.set_transform(matrix, place)
             }
             "ConcatTransform" => {
-                let matrix = DMat4::from_cols_array(&tokens.numbers("ConcatTransform")?);
+                let matrix = DMat4::from_cols_array(&words.numbers("ConcatTransform")?);
                 self.transform(matrix, place)
             }
             "CoordinateSystem" => {
-                let name = tokens.name("name")?;
+                let name = words.name("name")?;
                 self.name_system(&name, self.now.transform, place)
             }
             "CoordSysTransform" => {
-                let name = tokens.name("name")?;
+                let name = words.name("name")?;
                 let Some(&matrix) = self.systems.get(&name) else {
                     return Err(LoadError::syntax(place(), &name, "a coordinate system before it"));
                 };
                 self.set_transform(matrix, place)
             }
             "ActiveTransform" => {
-                let which = tokens.expect("StartTime, EndTime or All")?;
+                let which = words.any("StartTime, EndTime or All")?;
                 self.now.at_end = which.text == "EndTime";
                 Ok(())
             }
             "AttributeBegin" | "TransformBegin" => self.save(place),
-            "AttributeEnd" | "TransformEnd" => self.restore(token.text, place),
+            "AttributeEnd" | "TransformEnd" => self.restore(word.text, place),
             _ => return Ok(false),
         }?;
         Ok(true)
