@@ -41,7 +41,7 @@ impl NodeWalker<'_> {
         let PlacedNode { node, world, .. } = placed;
         let Some(mesh) = node.mesh() else { return Ok(()) };
         if placed.is_hidden {
-            self.counts.hidden += 1;
+            self.counts.hidden.add(|| self.file.place());
             return Ok(());
         }
         if self.file.extensions.instancing.contains_key(&node.index()) {
@@ -96,7 +96,7 @@ impl NodeWalker<'_> {
         for placement in placements {
             let world = placed.world * placement;
             if DMat3::from_mat4(world) == DMat3::ZERO {
-                self.counts.hidden += 1;
+                self.counts.hidden.add(|| self.file.place());
                 continue;
             }
             let first = self.scene.primitives.len();
@@ -135,16 +135,16 @@ impl NodeWalker<'_> {
         let object = || format!("mesh {} primitive {}", mesh.index(), primitive.index());
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            self.counts.points_and_lines += 1;
+            self.counts.points_and_lines.add(|| self.file.place());
             return Ok(None);
         }
         let Some(accessor) = primitive.get(&Semantic::Positions) else {
-            self.counts.without_positions += 1;
+            self.counts.without_positions.add(|| self.file.place());
             return Ok(None);
         };
         let count = |accessor: &::gltf::Accessor<'_>| accessor.count();
         if accessor.count() == 0 || primitive.indices().as_ref().is_some_and(|i| count(i) == 0) {
-            self.counts.empty += 1;
+            self.counts.empty.add(|| self.file.place());
             return Ok(None);
         }
         let position_accessor = accessor.index();
@@ -155,11 +155,11 @@ impl NodeWalker<'_> {
         };
         self.check_positions(position_accessor, &mut positions, &indices)?;
         if triangles(mode, &indices).len() == 0 {
-            self.counts.empty += 1;
+            self.counts.empty.add(|| self.file.place());
             return Ok(None);
         }
         if mode == Mode::Triangles && indices.len() % 3 != 0 {
-            self.counts.incomplete += 1;
+            self.counts.incomplete.add(|| self.file.place());
         }
         let normals = self.normals(&object(), primitive, positions.len())?;
         let scene = &mut self.scene;
@@ -172,7 +172,9 @@ impl NodeWalker<'_> {
             }),
         };
         let texcoords = self.texcoords(&object(), primitive, positions.len())?;
-        self.counts.coloured += usize::from(primitive.get(&Semantic::Colors(0)).is_some());
+        if primitive.get(&Semantic::Colors(0)).is_some() {
+            self.counts.coloured.add(|| self.file.place());
+        }
         let (node, world) = (&placed.node, placed.world);
         let (deformed, unbent) =
             self.deformer.deformed(node, primitive, &positions, &normals, world)?;
@@ -205,7 +207,7 @@ impl NodeWalker<'_> {
         }
         for position in positions.iter_mut().filter(|position| is_bad(position)) {
             *position = [0.0; 3];
-            self.counts.unused_vertices += 1;
+            self.counts.unused_vertices.add(|| self.file.place());
         }
         Ok(())
     }
@@ -227,7 +229,7 @@ impl NodeWalker<'_> {
         for normal in &mut normals {
             if !normal.iter().all(|x| x.is_finite()) {
                 *normal = [0.0; 3];
-                self.counts.normals += 1;
+                self.counts.normals.add(|| self.file.place());
             }
         }
         Ok(normals)
@@ -254,7 +256,7 @@ impl NodeWalker<'_> {
         }
         for texcoord in texcoords.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
             *texcoord = [0.0; 2];
-            self.counts.texcoords += 1;
+            self.counts.texcoords.add(|| self.file.place());
         }
         Ok(Some(texcoords))
     }
@@ -312,7 +314,7 @@ impl NodeWalker<'_> {
             };
             match area_vector(&points) {
                 Some(_) => self.triangle(read.material, v, n, uv),
-                None => self.counts.without_area += 1,
+                None => self.counts.without_area.add(|| self.file.place()),
             }
         }
         progress::end();

@@ -10,6 +10,7 @@ use crate::gltf::textures::Textures;
 use crate::gltf::tree::{self, PlacedNode};
 use crate::input::scene_name;
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
+use crate::mesh::first_and_counts;
 use crate::scene::{Camera, Light, Material, Scene, Warning};
 use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
@@ -30,7 +31,7 @@ pub(crate) struct NodeWalker<'a> {
     /// Pose of a moving scene.
     pub(super) pose: Option<&'a Pose>,
     has_camera: bool,
-    pub(super) counts: Counts,
+    pub(super) counts: NodeCounts,
     pub(super) instances: usize,
     unsaid: usize,
 }
@@ -49,7 +50,7 @@ impl<'a> NodeWalker<'a> {
             lights: Vec::new(),
             pose,
             has_camera: false,
-            counts: Counts::default(),
+            counts: NodeCounts::default(),
             instances: 0,
             unsaid: 0,
         }
@@ -79,9 +80,7 @@ impl<'a> NodeWalker<'a> {
             let color = Some(color.map(|c| c * scale));
             self.scene.lights.push(Light::Point { position: *position, color });
         }
-        for text in self.counts.warnings() {
-            self.warn(text);
-        }
+        self.counts.warn(&mut self.scene);
         let unsaid = self.unsaid + self.textures.unsaid;
         if unsaid > 0 {
             let text = format!("{}: {unsaid} more warnings", self.file.path.display());
@@ -172,39 +171,19 @@ impl<'a> NodeWalker<'a> {
     }
 }
 
-/// Counts of each kind.
-#[derive(Debug, Default)]
-pub(super) struct Counts {
-    pub without_area: usize,
-    pub points_and_lines: usize,
-    pub empty: usize,
-    pub without_positions: usize,
-    pub incomplete: usize,
-    pub hidden: usize,
-    pub unused_vertices: usize,
-    pub normals: usize,
-    pub texcoords: usize,
-    pub coloured: usize,
-}
-
-impl Counts {
-    /// A text for each kind of which there is any.
-    pub fn warnings(&self) -> impl Iterator<Item = String> + use<> {
-        [
-            (self.without_area, "triangles without area left out"),
-            (self.points_and_lines, "meshes of points or lines left out"),
-            (self.empty, "primitives without a triangle left out"),
-            (self.without_positions, "primitives without positions left out"),
-            (self.incomplete, "primitives whose last triangle lacks corners, which is left out"),
-            (self.hidden, "meshes that are scaled to nothing or not visible left out"),
-            (self.unused_vertices, "vertices are not finite; no triangle uses them"),
-            (self.normals, "normals that are not finite left out"),
-            (self.texcoords, "texture coordinates that are not finite are taken as 0"),
-            (self.coloured, "primitives with vertex colours (COLOR_0), which are not shown"),
-        ]
-        .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!("{count} {what}"))
+first_and_counts! {
+    /// What is not in the scene as the file has it.
+    struct NodeCounts {
+        without_area: "triangles without area left out",
+        points_and_lines: "meshes of points or lines left out",
+        empty: "primitives without a triangle left out",
+        without_positions: "primitives without positions left out",
+        incomplete: "primitives whose last triangle lacks corners, which is left out",
+        hidden: "meshes that are scaled to nothing or not visible left out",
+        unused_vertices: "vertices are not finite; no triangle uses them",
+        normals: "normals that are not finite left out",
+        texcoords: "texture coordinates that are not finite are taken as 0",
+        coloured: "primitives with vertex colours (COLOR_0), which are not shown",
     }
 }
 
