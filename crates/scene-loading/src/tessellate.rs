@@ -142,11 +142,6 @@ fn check_size(scene: &Scene, n: u32) -> Result<[u64; 2], TessellationError> {
     Ok([triangles, vertices])
 }
 
-/// Index of the next vertex; `check_size` has made sure that it fits.
-fn next_vertex(out: &Scene) -> u32 {
-    out.vertices.len() as u32
-}
-
 fn push(out: &mut Scene, material: u32, v: [u32; 3]) {
     out.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
 }
@@ -155,12 +150,8 @@ fn push_sphere(out: &mut Scene, material: u32, unit: &Mesh, sphere: Sphere) {
     if sphere.radius == 0.0 {
         return;
     }
-    let first = next_vertex(out);
     let positions = unit.vertices.iter().map(|&p| sphere.center + p * sphere.radius.abs());
-    out.vertices.extend(positions);
-    for triangle in &unit.triangles {
-        push(out, material, triangle.map(|i| first + i));
-    }
+    out.push_mesh(material, positions, unit.triangles.iter().copied());
 }
 
 fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
@@ -169,7 +160,8 @@ fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
     let inward = cone.base_radius < 0.0 || cone.apex_radius < 0.0;
     let segments = 4 * n;
     let mut rim = |center: DVec3, radius: f64| {
-        let first = next_vertex(out);
+        // `check_size` has made sure that it fits
+        let first = out.vertices.len() as u32;
         let count = if radius == 0.0 { 1 } else { segments };
         out.vertices.extend((0..count).map(|i| {
             let (sin, cos) = (TAU * f64::from(i) / f64::from(segments)).sin_cos();

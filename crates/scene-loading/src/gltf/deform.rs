@@ -40,14 +40,12 @@ pub(crate) struct Deformer<'a> {
 /// From a mesh's space to the world, by joints; none where a joint is not in the scene.
 type SkinMatrices = Option<Rc<[DMat4]>>;
 
-/// Vertices as they are in a frame, and where their space is in the world.
+/// Vertices as they are in a frame.
 pub(crate) struct DeformedMesh {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
-    /// None where the vertices are in the world already.
-    pub world: Option<DMat4>,
-    /// The joint of the first vertex mirrors.
-    pub is_mirrored: bool,
+    /// For vertices that joints brought to the world: whether that of the first one mirrors.
+    pub is_mirrored: Option<bool>,
 }
 
 /// A vector of a file.
@@ -80,7 +78,6 @@ impl<'a> Deformer<'a> {
         primitive: &Primitive<'_>,
         positions: &[[f32; 3]],
         normals: &[[f32; 3]],
-        world: DMat4,
     ) -> Result<(Option<DeformedMesh>, Option<&'static str>), LoadError> {
         let weights = self.weights(node, primitive);
         let (matrices, unbent) = match node.skin() {
@@ -100,8 +97,7 @@ impl<'a> Deformer<'a> {
         let sets = matrices.iter().flat_map(|_| joint_sets(primitive)).count();
         self.count_moved(positions.len().saturating_mul(targets + sets))?;
         let [positions, normals] = [positions, normals].map(|all| all.iter().map(wide).collect());
-        let world = Some(world);
-        let mut deformed = DeformedMesh { positions, normals, world, is_mirrored: false };
+        let mut deformed = DeformedMesh { positions, normals, is_mirrored: None };
         self.morph(primitive, &weights, &mut deformed)?;
         if let (Some(matrices), Some(skin)) = (matrices, node.skin()) {
             let object = format!("skin {}", skin.index());
@@ -213,8 +209,7 @@ impl<'a> Deformer<'a> {
             }
         }
         let first = blended.first().copied().unwrap_or_default();
-        deformed.is_mirrored = DMat3::from_mat4(first).determinant() < 0.0;
-        deformed.world = None;
+        deformed.is_mirrored = Some(DMat3::from_mat4(first).determinant() < 0.0);
         Ok(())
     }
 

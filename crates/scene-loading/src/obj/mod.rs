@@ -167,81 +167,60 @@ impl Builder<'_> {
         scan: &ObjScan,
         material: Option<u32>,
     ) -> Result<(), LoadError> {
+        let Self { path, options, scene, materials, texcoords, counts, own, own_n, points, .. } =
+            self;
+        let place = || FilePlace::line(path, face.line as usize);
         let material = match material {
             Some(id) => id,
-            None => {
-                let scene = &mut self.scene;
-                *self.nameless.get_or_insert_with(|| scene.push_material(Material::default()))
-            }
+            None => *self.nameless.get_or_insert_with(|| scene.push_material(Material::default())),
         };
         // a face makes at most three times as many vertices and primitives as it has corners
-        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3 * corners.len();
-        if size > MAX_ELEMENTS {
-            let place = || FilePlace::line(self.path, face.line as usize);
-            limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
-        }
-        self.texcoords.next_face(corners.len());
-        if scan.odd.positions.is_any()
-            && corners.iter().any(|&i| scan.positions.get(i as usize).is_some_and(|p| p.is_nan()))
-        {
-            self.counts.unusable.add(|| FilePlace::line(self.path, face.line as usize));
+        let size = scene.vertices.len().max(scene.primitives.len()) + 3 * corners.len();
+        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
+        texcoords.next_face(corners.len());
+        let has_damaged = |indices: &[u32], of: &[DVec3]| {
+            indices.iter().any(|&i| of.get(i as usize).is_some_and(|v| v.is_nan()))
+        };
+        if scan.odd.positions.is_any() && has_damaged(corners, &scan.positions) {
+            counts.unusable.add(place);
             return Ok(());
         }
-        // Reused from face to face: files have millions.
-        let (mut own, mut own_n) = (std::mem::take(&mut self.own), std::mem::take(&mut self.own_n));
-        let mut points = std::mem::take(&mut self.points);
+        // reused from face to face: files have millions
         own.clear();
         own_n.clear();
         points.clear();
-        let scene = &mut self.scene;
         let number = |&i: &u32| self.positions.number(i, &scan.positions, &mut scene.vertices);
         own.extend(corners.iter().filter_map(number));
-        let is_damaged = scan.odd.normals.is_any()
-            && normals.iter().any(|&i| scan.normals.get(i as usize).is_some_and(|n| n.is_nan()));
+        let is_damaged = scan.odd.normals.is_any() && has_damaged(normals, &scan.normals);
         if face.smooth && !is_damaged {
             let number = |&i: &u32| self.normals.number(i, &scan.normals, &mut scene.normals);
             own_n.extend(normals.iter().filter_map(number));
         }
         if own.len() != corners.len() {
-            let (place, count) = (FilePlace::file(self.path), scene.vertices.len() as u64);
+            let (place, count) = (FilePlace::file(path), scene.vertices.len() as u64);
             return Err(LoadError::too_many(place, "vertices", count, u32::MAX.into()));
         }
         points.extend(corners.iter().filter_map(|&i| scan.positions.get(i as usize)));
-        self.face(material, &own, &own_n, &points, face)?;
-        (self.own, self.own_n, self.points) = (own, own_n, points);
-        Ok(())
-    }
-
-    fn face(
-        &mut self,
-        material: u32,
-        corners: &[u32],
-        normals: &[u32],
-        points: &[DVec3],
-        face: FaceLine,
-    ) -> Result<(), LoadError> {
-        let Self { path, scene, counts, texcoords, materials, .. } = self;
-        let place = || FilePlace::line(path, face.line as usize);
         let is_textured =
             scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
         let is_placed = is_textured && texcoords.are_known();
-        let placement = || materials.placements.get(&material);
+        let may_stay = own_n.is_empty() && !is_placed && !options.triangulate;
         let push = |piece: [usize; 3], scene: &mut Scene| {
             let pick = |from: &[u32]| match piece.map(|i| from.get(i).copied()) {
                 [Some(a), Some(b), Some(c)] => Some([a, b, c]),
                 _ => None,
             };
-            let shape = match (pick(corners), pick(normals)) {
+            let shape = match (pick(own), pick(own_n)) {
                 (Some(v), Some(n)) => Shape::Patch { v, n },
                 (Some(v), None) => Shape::Triangle { v },
                 (None, _) => return,
             };
             scene.primitives.push(Primitive { shape, material });
-            if is_placed && let Some(texcoords) = texcoords.of(piece, placement()) {
+            let placement = materials.placements.get(&material);
+            if is_placed && let Some(texcoords) = texcoords.of(piece, placement) {
                 scene.last_is_textured(texcoords);
             }
         };
-        let may_stay = normals.is_empty() && !is_placed && !self.options.triangulate;
         let is_there = add_face(material, points, may_stay, scene, counts, place, push)?;
         if is_there && is_textured && !is_placed {
             self.without_texcoords.add(place);

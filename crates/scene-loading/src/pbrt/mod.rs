@@ -35,9 +35,9 @@ use crate::input::{confined, decompress, read_at_most, scene_name, text_of};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
 use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::pbrt::looks::{LightEntry, add_lights};
-use crate::pbrt::params::{InheritedParams, Params};
-use crate::pbrt::shapes::{ShapeSink, UnsupportedShape};
-use crate::pbrt::state::{Attributes, LIGHT, MATERIAL, SHAPE, State};
+use crate::pbrt::params::Params;
+use crate::pbrt::shapes::ShapeSink;
+use crate::pbrt::state::{Attributes, State};
 use crate::ply::add_ply;
 use crate::progress;
 use crate::scene::{Camera, Material, Scene};
@@ -160,17 +160,17 @@ impl Loader<'_> {
             "LightSource" => self.light(word, words)?,
             "AreaLightSource" => {
                 words.quoted("type")?;
-                Params::read(words, line)?;
+                Params::read(words, line, None)?;
                 self.state.now.shines = true;
             }
             "Material" => {
                 let kind = words.name("type")?;
-                let params = Params::read(words, line)?.inheriting(self.inherited(MATERIAL));
+                let params = self.params(words, line, "material")?;
                 self.state.now.material = Some(self.material("", &kind, &params)?);
             }
             "MakeNamedMaterial" => {
                 let name = words.name("name")?;
-                let params = Params::read(words, line)?.inheriting(self.inherited(MATERIAL));
+                let params = self.params(words, line, "material")?;
                 let kind = params.string("type").unwrap_or_default().to_owned();
                 let id = self.material(&name, &kind, &params)?;
                 self.materials.insert(name, id);
@@ -224,30 +224,26 @@ impl Loader<'_> {
     /// `Attribute "shape" ...`: parameters for statements of a kind that follow.
     fn attribute(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
         let target = words.name("target")?;
-        let params = Params::read(words, word.line)?;
-        let which = match target.as_str() {
-            "shape" => SHAPE,
-            "light" => LIGHT,
-            "material" => MATERIAL,
-            _ => {
-                let what = format!("attributes of {} left out", shortened(&target));
-                self.leave_out(what, || params.place());
-                return Ok(());
-            }
+        let known = ["shape", "light", "material"].into_iter().find(|known| *known == target);
+        let Some(known) = known else {
+            let params = Params::read(words, word.line, None)?;
+            let what = format!("attributes of {} left out", shortened(&target));
+            self.leave_out(what, || params.place());
+            return Ok(());
         };
-        if let Some(slot) = self.state.now.inherited.get_mut(which) {
-            *slot = Some(InheritedParams::with(slot.as_ref(), params)?);
-        }
+        let params = self.params(words, word.line, known)?;
+        self.state.now.inherited.insert(known, Rc::new(params));
         Ok(())
     }
 
-    fn inherited(&self, which: usize) -> Option<&Rc<InheritedParams>> {
-        self.state.now.inherited.get(which)?.as_ref()
+    /// The parameters of a statement of a kind that `Attribute` may give some.
+    fn params(&self, words: &mut Words<'_>, line: usize, kind: &str) -> Result<Params, LoadError> {
+        Params::read(words, line, self.state.now.inherited.get(kind))
     }
 
     fn camera(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
         let kind = words.name("type")?;
-        let params = Params::read(words, word.line)?;
+        let params = Params::read(words, word.line, None)?;
         let from_world = self.state.now.transform;
         let to_world = from_world.inverse();
         self.camera = Some(looks::camera(&params, from_world)?);
@@ -259,7 +255,7 @@ impl Loader<'_> {
 
     fn light(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
         let kind = words.name("type")?;
-        let params = Params::read(words, word.line)?.inheriting(self.inherited(LIGHT));
+        let params = self.params(words, word.line, "light")?;
         let place = || params.place();
         limits::check(self.lights.len() + 1, MAX_LIGHTS, "the number of lights", place)?;
         match looks::light(&kind, &params, self.state.now.transform)? {
@@ -288,7 +284,7 @@ impl Loader<'_> {
 
     fn shape(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
         let kind = words.name("type")?;
-        let params = Params::read(words, word.line)?.inheriting(self.inherited(SHAPE));
+        let params = self.params(words, word.line, "shape")?;
         let place = || params.place();
         let material = self.state.now.material.unwrap_or_else(|| {
             let scene = &mut self.scene;
@@ -311,19 +307,19 @@ impl Loader<'_> {
             material,
             triangulate: self.triangulate,
         };
-        let added = match kind.as_str() {
-            "trianglemesh" => adding.mesh(&params, 3).map(Ok),
-            "bilinearmesh" => adding.mesh(&params, 4).map(Ok),
+        let is_there = match kind.as_str() {
+            "trianglemesh" => adding.mesh(&params, 3).map(|()| true),
+            "bilinearmesh" => adding.mesh(&params, 4).map(|()| true),
             "sphere" => adding.sphere(&params),
             "plymesh" => {
                 let (vertices, normals) = (adding.scene.vertices.len(), adding.scene.normals.len());
                 let (path, bytes) = ply.unwrap_or_default();
                 add_ply(&path, &bytes, self.triangulate, material, adding.scene)?;
-                adding.place_since(vertices, normals, &path).map(Ok)
+                adding.place_since(vertices, normals, &path).map(|()| true)
             }
-            _ => Ok(Err(UnsupportedShape)),
-        };
-        if added?.is_err() {
+            _ => Ok(false),
+        }?;
+        if !is_there {
             let what = match kind.as_str() {
                 "sphere" => ELLIPSOIDS.to_owned(),
                 _ => format!("shapes {} left out", shortened(&kind)),

@@ -30,34 +30,22 @@ pub(super) struct Params {
     /// First line of the statement.
     place: FilePlace,
     all: Vec<Param>,
-    inherited: Option<Rc<InheritedParams>>,
-}
-
-/// Parameters that `Attribute` gives to statements that follow and do not have them.
-#[derive(Debug)]
-pub(super) struct InheritedParams {
-    params: Params,
-    before: Option<Rc<InheritedParams>>,
-    /// Number of statements, including those before.
+    /// The last `Attribute` that gives it parameters which it does not have itself.
+    inherited: Option<Rc<Params>>,
+    /// Number of `Attribute` statements that do so.
     depth: usize,
 }
 
 /// The most `Attribute` statements that apply to one statement.
 const MAX_INHERITED: usize = 256;
 
-impl InheritedParams {
-    /// Adds the parameters of a statement, which override earlier ones.
-    pub fn with(before: Option<&Rc<Self>>, params: Params) -> Result<Rc<Self>, LoadError> {
-        let depth = before.map_or(0, |before| before.depth) + 1;
-        let what = "the number of Attribute statements that apply";
-        limits::check(depth, MAX_INHERITED, what, || params.place())?;
-        Ok(Rc::new(Self { params, before: before.cloned(), depth }))
-    }
-}
-
 impl Params {
-    /// Reads parameters up to the next statement.
-    pub fn read(words: &mut Words<'_>, line: usize) -> Result<Self, LoadError> {
+    /// Reads parameters up to the next statement; others are inherited.
+    pub fn read(
+        words: &mut Words<'_>,
+        line: usize,
+        inherited: Option<&Rc<Self>>,
+    ) -> Result<Self, LoadError> {
         let mut all = Vec::new();
         while let Some(declared) = words.peek().filter(|word| !word.is_directive()) {
             let place = words.place(declared.line);
@@ -84,12 +72,10 @@ impl Params {
             all.push(param);
         }
         words.check_closed()?;
-        Ok(Self { place: words.place(line), all, inherited: None })
-    }
-
-    /// With parameters for those that the statement does not have.
-    pub fn inheriting(self, inherited: Option<&Rc<InheritedParams>>) -> Self {
-        Self { inherited: inherited.cloned(), ..self }
+        let (place, depth) = (words.place(line), inherited.map_or(0, |params| params.depth + 1));
+        let what = "the number of Attribute statements that apply";
+        limits::check(depth, MAX_INHERITED, what, || place.clone())?;
+        Ok(Self { place, all, inherited: inherited.cloned(), depth })
     }
 
     pub fn place(&self) -> FilePlace {
@@ -97,8 +83,7 @@ impl Params {
     }
 
     fn find(&self, name: &str) -> Option<&Param> {
-        let inherited = std::iter::successors(self.inherited.as_deref(), |i| i.before.as_deref());
-        let mut all = std::iter::once(self).chain(inherited.map(|inherited| &inherited.params));
+        let mut all = std::iter::successors(Some(self), |params| params.inherited.as_deref());
         all.find_map(|params| params.all.iter().find(|param| param.name == name))
     }
 

@@ -1,13 +1,13 @@
 //! State that statements change for those that follow: transform, material, emission.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits;
-use crate::pbrt::params::InheritedParams;
+use crate::pbrt::params::Params;
 use crate::words::{Word, Words};
 
 /// How deep attributes may nest.
@@ -27,13 +27,9 @@ pub(super) struct Attributes {
     pub shines: bool,
     /// Transforms change the end of the exposure alone, which is not read.
     pub at_end: bool,
-    /// Parameters set by `Attribute` for shapes, lights and materials that follow.
-    pub inherited: [Option<Rc<InheritedParams>>; 3],
+    /// Parameters set by `Attribute` for what follows: `shape`, `light` or `material`.
+    pub inherited: BTreeMap<&'static str, Rc<Params>>,
 }
-
-pub(super) const SHAPE: usize = 0;
-pub(super) const LIGHT: usize = 1;
-pub(super) const MATERIAL: usize = 2;
 
 /// The attributes, those that were saved, and named coordinate systems.
 #[derive(Debug, Default)]

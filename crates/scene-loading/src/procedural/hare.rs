@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::parts::{Y_UP, matte, push_triangle, stage, view};
-use crate::scene::Scene;
+use super::parts::{Y_UP, matte, stage, view};
+use crate::scene::{Primitive, Scene, Shape};
 
 /// Radius of the ball that the lobes stand on.
 const BODY: f64 = 0.085;
@@ -64,7 +64,7 @@ pub(super) fn push_hare(scene: &mut Scene, material: u32, size: u32, middle: DVe
                     if sx * sy * sz < 0 {
                         v.swap(1, 2);
                     }
-                    push_triangle(scene, material, v);
+                    scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
                 }
             }
         }
