@@ -5,7 +5,7 @@
 //! weights are all zero follows its first joint; a mesh whose joints are not in the scene keeps the
 //! place of its node.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use ::gltf::accessor::Dimensions;
@@ -29,8 +29,8 @@ const MAX_JOINTS: usize = 1 << 20;
 pub(crate) struct Deformer<'a> {
     file: &'a OpenedFile,
     pose: Option<&'a Pose>,
-    /// Placements of nodes by number; `None` for nodes outside the scene.
-    pub joints: Vec<Option<DMat4>>,
+    /// Placements of the nodes of the scene by number.
+    pub joints: HashMap<usize, DMat4>,
     /// Matrices of the skins used so far.
     skins: BTreeMap<usize, SkinMatrices>,
     moved: usize,
@@ -67,7 +67,7 @@ fn joint_sets<'a>(primitive: &Primitive<'a>) -> impl Iterator<Item = (Accessor<'
 
 impl<'a> Deformer<'a> {
     pub fn new(file: &'a OpenedFile, pose: Option<&'a Pose>) -> Self {
-        Self { file, pose, joints: Vec::new(), skins: BTreeMap::new(), moved: 0, skinned: 0 }
+        Self { file, pose, joints: HashMap::new(), skins: BTreeMap::new(), moved: 0, skinned: 0 }
     }
 
     /// The vertices of a primitive, none where they are as the file has them; and why it does not
@@ -246,9 +246,9 @@ impl<'a> Deformer<'a> {
                 return Err(self.file.buffers.invalid(&object, &found, "one for each"));
             }
         }
-        let world = |joint: Node<'_>| self.joints.get(joint.index()).copied().flatten();
         let matrices = skin.joints().enumerate().map(|(i, joint)| {
-            Some(world(joint)? * inverse.get(i).copied().unwrap_or(DMat4::IDENTITY))
+            let world = *self.joints.get(&joint.index())?;
+            Some(world * inverse.get(i).copied().unwrap_or(DMat4::IDENTITY))
         });
         let matrices: SkinMatrices = matrices.collect();
         self.skins.insert(skin.index(), matrices.clone());

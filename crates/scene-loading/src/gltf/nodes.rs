@@ -7,11 +7,11 @@ use crate::gltf::container::OpenedFile;
 use crate::gltf::deform::Deformer;
 use crate::gltf::extensions;
 use crate::gltf::textures::Textures;
-use crate::gltf::tree::{self, PlacedNode};
+use crate::gltf::tree;
 use crate::input::scene_name;
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
 use crate::mesh::first_and_counts;
-use crate::scene::{Camera, Light, Material, Scene, Warning};
+use crate::scene::{Camera, Light, Material, Scene};
 use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
 use ::gltf::material::AlphaMode;
@@ -59,18 +59,21 @@ impl<'a> NodeWalker<'a> {
     /// The scene: every node is visited once, parents first. Where the file has no camera it gets
     /// this one, or one that frames the scene.
     pub fn walk(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
-        let document = &self.file.document;
-        for text in extensions::warnings(document.as_json()) {
+        for text in extensions::warnings(self.file.document.as_json()) {
             self.warn(text);
         }
         let placed = tree::placed(self.file, self.pose)?;
-        self.deformer.joints = vec![None; document.nodes().len()];
-        for node in &placed {
-            if let Some(joint) = self.deformer.joints.get_mut(node.node.index()) {
-                *joint = Some(node.world);
+        let joints = placed.iter().map(|placed| (placed.node.index(), placed.world));
+        self.deformer.joints = joints.collect();
+        for placed in &placed {
+            if let Some(camera) = placed.node.camera() {
+                self.camera(&camera, placed.world)?;
             }
+            if let Some(light) = placed.node.light() {
+                self.light(&light, placed.world)?;
+            }
+            self.mesh(placed)?;
         }
-        placed.iter().try_for_each(|placed| self.visit(placed))?;
         if self.scene.primitives.is_empty() {
             return Err(LoadError::no_primitives(&self.file.path, "triangle with an area"));
         }
@@ -83,8 +86,7 @@ impl<'a> NodeWalker<'a> {
         self.counts.warn(&mut self.scene);
         let unsaid = self.unsaid + self.textures.unsaid;
         if unsaid > 0 {
-            let text = format!("{}: {unsaid} more warnings", self.file.path.display());
-            self.scene.warnings.push(Warning(text));
+            self.scene.warn(format!("{}: {unsaid} more warnings", self.file.path.display()));
         }
         match camera {
             _ if self.has_camera => {}
@@ -99,19 +101,7 @@ impl<'a> NodeWalker<'a> {
             self.unsaid += 1;
             return;
         }
-        self.scene.warnings.push(Warning(format!("{}: {text}", self.file.path.display())));
-    }
-
-    fn visit(&mut self, placed: &PlacedNode<'_>) -> Result<(), LoadError> {
-        let PlacedNode { node, world, .. } = placed;
-        let world = *world;
-        if let Some(camera) = node.camera() {
-            self.camera(&camera, world)?;
-        }
-        if let Some(light) = node.light() {
-            self.light(&light, world)?;
-        }
-        self.mesh(placed)
+        self.scene.warn(format!("{}: {text}", self.file.path.display()));
     }
 
     fn light(

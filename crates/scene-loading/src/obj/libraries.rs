@@ -10,7 +10,7 @@ use crate::obj::contents::ObjScan;
 use crate::obj::maps::{Placement, read_maps};
 use crate::obj::material::{MAX_LIBRARY_BYTES, parse_mtl};
 use crate::obj::scan::MAX_LIBRARIES;
-use crate::scene::{Material, Scene, Warning};
+use crate::scene::{Material, Scene};
 
 /// The most names that a warning lists.
 const MAX_NAMES: usize = 20;
@@ -35,19 +35,21 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
         for name in names(folder, libraries) {
             count += 1;
             limits::check(count, MAX_LIBRARIES, "the number of material files", place)?;
-            let mut warn = |text: String| scene.warnings.push(Warning(text));
             let Some(file) = file_of(folder, &name) else {
-                warn(format!("{}: mtllib `{name}` leads out of the folder; not read", place()));
+                scene.warn(format!(
+                    "{}: mtllib `{name}` leads out of the folder; not read",
+                    place()
+                ));
                 continue;
             };
             if is_missing(&file) {
-                warn(format!("{}: material file {} is missing", place(), file.display()));
+                scene.warn(format!("{}: material file {} is missing", place(), file.display()));
                 continue;
             }
             let bytes = match read_at_most(&file, left) {
                 Ok(bytes) => bytes,
                 Err(error) => {
-                    warn(format!("{}: a material file is not read: {error}", place()));
+                    scene.warn(format!("{}: a material file is not read: {error}", place()));
                     continue;
                 }
             };
@@ -95,8 +97,7 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
         if more > 0 {
             list.push_str(&format!(" and {more} more"));
         }
-        let text = format!("{file}: {count} undefined materials get the default: {list}");
-        scene.warnings.push(Warning(text));
+        scene.warn(format!("{file}: {count} undefined materials get the default: {list}"));
     }
     Ok(Materials { ids: found, placements })
 }

@@ -13,8 +13,7 @@ use crate::input::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
 use crate::obj::contents::{NONE, ObjScan};
 use crate::obj::material::ColorMap;
-use crate::scene::Wrap;
-use crate::scene::{Scene, Texcoords, Warning};
+use crate::scene::{Scene, Texcoords, Wrap};
 
 /// Placement of an image on a surface: texture coordinates times `scale`, plus `offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -52,8 +51,7 @@ pub(super) fn read_maps(
     }
     if failed > MAX_WARNINGS {
         let more = failed - MAX_WARNINGS;
-        let text = format!("{more} more materials have their plain colour for similar reasons");
-        scene.warnings.push(Warning(text));
+        scene.warn(format!("{more} more materials have their plain colour for similar reasons"));
     }
     placements
 }

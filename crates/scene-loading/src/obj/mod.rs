@@ -35,7 +35,7 @@ use crate::obj::libraries::Materials;
 use crate::obj::maps::FaceTexcoords;
 use crate::obj::material::parse_mtl;
 use crate::obj::scan::scan;
-use crate::scene::{Material, Primitive, Scene, Shape, Warning};
+use crate::scene::{Material, Primitive, Scene, Shape};
 
 /// How faces become primitives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -101,8 +101,7 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     scan.odd.warn(&mut scene);
     if let Some((line, word)) = &scan.first_unknown {
         let (file, count) = (path.display(), scan.unknown);
-        let text = format!("{file}:{line}: {count} lines with unknown keywords (first: {word})");
-        scene.warnings.push(Warning(text));
+        scene.warn(format!("{file}:{line}: {count} lines with unknown keywords (first: {word})"));
     }
     scene.frame_camera();
     Ok(scene)

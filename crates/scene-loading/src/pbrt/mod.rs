@@ -63,20 +63,11 @@ const MAX_OBJECTS: usize = 1 << 20;
 /// named, and [`LoadError::NoPrimitives`].
 pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scene, LoadError> {
     let mut loader = Loader {
-        folder: path.parent().unwrap_or(Path::new("")),
+        folder: path.parent().unwrap_or(Path::new("")).to_path_buf(),
         triangulate,
         scene: Scene::new(scene_name(path)),
-        camera: None,
-        lights: Vec::new(),
-        state: State::default(),
-        materials: HashMap::new(),
-        plain: None,
-        objects: HashMap::new(),
-        object: None,
-        counts: FaceCounts::default(),
-        left_out: BTreeMap::new(),
-        files: 0,
         budget: MAX_BYTES.saturating_sub(bytes.len() as u64),
+        ..Loader::default()
     };
     loader.file(path, &text_of(path, bytes)?, 0)?;
     progress::end();
@@ -99,8 +90,9 @@ pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scen
     Ok(scene)
 }
 
-struct Loader<'a> {
-    folder: &'a Path,
+#[derive(Default)]
+struct Loader {
+    folder: PathBuf,
     triangulate: bool,
     scene: Scene,
     camera: Option<Camera>,
@@ -110,7 +102,7 @@ struct Loader<'a> {
     /// The material of shapes before any `Material`.
     plain: Option<u32>,
     /// The shapes of objects, placed as where they are defined.
-    objects: HashMap<String, (u32, Scene)>,
+    objects: HashMap<String, (u32, Rc<Scene>)>,
     /// The object that is being defined.
     object: Option<(String, Scene)>,
     counts: FaceCounts,
@@ -121,7 +113,7 @@ struct Loader<'a> {
     budget: u64,
 }
 
-impl Loader<'_> {
+impl Loader {
     fn file(&mut self, path: &Path, text: &str, depth: usize) -> Result<(), LoadError> {
         let mut words = Words::new(path, text).of_pbrt();
         if depth == 0 {
@@ -198,7 +190,7 @@ impl Loader<'_> {
                 };
                 self.scene.warnings.append(&mut object.warnings);
                 let number = self.objects.len() as u32;
-                self.objects.insert(name, (number, object));
+                self.objects.insert(name, (number, Rc::new(object)));
                 self.state.restore(word.text, place)?;
             }
             "ObjectInstance" => self.instance(word, words)?,
@@ -232,6 +224,7 @@ impl Loader<'_> {
             return Ok(());
         };
         let params = self.params(words, word.line, known)?;
+        params.check_depth()?;
         self.state.now.inherited.insert(known, Rc::new(params));
         Ok(())
     }
@@ -297,25 +290,16 @@ impl Loader<'_> {
             }
             _ => None,
         };
-        let mut adding = ShapeSink {
-            scene: match &mut self.object {
-                Some((_, object)) => object,
-                None => &mut self.scene,
-            },
-            counts: &mut self.counts,
-            transform: self.state.now.transform,
-            material,
-            triangulate: self.triangulate,
-        };
+        let mut sink = self.sink(material);
         let is_there = match kind.as_str() {
-            "trianglemesh" => adding.mesh(&params, 3).map(|()| true),
-            "bilinearmesh" => adding.mesh(&params, 4).map(|()| true),
-            "sphere" => adding.sphere(&params),
+            "trianglemesh" => sink.mesh(&params, 3).map(|()| true),
+            "bilinearmesh" => sink.mesh(&params, 4).map(|()| true),
+            "sphere" => sink.sphere(&params),
             "plymesh" => {
-                let (vertices, normals) = (adding.scene.vertices.len(), adding.scene.normals.len());
+                let (vertices, normals) = (sink.scene.vertices.len(), sink.scene.normals.len());
                 let (path, bytes) = ply.unwrap_or_default();
-                add_ply(&path, &bytes, self.triangulate, material, adding.scene)?;
-                adding.place_since(vertices, normals, &path).map(|()| true)
+                add_ply(&path, &bytes, sink.triangulate, material, sink.scene)?;
+                sink.place_since(vertices, normals, &path).map(|()| true)
             }
             _ => Ok(false),
         }?;
@@ -337,20 +321,25 @@ impl Loader<'_> {
         if self.object.is_some() {
             return Err(LoadError::syntax(place(), "ObjectInstance", "ObjectEnd before it"));
         }
-        let Some((number, object)) = self.objects.get(&name) else {
+        let Some((number, object)) = self.objects.get(&name).cloned() else {
             return Err(LoadError::syntax(place(), &name, "an object before it"));
         };
-        let mut adding = ShapeSink {
-            scene: &mut self.scene,
-            counts: &mut self.counts,
-            transform: self.state.now.transform,
-            material: 0,
-            triangulate: self.triangulate,
-        };
-        for _ in 0..adding.instance(object, *number, place)? {
+        for _ in 0..self.sink(0).instance(&object, number, place)? {
             self.leave_out(ELLIPSOIDS.into(), place);
         }
         Ok(())
+    }
+
+    /// Adds shapes of a material, under the current transform, to the object that is being
+    /// defined, or else to the scene.
+    fn sink(&mut self, material: u32) -> ShapeSink<'_> {
+        ShapeSink {
+            scene: self.object.as_mut().map_or(&mut self.scene, |(_, object)| object),
+            counts: &mut self.counts,
+            transform: self.state.now.transform,
+            material,
+            triangulate: self.triangulate,
+        }
     }
 
     fn include(
@@ -379,7 +368,7 @@ impl Loader<'_> {
         name: &str,
         place: impl Fn() -> FilePlace,
     ) -> Result<(PathBuf, Vec<u8>), LoadError> {
-        let path = confined(self.folder, name)
+        let path = confined(&self.folder, name)
             .ok_or_else(|| LoadError::OutsideFolder { place: place(), uri: shortened(name) })?;
         self.files += 1;
         limits::check(self.files, MAX_FILES, "the number of files", place)?;

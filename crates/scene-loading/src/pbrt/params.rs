@@ -72,10 +72,14 @@ impl Params {
             all.push(param);
         }
         words.check_closed()?;
-        let (place, depth) = (words.place(line), inherited.map_or(0, |params| params.depth + 1));
+        let depth = inherited.map_or(0, |params| params.depth + 1);
+        Ok(Self { place: words.place(line), all, inherited: inherited.cloned(), depth })
+    }
+
+    /// Refuses an `Attribute` statement that adds to too many others.
+    pub fn check_depth(&self) -> Result<(), LoadError> {
         let what = "the number of Attribute statements that apply";
-        limits::check(depth, MAX_INHERITED, what, || place.clone())?;
-        Ok(Self { place, all, inherited: inherited.cloned(), depth })
+        limits::check(self.depth + 1, MAX_INHERITED, what, || self.place())
     }
 
     pub fn place(&self) -> FilePlace {
@@ -102,9 +106,6 @@ impl Params {
     }
 
     /// As [`Params::numbers`], but they may be NaN, infinite or too large.
-    ///
-    /// # Errors
-    /// [`LoadError::Syntax`] for strings.
     pub fn any_numbers(&self, name: &str) -> Result<&[f64], LoadError> {
         let Some(param) = self.find(name) else { return Ok(&[]) };
         if let Some(word) = param.words.first() {
@@ -132,9 +133,6 @@ impl Params {
     }
 
     /// Three numbers.
-    ///
-    /// # Errors
-    /// As [`Params::number`].
     pub fn vector(&self, name: &str, default: [f64; 3]) -> Result<[f64; 3], LoadError> {
         match self.numbers(name)? {
             [] => Ok(default),
@@ -149,9 +147,6 @@ impl Params {
 
     /// A colour that is given as `rgb`, or `color` as before version 4; spectra, textures and
     /// temperatures are none.
-    ///
-    /// # Errors
-    /// As [`Params::vector`].
     pub fn rgb(&self, name: &str) -> Result<Option<Rgb>, LoadError> {
         match self.find(name) {
             Some(param) if matches!(&*param.kind, "rgb" | "color") => {

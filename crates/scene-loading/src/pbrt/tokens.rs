@@ -39,9 +39,6 @@ impl<'a> Words<'a> {
     }
 
     /// A quoted string of a length that names may have.
-    ///
-    /// # Errors
-    /// As [`Words::quoted`], and [`LoadError::CountTooLarge`].
     pub(super) fn name(&mut self, expected: &str) -> Result<String, LoadError> {
         let word = self.quoted(expected)?;
         let place = || self.place(word.line);
@@ -50,10 +47,6 @@ impl<'a> Words<'a> {
     }
 
     /// Numbers of a directive, in brackets or not.
-    ///
-    /// # Errors
-    /// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
-    /// [`LoadError::OutOfRange`].
     pub(super) fn numbers<const N: usize>(&mut self, of: &str) -> Result<[f64; N], LoadError> {
         let in_brackets = self.peek().is_some_and(|word| word.is_bracket("["));
         if in_brackets {

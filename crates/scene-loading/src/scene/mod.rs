@@ -253,6 +253,10 @@ impl Scene {
         whole.unwrap_or_default().iter().chain(three).copied()
     }
 
+    pub(crate) fn warn(&mut self, text: impl Into<String>) {
+        self.warnings.push(Warning(text.into()));
+    }
+
     /// Notes that the primitives from `first` on are an instance of an object.
     pub fn placed_since(&mut self, first: usize, object: u32, placement: DMat4) {
         let (first, placement) = (index(first), DAffine3::from_mat4(placement));

@@ -117,9 +117,8 @@ impl Balls {
         let pitch = 2.2 * radius;
         let across = ((0.6 - radius).max(0.0) / pitch) as i64;
         let row = move || -across..=across;
-        let places = (0..).flat_map(|layer| {
-            row().flat_map(move |x| row().map(move |y| (x, y, layer)))
-        });
+        let places =
+            (0..).flat_map(|layer| row().flat_map(move |x| row().map(move |y| (x, y, layer))));
         let places = places.filter(|(x, y, _)| x * x + y * y <= across * across);
         let ball = |(i, (x, y, layer)): (u64, (i64, i64, u32))| {
             let place = DVec3::new(x as f64, y as f64, f64::from(layer));
@@ -248,7 +247,8 @@ mod tests {
                 .map(|(i, j)| balls.all[i].at.distance(balls.all[j].at))
                 .fold(f64::INFINITY, f64::min);
             assert!(deepest > 1.7 * balls.radius, "{deepest} for {}", balls.radius);
-            let speed = balls.all.iter().map(|ball| ball.velocity.length()).sum::<f64>() / f64::from(count);
+            let speed =
+                balls.all.iter().map(|ball| ball.velocity.length()).sum::<f64>() / f64::from(count);
             assert!(speed < 0.7, "{speed}");
         }
     }
