@@ -73,7 +73,7 @@ impl<'a> Words<'a> {
         }
         let (text, line) = (self.rest, self.line);
         let first = *text.as_bytes().first()?;
-        let is_stop = |b: u8| self.stops.contains(&b);
+        let is_stop = |b: u8| !self.stops.is_empty() && self.stops.contains(&b);
         if first == b'"' && is_stop(first) {
             let inner = text.get(1..)?;
             let quoted = inner.lines().next().and_then(|line| line.split_once('"'));

@@ -43,6 +43,9 @@ pub(super) struct OpenedFile<'a> {
     pub words: Words<'a>,
     /// Origin of its next run of primitives.
     next: RunOrigin,
+    /// The branch that it is included in, and how deep inclusions are there.
+    base: usize,
+    depth: usize,
 }
 
 #[derive(Default)]
@@ -74,24 +77,17 @@ impl Reader {
         let file = *self.files.entry(path.to_path_buf()).or_insert(next);
         let words = Words::new(path, &text).with_syntax(&['#', '%'], b"{}");
         let next = RunOrigin { inclusion: self.included, file, number: 0 };
-        let mut opened = OpenedFile { words, next };
-        let base = self.branch;
+        let mut opened = OpenedFile { words, next, base: self.branch, depth };
         while let Some(word) = opened.words.next() {
-            self.entity(word, &mut opened, base, depth)?;
+            self.entity(word, &mut opened)?;
         }
-        if self.branch != base {
+        if self.branch != opened.base {
             return Err(LoadError::unexpected_end(FilePlace::file(path), "}"));
         }
         Ok(())
     }
 
-    fn entity(
-        &mut self,
-        word: Word<'_>,
-        opened: &mut OpenedFile<'_>,
-        base: usize,
-        depth: usize,
-    ) -> Result<(), LoadError> {
+    fn entity(&mut self, word: Word<'_>, opened: &mut OpenedFile<'_>) -> Result<(), LoadError> {
         let words = &mut opened.words;
         let place = words.place(word.line);
         match word.text {
@@ -128,7 +124,7 @@ impl Reader {
                 words.vector("ambient light")?;
             }
             "d" => self.detail = words.integer("a level of detail", 0, u64::MAX)?,
-            "i" => self.include(words, place, depth)?,
+            "i" => self.include(words, place, opened.depth)?,
             "k" => {
                 let name = name(words)?;
                 self.world.motions.insert(name, Motion::read(words, &mut self.back)?);
@@ -145,7 +141,7 @@ impl Reader {
                 self.enter(Step::Fixed(step), words, place)?;
             }
             "}" => {
-                if self.branch == base {
+                if self.branch == opened.base {
                     return Err(LoadError::syntax(place, "}", "as many { before it"));
                 }
                 self.branch = self.world.branches.get(self.branch).map_or(0, |b| b.parent);

@@ -57,16 +57,16 @@ impl Animation {
 
     /// With all frames near the origin, moved there as the first one is.
     pub(super) fn rebased(self) -> Self {
-        self.as_first(|first| origin_for(&first.bounds()), Scene::bring_to)
+        self.with_first(|first| origin_for(&first.bounds()), Scene::bring_to)
     }
 
     /// With the camera of the first frame in all frames.
     pub(crate) fn seen_as_first(self) -> Self {
-        self.as_first(|first| first.camera, |scene, camera| scene.camera = camera)
+        self.with_first(|first| first.camera, |scene, camera| scene.camera = camera)
     }
 
     /// With something that `of` finds in the first frame applied to all frames.
-    fn as_first<T: Copy + Send + 'static>(
+    fn with_first<T: Copy + Send + 'static>(
         self,
         of: fn(&Scene) -> T,
         apply: fn(&mut Scene, T),

@@ -95,7 +95,9 @@ impl<'a> Deformer<'a> {
         }
         let targets = weights.iter().filter(|&&weight| weight != 0.0).count();
         let sets = matrices.iter().flat_map(|_| joint_sets(primitive)).count();
-        self.count_moved(positions.len().saturating_mul(targets + sets))?;
+        self.moved = self.moved.saturating_add(positions.len().saturating_mul(targets + sets));
+        let what = "the number of vertices that morph targets and joints move";
+        limits::check(self.moved, MAX_MOVED, what, || self.file.place())?;
         let [positions, normals] = [positions, normals].map(|all| all.iter().map(wide).collect());
         let mut deformed = DeformedMesh { positions, normals, is_mirrored: None };
         self.morph(primitive, &weights, &mut deformed)?;
@@ -115,12 +117,6 @@ impl<'a> Deformer<'a> {
             Some(weights) => weights.iter().copied().take(count).collect(),
             None => usual().into_iter().flatten().map(|&w| f64::from(w)).take(count).collect(),
         }
-    }
-
-    fn count_moved(&mut self, vertices: usize) -> Result<(), LoadError> {
-        self.moved = self.moved.saturating_add(vertices);
-        let what = "the number of vertices that morph targets and joints move";
-        limits::check(self.moved, MAX_MOVED, what, || self.file.place())
     }
 
     /// Adds the targets by their weights.
@@ -171,9 +167,8 @@ impl<'a> Deformer<'a> {
         deformed: &mut DeformedMesh,
     ) -> Result<(), LoadError> {
         let count = deformed.positions.len();
-        let mut blended = vec![DMat4::ZERO; count];
-        let mut sums = vec![0.0; count];
-        let mut firsts = vec![0; count];
+        // of each vertex: weighted sum of its matrices, sum of the weights, first joint
+        let mut bonds = vec![(DMat4::ZERO, 0.0, 0); count];
         for (set, (joints, weights)) in joint_sets(primitive).enumerate() {
             let joints = self.file.buffers.joints(joints)?;
             let weights = self.file.buffers.numbers(weights, "weights", Dimensions::Vec4, true)?;
@@ -183,33 +178,31 @@ impl<'a> Deformer<'a> {
                 let expected = format!("of {count} vertices");
                 return Err(self.file.buffers.invalid(skin, &found, &expected));
             }
-            if set == 0 {
-                firsts = joints.iter().map(|&[first, ..]| first).collect();
-            }
-            let sums = blended.iter_mut().zip(&mut sums);
-            for (i, ((joints, weights), (matrix, sum))) in
-                joints.iter().zip(weights).zip(sums).enumerate()
-            {
+            let of_vertices = bonds.iter_mut().zip(joints.iter().zip(weights));
+            for (i, ((matrix, sum, first), (joints, weights))) in of_vertices.enumerate() {
+                if set == 0 {
+                    [*first, ..] = *joints;
+                }
                 for (&joint, &weight) in joints.iter().zip(weights).filter(|pair| *pair.1 != 0.0) {
                     *matrix += self.joint(skin, matrices, joint, i)? * weight;
                     *sum += weight;
                 }
             }
         }
-        for (i, matrix) in blended.iter_mut().enumerate() {
-            *matrix = match (sums.get(i), firsts.get(i)) {
-                (Some(&sum), _) if sum > 0.0 => *matrix * (1.0 / sum),
-                (_, first) => self.joint(skin, matrices, first.copied().unwrap_or(0), i)?,
+        for (i, (matrix, sum, first)) in bonds.iter_mut().enumerate() {
+            *matrix = match *sum {
+                sum if sum > 0.0 => *matrix * (1.0 / sum),
+                _ => self.joint(skin, matrices, *first, i)?,
             };
-            if let Some(p) = deformed.positions.get_mut(i) {
-                *p = matrix.transform_point3(*p);
-            }
-            if let Some(n) = deformed.normals.get_mut(i) {
-                *n = cofactor(*matrix) * *n;
-            }
         }
-        let first = blended.first().copied().unwrap_or_default();
-        deformed.is_mirrored = Some(DMat3::from_mat4(first).determinant() < 0.0);
+        for (p, (matrix, ..)) in deformed.positions.iter_mut().zip(&bonds) {
+            *p = matrix.transform_point3(*p);
+        }
+        for (n, (matrix, ..)) in deformed.normals.iter_mut().zip(&bonds) {
+            *n = cofactor(*matrix) * *n;
+        }
+        let mirrors = |matrix: DMat4| DMat3::from_mat4(matrix).determinant() < 0.0;
+        deformed.is_mirrored = Some(bonds.first().is_some_and(|(matrix, ..)| mirrors(*matrix)));
         Ok(())
     }
 

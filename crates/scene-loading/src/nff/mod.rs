@@ -29,8 +29,8 @@ const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
 ///
 /// # Errors
 /// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
-/// [`LoadError::OutOfRange`], [`LoadError::NegativeRadius`], [`LoadError::CountTooLarge`], each
-/// with the line, and [`LoadError::NoPrimitives`].
+/// [`LoadError::OutOfRange`], [`LoadError::CountTooLarge`], each with the line, and
+/// [`LoadError::NoPrimitives`].
 pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     let text = unified(text);
     let mut reader = Reader {
@@ -125,12 +125,8 @@ impl Reader<'_> {
         let center = self.words.vector("sphere centre")?;
         let radius = self.words.number("sphere radius")?;
         if radius < 0.0 {
-            return Err(LoadError::NegativeRadius {
-                place: self.words.place(start.line),
-                what: "the radius of a sphere",
-                radius,
-                expected: "at least 0",
-            });
+            let (place, what) = (self.words.place(start.line), "the radius of a sphere");
+            return Err(LoadError::out_of_range(place, what, radius, "at least 0"));
         }
         let material = self.material();
         self.scene.push_sphere(material, center, radius);
@@ -281,12 +277,9 @@ pub(crate) fn cone(words: &mut Words<'_>, start: Word<'_>) -> Result<Cone, LoadE
     let (smaller, larger) =
         (cone.base_radius.min(cone.apex_radius), cone.base_radius.max(cone.apex_radius));
     if smaller < 0.0 && larger > 0.0 {
-        return Err(LoadError::NegativeRadius {
-            place: words.place(start.line),
-            what: "one of two radii of a cone",
-            radius: smaller,
-            expected: "both at least 0, or both at most 0 (seen from inside)",
-        });
+        let (place, what) = (words.place(start.line), "one of two radii of a cone");
+        let expected = "both at least 0, or both at most 0 (seen from inside)";
+        return Err(LoadError::out_of_range(place, what, smaller, expected));
     }
     Ok(cone)
 }

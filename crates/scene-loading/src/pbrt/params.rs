@@ -96,13 +96,11 @@ impl Params {
     /// # Errors
     /// [`LoadError::Syntax`] for strings, [`LoadError::OutOfRange`].
     pub fn numbers(&self, name: &str) -> Result<&[f64], LoadError> {
-        let numbers = self.any_numbers(name)?;
-        if let Some(param) = self.find(name) {
-            for &value in numbers {
-                coordinate(value, name, || param.place.clone())?;
-            }
+        let Some(param) = self.find(name) else { return Ok(&[]) };
+        for &value in self.any_numbers(name)? {
+            coordinate(value, name, || param.place.clone())?;
         }
-        Ok(numbers)
+        Ok(&param.numbers)
     }
 
     /// As [`Params::numbers`], but they may be NaN, infinite or too large.

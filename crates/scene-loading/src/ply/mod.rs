@@ -239,11 +239,11 @@ impl<'a, V: Values> Reader<'a, V> {
     }
 
     /// Reads each list of corners of an element by a function that gets where it begins, the type
-    /// of its items, their number, and how many vertices there are.
+    /// of its items, and their number.
     fn corner_lists(
         &mut self,
         element: &Element,
-        mut read: impl FnMut(&mut Self, FileLocation, Scalar, u64, usize) -> Result<(), LoadError>,
+        mut read: impl FnMut(&mut Self, FileLocation, Scalar, u64) -> Result<(), LoadError>,
     ) -> Result<(), LoadError> {
         if element.count == 0 {
             return Ok(());
@@ -252,7 +252,9 @@ impl<'a, V: Values> Reader<'a, V> {
             let found = format!("element {}", element.name);
             LoadError::syntax(FilePlace::line(self.path, element.line), &found, expected)
         };
-        let vertices = self.vertices.ok_or_else(|| missing("element vertex before it"))?;
+        if self.vertices.is_none() {
+            return Err(missing("element vertex before it"));
+        }
         let lists = || {
             let all = element.properties.iter().enumerate();
             all.filter_map(|(at, property)| match property.kind {
@@ -274,12 +276,12 @@ impl<'a, V: Values> Reader<'a, V> {
             }
             let begin = reader.values.place();
             let length = reader.length(count, &property.name)?;
-            read(reader, begin, item, length, vertices)
+            read(reader, begin, item, length)
         })
     }
 
     fn faces(&mut self, element: &Element) -> Result<(), LoadError> {
-        self.corner_lists(element, |reader, within, item, length, vertices| {
+        self.corner_lists(element, |reader, within, item, length| {
             let path = reader.path;
             let place = || FilePlace { file: path.to_path_buf(), within };
             let length = usize::try_from(length).unwrap_or(usize::MAX);
@@ -288,7 +290,7 @@ impl<'a, V: Values> Reader<'a, V> {
             let mut corners = std::mem::take(&mut reader.corners);
             corners.clear();
             for _ in 0..length {
-                corners.extend(reader.index(item, vertices, false)?);
+                corners.extend(reader.index(item, false)?);
             }
             if length < 3 {
                 reader.too_few.add(place);
@@ -309,12 +311,12 @@ impl<'a, V: Values> Reader<'a, V> {
     /// Strips: each corner after the second makes a triangle with the two before it, turned every
     /// other time; -1 begins a new strip.
     fn strips(&mut self, element: &Element) -> Result<(), LoadError> {
-        self.corner_lists(element, |reader, _, item, length, vertices| {
+        self.corner_lists(element, |reader, _, item, length| {
             let mut strip: Option<[u32; 2]> = None;
             let (mut begun, mut turned) = (None, false);
             for _ in 0..length {
                 let (path, within) = (reader.path, reader.values.place());
-                let Some(corner) = reader.index(item, vertices, true)? else {
+                let Some(corner) = reader.index(item, true)? else {
                     (strip, begun, turned) = (None, None, false);
                     continue;
                 };
@@ -331,12 +333,8 @@ impl<'a, V: Values> Reader<'a, V> {
     }
 
     /// The index of a vertex; none for the -1 that may end a strip.
-    fn index(
-        &mut self,
-        item: Scalar,
-        vertices: usize,
-        may_end: bool,
-    ) -> Result<Option<u32>, LoadError> {
+    fn index(&mut self, item: Scalar, may_end: bool) -> Result<Option<u32>, LoadError> {
+        let vertices = self.vertices.unwrap_or(0);
         let place = self.values.place();
         let what = if may_end { "the index of a vertex, or -1" } else { "the index of a vertex" };
         let index = self.values.next(item, what)?;

@@ -167,32 +167,31 @@ impl SceneCatalogue {
     }
 
     fn find(&self, name: &str) -> Result<SceneRef, LoadError> {
-        let path = path_of_name(name);
-        let path = path.as_path();
+        let path = &path_of_name(name);
+        let of_file = || Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.clone())));
+        let described = |described| SceneOrigin::Described(Box::new(described));
         // a file of that name is meant, even if it is called like a generator's size
-        let is_file = name.contains(':') && is_scene_path(path) && path.is_file();
-        if is_file {
-            return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
+        if name.contains(':') && is_scene_path(path) && path.is_file() {
+            return of_file();
         }
-        let described = match self.scenes.get(name) {
-            Some(described) => Some(described.clone()),
+        let found = match self.scenes.get(name) {
+            Some(found) => Some(found.clone()),
             None => self.of_size(name)?,
         };
-        if let Some(described) = described {
-            return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
+        if let Some(found) = found {
+            return Ok(SceneRef::new(name, described(found)));
         }
         let family = name.split(':').next().unwrap_or(name);
         if families().contains(&family) {
             return Ok(SceneRef::new(name, SceneOrigin::Spd(name.to_string())));
         }
         if extension(path) == "json" {
-            let described = DescribedScene::parse(path, &json_text(path)?, false)?;
-            let name = described.file.name.clone();
-            return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
+            let found = DescribedScene::parse(path, &json_text(path)?, false)?;
+            return Ok(SceneRef::new(found.file.name.clone(), described(found)));
         }
         if is_scene_path(path) {
             std::fs::metadata(path).map_err(|e| LoadError::io(path, e))?;
-            return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
+            return of_file();
         }
         if path.is_file() {
             let valid = format!("{}, .json", ENDINGS.join(", "));
