@@ -11,7 +11,6 @@ use crate::error::shortened;
 use crate::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
-use crate::obj::contents::{NONE, ObjScan};
 use crate::obj::material::ColorMap;
 use crate::scene::{Scene, Texcoords, Wrap};
 
@@ -148,46 +147,29 @@ fn split_word(text: &str) -> Option<(&str, &str)> {
     text.split_once(char::is_whitespace).map(|(word, after)| (word, after.trim_start()))
 }
 
-/// The texture coordinates of one face after the other.
-pub(crate) struct FaceTexcoords<'a> {
-    texcoords: &'a [[f32; 2]],
-    rest: &'a [u32],
-    face: &'a [u32],
+/// Returns whether all corners of a face, which has indices of texture coordinates, have any.
+pub(super) fn are_known(corners: &[u32], texcoords: &[[f32; 2]]) -> bool {
+    let is_known = |uv: &[f32; 2]| !uv.iter().any(|x| x.is_nan());
+    let mut all = corners.iter().map(|&i| texcoords.get(i as usize));
+    !corners.is_empty() && all.all(|uv| uv.is_some_and(is_known))
 }
 
-impl<'a> FaceTexcoords<'a> {
-    /// Before the first face of a file.
-    pub fn new(scan: &'a ObjScan) -> Self {
-        Self { texcoords: &scan.texcoords, rest: &scan.texcoord_corners, face: &[] }
-    }
-
-    /// Goes to the next face, which has so many corners.
-    pub fn next_face(&mut self, corners: usize) {
-        (self.face, self.rest) = self.rest.split_at_checked(corners).unwrap_or_default();
-    }
-
-    /// Returns whether all corners of the face have any.
-    pub fn are_known(&self) -> bool {
-        let is_known = |&i: &u32| {
-            i != NONE
-                && self.texcoords.get(i as usize).is_some_and(|uv| !uv.iter().any(|x| x.is_nan()))
-        };
-        !self.face.is_empty() && self.face.iter().all(is_known)
-    }
-
-    /// Texture coordinates of three of its corners in an image placed by `placement`, from the
-    /// upper left: in OBJ files v grows upwards.
-    pub fn of(&self, piece: [usize; 3], placement: Option<&Placement>) -> Option<Texcoords> {
-        let corner = |i: usize| self.texcoords.get(*self.face.get(i)? as usize);
-        let [a, b, c] = piece.map(corner);
-        let placed = |[u, v]: [f32; 2]| match placement {
-            Some(Placement { scale: [x, y], offset: [right, up] }) => {
-                [(u * x + right).clamp(f32::MIN, f32::MAX), (v * y + up).clamp(f32::MIN, f32::MAX)]
-            }
-            None => [u, v],
-        };
-        Some([a?, b?, c?].map(|&corner| placed(corner)).map(|[u, v]| [u, 1.0 - v]))
-    }
+/// Texture coordinates of three corners of a face in an image placed by `placement`, from the upper
+/// left: in OBJ files v grows upwards.
+pub(super) fn texcoords_of(
+    piece: [usize; 3],
+    corners: &[u32],
+    texcoords: &[[f32; 2]],
+    placement: Option<&Placement>,
+) -> Option<Texcoords> {
+    let [a, b, c] = piece.map(|i| texcoords.get(*corners.get(i)? as usize));
+    let placed = |[u, v]: [f32; 2]| match placement {
+        Some(Placement { scale: [x, y], offset: [right, up] }) => {
+            [(u * x + right).clamp(f32::MIN, f32::MAX), (v * y + up).clamp(f32::MIN, f32::MAX)]
+        }
+        None => [u, v],
+    };
+    Some([a?, b?, c?].map(|&corner| placed(corner)).map(|[u, v]| [u, 1.0 - v]))
 }
 
 #[cfg(test)]

@@ -32,7 +32,7 @@ use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, FirstAndCount, add_face};
 use crate::obj::contents::{FaceLine, ObjScan};
 use crate::obj::libraries::Materials;
-use crate::obj::maps::FaceTexcoords;
+use crate::obj::maps::{are_known, texcoords_of};
 use crate::obj::material::parse_mtl;
 use crate::obj::scan::scan;
 use crate::scene::{Material, Primitive, Scene, Shape};
@@ -51,16 +51,14 @@ pub struct ObjOptions {
 /// [`LoadError::Syntax`], [`LoadError::CountTooLarge`] and [`LoadError::IndexOutOfRange`] with the
 /// line in the OBJ or MTL file, and [`LoadError::NoPrimitives`].
 pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Scene, LoadError> {
-    let mut scan = scan(path, bytes)?;
+    let scan = scan(path, bytes)?;
     let mut scene = Scene::new(scene_name(path));
     let materials = libraries::read(path, &scan, &mut scene)?;
-    let (faces, corners) = (std::mem::take(&mut scan.faces), std::mem::take(&mut scan.corners));
     let mut builder = Builder {
         path,
         options,
         scene,
         materials: &materials,
-        texcoords: FaceTexcoords::new(&scan),
         counts: FaceCounts::default(),
         without_texcoords: FirstAndCount::default(),
         positions: FreshIndices::new(scan.positions.len()),
@@ -72,8 +70,9 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     };
     let mut switches = scan.switches.iter().peekable();
     let (mut material, mut started) = (None, false);
-    let (mut rest, mut rest_n) = (corners.as_slice(), scan.normal_corners.as_slice());
-    for (i, face) in faces.iter().enumerate() {
+    let mut rests =
+        [&scan.corners, &scan.normal_corners, &scan.texcoord_corners].map(Vec::as_slice);
+    for (i, face) in scan.faces.iter().enumerate() {
         while let Some((_, name)) = switches.next_if(|(before, _)| *before <= i) {
             let next = name.and_then(|name| materials.ids.get(name).copied());
             if next != material && started {
@@ -85,11 +84,12 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
             material = next;
         }
         started = true;
-        let count = face.corners as usize;
-        let (own, own_n);
-        (own, rest) = rest.split_at_checked(count).unwrap_or_default();
-        (own_n, rest_n) = rest_n.split_at_checked(count).unwrap_or_default();
-        builder.add(*face, own, own_n, &scan, material)?;
+        let own = rests.each_mut().map(|rest| {
+            let (own, after) = rest.split_at_checked(face.corners as usize).unwrap_or_default();
+            *rest = after;
+            own
+        });
+        builder.add(*face, own, &scan, material)?;
     }
     let Builder { mut scene, counts, without_texcoords, .. } = builder;
     if scene.primitives.is_empty() {
@@ -144,7 +144,6 @@ struct Builder<'a> {
     options: ObjOptions,
     scene: Scene,
     materials: &'a Materials,
-    texcoords: FaceTexcoords<'a>,
     counts: FaceCounts,
     without_texcoords: FirstAndCount,
     positions: FreshIndices,
@@ -157,17 +156,16 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds a face with the indices of its corners and of their normals.
+    /// Adds a face with the indices of its corners, of their normals, and of their texture
+    /// coordinates.
     fn add(
         &mut self,
         face: FaceLine,
-        corners: &[u32],
-        normals: &[u32],
+        [corners, normals, texcoords]: [&[u32]; 3],
         scan: &ObjScan,
         material: Option<u32>,
     ) -> Result<(), LoadError> {
-        let Self { path, options, scene, materials, texcoords, counts, own, own_n, points, .. } =
-            self;
+        let Self { path, options, scene, materials, counts, own, own_n, points, .. } = self;
         let place = || FilePlace::line(path, face.line as usize);
         let material = match material {
             Some(id) => id,
@@ -176,7 +174,6 @@ impl Builder<'_> {
         // a face makes at most three times as many vertices and primitives as it has corners
         let size = scene.vertices.len().max(scene.primitives.len()) + 3 * corners.len();
         limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
-        texcoords.next_face(corners.len());
         let has_damaged = |indices: &[u32], of: &[DVec3]| {
             indices.iter().any(|&i| of.get(i as usize).is_some_and(|v| v.is_nan()))
         };
@@ -202,7 +199,7 @@ impl Builder<'_> {
         points.extend(corners.iter().filter_map(|&i| scan.positions.get(i as usize)));
         let is_textured =
             scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
-        let is_placed = is_textured && texcoords.are_known();
+        let is_placed = is_textured && are_known(texcoords, &scan.texcoords);
         let may_stay = own_n.is_empty() && !is_placed && !options.triangulate;
         let push = |piece: [usize; 3], scene: &mut Scene| {
             let pick = |from: &[u32]| match piece.map(|i| from.get(i).copied()) {
@@ -216,8 +213,10 @@ impl Builder<'_> {
             };
             scene.primitives.push(Primitive { shape, material });
             let placement = materials.placements.get(&material);
-            if is_placed && let Some(texcoords) = texcoords.of(piece, placement) {
-                scene.last_is_textured(texcoords);
+            if is_placed
+                && let Some(uv) = texcoords_of(piece, texcoords, &scan.texcoords, placement)
+            {
+                scene.last_is_textured(uv);
             }
         };
         let is_there = add_face(material, points, may_stay, scene, counts, place, push)?;
