@@ -91,9 +91,6 @@ pub enum LoadError {
     /// A number is finite but outside the values its quantity may have.
     #[error("{place}: {what} is {found}, expected {expected}")]
     OutOfRange { place: FilePlace, what: String, found: String, expected: String },
-    /// A sphere with a negative radius, or a cone whose radii differ in sign.
-    #[error("{place}: {what} is {radius}, expected {expected}")]
-    NegativeRadius { place: FilePlace, what: &'static str, radius: f64, expected: &'static str },
     /// A count that the rest of the file cannot possibly hold, or that is above a loader's cap.
     #[error("{place}: {what} is {count}, but at most {limit} are possible here")]
     CountTooLarge { place: FilePlace, what: String, count: u64, limit: u64 },

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::error::FilePlace;
 use crate::polygon::{area_vector, is_flat};
-use crate::scene::{Bounds, Scene, Shape, Warning};
+use crate::scene::{Bounds, Primitive, Scene, Shape, Warning};
 
 /// Counts and sizes of a scene.
 #[derive(Debug, Clone, PartialEq)]
@@ -124,19 +124,22 @@ impl fmt::Display for SceneInfo {
 /// not finite, shapes without extent, bent polygons, a camera without a view, no lights. An empty
 /// list means that nothing was found; the scene's own warnings are not repeated.
 pub fn validate(scene: &Scene) -> Vec<Warning> {
-    let mut faults = Faults::default();
+    let mut warnings = Vec::new();
+    let mut warn = |text: String| warnings.push(Warning(format!("{}: {text}", scene.name)));
+    // for each kind of fault how many primitives have it, and the first
+    let mut found = [("", 0, 0); 6];
     for (id, primitive) in scene.primitives.iter().enumerate() {
-        if primitive.material as usize >= scene.materials.len() {
-            faults.add(Fault::Material, id);
-        }
-        if !indices_are_valid(scene, primitive.shape) {
-            faults.add(Fault::Index, id);
-        } else {
-            check_shape(scene, primitive.shape, id, &mut faults);
+        for (entry, (text, is_found)) in found.iter_mut().zip(faults(scene, primitive)) {
+            match entry {
+                _ if !is_found => {}
+                (_, 0, _) => *entry = (text, 1, id),
+                (_, count, _) => *count += 1,
+            }
         }
     }
-    let mut warnings = faults.warnings(&scene.name);
-    let mut warn = |text: String| warnings.push(Warning(format!("{}: {text}", scene.name)));
+    for (text, count, first) in found.into_iter().filter(|(_, count, _)| *count > 0) {
+        warn(format!("{count} primitives {text} (first: {first})"));
+    }
     if scene.primitives.is_empty() {
         warn("no primitives".into());
     }
@@ -149,6 +152,36 @@ pub fn validate(scene: &Scene) -> Vec<Warning> {
     warnings
 }
 
+/// What may be wrong with a primitive, in words, and whether it is.
+fn faults(scene: &Scene, &Primitive { shape, material }: &Primitive) -> [(&'static str, bool); 6] {
+    let is_there = indices_are_valid(scene, shape);
+    let bounds = if is_there { scene.shape_bounds(shape) } else { Bounds::EMPTY };
+    let is_finite = bounds.min.is_finite() && bounds.max.is_finite();
+    let (mut lacks_extent, mut is_bent, mut lacks_normal) = (false, false, false);
+    match shape {
+        _ if !is_finite => {}
+        Shape::Sphere(_) | Shape::Cone(_) => lacks_extent = bounds.size().max_element() <= 0.0,
+        Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
+            let outline = scene.outline(shape);
+            let area = area_vector(&outline);
+            lacks_extent = area.is_none();
+            is_bent = area.is_some_and(|area| !is_flat(&outline, area));
+        }
+    }
+    if let (Shape::Patch { n, .. }, true) = (shape, is_finite) {
+        let is_usable = |n: &DVec3| n.is_finite() && n.length() > 0.0;
+        lacks_normal = n.iter().any(|&i| !scene.normals.get(i as usize).is_some_and(is_usable));
+    }
+    [
+        ("with a material that does not exist", material as usize >= scene.materials.len()),
+        ("with vertices, normals or shapes that do not exist", !is_there),
+        ("with numbers that are not finite", is_there && !is_finite),
+        ("without area or extent", lacks_extent),
+        ("that are polygons with corners off their plane", is_bent),
+        ("with normals of length 0", lacks_normal),
+    ]
+}
+
 fn indices_are_valid(scene: &Scene, shape: Shape) -> bool {
     let below = |indices: [u32; 3], length: usize| indices.iter().all(|&i| (i as usize) < length);
     match shape {
@@ -159,73 +192,5 @@ fn indices_are_valid(scene: &Scene, shape: Shape) -> bool {
         }
         Shape::Triangle { v } => below(v, scene.vertices.len()),
         Shape::Patch { v, n } => below(v, scene.vertices.len()) && below(n, scene.normals.len()),
-    }
-}
-
-/// `shape` has valid indices.
-fn check_shape(scene: &Scene, shape: Shape, id: usize, faults: &mut Faults) {
-    let bounds = scene.shape_bounds(shape);
-    if !(bounds.min.is_finite() && bounds.max.is_finite()) {
-        faults.add(Fault::NotFinite, id);
-        return;
-    }
-    let extent = bounds.size().max_element();
-    match shape {
-        Shape::Sphere(_) | Shape::Cone(_) => {
-            if extent <= 0.0 {
-                faults.add(Fault::NoExtent, id);
-            }
-        }
-        Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
-            let outline = scene.outline(shape);
-            match area_vector(&outline) {
-                None => faults.add(Fault::NoExtent, id),
-                Some(area) if !is_flat(&outline, area) => faults.add(Fault::Bent, id),
-                Some(_) => {}
-            }
-        }
-    }
-    if let Shape::Patch { n, .. } = shape {
-        let unusable = |i: &u32| {
-            scene.normals.get(*i as usize).is_none_or(|n| !n.is_finite() || n.length() == 0.0)
-        };
-        if n.iter().any(unusable) {
-            faults.add(Fault::Normal, id);
-        }
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Fault {
-    Material,
-    Index,
-    NotFinite,
-    NoExtent,
-    Bent,
-    Normal,
-}
-
-/// For each kind of fault: how many primitives have it, and the first.
-#[derive(Default)]
-struct Faults(BTreeMap<Fault, (usize, usize)>);
-
-impl Faults {
-    fn add(&mut self, fault: Fault, id: usize) {
-        self.0.entry(fault).or_insert((0, id)).0 += 1;
-    }
-
-    fn warnings(&self, name: &str) -> Vec<Warning> {
-        let text = |fault| match fault {
-            Fault::Material => "with a material that does not exist",
-            Fault::Index => "with vertices, normals or shapes that do not exist",
-            Fault::NotFinite => "with numbers that are not finite",
-            Fault::NoExtent => "without area or extent",
-            Fault::Bent => "that are polygons with corners off their plane",
-            Fault::Normal => "with normals of length 0",
-        };
-        let found = self.0.iter().map(|(&fault, (count, first))| {
-            Warning(format!("{name}: {count} primitives {} (first: {first})", text(fault)))
-        });
-        found.collect()
     }
 }

@@ -43,6 +43,7 @@ pub mod tessellate;
 pub mod tray_racing;
 pub mod triangle_soup;
 pub mod view_options;
+mod words;
 
 pub use error::{FilePlace, LoadError};
 pub use scene::{

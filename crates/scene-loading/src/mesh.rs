@@ -12,7 +12,7 @@ use crate::input::scene_name;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::polygon::ear_clipping::{triangulate, triangulate_bent};
 use crate::polygon::{Outline, area_vector};
-use crate::scene::{Material, Primitive, Scene, Shape, Warning, index};
+use crate::scene::{Material, Primitive, Scene, Shape, index};
 
 /// Coordinates above this cannot be worked with: their cubes must stay finite.
 pub(crate) const MAX_COORDINATE: f64 = 1e100;
@@ -78,8 +78,7 @@ impl FirstAndCount {
             FileLocation::Line(line) => format!(" (first: line {line})"),
             FileLocation::Byte(byte) => format!(" (first: byte {byte})"),
         };
-        let text = format!("{}: {} {what}{first}", file.display(), self.count);
-        scene.warnings.push(Warning(text));
+        scene.warn(format!("{}: {} {what}{first}", file.display(), self.count));
     }
 }
 

@@ -13,9 +13,9 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::{parse_number, text_of, without_mark};
 use crate::limits;
 use crate::mesh::{TriangleList, is_usable};
-use crate::nff::tokens::Words;
 use crate::progress;
-use crate::scene::{Scene, Warning};
+use crate::scene::Scene;
+use crate::words::Words;
 
 /// Parses an STL file. `path` gives the scene its name and appears in errors, with the line or the
 /// byte. Scenes have no lights, one material, and a camera that frames them.
@@ -53,8 +53,7 @@ impl Reader<'_> {
     }
 
     fn warn(&mut self, text: String) {
-        let text = format!("{}: {text}", self.path.display());
-        self.triangles.scene.warnings.push(Warning(text));
+        self.triangles.scene.warn(format!("{}: {text}", self.path.display()));
     }
 
     fn text(&mut self, text: &str) -> Result<(), LoadError> {
@@ -133,17 +132,16 @@ impl Reader<'_> {
             count = fits;
         }
         limits::check(count, fits, "the number of triangles", || place(HEADER - 4))?;
-        let payload = Payload::of(data, count);
-        if payload.end != data.len() && payload.is_there {
-            let found = format!("{} bytes for {count} triangles", data.len());
-            let expected = format!(
-                "50 a triangle, or as many more as the attributes of each say ({} in all)",
-                payload.end
-            );
-            return Err(LoadError::syntax(place(HEADER - 4), &found, expected));
-        }
-        if payload.is_there {
-            let more = payload.end - count * TRIANGLE;
+        let payload = payload_end(data, count);
+        if let Some(end) = payload {
+            if end != data.len() {
+                let found = format!("{} bytes for {count} triangles", data.len());
+                let expected = format!(
+                    "50 a triangle, or as many more as the attributes of each say ({end} in all)"
+                );
+                return Err(LoadError::syntax(place(HEADER - 4), &found, expected));
+            }
+            let more = end - count * TRIANGLE;
             self.warn(format!("{more} bytes of attributes behind triangles left out"));
         } else if data.len() > count * TRIANGLE {
             let (left, end) = (data.len() - count * TRIANGLE, HEADER + count * TRIANGLE);
@@ -163,7 +161,7 @@ impl Reader<'_> {
                 *slot = value;
             }
             self.add(corners, || place(HEADER + at))?;
-            at += TRIANGLE + if payload.is_there { length_of(attributes) } else { 0 };
+            at += TRIANGLE + if payload.is_some() { length_of(attributes) } else { 0 };
         }
         Ok(())
     }
@@ -224,29 +222,16 @@ fn is_binary(path: &Path, bytes: &[u8]) -> Result<bool, LoadError> {
     Ok(!is_solid || near.contains(&0))
 }
 
-/// Data that stands behind triangles, as long as the attribute bytes of each say. Most writers keep
-/// a colour in those bytes and have none.
-struct Payload {
-    is_there: bool,
-    /// End of the last triangle, with its payload.
-    end: usize,
-}
-
-impl Payload {
-    /// The attributes lead from triangle to triangle through the data, and there is any.
-    fn of(data: &[u8], count: usize) -> Self {
-        let mut end = 0;
-        let none = Self { is_there: false, end: data.len() };
-        if data.len() == count * TRIANGLE {
-            return none;
-        }
-        for _ in 0..count {
-            let record = data.get(end..).and_then(|rest| rest.first_chunk::<TRIANGLE>());
-            let Some([.., a, b]) = record else { return none };
-            end += TRIANGLE + length_of(&[*a, *b]);
-        }
-        if end > data.len() { none } else { Self { is_there: end > count * TRIANGLE, end } }
+/// End of the last triangle with the data behind it, where attribute bytes that give its length
+/// lead from triangle to triangle through the file. None where there is no such data: most writers
+/// keep a colour in those bytes.
+fn payload_end(data: &[u8], count: usize) -> Option<usize> {
+    let mut end = 0;
+    for _ in 0..count {
+        let [.., a, b] = data.get(end..)?.first_chunk::<TRIANGLE>()?;
+        end += TRIANGLE + length_of(&[*a, *b]);
     }
+    (count * TRIANGLE < end && end <= data.len()).then_some(end)
 }
 
 fn length_of(attributes: &[u8]) -> usize {

@@ -12,7 +12,7 @@ use glam::DVec3;
 use serde::Deserialize;
 
 pub use crate::polygon::ear_clipping::{SelfCrossing, triangulate};
-use crate::scene::{Cone, Primitive, Scene, Shape, Sphere, Warning};
+use crate::scene::{Cone, Primitive, Scene, Shape, Sphere};
 
 /// How finely curved primitives become triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
@@ -84,12 +84,18 @@ pub fn tessellate(
     // without room made at once, a list that grows has up to twice what it needs
     out.primitives.reserve_exact(triangles as usize);
     out.vertices.reserve_exact((vertices as usize).saturating_sub(scene.vertices.len()));
-    let ball = if scene.spheres.is_empty() { Mesh::default() } else { Mesh::unit_sphere(n) };
+    let ball = if scene.spheres.is_empty() { Default::default() } else { unit_sphere(n) };
     for (id, &primitive) in scene.primitives.iter().enumerate() {
         let material = primitive.material;
         let before = out.primitives.len();
         match primitive.shape {
-            Shape::Sphere(i) => push_sphere(&mut out, material, &ball, scene.spheres[i as usize]),
+            Shape::Sphere(i) => {
+                let Sphere { center, radius } = scene.spheres[i as usize];
+                if radius != 0.0 {
+                    let positions = ball.0.iter().map(|&p| center + p * radius.abs());
+                    out.push_mesh(material, positions, ball.1.iter().copied());
+                }
+            }
             Shape::Cone(i) => push_cone(&mut out, material, n, scene.cones[i as usize]),
             Shape::Polygon { first, count } => {
                 let outline = &scene.vertices[first as usize..][..count as usize];
@@ -102,18 +108,13 @@ pub fn tessellate(
             Shape::Triangle { .. } | Shape::Patch { .. } => out.primitives.push(primitive),
         }
         if out.primitives.len() == before {
-            let text = format!("primitive {id} has no area and was left out");
-            out.warnings.push(Warning(text));
+            out.warn(format!("primitive {id} has no area and was left out"));
         }
         if let Some(corners) = scene.texcoords_of(id as u32) {
             // only triangles have them, and those stay as they are
             out.last_is_textured(corners);
         }
-        let velocity = scene.velocity(id as u32);
-        if velocity != DVec3::ZERO {
-            out.velocities.resize(before, DVec3::ZERO);
-            out.velocities.resize(out.primitives.len(), velocity);
-        }
+        out.moves_since(before, scene.velocity(id as u32));
     }
     Ok(out)
 }
@@ -142,25 +143,8 @@ fn check_size(scene: &Scene, n: u32) -> Result<[u64; 2], TessellationError> {
     Ok([triangles, vertices])
 }
 
-/// Index of the next vertex; `check_size` has made sure that it fits.
-fn next_vertex(out: &Scene) -> u32 {
-    out.vertices.len() as u32
-}
-
 fn push(out: &mut Scene, material: u32, v: [u32; 3]) {
     out.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
-}
-
-fn push_sphere(out: &mut Scene, material: u32, unit: &Mesh, sphere: Sphere) {
-    if sphere.radius == 0.0 {
-        return;
-    }
-    let first = next_vertex(out);
-    let positions = unit.vertices.iter().map(|&p| sphere.center + p * sphere.radius.abs());
-    out.vertices.extend(positions);
-    for triangle in &unit.triangles {
-        push(out, material, triangle.map(|i| first + i));
-    }
 }
 
 fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
@@ -169,7 +153,8 @@ fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
     let inward = cone.base_radius < 0.0 || cone.apex_radius < 0.0;
     let segments = 4 * n;
     let mut rim = |center: DVec3, radius: f64| {
-        let first = next_vertex(out);
+        // `check_size` has made sure that it fits
+        let first = out.vertices.len() as u32;
         let count = if radius == 0.0 { 1 } else { segments };
         out.vertices.extend((0..count).map(|i| {
             let (sin, cos) = (TAU * f64::from(i) / f64::from(segments)).sin_cos();
@@ -193,46 +178,33 @@ fn push_cone(out: &mut Scene, material: u32, n: u32, cone: Cone) {
     }
 }
 
-/// An indexed triangle mesh.
-#[derive(Default)]
-struct Mesh {
-    vertices: Vec<DVec3>,
-    triangles: Vec<[u32; 3]>,
-}
-
-impl Mesh {
-    /// The unit sphere: a cube with `n` by `n` squares on each face, projected from its centre.
-    /// Faces share the vertices on their common edges.
-    fn unit_sphere(n: u32) -> Self {
-        let mut mesh = Self::default();
-        // Vertices by their place in the cube's grid, 0 to n on each axis.
-        let mut known = HashMap::new();
-        let mut vertex = |mesh: &mut Self, grid: [u32; 3]| {
-            *known.entry(grid).or_insert_with(|| {
-                let p = grid.map(|i| 2.0 * f64::from(i) / f64::from(n) - 1.0);
-                mesh.vertices.push(DVec3::from_array(p).normalize());
-                mesh.vertices.len() as u32 - 1
-            })
-        };
-        for axis in 0..3 {
-            for level in [0, n] {
-                for u in 0..n {
-                    for v in 0..n {
-                        let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(du, dv)| {
-                            let mut grid = [level; 3];
-                            grid[(axis + 1) % 3] = u + du;
-                            grid[(axis + 2) % 3] = v + dv;
-                            vertex(&mut mesh, grid)
-                        });
-                        let [a, b, c, d] = if level == 0 { [0, 3, 2, 1] } else { [0, 1, 2, 3] }
-                            .map(|i| corners[i]);
-                        mesh.triangles.extend([[a, b, c], [a, c, d]]);
-                    }
-                }
-            }
+/// Vertices and triangles of the unit sphere: a cube with `n` by `n` squares on each face, projected
+/// from its centre. Faces share the vertices on their common edges.
+fn unit_sphere(n: u32) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    // by their place in the cube's grid, 0 to n on each axis
+    let mut known = HashMap::new();
+    let mut vertex = |grid: [u32; 3]| {
+        *known.entry(grid).or_insert_with(|| {
+            let p = grid.map(|i| 2.0 * f64::from(i) / f64::from(n) - 1.0);
+            vertices.push(DVec3::from_array(p).normalize());
+            vertices.len() as u32 - 1
+        })
+    };
+    for (axis, level) in (0..3).flat_map(|axis| [(axis, 0), (axis, n)]) {
+        for (u, v) in (0..n).flat_map(|u| (0..n).map(move |v| (u, v))) {
+            let corners = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(du, dv)| {
+                let mut grid = [level; 3];
+                grid[(axis + 1) % 3] = u + du;
+                grid[(axis + 2) % 3] = v + dv;
+                vertex(grid)
+            });
+            let [a, b, c, d] =
+                if level == 0 { [0, 3, 2, 1] } else { [0, 1, 2, 3] }.map(|i| corners[i]);
+            triangles.extend([[a, b, c], [a, c, d]]);
         }
-        mesh
     }
+    (vertices, triangles)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::{FilePlace, LoadError};
 use crate::mesh::is_usable;
-use crate::scene::{Light, Rgb, Scene, Warning};
+use crate::scene::{Light, Rgb, Scene};
 
 /// What replaces the view and the lights of a scene; what is not said stays the scene's own.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -109,7 +109,7 @@ pub(crate) fn light_if_dark(scene: &mut Scene) {
     if scene.lights.is_empty() {
         scene.lights.push(Light::Point { position: scene.camera.from, color: None });
         let text = "no lights: added one at the eye; set others with --light X,Y,Z or a scene file";
-        scene.warnings.push(Warning(text.into()));
+        scene.warn(text);
     }
 }
 

@@ -44,16 +44,13 @@ pub(crate) fn parse(path: &Path, bytes: Vec<u8>) -> Result<Animation, LoadError>
         LoadError::unexpected_end(FilePlace::file(path), expected)
     })?;
     let steps = f64::from(frames.saturating_sub(1).max(1));
-    let scene = move |index: u32| world.at(from + (to - from) * f64::from(index) / steps);
-    let first = if has_view { None } else { Some(scene(0)?) };
-    // without a view the camera frames the first frame
-    let camera = first.map(|mut first| {
-        first.frame_camera();
-        first.camera
-    });
-    Ok(Animation::new(scene_name(path), frames, move |index| {
-        let mut scene = scene(index)?;
-        scene.camera = camera.unwrap_or(scene.camera);
+    let animation = Animation::new(scene_name(path), frames, move |index| {
+        let mut scene = world.at(from + (to - from) * f64::from(index) / steps)?;
+        if !has_view {
+            scene.frame_camera();
+        }
         Ok(scene)
-    }))
+    });
+    // without a view the camera frames the first frame
+    Ok(if has_view { animation } else { animation.seen_as_first() })
 }

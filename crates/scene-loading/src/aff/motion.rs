@@ -6,8 +6,8 @@ use crate::aff::spline::{Key, Track};
 use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::FirstAndCount;
-use crate::nff::tokens::Words;
 use crate::scene::Scene;
+use crate::words::Words;
 use glam::{DAffine3, DQuat, DVec3};
 
 /// The fewest keys of a track: the first and the last only shape the curve.
@@ -54,15 +54,15 @@ impl Motion {
         loop {
             let word = words.any("a kind of keys or }")?;
             let place = words.place(word.line);
-            let fewest = if word.text == "visibility" { 1 } else { FEWEST };
-            match word.text {
+            let fewest = match word.text {
                 "}" => return Ok(motion),
-                "transl" | "rot" | "scale" | "visibility" => {}
+                "transl" | "rot" | "scale" => FEWEST,
+                "visibility" => 1,
                 other => {
                     let expected = "transl, rot, scale, visibility or }";
                     return Err(LoadError::syntax(place, other, expected));
                 }
-            }
+            };
             let count = words.integer("the number of keys", fewest, MAX_ELEMENTS as u64)?;
             // a key has at least two numbers and four characters
             let room = words.remaining() / 4 + 1;
@@ -71,8 +71,8 @@ impl Motion {
                 "transl" => motion.translation = Some(Track(keys(words, count, back, value)?)),
                 "scale" => motion.scale = Some(Track(keys(words, count, back, value)?)),
                 "rot" => {
-                    motion.rotation =
-                        Some(Track::of_rotations(keys(words, count, back, rotation)?));
+                    let keys = keys(words, count, back, rotation)?;
+                    motion.rotation = Some(Track::of_rotations(keys));
                 }
                 _ => {
                     let mut last = None;

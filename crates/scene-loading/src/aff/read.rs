@@ -4,14 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::aff::motion::{Motion, rotation};
-use crate::aff::world::{Branch, PrimitiveRange, Step, World};
+use crate::aff::world::{Branch, PrimitiveRange, RunOrigin, Step, World};
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::input::{confined, read_at_most, text_of};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_NAME};
 use crate::mesh::{FaceCounts, FirstAndCount};
-use crate::nff::tokens::{Word, Words};
 use crate::nff::{light, surface, view};
-use crate::scene::{Material, Warning};
+use crate::scene::Material;
+use crate::words::{Word, Words};
 use glam::DAffine3;
 
 /// How deep files may include others, and how many inclusions there may be.
@@ -29,19 +29,10 @@ const ENTITIES: &str =
 pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError> {
     let root = Branch { parent: 0, step: Step::Fixed(DAffine3::IDENTITY) };
     let mut reader = Reader {
-        folder: path.parent().unwrap_or(Path::new("")),
+        folder: path.parent().unwrap_or(Path::new("")).to_path_buf(),
         world: World { path: path.to_path_buf(), branches: vec![root], ..World::default() },
-        material: None,
-        detail: 0,
-        branch: 0,
-        files: BTreeMap::new(),
-        included: 0,
         budget: MAX_BYTES,
-        runs: Vec::new(),
-        counts: FaceCounts::default(),
-        textured: FirstAndCount::default(),
-        back: FirstAndCount::default(),
-        named_lights: Vec::new(),
+        ..Reader::default()
     };
     reader.file(path, bytes, 0)?;
     reader.finish(path)
@@ -50,23 +41,17 @@ pub(super) fn read_world(path: &Path, bytes: Vec<u8>) -> Result<World, LoadError
 /// A file that is being read.
 pub(super) struct OpenedFile<'a> {
     pub words: Words<'a>,
-    /// Number of the file, and of this inclusion.
-    file: usize,
-    inclusion: usize,
-    /// Runs of primitives so far.
-    runs: usize,
+    /// Origin of its next run of primitives.
+    next: RunOrigin,
+    /// The branch that it is included in, and how deep inclusions are there.
+    base: usize,
+    depth: usize,
 }
 
-/// Origin of a run of primitives: file, inclusion, and run within it.
-struct Run {
-    inclusion: usize,
-    file: usize,
-    number: usize,
-}
-
-pub(super) struct Reader<'a> {
+#[derive(Default)]
+pub(super) struct Reader {
     /// Folder of the first file; names of others are relative to it.
-    folder: &'a Path,
+    folder: PathBuf,
     pub world: World,
     pub material: Option<u32>,
     /// Files with a higher level are not included.
@@ -76,8 +61,6 @@ pub(super) struct Reader<'a> {
     included: usize,
     /// Bytes that may still be read.
     budget: u64,
-    /// Origins of the parts.
-    runs: Vec<Run>,
     pub counts: FaceCounts,
     pub textured: FirstAndCount,
     /// Keys that go back in time.
@@ -85,33 +68,26 @@ pub(super) struct Reader<'a> {
     named_lights: Vec<String>,
 }
 
-impl Reader<'_> {
+impl Reader {
     fn file(&mut self, path: &Path, bytes: Vec<u8>, depth: usize) -> Result<(), LoadError> {
         let left = self.budget.checked_sub(bytes.len() as u64);
         self.budget = left.ok_or_else(|| LoadError::too_large(path, MAX_BYTES))?;
-        // braces are words of their own wherever they stand
-        let text = text_of(path, bytes)?.replace('{', " { ").replace('}', " } ");
+        let text = text_of(path, bytes)?;
         let next = self.files.len();
         let file = *self.files.entry(path.to_path_buf()).or_insert(next);
-        let words = Words::new(path, &text).with_comments(&['#', '%']);
-        let mut opened = OpenedFile { words, file, inclusion: self.included, runs: 0 };
-        let base = self.branch;
+        let words = Words::new(path, &text).with_syntax(&['#', '%'], b"{}");
+        let next = RunOrigin { inclusion: self.included, file, number: 0 };
+        let mut opened = OpenedFile { words, next, base: self.branch, depth };
         while let Some(word) = opened.words.next() {
-            self.entity(word, &mut opened, base, depth)?;
+            self.entity(word, &mut opened)?;
         }
-        if self.branch != base {
+        if self.branch != opened.base {
             return Err(LoadError::unexpected_end(FilePlace::file(path), "}"));
         }
         Ok(())
     }
 
-    fn entity(
-        &mut self,
-        word: Word<'_>,
-        opened: &mut OpenedFile<'_>,
-        base: usize,
-        depth: usize,
-    ) -> Result<(), LoadError> {
+    fn entity(&mut self, word: Word<'_>, opened: &mut OpenedFile<'_>) -> Result<(), LoadError> {
         let words = &mut opened.words;
         let place = words.place(word.line);
         match word.text {
@@ -148,7 +124,7 @@ impl Reader<'_> {
                 words.vector("ambient light")?;
             }
             "d" => self.detail = words.integer("a level of detail", 0, u64::MAX)?,
-            "i" => self.include(words, place, depth)?,
+            "i" => self.include(words, place, opened.depth)?,
             "k" => {
                 let name = name(words)?;
                 self.world.motions.insert(name, Motion::read(words, &mut self.back)?);
@@ -165,7 +141,7 @@ impl Reader<'_> {
                 self.enter(Step::Fixed(step), words, place)?;
             }
             "}" => {
-                if self.branch == base {
+                if self.branch == opened.base {
                     return Err(LoadError::syntax(place, "}", "as many { before it"));
                 }
                 self.branch = self.world.branches.get(self.branch).map_or(0, |b| b.parent);
@@ -206,7 +182,7 @@ impl Reader<'_> {
         limits::check(depth + 1, MAX_DEPTH, "the depth of included files", || place.clone())?;
         self.included += 1;
         limits::check(self.included, MAX_FILES, "the number of included files", || place.clone())?;
-        let path = confined(self.folder, &name)
+        let path = confined(&self.folder, &name)
             .ok_or_else(|| LoadError::OutsideFolder { place, uri: shortened(&name) })?;
         let bytes = read_at_most(&path, self.budget)?;
         self.file(&path, bytes, depth + 1)
@@ -214,21 +190,17 @@ impl Reader<'_> {
 
     /// Has primitives that follow belong to a part: that of those before, if nothing is between.
     fn begin(&mut self, is_soft: bool, opened: &mut OpenedFile<'_>, place: FilePlace) {
-        let scene = &self.world.rest;
-        let last = self.world.parts.last();
-        let goes_on = last
-            .is_some_and(|last| last.branch == self.branch && last.is_soft == is_soft)
-            && self.runs.last().is_some_and(|run| run.inclusion == opened.inclusion);
-        if goes_on {
+        let (scene, branch, origin) = (&self.world.rest, self.branch, opened.next);
+        let of = |part: &PrimitiveRange| (part.branch, part.is_soft, part.origin.inclusion);
+        if self.world.parts.last().map(of) == Some((branch, is_soft, origin.inclusion)) {
             return;
         }
-        let (inclusion, file, number) = (opened.inclusion, opened.file, opened.runs);
-        self.runs.push(Run { inclusion, file, number });
-        opened.runs += 1;
+        opened.next.number += 1;
         let here = |length: usize| length..length;
         self.world.parts.push(PrimitiveRange {
-            branch: self.branch,
+            branch,
             object: 0,
+            origin,
             is_soft,
             primitives: here(scene.primitives.len()),
             vertices: here(scene.vertices.len()),
@@ -262,14 +234,14 @@ impl Reader<'_> {
         let keyed = |name: &&String| self.world.motions.contains_key(*name);
         let moved = self.named_lights.iter().filter(keyed).count();
         if moved > 0 {
-            let text = format!("{}: {moved} lights with keyframes stay in place", path.display());
-            scene.warnings.push(Warning(text));
+            let path = path.display();
+            scene.warn(format!("{path}: {moved} lights with keyframes stay in place"));
         }
         // a run that a file makes whenever it is included is the same object
         let mut objects = BTreeMap::new();
-        for (part, run) in self.world.parts.iter_mut().zip(&self.runs) {
+        for part in &mut self.world.parts {
             let next = objects.len() as u32;
-            let what = (run.file, run.number, part.primitives.len());
+            let what = (part.origin.file, part.origin.number, part.primitives.len());
             part.object = *objects.entry(what).or_insert(next);
         }
         self.world.parts.retain(|part| !part.primitives.is_empty());

@@ -8,9 +8,9 @@ use crate::error::LoadError;
 use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::Mesh;
 use crate::nff::cone;
-use crate::nff::tokens::{Word, Words};
 use crate::polygon::area_vector;
 use crate::scene::{Primitive, Shape, index};
+use crate::words::{Word, Words};
 
 /// The most corners of a polygon.
 const MAX_CORNERS: u64 = 1 << 20;
@@ -18,7 +18,7 @@ const MAX_CORNERS: u64 = 1 << 20;
 /// The fewest characters that a vector takes.
 const VECTOR: usize = 6;
 
-impl Reader<'_> {
+impl Reader {
     /// Reads the shape that a word begins.
     pub fn shape(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
         let scene = &self.world.rest;

@@ -48,6 +48,7 @@ pub(super) struct PrimitiveRange {
     pub branch: usize,
     /// The same for runs that several inclusions of a file make.
     pub object: u32,
+    pub origin: RunOrigin,
     /// Its corners move by themselves.
     pub is_soft: bool,
     pub primitives: Range<usize>,
@@ -56,6 +57,14 @@ pub(super) struct PrimitiveRange {
     pub spheres: Range<usize>,
     pub cones: Range<usize>,
     pub place: FilePlace,
+}
+
+/// Where a run of primitives is from: inclusion, file, and run within it.
+#[derive(Clone, Copy)]
+pub(super) struct RunOrigin {
+    pub inclusion: usize,
+    pub file: usize,
+    pub number: usize,
 }
 
 /// Placement of a branch.

@@ -56,16 +56,30 @@ impl Animation {
     }
 
     /// With all frames near the origin, moved there as the first one is.
-    pub(super) fn rebased(mut self) -> Self {
-        let (name, frames, mut known) = (self.name.clone(), self.frames, None);
-        Self::new(name, frames, move |index| {
-            let mut scene = self.frame(index)?;
-            let origin = match known {
-                Some(origin) => origin,
-                None if index == 0 => origin_for(&scene.bounds()),
-                None => origin_for(&self.frame(0)?.bounds()),
+    pub(super) fn rebased(self) -> Self {
+        self.with_first(|first| origin_for(&first.bounds()), Scene::bring_to)
+    }
+
+    /// With the camera of the first frame in all frames.
+    pub(crate) fn seen_as_first(self) -> Self {
+        self.with_first(|first| first.camera, |scene, camera| scene.camera = camera)
+    }
+
+    /// With something that `of` finds in the first frame applied to all frames.
+    fn with_first<T: Copy + Send + 'static>(
+        self,
+        of: fn(&Scene) -> T,
+        apply: fn(&mut Scene, T),
+    ) -> Self {
+        let (mut make, mut known) = (self.make, None);
+        Self::new(self.name, self.frames, move |index| {
+            let mut scene = make(index)?;
+            let first = match known {
+                Some(first) => first,
+                None if index == 0 => of(&scene),
+                None => of(&make(0)?),
             };
-            scene.bring_to(*known.insert(origin));
+            apply(&mut scene, *known.insert(first));
             Ok(scene)
         })
     }

@@ -146,24 +146,13 @@ fn open_sequence(path: &Path) -> Result<Animation, LoadError> {
         return Err(LoadError::MissingFrame { place: FilePlace::file(path), files });
     }
     let paths: Vec<PathBuf> = numbers.into_iter().map(file).collect();
-    let load = move |index: u32| {
+    let animation = Animation::new(scene_name(path), count, move |index| {
         let path = paths.get(index as usize).map(PathBuf::as_path).unwrap_or(Path::new(""));
-        load_scene(path, ReadOptions::default())
-    };
-    // loaders of formats without a camera frame the scene: each frame would be framed anew
-    let is_framed = ["obj", "ply", "stl", "bin"].contains(&unpacked_extension(path).as_str());
-    let mut of_first = None;
-    Ok(Animation::new(scene_name(path), count, move |index| {
-        let mut scene = load(index)?;
-        if is_framed {
-            let camera = match of_first {
-                Some(camera) => camera,
-                None if index == 0 => scene.camera,
-                None => load(0)?.camera,
-            };
-            scene.camera = *of_first.insert(camera);
-        }
+        let mut scene = load_scene(path, ReadOptions::default())?;
         scene.instances.clear();
         Ok(scene)
-    }))
+    });
+    // loaders of formats without a camera frame the scene: each frame would be framed anew
+    let is_framed = ["obj", "ply", "stl", "bin"].contains(&unpacked_extension(path).as_str());
+    Ok(if is_framed { animation.seen_as_first() } else { animation })
 }

@@ -170,7 +170,8 @@ impl Buffers {
             DataType::U8 => (self.flat::<u8>(object, accessor)?, u8::MAX.into()),
             DataType::I16 => (self.flat::<i16>(object, accessor)?, i16::MAX.into()),
             DataType::U16 => (self.flat::<u16>(object, accessor)?, u16::MAX.into()),
-            DataType::F32 | DataType::U32 => return self.flat::<f32>(object, accessor),
+            DataType::U32 => return self.flat::<u32>(object, accessor),
+            DataType::F32 => return self.flat::<f32>(object, accessor),
         };
         if is_normalized {
             numbers.iter_mut().for_each(|x| *x = (*x / most).max(-1.0));
@@ -183,13 +184,8 @@ impl Buffers {
         let is_known = matches!(accessor.data_type(), DataType::U8 | DataType::U16);
         let (is_known, known) = (is_known && !accessor.normalized(), "[U8, U16], not normalized");
         let object = self.typed(&accessor, "joints", Dimensions::Vec4, is_known, known)?;
-        match accessor.data_type() {
-            DataType::U8 => {
-                let joints: Vec<[u8; 4]> = self.read(&object, accessor)?;
-                Ok(joints.into_iter().map(|joints| joints.map(u16::from)).collect())
-            }
-            _ => self.read(&object, accessor),
-        }
+        let joints = self.scaled(&object, accessor)?;
+        Ok(joints.as_chunks().0.iter().map(|joints| joints.map(|joint| joint as u16)).collect())
     }
 
     /// The components of all elements as they are.
@@ -233,11 +229,8 @@ impl Buffers {
         let (is_known, known) =
             (is_known && !accessor.normalized(), "[U8, U16, U32], not normalized");
         let object = self.typed(&accessor, "indices", Dimensions::Scalar, is_known, known)?;
-        let indices: Vec<u32> = match accessor.data_type() {
-            DataType::U8 => self.read(&object, accessor)?.into_iter().map(u8::into).collect(),
-            DataType::U16 => self.read(&object, accessor)?.into_iter().map(u16::into).collect(),
-            _ => self.read(&object, accessor)?,
-        };
+        let indices: Vec<u32> =
+            self.scaled(&object, accessor)?.into_iter().map(|index| index as u32).collect();
         match indices.iter().position(|&i| i as usize >= vertices) {
             None => Ok(indices),
             Some(i) => {

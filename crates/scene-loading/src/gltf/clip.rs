@@ -177,11 +177,9 @@ fn read_keys(
     };
     let times =
         buffers.numbers(accessor(json.input.value())?, "key times", Dimensions::Scalar, false)?;
-    if let Some((i, pair)) =
-        times.windows(2).enumerate().find(|(_, pair)| pair.first() >= pair.last())
-    {
-        let found = format!("key {} at {:?} behind {:?}", i + 1, pair.last(), pair.first());
-        let found = found.replace("Some(", "").replace(')', "");
+    let mut pairs = times.iter().zip(times.iter().skip(1)).enumerate();
+    if let Some((i, (before, time))) = pairs.find(|(_, (before, time))| before >= time) {
+        let found = format!("key {} at {time:?} behind {before:?}", i + 1);
         return Err(LoadError::gltf(path, &object, found, "times that ascend"));
     }
     let (dimensions, normalized) = match property {

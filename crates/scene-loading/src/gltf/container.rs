@@ -60,7 +60,7 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
     let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, None)) };
     check_header(path, rest, bytes.len() as u64)?;
     let chunks = rest.get(8..).unwrap_or_default();
-    let Chunk { kind, data: json, after: mut rest } = chunk(path, "the first GLB chunk", chunks)?;
+    let (kind, json, mut rest) = chunk(path, "the first GLB chunk", chunks)?;
     if kind != b"JSON" {
         let found = format!("type {}", quote(&String::from_utf8_lossy(kind)));
         return Err(LoadError::gltf(path, "the first GLB chunk", found, "type `JSON`"));
@@ -70,11 +70,11 @@ fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>
     let json = json.get(..end).unwrap_or_default();
     // what is left behind the last chunk is padding
     while rest.len() >= 8 {
-        let Chunk { kind, data, after } = chunk(path, "a GLB chunk", rest)?;
+        let (kind, data);
+        (kind, data, rest) = chunk(path, "a GLB chunk", rest)?;
         if kind == b"BIN\0" {
             return Ok((json, Some(data)));
         }
-        rest = after;
     }
     Ok((json, None))
 }
@@ -97,33 +97,23 @@ fn parse(path: &Path, json: &[u8]) -> Result<Root, LoadError> {
     kept.ok_or_else(|| LoadError::parser(path, error))
 }
 
-/// A chunk of a GLB file.
-struct Chunk<'a> {
-    kind: &'a [u8; 4],
-    data: &'a [u8],
-    /// The bytes behind it.
-    after: &'a [u8],
-}
-
-/// The chunk at the start of `bytes`.
-fn chunk<'a>(path: &Path, object: &str, bytes: &'a [u8]) -> Result<Chunk<'a>, LoadError> {
+/// Kind, data, and the bytes behind, of the chunk at the start of `bytes`.
+fn chunk<'a>(path: &Path, object: &str, bytes: &'a [u8]) -> Result<GlbChunk<'a>, LoadError> {
+    let place = FilePlace::file(path);
     let header = bytes.split_first_chunk::<4>();
     let header = header.and_then(|(length, rest)| Some((length, rest.split_first_chunk::<4>()?)));
     let Some((length, (kind, rest))) = header else {
-        let expected = format!("the header of {object}");
-        return Err(LoadError::unexpected_end(FilePlace::file(path), expected));
+        return Err(LoadError::unexpected_end(place, format!("the header of {object}")));
     };
     let needed = u32::from_le_bytes(*length);
-    let Some((data, after)) = rest.split_at_checked(needed as usize) else {
-        return Err(LoadError::PastBuffer {
-            place: FilePlace::file(path),
-            object: object.into(),
-            needed: needed.into(),
-            available: rest.len() as u64,
-        });
-    };
-    Ok(Chunk { kind, data, after })
+    let (data, after) = rest.split_at_checked(needed as usize).ok_or_else(|| {
+        let (object, available) = (object.into(), rest.len() as u64);
+        LoadError::PastBuffer { place, object, needed: needed.into(), available }
+    })?;
+    Ok((kind, data, after))
 }
+
+type GlbChunk<'a> = (&'a [u8; 4], &'a [u8], &'a [u8]);
 
 /// Checks the version and the length that a GLB file states behind its first four bytes.
 fn check_header(path: &Path, rest: &[u8], actual: u64) -> Result<(), LoadError> {

@@ -5,7 +5,7 @@
 //! weights are all zero follows its first joint; a mesh whose joints are not in the scene keeps the
 //! place of its node.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use ::gltf::accessor::Dimensions;
@@ -29,8 +29,8 @@ const MAX_JOINTS: usize = 1 << 20;
 pub(crate) struct Deformer<'a> {
     file: &'a OpenedFile,
     pose: Option<&'a Pose>,
-    /// Placements of nodes by number; `None` for nodes outside the scene.
-    pub joints: Vec<Option<DMat4>>,
+    /// Placements of the nodes of the scene by number.
+    pub joints: HashMap<usize, DMat4>,
     /// Matrices of the skins used so far.
     skins: BTreeMap<usize, SkinMatrices>,
     moved: usize,
@@ -40,14 +40,12 @@ pub(crate) struct Deformer<'a> {
 /// From a mesh's space to the world, by joints; none where a joint is not in the scene.
 type SkinMatrices = Option<Rc<[DMat4]>>;
 
-/// Vertices as they are in a frame, and where their space is in the world.
+/// Vertices as they are in a frame.
 pub(crate) struct DeformedMesh {
     pub positions: Vec<DVec3>,
     pub normals: Vec<DVec3>,
-    /// None where the vertices are in the world already.
-    pub world: Option<DMat4>,
-    /// The joint of the first vertex mirrors.
-    pub is_mirrored: bool,
+    /// For vertices that joints brought to the world: whether that of the first one mirrors.
+    pub is_mirrored: Option<bool>,
 }
 
 /// A vector of a file.
@@ -69,7 +67,7 @@ fn joint_sets<'a>(primitive: &Primitive<'a>) -> impl Iterator<Item = (Accessor<'
 
 impl<'a> Deformer<'a> {
     pub fn new(file: &'a OpenedFile, pose: Option<&'a Pose>) -> Self {
-        Self { file, pose, joints: Vec::new(), skins: BTreeMap::new(), moved: 0, skinned: 0 }
+        Self { file, pose, joints: HashMap::new(), skins: BTreeMap::new(), moved: 0, skinned: 0 }
     }
 
     /// The vertices of a primitive, none where they are as the file has them; and why it does not
@@ -80,7 +78,6 @@ impl<'a> Deformer<'a> {
         primitive: &Primitive<'_>,
         positions: &[[f32; 3]],
         normals: &[[f32; 3]],
-        world: DMat4,
     ) -> Result<(Option<DeformedMesh>, Option<&'static str>), LoadError> {
         let weights = self.weights(node, primitive);
         let (matrices, unbent) = match node.skin() {
@@ -98,10 +95,11 @@ impl<'a> Deformer<'a> {
         }
         let targets = weights.iter().filter(|&&weight| weight != 0.0).count();
         let sets = matrices.iter().flat_map(|_| joint_sets(primitive)).count();
-        self.count_moved(positions.len().saturating_mul(targets + sets))?;
+        self.moved = self.moved.saturating_add(positions.len().saturating_mul(targets + sets));
+        let what = "the number of vertices that morph targets and joints move";
+        limits::check(self.moved, MAX_MOVED, what, || self.file.place())?;
         let [positions, normals] = [positions, normals].map(|all| all.iter().map(wide).collect());
-        let world = Some(world);
-        let mut deformed = DeformedMesh { positions, normals, world, is_mirrored: false };
+        let mut deformed = DeformedMesh { positions, normals, is_mirrored: None };
         self.morph(primitive, &weights, &mut deformed)?;
         if let (Some(matrices), Some(skin)) = (matrices, node.skin()) {
             let object = format!("skin {}", skin.index());
@@ -119,12 +117,6 @@ impl<'a> Deformer<'a> {
             Some(weights) => weights.iter().copied().take(count).collect(),
             None => usual().into_iter().flatten().map(|&w| f64::from(w)).take(count).collect(),
         }
-    }
-
-    fn count_moved(&mut self, vertices: usize) -> Result<(), LoadError> {
-        self.moved = self.moved.saturating_add(vertices);
-        let what = "the number of vertices that morph targets and joints move";
-        limits::check(self.moved, MAX_MOVED, what, || self.file.place())
     }
 
     /// Adds the targets by their weights.
@@ -175,9 +167,8 @@ impl<'a> Deformer<'a> {
         deformed: &mut DeformedMesh,
     ) -> Result<(), LoadError> {
         let count = deformed.positions.len();
-        let mut blended = vec![DMat4::ZERO; count];
-        let mut sums = vec![0.0; count];
-        let mut firsts = vec![0; count];
+        // of each vertex: weighted sum of its matrices, sum of the weights, first joint
+        let mut bonds = vec![(DMat4::ZERO, 0.0, 0); count];
         for (set, (joints, weights)) in joint_sets(primitive).enumerate() {
             let joints = self.file.buffers.joints(joints)?;
             let weights = self.file.buffers.numbers(weights, "weights", Dimensions::Vec4, true)?;
@@ -187,34 +178,31 @@ impl<'a> Deformer<'a> {
                 let expected = format!("of {count} vertices");
                 return Err(self.file.buffers.invalid(skin, &found, &expected));
             }
-            if set == 0 {
-                firsts = joints.iter().map(|&[first, ..]| first).collect();
-            }
-            let sums = blended.iter_mut().zip(&mut sums);
-            for (i, ((joints, weights), (matrix, sum))) in
-                joints.iter().zip(weights).zip(sums).enumerate()
-            {
+            let of_vertices = bonds.iter_mut().zip(joints.iter().zip(weights));
+            for (i, ((matrix, sum, first), (joints, weights))) in of_vertices.enumerate() {
+                if set == 0 {
+                    [*first, ..] = *joints;
+                }
                 for (&joint, &weight) in joints.iter().zip(weights).filter(|pair| *pair.1 != 0.0) {
                     *matrix += self.joint(skin, matrices, joint, i)? * weight;
                     *sum += weight;
                 }
             }
         }
-        for (i, matrix) in blended.iter_mut().enumerate() {
-            *matrix = match (sums.get(i), firsts.get(i)) {
-                (Some(&sum), _) if sum > 0.0 => *matrix * (1.0 / sum),
-                (_, first) => self.joint(skin, matrices, first.copied().unwrap_or(0), i)?,
+        for (i, (matrix, sum, first)) in bonds.iter_mut().enumerate() {
+            *matrix = match *sum {
+                sum if sum > 0.0 => *matrix * (1.0 / sum),
+                _ => self.joint(skin, matrices, *first, i)?,
             };
-            if let Some(p) = deformed.positions.get_mut(i) {
-                *p = matrix.transform_point3(*p);
-            }
-            if let Some(n) = deformed.normals.get_mut(i) {
-                *n = cofactor(*matrix) * *n;
-            }
         }
-        let first = blended.first().copied().unwrap_or_default();
-        deformed.is_mirrored = DMat3::from_mat4(first).determinant() < 0.0;
-        deformed.world = None;
+        for (p, (matrix, ..)) in deformed.positions.iter_mut().zip(&bonds) {
+            *p = matrix.transform_point3(*p);
+        }
+        for (n, (matrix, ..)) in deformed.normals.iter_mut().zip(&bonds) {
+            *n = cofactor(*matrix) * *n;
+        }
+        let mirrors = |matrix: DMat4| DMat3::from_mat4(matrix).determinant() < 0.0;
+        deformed.is_mirrored = Some(bonds.first().is_some_and(|(matrix, ..)| mirrors(*matrix)));
         Ok(())
     }
 
@@ -251,9 +239,9 @@ impl<'a> Deformer<'a> {
                 return Err(self.file.buffers.invalid(&object, &found, "one for each"));
             }
         }
-        let world = |joint: Node<'_>| self.joints.get(joint.index()).copied().flatten();
         let matrices = skin.joints().enumerate().map(|(i, joint)| {
-            Some(world(joint)? * inverse.get(i).copied().unwrap_or(DMat4::IDENTITY))
+            let world = *self.joints.get(&joint.index())?;
+            Some(world * inverse.get(i).copied().unwrap_or(DMat4::IDENTITY))
         });
         let matrices: SkinMatrices = matrices.collect();
         self.skins.insert(skin.index(), matrices.clone());

@@ -19,6 +19,8 @@ const MAX_INSTANCES: usize = 16 << 20;
 
 /// A primitive as it is at its node, before it is placed in the world.
 struct ReadPrimitive {
+    /// How errors and warnings name it.
+    object: String,
     positions: Vec<[f32; 3]>,
     /// As many as positions, or none.
     normals: Vec<[f32; 3]>,
@@ -41,7 +43,7 @@ impl NodeWalker<'_> {
         let PlacedNode { node, world, .. } = placed;
         let Some(mesh) = node.mesh() else { return Ok(()) };
         if placed.is_hidden {
-            self.counts.hidden += 1;
+            self.counts.hidden.add(|| self.file.place());
             return Ok(());
         }
         if self.file.extensions.instancing.contains_key(&node.index()) {
@@ -56,7 +58,7 @@ impl NodeWalker<'_> {
             let Some(read) = self.read(placed, &mesh, &primitive)? else { continue };
             self.check_room(read.positions.len(), read.triangles().len())?;
             is_deformed |= read.deformed.is_some();
-            self.place(&mesh, &primitive, &read, *world)?;
+            self.place(&read, *world)?;
         }
         if !self.is_soft(placed, &mesh, is_deformed) {
             self.claim(placed, mesh.index(), first, *world);
@@ -77,7 +79,7 @@ impl NodeWalker<'_> {
             vertices += read.positions.len();
             triangles += read.triangles().len();
             self.check_room(vertices, triangles)?;
-            all.push((primitive, read));
+            all.push(read);
         }
         if all.is_empty() {
             return Ok(());
@@ -91,18 +93,16 @@ impl NodeWalker<'_> {
         })?;
         let count = placements.len();
         self.check_room(vertices.saturating_mul(count), triangles.saturating_mul(count))?;
-        let is_deformed = all.iter().any(|(_, read)| read.deformed.is_some());
+        let is_deformed = all.iter().any(|read| read.deformed.is_some());
         let is_soft = self.is_soft(placed, mesh, is_deformed);
         for placement in placements {
             let world = placed.world * placement;
             if DMat3::from_mat4(world) == DMat3::ZERO {
-                self.counts.hidden += 1;
+                self.counts.hidden.add(|| self.file.place());
                 continue;
             }
             let first = self.scene.primitives.len();
-            for (primitive, read) in &all {
-                self.place(mesh, primitive, read, world)?;
-            }
+            all.iter().try_for_each(|read| self.place(read, world))?;
             if !is_soft {
                 self.claim(placed, mesh.index(), first, world);
             }
@@ -132,19 +132,19 @@ impl NodeWalker<'_> {
         mesh: &::gltf::Mesh<'_>,
         primitive: &::gltf::Primitive<'_>,
     ) -> Result<Option<ReadPrimitive>, LoadError> {
-        let object = || format!("mesh {} primitive {}", mesh.index(), primitive.index());
+        let object = format!("mesh {} primitive {}", mesh.index(), primitive.index());
         let mode = primitive.mode();
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            self.counts.points_and_lines += 1;
+            self.counts.points_and_lines.add(|| self.file.place());
             return Ok(None);
         }
         let Some(accessor) = primitive.get(&Semantic::Positions) else {
-            self.counts.without_positions += 1;
+            self.counts.without_positions.add(|| self.file.place());
             return Ok(None);
         };
         let count = |accessor: &::gltf::Accessor<'_>| accessor.count();
         if accessor.count() == 0 || primitive.indices().as_ref().is_some_and(|i| count(i) == 0) {
-            self.counts.empty += 1;
+            self.counts.empty.add(|| self.file.place());
             return Ok(None);
         }
         let position_accessor = accessor.index();
@@ -155,13 +155,13 @@ impl NodeWalker<'_> {
         };
         self.check_positions(position_accessor, &mut positions, &indices)?;
         if triangles(mode, &indices).len() == 0 {
-            self.counts.empty += 1;
+            self.counts.empty.add(|| self.file.place());
             return Ok(None);
         }
         if mode == Mode::Triangles && indices.len() % 3 != 0 {
-            self.counts.incomplete += 1;
+            self.counts.incomplete.add(|| self.file.place());
         }
-        let normals = self.normals(&object(), primitive, positions.len())?;
+        let normals = self.normals(&object, primitive, positions.len())?;
         let scene = &mut self.scene;
         let material = match primitive.material().index() {
             // the crate's validation keeps the index within the table
@@ -171,18 +171,26 @@ impl NodeWalker<'_> {
                 scene.push_material(Material { color: [1.0; 3], ..Material::default() })
             }),
         };
-        let texcoords = self.texcoords(&object(), primitive, positions.len())?;
-        self.counts.coloured += usize::from(primitive.get(&Semantic::Colors(0)).is_some());
-        let (node, world) = (&placed.node, placed.world);
-        let (deformed, unbent) =
-            self.deformer.deformed(node, primitive, &positions, &normals, world)?;
+        let texcoords = self.texcoords(&object, primitive, positions.len())?;
+        if primitive.get(&Semantic::Colors(0)).is_some() {
+            self.counts.coloured.add(|| self.file.place());
+        }
+        let node = &placed.node;
+        let (deformed, unbent) = self.deformer.deformed(node, primitive, &positions, &normals)?;
         if let Some(why) = unbent {
             let node = node.index();
-            self.warn(format!("{} {why}, so at node {node} it follows no skin", object()));
+            self.warn(format!("{object} {why}, so at node {node} it follows no skin"));
         }
-        let read =
-            ReadPrimitive { positions, normals, mode, indices, material, texcoords, deformed };
-        Ok(Some(read))
+        Ok(Some(ReadPrimitive {
+            object,
+            positions,
+            normals,
+            mode,
+            indices,
+            material,
+            texcoords,
+            deformed,
+        }))
     }
 
     /// Refuses a triangle whose corner is not finite; puts other such vertices in the origin.
@@ -205,7 +213,7 @@ impl NodeWalker<'_> {
         }
         for position in positions.iter_mut().filter(|position| is_bad(position)) {
             *position = [0.0; 3];
-            self.counts.unused_vertices += 1;
+            self.counts.unused_vertices.add(|| self.file.place());
         }
         Ok(())
     }
@@ -227,7 +235,7 @@ impl NodeWalker<'_> {
         for normal in &mut normals {
             if !normal.iter().all(|x| x.is_finite()) {
                 *normal = [0.0; 3];
-                self.counts.normals += 1;
+                self.counts.normals.add(|| self.file.place());
             }
         }
         Ok(normals)
@@ -254,7 +262,7 @@ impl NodeWalker<'_> {
         }
         for texcoord in texcoords.iter_mut().filter(|uv| !uv.iter().all(|x| x.is_finite())) {
             *texcoord = [0.0; 2];
-            self.counts.texcoords += 1;
+            self.counts.texcoords.add(|| self.file.place());
         }
         Ok(Some(texcoords))
     }
@@ -267,31 +275,22 @@ impl NodeWalker<'_> {
     }
 
     /// Adds the triangles of a primitive under a transform.
-    fn place(
-        &mut self,
-        mesh: &::gltf::Mesh<'_>,
-        primitive: &::gltf::Primitive<'_>,
-        read: &ReadPrimitive,
-        world: DMat4,
-    ) -> Result<(), LoadError> {
-        let ReadPrimitive { positions, normals, texcoords, .. } = read;
-        let mut is_mirrored = DMat3::from_mat4(world).determinant() < 0.0;
-        let first = match &read.deformed {
-            Some(deformed) => {
-                let (positions, normals) = (&deformed.positions, &deformed.normals);
-                // the vertices of a skinned mesh are in the world: its node's transform is ignored
-                let world = deformed.world.map(|_| world).unwrap_or_else(|| {
-                    is_mirrored = deformed.is_mirrored;
-                    DMat4::IDENTITY
-                });
+    fn place(&mut self, read: &ReadPrimitive, world: DMat4) -> Result<(), LoadError> {
+        let ReadPrimitive { positions, normals, texcoords, deformed, .. } = read;
+        let (world, is_mirrored) = match deformed.as_ref().and_then(|d| d.is_mirrored) {
+            // the vertices of a skinned mesh are in the world: its node's transform is ignored
+            Some(is_mirrored) => (DMat4::IDENTITY, is_mirrored),
+            None => (world, DMat3::from_mat4(world).determinant() < 0.0),
+        };
+        let first = match deformed {
+            Some(DeformedMesh { positions, normals, .. }) => {
                 self.push_vertices(positions.iter().copied(), normals.iter().copied(), world)
             }
             None => self.push_vertices(positions.iter().map(wide), normals.iter().map(wide), world),
         };
         let Some((first, first_normal)) = first else {
-            let object = format!("mesh {} primitive {}", mesh.index(), primitive.index());
-            let (place, what) = (self.file.place(), format!("{object}: a transformed position"));
-            return Err(LoadError::not_finite(place, what, NOT_FINITE));
+            let what = format!("{}: a transformed position", read.object);
+            return Err(LoadError::not_finite(self.file.place(), what, NOT_FINITE));
         };
         let all = read.triangles();
         progress::begin(all.len());
@@ -312,7 +311,7 @@ impl NodeWalker<'_> {
             };
             match area_vector(&points) {
                 Some(_) => self.triangle(read.material, v, n, uv),
-                None => self.counts.without_area += 1,
+                None => self.counts.without_area.add(|| self.file.place()),
             }
         }
         progress::end();

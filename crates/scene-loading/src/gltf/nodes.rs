@@ -7,10 +7,11 @@ use crate::gltf::container::OpenedFile;
 use crate::gltf::deform::Deformer;
 use crate::gltf::extensions;
 use crate::gltf::textures::Textures;
-use crate::gltf::tree::{self, PlacedNode};
+use crate::gltf::tree;
 use crate::input::scene_name;
 use crate::limits::{self, MAX_LIGHTS, MAX_WARNINGS};
-use crate::scene::{Camera, Light, Material, Scene, Warning};
+use crate::mesh::first_and_counts;
+use crate::scene::{Camera, Light, Material, Scene};
 use ::gltf::camera::Projection;
 use ::gltf::khr_lights_punctual::Kind;
 use ::gltf::material::AlphaMode;
@@ -30,7 +31,7 @@ pub(crate) struct NodeWalker<'a> {
     /// Pose of a moving scene.
     pub(super) pose: Option<&'a Pose>,
     has_camera: bool,
-    pub(super) counts: Counts,
+    pub(super) counts: NodeCounts,
     pub(super) instances: usize,
     unsaid: usize,
 }
@@ -49,7 +50,7 @@ impl<'a> NodeWalker<'a> {
             lights: Vec::new(),
             pose,
             has_camera: false,
-            counts: Counts::default(),
+            counts: NodeCounts::default(),
             instances: 0,
             unsaid: 0,
         }
@@ -58,18 +59,21 @@ impl<'a> NodeWalker<'a> {
     /// The scene: every node is visited once, parents first. Where the file has no camera it gets
     /// this one, or one that frames the scene.
     pub fn walk(mut self, camera: Option<Camera>) -> Result<Scene, LoadError> {
-        let document = &self.file.document;
-        for text in extensions::warnings(document.as_json()) {
+        for text in extensions::warnings(self.file.document.as_json()) {
             self.warn(text);
         }
         let placed = tree::placed(self.file, self.pose)?;
-        self.deformer.joints = vec![None; document.nodes().len()];
-        for node in &placed {
-            if let Some(joint) = self.deformer.joints.get_mut(node.node.index()) {
-                *joint = Some(node.world);
+        let joints = placed.iter().map(|placed| (placed.node.index(), placed.world));
+        self.deformer.joints = joints.collect();
+        for placed in &placed {
+            if let Some(camera) = placed.node.camera() {
+                self.camera(&camera, placed.world)?;
             }
+            if let Some(light) = placed.node.light() {
+                self.light(&light, placed.world)?;
+            }
+            self.mesh(placed)?;
         }
-        placed.iter().try_for_each(|placed| self.visit(placed))?;
         if self.scene.primitives.is_empty() {
             return Err(LoadError::no_primitives(&self.file.path, "triangle with an area"));
         }
@@ -79,13 +83,10 @@ impl<'a> NodeWalker<'a> {
             let color = Some(color.map(|c| c * scale));
             self.scene.lights.push(Light::Point { position: *position, color });
         }
-        for text in self.counts.warnings() {
-            self.warn(text);
-        }
+        self.counts.warn(&mut self.scene);
         let unsaid = self.unsaid + self.textures.unsaid;
         if unsaid > 0 {
-            let text = format!("{}: {unsaid} more warnings", self.file.path.display());
-            self.scene.warnings.push(Warning(text));
+            self.scene.warn(format!("{}: {unsaid} more warnings", self.file.path.display()));
         }
         match camera {
             _ if self.has_camera => {}
@@ -100,19 +101,7 @@ impl<'a> NodeWalker<'a> {
             self.unsaid += 1;
             return;
         }
-        self.scene.warnings.push(Warning(format!("{}: {text}", self.file.path.display())));
-    }
-
-    fn visit(&mut self, placed: &PlacedNode<'_>) -> Result<(), LoadError> {
-        let PlacedNode { node, world, .. } = placed;
-        let world = *world;
-        if let Some(camera) = node.camera() {
-            self.camera(&camera, world)?;
-        }
-        if let Some(light) = node.light() {
-            self.light(&light, world)?;
-        }
-        self.mesh(placed)
+        self.scene.warn(format!("{}: {text}", self.file.path.display()));
     }
 
     fn light(
@@ -172,39 +161,19 @@ impl<'a> NodeWalker<'a> {
     }
 }
 
-/// Counts of each kind.
-#[derive(Debug, Default)]
-pub(super) struct Counts {
-    pub without_area: usize,
-    pub points_and_lines: usize,
-    pub empty: usize,
-    pub without_positions: usize,
-    pub incomplete: usize,
-    pub hidden: usize,
-    pub unused_vertices: usize,
-    pub normals: usize,
-    pub texcoords: usize,
-    pub coloured: usize,
-}
-
-impl Counts {
-    /// A text for each kind of which there is any.
-    pub fn warnings(&self) -> impl Iterator<Item = String> + use<> {
-        [
-            (self.without_area, "triangles without area left out"),
-            (self.points_and_lines, "meshes of points or lines left out"),
-            (self.empty, "primitives without a triangle left out"),
-            (self.without_positions, "primitives without positions left out"),
-            (self.incomplete, "primitives whose last triangle lacks corners, which is left out"),
-            (self.hidden, "meshes that are scaled to nothing or not visible left out"),
-            (self.unused_vertices, "vertices are not finite; no triangle uses them"),
-            (self.normals, "normals that are not finite left out"),
-            (self.texcoords, "texture coordinates that are not finite are taken as 0"),
-            (self.coloured, "primitives with vertex colours (COLOR_0), which are not shown"),
-        ]
-        .into_iter()
-        .filter(|(count, _)| *count > 0)
-        .map(|(count, what)| format!("{count} {what}"))
+first_and_counts! {
+    /// What is not in the scene as the file has it.
+    struct NodeCounts {
+        without_area: "triangles without area left out",
+        points_and_lines: "meshes of points or lines left out",
+        empty: "primitives without a triangle left out",
+        without_positions: "primitives without positions left out",
+        incomplete: "primitives whose last triangle lacks corners, which is left out",
+        hidden: "meshes that are scaled to nothing or not visible left out",
+        unused_vertices: "vertices are not finite; no triangle uses them",
+        normals: "normals that are not finite left out",
+        texcoords: "texture coordinates that are not finite are taken as 0",
+        coloured: "primitives with vertex colours (COLOR_0), which are not shown",
     }
 }
 

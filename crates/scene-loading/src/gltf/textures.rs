@@ -6,6 +6,7 @@
 //! not taken (the renderer has one), nor is alpha. The crate's own `Image::source` and
 //! `Texture::source` panic where there is nothing: they are not called.
 
+use std::collections::HashMap;
 use std::rc::Rc;
 
 use ::gltf::texture::{Info, WrappingMode};
@@ -14,16 +15,14 @@ use crate::gltf::container::OpenedFile;
 use crate::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::read_at_most;
 use crate::limits::MAX_WARNINGS;
-use crate::scene::Scene;
-use crate::scene::Wrap;
+use crate::scene::{Scene, Wrap};
 
 /// The textures of a document, each read when a primitive needs it.
 pub(crate) struct Textures<'a> {
     file: &'a OpenedFile,
     reader: TextureReader,
-    /// For each material: `None` before its first use, then its set of texture coordinates if it
-    /// has a texture.
-    sets: Vec<Option<Option<u32>>>,
+    /// The set of texture coordinates of each material used so far, if it has a texture.
+    sets: HashMap<usize, Option<u32>>,
     /// Warnings that are only counted.
     pub unsaid: usize,
 }
@@ -31,21 +30,18 @@ pub(crate) struct Textures<'a> {
 impl<'a> Textures<'a> {
     /// Prepares the textures of a document; reads nothing yet.
     pub fn new(file: &'a OpenedFile) -> Self {
-        let sets = vec![None; file.document.materials().len()];
-        Self { file, reader: TextureReader::default(), sets, unsaid: 0 }
+        Self { file, reader: TextureReader::default(), sets: HashMap::new(), unsaid: 0 }
     }
 
     /// The set of texture coordinates that a material wants; its texture is in the scene then.
     pub fn of(&mut self, material: &::gltf::Material<'_>, scene: &mut Scene) -> Option<u32> {
         let index = material.index()?;
-        if let Some(known) = self.sets.get(index).copied().flatten() {
-            return known;
+        if let Some(known) = self.sets.get(&index) {
+            return *known;
         }
         let info = material.pbr_metallic_roughness().base_color_texture();
         let set = info.and_then(|info| self.read(&info, index, scene));
-        if let Some(known) = self.sets.get_mut(index) {
-            *known = Some(set);
-        }
+        self.sets.insert(index, set);
         set
     }
 

@@ -10,8 +10,6 @@
 //! - A patch with a normal that is NaN is a flat triangle, with a warning.
 //! - Surface properties are not clamped: the file is believed.
 
-pub(crate) mod tokens;
-
 use std::fmt;
 use std::path::Path;
 
@@ -21,9 +19,9 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::{parse_number, scene_name, unified};
 use crate::limits::{self, MAX_ELEMENTS, MAX_LIGHTS, MAX_MATERIALS};
 use crate::mesh::{FaceCounts, push_outline, usable};
-use crate::nff::tokens::{Word, Words};
 use crate::polygon::ear_clipping::MAX_CORNERS;
-use crate::scene::{Camera, Cone, Light, Material, Scene, Warning};
+use crate::scene::{Camera, Cone, Light, Material, Scene};
+use crate::words::{Word, Words};
 
 const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
 
@@ -31,8 +29,8 @@ const ENTITIES: &str = "one of b, v, l, f, s, c, p, pp, #";
 ///
 /// # Errors
 /// [`LoadError::Syntax`], [`LoadError::UnexpectedEnd`], [`LoadError::NotFinite`],
-/// [`LoadError::OutOfRange`], [`LoadError::NegativeRadius`], [`LoadError::CountTooLarge`], each
-/// with the line, and [`LoadError::NoPrimitives`].
+/// [`LoadError::OutOfRange`], [`LoadError::CountTooLarge`], each with the line, and
+/// [`LoadError::NoPrimitives`].
 pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     let text = unified(text);
     let mut reader = Reader {
@@ -75,13 +73,12 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     reader.counts.warn(&mut scene);
     if let Some((line, count)) = reader.first_fanned {
         let place = FilePlace::line(path, line);
-        let text = match reader.fanned {
+        scene.warn(match reader.fanned {
             1 => format!("{place}: a patch of {count} vertices was split into a fan of triangles"),
             n => format!(
                 "{place}: {n} patches of more than 3 vertices were split into fans of triangles"
             ),
-        };
-        scene.warnings.push(Warning(text));
+        });
     }
     if scene.primitives.is_empty() {
         let expected = "sphere, cone, polygon or patch (s, c, p, pp)";
@@ -89,8 +86,7 @@ pub fn parse_nff(path: &Path, text: &str) -> Result<Scene, LoadError> {
     }
     if !has_view {
         scene.frame_camera();
-        let text = format!("{}: no view (`v`): the camera frames the scene", path.display());
-        scene.warnings.push(Warning(text));
+        scene.warn(format!("{}: no view (`v`): the camera frames the scene", path.display()));
     }
     Ok(scene)
 }
@@ -129,12 +125,8 @@ impl Reader<'_> {
         let center = self.words.vector("sphere centre")?;
         let radius = self.words.number("sphere radius")?;
         if radius < 0.0 {
-            return Err(LoadError::NegativeRadius {
-                place: self.words.place(start.line),
-                what: "the radius of a sphere",
-                radius,
-                expected: "at least 0",
-            });
+            let (place, what) = (self.words.place(start.line), "the radius of a sphere");
+            return Err(LoadError::out_of_range(place, what, radius, "at least 0"));
         }
         let material = self.material();
         self.scene.push_sphere(material, center, radius);
@@ -219,42 +211,34 @@ impl Reader<'_> {
 
 /// Reads the arguments of a `v` statement.
 pub(crate) fn view(words: &mut Words<'_>, start: Word<'_>) -> Result<Camera, LoadError> {
-    let (mut from, mut at, mut up) = (None, None, None);
-    let (mut angle, mut hither, mut resolution) = (None, None, None);
-    while let Some(word) = words.peek() {
-        let key = word.text;
+    let mut camera = Camera::default();
+    let mut missing = vec!["resolution", "from", "at", "up", "angle"];
+    while let Some(Word { text: key, .. }) = words.peek() {
         if !["from", "at", "up", "angle", "hither", "resolution"].contains(&key) {
             break;
         }
         words.next();
+        missing.retain(|missing| *missing != key);
         match key {
-            "from" => from = Some(words.vector("view `from`")?),
-            "at" => at = Some(words.vector("view `at`")?),
-            "up" => up = Some(words.vector("view `up`")?),
-            "angle" => angle = Some(words.number("view `angle`")?),
-            "hither" => hither = Some(words.number("view `hither`")?),
+            "from" => camera.from = words.vector("view `from`")?,
+            "at" => camera.at = words.vector("view `at`")?,
+            "up" => camera.up = words.vector("view `up`")?,
+            "angle" => camera.angle = words.number("view `angle`")?,
+            "hither" => camera.hither = words.number("view `hither`")?,
             _ => {
+                // the range keeps both within u32
                 let mut side = || words.integer("view `resolution`", 1, 65_536);
-                resolution = Some([side()?, side()?]);
+                camera.resolution = [side()? as u32, side()? as u32];
             }
         }
     }
-    let missing = |key: &'static str| LoadError::Syntax {
-        place: words.place(start.line),
-        found: format!("a view without `{key}`"),
-        expected: "v with from, at, up, angle, resolution (and hither)".into(),
-    };
-    let [width, height] = resolution.ok_or_else(|| missing("resolution"))?;
-    let camera = Camera {
-        from: from.ok_or_else(|| missing("from"))?,
-        at: at.ok_or_else(|| missing("at"))?,
-        up: up.ok_or_else(|| missing("up"))?,
-        angle: angle.ok_or_else(|| missing("angle"))?,
-        hither: hither.unwrap_or(0.0),
-        // The range check above keeps both within u32.
-        resolution: [width as u32, height as u32],
-        ..Camera::default()
-    };
+    if let Some(key) = missing.first() {
+        return Err(LoadError::Syntax {
+            place: words.place(start.line),
+            found: format!("a view without `{key}`"),
+            expected: "v with from, at, up, angle, resolution (and hither)".into(),
+        });
+    }
     camera.check(|| words.place(start.line))?;
     Ok(camera)
 }
@@ -293,12 +277,9 @@ pub(crate) fn cone(words: &mut Words<'_>, start: Word<'_>) -> Result<Cone, LoadE
     let (smaller, larger) =
         (cone.base_radius.min(cone.apex_radius), cone.base_radius.max(cone.apex_radius));
     if smaller < 0.0 && larger > 0.0 {
-        return Err(LoadError::NegativeRadius {
-            place: words.place(start.line),
-            what: "one of two radii of a cone",
-            radius: smaller,
-            expected: "both at least 0, or both at most 0 (seen from inside)",
-        });
+        let (place, what) = (words.place(start.line), "one of two radii of a cone");
+        let expected = "both at least 0, or both at most 0 (seen from inside)";
+        return Err(LoadError::out_of_range(place, what, smaller, expected));
     }
     Ok(cone)
 }

@@ -41,18 +41,17 @@ pub(crate) struct ObjScan {
     pub used: Vec<(usize, String)>,
     /// Every `usemtl`: how many faces come before it, and which of `used` it names, if any.
     pub switches: Vec<(usize, Option<usize>)>,
-    /// Number of `l` elements.
-    pub lines: usize,
-    /// Number of `p` elements.
-    pub points: usize,
-    /// Number of free-form curves and surfaces.
-    pub curves: usize,
     /// Number of lines with an unknown keyword, and the first of them.
     pub unknown: usize,
     pub first_unknown: Option<(usize, String)>,
     /// Lines that were not taken literally.
     pub odd: Oddities,
-    needed: IndexCounts,
+    /// The file may have normals: corners keep their indices of those.
+    pub keeps_normals: bool,
+    /// The file may have textures: texture coordinates are kept.
+    pub keeps_texcoords: bool,
+    /// Number of `vt` lines so far.
+    pub texcoord_count: usize,
 }
 
 first_and_counts! {
@@ -67,6 +66,9 @@ first_and_counts! {
         thin_faces: "faces with fewer than 3 corners left out",
         nameless: "usemtl or mtllib without a name",
         kept_apart: "comments or names that end in `\\`: they end with their line",
+        lines: "line elements left out",
+        points: "point elements left out",
+        curves: "free-form curves and surfaces left out",
     }
 }
 
@@ -78,97 +80,95 @@ pub(crate) struct FaceLine {
     pub smooth: bool,
 }
 
-/// Corner lists that a file can fill.
-#[derive(Clone, Copy)]
-pub(super) struct CornerLists {
-    pub normals: bool,
-    pub texcoords: bool,
-}
-
-/// One more than the largest index of each kind that a face has.
-#[derive(Debug, Default)]
-struct IndexCounts {
-    positions: usize,
-    texcoords: usize,
-    normals: usize,
-}
-
-/// Adds the face of a row with its corners. `texcoords` counts those so far.
-pub(super) fn add_face(
-    row: &[u8],
-    scan: &mut ObjScan,
-    texcoords: usize,
-    wanted: CornerLists,
-    (line, place): (usize, impl Fn() -> FilePlace),
-) -> Result<(), LoadError> {
-    let (positions, normals) = (scan.positions.len(), scan.normals.len());
-    let (mut corners, mut smooth, mut needed) = (0, true, 0);
-    for corner in words(row) {
-        let bad = || LoadError::syntax(place(), corner, "a corner: v, v/vt, v//vn or v/vt/vn");
-        let mut parts = corner.split('/');
-        let text = parts.next().filter(|text| !text.is_empty()).ok_or_else(bad)?;
-        let position = resolve(number(text, "vertex", &place)?, positions)
-            .ok_or_else(|| out_of_range(text, positions, &place))?;
-        needed = needed.max(position as usize + 1);
-        scan.corners.push(position);
-        let mut decoration = |what, count| match parts.next() {
-            None | Some("") => Ok((NONE, false)),
-            Some(text) => {
-                let index = resolve(number(text, what, &place)?, count);
-                Ok::<_, LoadError>((index.unwrap_or(NONE), index.is_none()))
+impl ObjScan {
+    /// Adds the face of a row with its corners.
+    pub(super) fn add_face(
+        &mut self,
+        row: &[u8],
+        line: usize,
+        place: impl Fn() -> FilePlace,
+    ) -> Result<(), LoadError> {
+        let (positions, normals) = (self.positions.len(), self.normals.len());
+        let (mut corners, mut smooth, mut is_early) = (0, true, false);
+        for corner in words(row) {
+            let bad = || LoadError::syntax(place(), corner, "a corner: v, v/vt, v//vn or v/vt/vn");
+            let mut parts = corner.split('/');
+            let text = parts.next().filter(|text| !text.is_empty()).ok_or_else(bad)?;
+            let position = resolve(number(text, "vertex", &place)?, positions)
+                .ok_or_else(|| out_of_range(text, positions, &place))?;
+            is_early |= position as usize >= positions;
+            self.corners.push(position);
+            let mut decoration = |what, count| match parts.next() {
+                None | Some("") => Ok((NONE, false)),
+                Some(text) => {
+                    let index = resolve(number(text, what, &place)?, count);
+                    Ok::<_, LoadError>((index.unwrap_or(NONE), index.is_none()))
+                }
+            };
+            let (texcoord, no_texcoord) = decoration("texture coordinate", self.texcoord_count)?;
+            let (normal, no_normal) = decoration("normal", normals)?;
+            if parts.next().is_some() {
+                return Err(bad());
             }
-        };
-        let (texcoord, no_texcoord) = decoration("texture coordinate", texcoords)?;
-        let (normal, no_normal) = decoration("normal", normals)?;
-        if parts.next().is_some() {
-            return Err(bad());
-        }
-        if wanted.normals {
-            scan.normal_corners.push(normal);
-        }
-        if wanted.texcoords {
-            scan.texcoord_corners.push(texcoord);
-            if no_texcoord {
-                scan.odd.lost_texcoords.add(&place);
+            if self.keeps_normals {
+                self.normal_corners.push(normal);
             }
-        }
-        // of a file without normals no index means one
-        if no_normal || (normal != NONE && !wanted.normals) {
-            scan.odd.lost_normals.add(&place);
-        }
-        if normal == NONE || !wanted.normals {
-            smooth = false;
-        } else {
-            scan.needed.normals = scan.needed.normals.max(normal as usize + 1);
-        }
-        if texcoord != NONE {
-            scan.needed.texcoords = scan.needed.texcoords.max(texcoord as usize + 1);
-        }
-        corners += 1;
-        if corners as usize > MAX_CORNERS {
+            if self.keeps_texcoords {
+                self.texcoord_corners.push(texcoord);
+                if no_texcoord {
+                    self.odd.lost_texcoords.add(&place);
+                }
+            }
+            // of a file without normals no index means one
+            if no_normal || (normal != NONE && !self.keeps_normals) {
+                self.odd.lost_normals.add(&place);
+            }
+            smooth &= normal != NONE && self.keeps_normals;
+            corners += 1;
             let what = "the number of corners of a face";
             limits::check(corners as usize, MAX_CORNERS, what, &place)?;
         }
-    }
-    if corners < 3 {
-        scan.odd.thin_faces.add(place);
-        let drop = |list: &mut Vec<u32>| list.truncate(list.len().saturating_sub(corners as usize));
-        drop(&mut scan.corners);
-        if wanted.normals {
-            drop(&mut scan.normal_corners);
+        if corners < 3 {
+            self.odd.thin_faces.add(place);
+            for list in [&mut self.corners, &mut self.normal_corners, &mut self.texcoord_corners] {
+                list.truncate(list.len().saturating_sub(corners as usize));
+            }
+            return Ok(());
         }
-        if wanted.texcoords {
-            drop(&mut scan.texcoord_corners);
+        if is_early {
+            self.odd.early_faces.add(place);
         }
-        return Ok(());
+        let line = u32::try_from(line).unwrap_or(u32::MAX);
+        self.faces.push(FaceLine { line, corners, smooth });
+        Ok(())
     }
-    if needed > positions {
-        scan.odd.early_faces.add(place);
-        scan.needed.positions = scan.needed.positions.max(needed);
+
+    /// Looks at the indices that were ahead of what they mean, now that all of the file is known.
+    ///
+    /// # Errors
+    /// [`LoadError::IndexOutOfRange`] with the line of the first face without a vertex.
+    pub(super) fn check_indices(
+        &mut self,
+        place: impl Fn(usize) -> FilePlace,
+    ) -> Result<(), LoadError> {
+        let Self { faces, odd, .. } = self;
+        let positions = self.positions.len();
+        each_beyond(positions, &mut self.corners, faces, |index, face| {
+            let valid = format!("the file has {positions} vertices");
+            let place = place(face.line as usize);
+            Err(LoadError::bad_index(place, "vertex", *index + 1, valid))
+        })?;
+        each_beyond(self.normals.len(), &mut self.normal_corners, faces, |index, face| {
+            (*index, face.smooth) = (NONE, false);
+            odd.lost_normals.add(|| place(face.line as usize));
+            Ok(())
+        })?;
+        each_beyond(self.texcoord_count, &mut self.texcoord_corners, faces, |index, face| {
+            *index = NONE;
+            odd.lost_texcoords.add(|| place(face.line as usize));
+            Ok(())
+        })
     }
-    let line = u32::try_from(line).unwrap_or(u32::MAX);
-    scan.faces.push(FaceLine { line, corners, smooth });
-    Ok(())
 }
 
 /// An index as it stands; 0 for numbers beyond i64.
@@ -196,59 +196,21 @@ fn out_of_range(text: &str, count: usize, place: impl Fn() -> FilePlace) -> Load
     LoadError::bad_index(place(), "vertex", shortened(text), valid)
 }
 
-impl ObjScan {
-    /// Looks at the indices that were ahead of what they mean, now that all of the file is known.
-    ///
-    /// # Errors
-    /// [`LoadError::IndexOutOfRange`] with the line of the first face without a vertex.
-    pub(super) fn check_indices(
-        &mut self,
-        texcoords: usize,
-        place: impl Fn(usize) -> FilePlace,
-    ) -> Result<(), LoadError> {
-        let positions = self.positions.len();
-        if self.needed.positions > positions {
-            let mut corners = self.corners.iter();
-            for face in &self.faces {
-                let mut own = corners.by_ref().take(face.corners as usize);
-                if let Some(index) = own.find(|&&index| index as usize >= positions) {
-                    let place = place(face.line as usize);
-                    let valid = format!("the file has {positions} vertices");
-                    return Err(LoadError::bad_index(place, "vertex", index + 1, valid));
-                }
-                own.for_each(drop);
-            }
-        }
-        let (normals, odd) = (self.normals.len(), &mut self.odd);
-        if self.needed.normals > normals {
-            lose(&mut self.faces, &mut self.normal_corners, normals, |face| {
-                face.smooth = false;
-                odd.lost_normals.add(|| place(face.line as usize));
-            });
-        }
-        if self.needed.texcoords > texcoords {
-            lose(&mut self.faces, &mut self.texcoord_corners, texcoords, |face| {
-                odd.lost_texcoords.add(|| place(face.line as usize));
-            });
-        }
-        Ok(())
-    }
-}
-
-/// Takes indices beyond a count away from their corners.
-fn lose(
-    faces: &mut [FaceLine],
-    corners: &mut [u32],
+/// Calls a function with each index of a corner that is `count` or more, and its face.
+fn each_beyond(
     count: usize,
-    mut lost: impl FnMut(&mut FaceLine),
-) {
+    corners: &mut [u32],
+    faces: &mut [FaceLine],
+    mut found: impl FnMut(&mut u32, &mut FaceLine) -> Result<(), LoadError>,
+) -> Result<(), LoadError> {
+    let is_beyond = |index: u32| index != NONE && index as usize >= count;
+    if !corners.iter().any(|&index| is_beyond(index)) {
+        return Ok(());
+    }
     let mut corners = corners.iter_mut();
     for face in faces {
-        for index in corners.by_ref().take(face.corners as usize) {
-            if *index != NONE && *index as usize >= count {
-                *index = NONE;
-                lost(face);
-            }
-        }
+        let own = corners.by_ref().take(face.corners as usize);
+        own.filter(|index| is_beyond(**index)).try_for_each(|index| found(index, face))?;
     }
+    Ok(())
 }

@@ -7,10 +7,10 @@ use crate::error::{FilePlace, LoadError};
 use crate::input::{confined, is_missing, read_at_most};
 use crate::limits::{self, MAX_MATERIALS};
 use crate::obj::contents::ObjScan;
-use crate::obj::maps::{ColorMaps, Placement};
+use crate::obj::maps::{Placement, read_maps};
 use crate::obj::material::{MAX_LIBRARY_BYTES, parse_mtl};
 use crate::obj::scan::MAX_LIBRARIES;
-use crate::scene::{Material, Scene, Warning};
+use crate::scene::{Material, Scene};
 
 /// The most names that a warning lists.
 const MAX_NAMES: usize = 20;
@@ -27,7 +27,7 @@ pub(super) struct Materials {
 /// the last counts. Names that are used but not defined get the default material under their name.
 pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Materials, LoadError> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut maps = ColorMaps::default();
+    let mut maps = HashMap::new();
     let mut ids: HashMap<String, u32> = HashMap::new();
     let (mut left, mut count) = (MAX_LIBRARY_BYTES, 0);
     for (line, libraries) in &scan.libraries {
@@ -35,26 +35,27 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
         for name in names(folder, libraries) {
             count += 1;
             limits::check(count, MAX_LIBRARIES, "the number of material files", place)?;
-            let mut warn = |text: String| scene.warnings.push(Warning(text));
             let Some(file) = file_of(folder, &name) else {
-                warn(format!("{}: mtllib `{name}` leads out of the folder; not read", place()));
+                scene.warn(format!(
+                    "{}: mtllib `{name}` leads out of the folder; not read",
+                    place()
+                ));
                 continue;
             };
             if is_missing(&file) {
-                warn(format!("{}: material file {} is missing", place(), file.display()));
+                scene.warn(format!("{}: material file {} is missing", place(), file.display()));
                 continue;
             }
             let bytes = match read_at_most(&file, left) {
                 Ok(bytes) => bytes,
                 Err(error) => {
-                    warn(format!("{}: a material file is not read: {error}", place()));
+                    scene.warn(format!("{}: a material file is not read: {error}", place()));
                     continue;
                 }
             };
             left -= bytes.len() as u64;
             let library = parse_mtl(&file, bytes)?;
             library.odd.warn(scene);
-            maps.begin(&file);
             for (material, map) in library.entries {
                 let id = match ids.get(&material.name) {
                     Some(&known) => known,
@@ -67,12 +68,15 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
                 if let Some(slot) = scene.materials.get_mut(id as usize) {
                     *slot = material;
                 }
-                maps.set(id, map);
+                match map {
+                    Some(map) => maps.insert(id, map),
+                    None => maps.remove(&id),
+                };
             }
         }
     }
     let id_of = |name: &str| ids.get(name).or_else(|| ids.get(before_comment(name))).copied();
-    let placements = maps.read(scan.used.iter().filter_map(|(_, name)| id_of(name)), scene);
+    let placements = read_maps(&maps, scan.used.iter().filter_map(|(_, name)| id_of(name)), scene);
     let (mut undefined, mut listed) = (0, Vec::new());
     let mut found = Vec::with_capacity(scan.used.len());
     for (line, name) in &scan.used {
@@ -93,8 +97,7 @@ pub(super) fn read(path: &Path, scan: &ObjScan, scene: &mut Scene) -> Result<Mat
         if more > 0 {
             list.push_str(&format!(" and {more} more"));
         }
-        let text = format!("{file}: {count} undefined materials get the default: {list}");
-        scene.warnings.push(Warning(text));
+        scene.warn(format!("{file}: {count} undefined materials get the default: {list}"));
     }
     Ok(Materials { ids: found, placements })
 }

@@ -4,17 +4,15 @@
 //! leaves the plain colour, with a warning that names the line and the material.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::rc::Rc;
 
-use crate::error::{FilePlace, shortened};
+use crate::error::shortened;
 use crate::images::{ImageKey, TextureError, TextureReader, warning};
 use crate::input::{confined, read_at_most};
 use crate::limits::MAX_WARNINGS;
-use crate::obj::contents::{NONE, ObjScan};
 use crate::obj::material::ColorMap;
-use crate::scene::Wrap;
-use crate::scene::{Scene, Texcoords, Warning};
+use crate::scene::{Scene, Texcoords, Wrap};
 
 /// Placement of an image on a surface: texture coordinates times `scale`, plus `offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,68 +21,42 @@ pub(crate) struct Placement {
     pub offset: [f32; 2],
 }
 
-/// The colour maps of all materials.
-#[derive(Default)]
-pub(crate) struct ColorMaps {
-    files: Vec<PathBuf>,
-    /// By material of the scene: which of the files, and its map.
-    maps: HashMap<u32, (usize, ColorMap)>,
-}
-
-impl ColorMaps {
-    /// Starts an MTL file.
-    pub fn begin(&mut self, file: &Path) {
-        self.files.push(file.to_path_buf());
-    }
-
-    /// The map of a material of the scene, instead of one that it had before.
-    pub fn set(&mut self, material: u32, map: Option<ColorMap>) {
-        match map {
-            Some(map) => self.maps.insert(material, (self.files.len().saturating_sub(1), map)),
-            None => self.maps.remove(&material),
-        };
-    }
-
-    /// Reads the images of the materials that are used, in the order of their first use. Returns
-    /// those that lie otherwise than texture coordinates say.
-    pub fn read(
-        &self,
-        used: impl Iterator<Item = u32>,
-        scene: &mut Scene,
-    ) -> HashMap<u32, Placement> {
-        let mut reader = TextureReader::default();
-        let (mut failed, mut placements) = (0, HashMap::new());
-        for id in used {
-            let Some((file, map)) = self.maps.get(&id) else { continue };
-            let Some(file) = self.files.get(*file) else { continue };
-            let texture = read_one(file, map, scene, &mut reader);
-            let Some(material) = scene.materials.get_mut(id as usize) else { continue };
-            match texture {
-                Ok((texture, placement)) => {
-                    material.texture = Some(texture);
-                    placements.extend(placement.map(|placement| (id, placement)));
-                }
-                Err(error) => {
-                    failed += 1;
-                    if failed <= MAX_WARNINGS {
-                        let place = FilePlace::line(file, map.line);
-                        scene.warnings.push(warning(&place, &material.name, &map.text, &error));
-                    }
+/// Reads the images of materials that are used, by their index in the scene, in the order of their
+/// first use. Returns those that lie otherwise than texture coordinates say.
+pub(super) fn read_maps(
+    maps: &HashMap<u32, ColorMap>,
+    used: impl Iterator<Item = u32>,
+    scene: &mut Scene,
+) -> HashMap<u32, Placement> {
+    let mut reader = TextureReader::default();
+    let (mut failed, mut placements) = (0, HashMap::new());
+    for id in used {
+        let Some(map) = maps.get(&id) else { continue };
+        let texture = read_one(map, scene, &mut reader);
+        let Some(material) = scene.materials.get_mut(id as usize) else { continue };
+        match texture {
+            Ok((texture, placement)) => {
+                material.texture = Some(texture);
+                placements.extend(placement.map(|placement| (id, placement)));
+            }
+            Err(error) => {
+                failed += 1;
+                if failed <= MAX_WARNINGS {
+                    let text = warning(&map.place, &material.name, &map.text, &error);
+                    scene.warnings.push(text);
                 }
             }
         }
-        if failed > MAX_WARNINGS {
-            let more = failed - MAX_WARNINGS;
-            let text = format!("{more} more materials have their plain colour for similar reasons");
-            scene.warnings.push(Warning(text));
-        }
-        placements
     }
+    if failed > MAX_WARNINGS {
+        let more = failed - MAX_WARNINGS;
+        scene.warn(format!("{more} more materials have their plain colour for similar reasons"));
+    }
+    placements
 }
 
-/// Reads the image of a map in the MTL file `file` and returns its index.
+/// Reads the image of a map and returns its index.
 fn read_one(
-    file: &Path,
     map: &ColorMap,
     scene: &mut Scene,
     reader: &mut TextureReader,
@@ -92,7 +64,7 @@ fn read_one(
     let Options { name, wrap, placement } = Options::of(&map.text).map_err(Rc::new)?;
     // exporters of one system write its separators
     let name = name.replace('\\', "/");
-    let path = confined(file.parent().unwrap_or(Path::new("")), &name)
+    let path = confined(map.place.file.parent().unwrap_or(Path::new("")), &name)
         .ok_or_else(|| Rc::new(TextureError::OutsideFolder))?;
     let name = path.display().to_string();
     let key = ImageKey::of_file(&path);
@@ -114,10 +86,9 @@ impl<'a> Options<'a> {
         let mut rest = text;
         let (mut scale, mut offset, mut wrap) = ([1.0; 2], [0.0; 2], Wrap::Repeat);
         let mut turbulence = [0.0; 2];
-        while let Some((option, after)) =
-            rest.split_once(char::is_whitespace).filter(|(word, _)| word.starts_with('-'))
+        while let Some((option, after)) = split_word(rest).filter(|(word, _)| word.starts_with('-'))
         {
-            rest = after.trim_start();
+            rest = after;
             let fail = || TextureError::Options(shortened(option));
             match option {
                 "-s" | "-o" | "-t" => {
@@ -128,7 +99,7 @@ impl<'a> Options<'a> {
                     };
                     let mut place = 0;
                     // one to three numbers, then at least the name
-                    while let Some((word, after)) = rest.split_once(char::is_whitespace)
+                    while let Some((word, after)) = split_word(rest)
                         && let Ok(value) = word.parse::<f32>()
                         && place < 3
                     {
@@ -138,7 +109,7 @@ impl<'a> Options<'a> {
                         if let Some(slot) = slot.get_mut(place) {
                             *slot = value;
                         }
-                        rest = after.trim_start();
+                        rest = after;
                         place += 1;
                     }
                     if place == 0 {
@@ -146,8 +117,8 @@ impl<'a> Options<'a> {
                     }
                 }
                 "-clamp" | "-blendu" | "-blendv" | "-cc" | "-bm" | "-texres" | "-boost" => {
-                    let (value, after) = rest.split_once(char::is_whitespace).ok_or_else(fail)?;
-                    rest = after.trim_start();
+                    let value;
+                    (value, rest) = split_word(rest).ok_or_else(fail)?;
                     match (option, value) {
                         ("-clamp", "on") => wrap = Wrap::Clamp,
                         ("-cc", "on") => return Err(fail()),
@@ -155,13 +126,12 @@ impl<'a> Options<'a> {
                     }
                 }
                 "-mm" => {
-                    let (base, after) = rest.split_once(char::is_whitespace).ok_or_else(fail)?;
-                    let (gain, after) =
-                        after.trim_start().split_once(char::is_whitespace).ok_or_else(fail)?;
+                    let (base, gain);
+                    (base, rest) = split_word(rest).ok_or_else(fail)?;
+                    (gain, rest) = split_word(rest).ok_or_else(fail)?;
                     if (base.parse(), gain.parse()) != (Ok(0.0), Ok(1.0)) {
                         return Err(fail());
                     }
-                    rest = after.trim_start();
                 }
                 _ => return Err(fail()),
             }
@@ -172,46 +142,34 @@ impl<'a> Options<'a> {
     }
 }
 
-/// The texture coordinates of one face after the other.
-pub(crate) struct FaceTexcoords<'a> {
-    texcoords: &'a [[f32; 2]],
-    rest: &'a [u32],
-    face: &'a [u32],
+/// A word that something follows, and what that is.
+fn split_word(text: &str) -> Option<(&str, &str)> {
+    text.split_once(char::is_whitespace).map(|(word, after)| (word, after.trim_start()))
 }
 
-impl<'a> FaceTexcoords<'a> {
-    /// Before the first face of a file.
-    pub fn new(scan: &'a ObjScan) -> Self {
-        Self { texcoords: &scan.texcoords, rest: &scan.texcoord_corners, face: &[] }
-    }
+/// Returns whether all corners of a face, which has indices of texture coordinates, have any.
+pub(super) fn are_known(corners: &[u32], texcoords: &[[f32; 2]]) -> bool {
+    let is_known = |uv: &[f32; 2]| !uv.iter().any(|x| x.is_nan());
+    let mut all = corners.iter().map(|&i| texcoords.get(i as usize));
+    !corners.is_empty() && all.all(|uv| uv.is_some_and(is_known))
+}
 
-    /// Goes to the next face, which has so many corners.
-    pub fn next_face(&mut self, corners: usize) {
-        (self.face, self.rest) = self.rest.split_at_checked(corners).unwrap_or_default();
-    }
-
-    /// Returns whether all corners of the face have any.
-    pub fn are_known(&self) -> bool {
-        let is_known = |&i: &u32| {
-            i != NONE
-                && self.texcoords.get(i as usize).is_some_and(|uv| !uv.iter().any(|x| x.is_nan()))
-        };
-        !self.face.is_empty() && self.face.iter().all(is_known)
-    }
-
-    /// Texture coordinates of three of its corners in an image placed by `placement`, from the
-    /// upper left: in OBJ files v grows upwards.
-    pub fn of(&self, piece: [usize; 3], placement: Option<&Placement>) -> Option<Texcoords> {
-        let corner = |i: usize| self.texcoords.get(*self.face.get(i)? as usize);
-        let [a, b, c] = piece.map(corner);
-        let placed = |[u, v]: [f32; 2]| match placement {
-            Some(Placement { scale: [x, y], offset: [right, up] }) => {
-                [(u * x + right).clamp(f32::MIN, f32::MAX), (v * y + up).clamp(f32::MIN, f32::MAX)]
-            }
-            None => [u, v],
-        };
-        Some([a?, b?, c?].map(|&corner| placed(corner)).map(|[u, v]| [u, 1.0 - v]))
-    }
+/// Texture coordinates of three corners of a face in an image placed by `placement`, from the upper
+/// left: in OBJ files v grows upwards.
+pub(super) fn texcoords_of(
+    piece: [usize; 3],
+    corners: &[u32],
+    texcoords: &[[f32; 2]],
+    placement: Option<&Placement>,
+) -> Option<Texcoords> {
+    let [a, b, c] = piece.map(|i| texcoords.get(*corners.get(i)? as usize));
+    let placed = |[u, v]: [f32; 2]| match placement {
+        Some(Placement { scale: [x, y], offset: [right, up] }) => {
+            [(u * x + right).clamp(f32::MIN, f32::MAX), (v * y + up).clamp(f32::MIN, f32::MAX)]
+        }
+        None => [u, v],
+    };
+    Some([a?, b?, c?].map(|&corner| placed(corner)).map(|[u, v]| [u, 1.0 - v]))
 }
 
 #[cfg(test)]

@@ -14,6 +14,7 @@
 //! says. Other maps are not read. Materials are no geometry: a damaged line is left out and
 //! counted.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::error::{FilePlace, LoadError};
@@ -33,8 +34,7 @@ pub(crate) type MtlEntry = (Material, Option<ColorMap>);
 
 /// The image that colours a material.
 pub(crate) struct ColorMap {
-    /// Line in the file, counted from 1.
-    pub line: usize,
+    pub place: FilePlace,
     /// Arguments of `map_Kd`: options and a file name.
     pub text: String,
 }
@@ -87,14 +87,14 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
             }
             continue;
         }
-        if !["Kd", "Ks", "Ns", "Ni", "d", "Tr", "illum", "map_Kd"].contains(&keyword) {
+        let Some(keyword) = PROPERTIES.into_iter().find(|known| *known == keyword) else {
             continue;
-        }
+        };
         let read = match &mut stated {
             None => None,
             Some(stated) if keyword == "map_Kd" => {
                 // as with all properties, the last one counts
-                stated.map = Some(ColorMap { line: i + 1, text: rest.to_owned() });
+                stated.map = Some(ColorMap { place: place(), text: rest.to_owned() });
                 Some(())
             }
             Some(stated) => stated.property(keyword, rest),
@@ -109,24 +109,22 @@ pub(crate) fn parse_mtl(path: &Path, bytes: Vec<u8>) -> Result<Library, LoadErro
     Ok(library)
 }
 
+/// Keywords that are read.
+const PROPERTIES: [&str; 8] = ["Kd", "Ks", "Ns", "Ni", "d", "Tr", "illum", "map_Kd"];
+
 /// Statements of a file about one material.
 #[derive(Default)]
 struct MaterialStatement {
     name: String,
     line: usize,
-    diffuse: Option<[f64; 3]>,
-    specular: Option<[f64; 3]>,
-    shininess: Option<f64>,
-    optical_density: Option<f64>,
-    dissolve: Option<f64>,
-    transparency: Option<f64>,
-    model: Option<f64>,
+    /// Colours and numbers by keyword; a number stands for three equal ones.
+    values: BTreeMap<&'static str, [f64; 3]>,
     map: Option<ColorMap>,
 }
 
 impl MaterialStatement {
     /// Reads the numbers of a property; none where they are not what it takes.
-    fn property(&mut self, keyword: &str, rest: &str) -> Option<()> {
+    fn property(&mut self, keyword: &'static str, rest: &str) -> Option<()> {
         let words: Vec<&str> =
             rest.split_whitespace().take_while(|word| !word.starts_with('#')).collect();
         if let Some(&("spectral" | "xyz" | "-halo")) = words.first() {
@@ -134,21 +132,13 @@ impl MaterialStatement {
         }
         let number = |word: &&str| word.parse().ok().filter(|value: &f64| value.is_finite());
         let values = words.iter().map(number).collect::<Option<Vec<f64>>>()?;
-        match (keyword, values.as_slice()) {
-            // One number stands for three equal ones.
-            ("Kd", &[v]) => self.diffuse = Some([v; 3]),
-            ("Kd", &[r, g, b]) => self.diffuse = Some([r, g, b]),
-            ("Ks", &[v]) => self.specular = Some([v; 3]),
-            ("Ks", &[r, g, b]) => self.specular = Some([r, g, b]),
-            ("Ns", &[v]) => self.shininess = Some(v),
-            ("Ni", &[v]) => self.optical_density = Some(v),
-            ("d", &[v]) => self.dissolve = Some(v),
-            ("Tr", &[v]) => self.transparency = Some(v),
-            ("illum", &[v]) if (0.0..=10.0).contains(&v) && v.fract() == 0.0 => {
-                self.model = Some(v);
-            }
+        let value = match (keyword, values.as_slice()) {
+            ("Kd" | "Ks", &[r, g, b]) => [r, g, b],
+            ("illum", &[v]) if !(0.0..=10.0).contains(&v) || v.fract() != 0.0 => return None,
+            (_, &[v]) => [v; 3],
             _ => return None,
-        }
+        };
+        self.values.insert(keyword, value);
         Some(())
     }
 
@@ -159,10 +149,12 @@ impl MaterialStatement {
         }
         let place = || FilePlace::line(path, self.line);
         let default = Material::default();
-        let reflects = self.model.is_some_and(|model| model >= 3.0);
-        let refracts = self.model.is_some_and(|model| [4.0, 6.0, 7.0, 9.0].contains(&model));
-        let specular = self.specular.map_or(0.0, |[r, g, b]| (r + g + b) / 3.0);
-        let transparency = match (self.dissolve, self.transparency) {
+        let color = |keyword| self.values.get(keyword).copied();
+        let number = |keyword| color(keyword).map(|[value, ..]| value);
+        let model = number("illum").unwrap_or(0.0);
+        let (reflects, refracts) = (model >= 3.0, [4.0, 6.0, 7.0, 9.0].contains(&model));
+        let specular = color("Ks").map_or(0.0, |[r, g, b]| (r + g + b) / 3.0);
+        let transparency = match (number("d"), number("Tr")) {
             (Some(d), transparency) => {
                 if transparency.is_some_and(|other| (1.0 - d - other).abs() > 1e-3) {
                     library.odd.contradicting.add(place);
@@ -181,11 +173,11 @@ impl MaterialStatement {
         let transmittance = transparency.clamp(0.0, 1.0);
         let material = Material {
             name: self.name,
-            color: self.diffuse.unwrap_or(default.color),
+            color: color("Kd").unwrap_or(default.color),
             specular: if reflects { specular.clamp(0.0, 1.0) } else { 0.0 },
-            shine: self.shininess.unwrap_or(if reflects { NO_HIGHLIGHT } else { 0.0 }).max(0.0),
+            shine: number("Ns").unwrap_or(if reflects { NO_HIGHLIGHT } else { 0.0 }).max(0.0),
             transmittance,
-            refraction_index: match self.optical_density {
+            refraction_index: match number("Ni") {
                 Some(index) if transmittance > 0.0 && index > 0.0 => index,
                 _ => default.refraction_index,
             },

@@ -32,10 +32,10 @@ use crate::limits::{self, MAX_ELEMENTS};
 use crate::mesh::{FaceCounts, FirstAndCount, add_face};
 use crate::obj::contents::{FaceLine, ObjScan};
 use crate::obj::libraries::Materials;
-use crate::obj::maps::FaceTexcoords;
+use crate::obj::maps::{are_known, texcoords_of};
 use crate::obj::material::parse_mtl;
 use crate::obj::scan::scan;
-use crate::scene::{Material, Primitive, Scene, Shape, Warning};
+use crate::scene::{Material, Primitive, Scene, Shape};
 
 /// How faces become primitives.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -51,16 +51,14 @@ pub struct ObjOptions {
 /// [`LoadError::Syntax`], [`LoadError::CountTooLarge`] and [`LoadError::IndexOutOfRange`] with the
 /// line in the OBJ or MTL file, and [`LoadError::NoPrimitives`].
 pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Scene, LoadError> {
-    let mut scan = scan(path, bytes)?;
+    let scan = scan(path, bytes)?;
     let mut scene = Scene::new(scene_name(path));
     let materials = libraries::read(path, &scan, &mut scene)?;
-    let (faces, corners) = (std::mem::take(&mut scan.faces), std::mem::take(&mut scan.corners));
     let mut builder = Builder {
         path,
         options,
         scene,
         materials: &materials,
-        texcoords: FaceTexcoords::new(&scan),
         counts: FaceCounts::default(),
         without_texcoords: FirstAndCount::default(),
         positions: FreshIndices::new(scan.positions.len()),
@@ -72,8 +70,9 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     };
     let mut switches = scan.switches.iter().peekable();
     let (mut material, mut started) = (None, false);
-    let (mut rest, mut rest_n) = (corners.as_slice(), scan.normal_corners.as_slice());
-    for (i, face) in faces.iter().enumerate() {
+    let mut rests =
+        [&scan.corners, &scan.normal_corners, &scan.texcoord_corners].map(Vec::as_slice);
+    for (i, face) in scan.faces.iter().enumerate() {
         while let Some((_, name)) = switches.next_if(|(before, _)| *before <= i) {
             let next = name.and_then(|name| materials.ids.get(name).copied());
             if next != material && started {
@@ -85,11 +84,12 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
             material = next;
         }
         started = true;
-        let count = face.corners as usize;
-        let (own, own_n);
-        (own, rest) = rest.split_at_checked(count).unwrap_or_default();
-        (own_n, rest_n) = rest_n.split_at_checked(count).unwrap_or_default();
-        builder.add(*face, own, own_n, &scan, material)?;
+        let own = rests.each_mut().map(|rest| {
+            let (own, after) = rest.split_at_checked(face.corners as usize).unwrap_or_default();
+            *rest = after;
+            own
+        });
+        builder.add(*face, own, &scan, material)?;
     }
     let Builder { mut scene, counts, without_texcoords, .. } = builder;
     if scene.primitives.is_empty() {
@@ -99,7 +99,10 @@ pub fn parse_obj(path: &Path, bytes: Vec<u8>, options: ObjOptions) -> Result<Sce
     let what = "faces of textured materials without texture coordinates have the plain colour";
     without_texcoords.warn(what, &mut scene);
     scan.odd.warn(&mut scene);
-    report(path, &scan, &mut scene);
+    if let Some((line, word)) = &scan.first_unknown {
+        let (file, count) = (path.display(), scan.unknown);
+        scene.warn(format!("{file}:{line}: {count} lines with unknown keywords (first: {word})"));
+    }
     scene.frame_camera();
     Ok(scene)
 }
@@ -141,7 +144,6 @@ struct Builder<'a> {
     options: ObjOptions,
     scene: Scene,
     materials: &'a Materials,
-    texcoords: FaceTexcoords<'a>,
     counts: FaceCounts,
     without_texcoords: FirstAndCount,
     positions: FreshIndices,
@@ -154,112 +156,73 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    /// Adds a face with the indices of its corners and of their normals.
+    /// Adds a face with the indices of its corners, of their normals, and of their texture
+    /// coordinates.
     fn add(
         &mut self,
         face: FaceLine,
-        corners: &[u32],
-        normals: &[u32],
+        [corners, normals, texcoords]: [&[u32]; 3],
         scan: &ObjScan,
         material: Option<u32>,
     ) -> Result<(), LoadError> {
+        let Self { path, options, scene, materials, counts, own, own_n, points, .. } = self;
+        let place = || FilePlace::line(path, face.line as usize);
         let material = match material {
             Some(id) => id,
-            None => {
-                let scene = &mut self.scene;
-                *self.nameless.get_or_insert_with(|| scene.push_material(Material::default()))
-            }
+            None => *self.nameless.get_or_insert_with(|| scene.push_material(Material::default())),
         };
         // a face makes at most three times as many vertices and primitives as it has corners
-        let size = self.scene.vertices.len().max(self.scene.primitives.len()) + 3 * corners.len();
-        if size > MAX_ELEMENTS {
-            let place = || FilePlace::line(self.path, face.line as usize);
-            limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
-        }
-        self.texcoords.next_face(corners.len());
-        if scan.odd.positions.is_any()
-            && corners.iter().any(|&i| scan.positions.get(i as usize).is_some_and(|p| p.is_nan()))
-        {
-            self.counts.unusable.add(|| FilePlace::line(self.path, face.line as usize));
+        let size = scene.vertices.len().max(scene.primitives.len()) + 3 * corners.len();
+        limits::check(size, MAX_ELEMENTS, "the number of vertices or triangles", place)?;
+        let has_damaged = |indices: &[u32], of: &[DVec3]| {
+            indices.iter().any(|&i| of.get(i as usize).is_some_and(|v| v.is_nan()))
+        };
+        if scan.odd.positions.is_any() && has_damaged(corners, &scan.positions) {
+            counts.unusable.add(place);
             return Ok(());
         }
-        // Reused from face to face: files have millions.
-        let (mut own, mut own_n) = (std::mem::take(&mut self.own), std::mem::take(&mut self.own_n));
-        let mut points = std::mem::take(&mut self.points);
+        // reused from face to face: files have millions
         own.clear();
         own_n.clear();
         points.clear();
-        let scene = &mut self.scene;
         let number = |&i: &u32| self.positions.number(i, &scan.positions, &mut scene.vertices);
         own.extend(corners.iter().filter_map(number));
-        let is_damaged = scan.odd.normals.is_any()
-            && normals.iter().any(|&i| scan.normals.get(i as usize).is_some_and(|n| n.is_nan()));
+        let is_damaged = scan.odd.normals.is_any() && has_damaged(normals, &scan.normals);
         if face.smooth && !is_damaged {
             let number = |&i: &u32| self.normals.number(i, &scan.normals, &mut scene.normals);
             own_n.extend(normals.iter().filter_map(number));
         }
         if own.len() != corners.len() {
-            let (place, count) = (FilePlace::file(self.path), scene.vertices.len() as u64);
+            let (place, count) = (FilePlace::file(path), scene.vertices.len() as u64);
             return Err(LoadError::too_many(place, "vertices", count, u32::MAX.into()));
         }
         points.extend(corners.iter().filter_map(|&i| scan.positions.get(i as usize)));
-        self.face(material, &own, &own_n, &points, face)?;
-        (self.own, self.own_n, self.points) = (own, own_n, points);
-        Ok(())
-    }
-
-    fn face(
-        &mut self,
-        material: u32,
-        corners: &[u32],
-        normals: &[u32],
-        points: &[DVec3],
-        face: FaceLine,
-    ) -> Result<(), LoadError> {
-        let Self { path, scene, counts, texcoords, materials, .. } = self;
-        let place = || FilePlace::line(path, face.line as usize);
         let is_textured =
             scene.materials.get(material as usize).is_some_and(|m| m.texture.is_some());
-        let is_placed = is_textured && texcoords.are_known();
-        let placement = || materials.placements.get(&material);
+        let is_placed = is_textured && are_known(texcoords, &scan.texcoords);
+        let may_stay = own_n.is_empty() && !is_placed && !options.triangulate;
         let push = |piece: [usize; 3], scene: &mut Scene| {
             let pick = |from: &[u32]| match piece.map(|i| from.get(i).copied()) {
                 [Some(a), Some(b), Some(c)] => Some([a, b, c]),
                 _ => None,
             };
-            let shape = match (pick(corners), pick(normals)) {
+            let shape = match (pick(own), pick(own_n)) {
                 (Some(v), Some(n)) => Shape::Patch { v, n },
                 (Some(v), None) => Shape::Triangle { v },
                 (None, _) => return,
             };
             scene.primitives.push(Primitive { shape, material });
-            if is_placed && let Some(texcoords) = texcoords.of(piece, placement()) {
-                scene.last_is_textured(texcoords);
+            let placement = materials.placements.get(&material);
+            if is_placed
+                && let Some(uv) = texcoords_of(piece, texcoords, &scan.texcoords, placement)
+            {
+                scene.last_is_textured(uv);
             }
         };
-        let may_stay = normals.is_empty() && !is_placed && !self.options.triangulate;
         let is_there = add_face(material, points, may_stay, scene, counts, place, push)?;
         if is_there && is_textured && !is_placed {
             self.without_texcoords.add(place);
         }
         Ok(())
-    }
-}
-
-/// A warning for each kind of thing that is no surface, and for unknown words.
-fn report(path: &Path, scan: &ObjScan, scene: &mut Scene) {
-    let file = path.display();
-    let mut warn = |count: usize, text: String| {
-        if count > 0 {
-            scene.warnings.push(Warning(text));
-        }
-    };
-    warn(scan.lines, format!("{file}: {} line elements left out", scan.lines));
-    warn(scan.points, format!("{file}: {} point elements left out", scan.points));
-    warn(scan.curves, format!("{file}: {} free-form curves and surfaces left out", scan.curves));
-    if let Some((line, word)) = &scan.first_unknown {
-        let count = scan.unknown;
-        let text = format!("{file}:{line}: {count} lines with unknown keywords (first: {word})");
-        warn(count, text);
     }
 }

@@ -5,7 +5,7 @@
 //! bytes and 4 to 12 a corner), so that the text can be dropped before the scene is made: files
 //! have tens of millions of faces.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::Path;
 
 use memchr::memmem;
@@ -13,7 +13,7 @@ use memchr::memmem;
 use crate::error::{FilePlace, LoadError, quote};
 use crate::input::{end_lines_with_lf, without_mark};
 use crate::limits::{self, MAX_ELEMENTS, MAX_MATERIALS, MAX_NAME};
-use crate::obj::contents::{CornerLists, ObjScan, add_face};
+use crate::obj::contents::ObjScan;
 use crate::obj::rows::{UNUSABLE, normal, position, row_at, texture_coordinate};
 use crate::progress;
 
@@ -27,14 +27,12 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
     // a byte order mark is no part of the first word
     let mut start = text.len() - without_mark(path, &text)?.len();
     end_lines_with_lf(&mut text);
-    let mut scan = ObjScan::default();
-    let mut names: HashMap<Vec<u8>, usize> = HashMap::new();
-    let mut libraries: HashSet<Vec<u8>> = HashSet::new();
-    let wanted = CornerLists {
-        normals: memmem::find(&text, b"vn").is_some(),
-        texcoords: memmem::find(&text, b"mtllib").is_some(),
+    let mut scan = ObjScan {
+        keeps_normals: memmem::find(&text, b"vn").is_some(),
+        keeps_texcoords: memmem::find(&text, b"mtllib").is_some(),
+        ..ObjScan::default()
     };
-    let mut texcoords = 0;
+    let (mut names, mut libraries) = (HashMap::new(), HashMap::new());
     let (mut line, mut told) = (1, 0);
     progress::begin(text.len());
     while start < text.len() {
@@ -72,46 +70,30 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
                 if texcoord.is_none() {
                     scan.odd.texcoords.add(place);
                 }
-                if wanted.texcoords {
+                if scan.keeps_texcoords {
                     scan.texcoords.push(texcoord.unwrap_or([f32::NAN; 2]));
                 }
-                texcoords += 1;
+                scan.texcoord_count += 1;
             }
-            b"f" => add_face(rest, &mut scan, texcoords, wanted, (line, place))?,
-            b"usemtl" => {
-                let name = rest.trim_ascii();
-                let index = match names.get(name) {
-                    Some(&known) => Some(known),
-                    None if name.is_empty() => {
-                        scan.odd.nameless.add(place);
-                        None
-                    }
-                    None => {
-                        check_name(name, place)?;
-                        let count = names.len() + 1;
-                        limits::check(count, MAX_MATERIALS, "the number of materials", place)?;
-                        names.insert(name.to_vec(), scan.used.len());
-                        scan.used.push((line, String::from_utf8_lossy(name).into_owned()));
-                        Some(scan.used.len() - 1)
-                    }
-                };
-                scan.switches.push((scan.faces.len(), index));
-            }
-            b"mtllib" => {
-                let name = rest.trim_ascii();
-                if name.is_empty() {
-                    scan.odd.nameless.add(place);
-                } else if !libraries.contains(name) {
-                    check_name(name, place)?;
-                    let count = libraries.len() + 1;
-                    limits::check(count, MAX_LIBRARIES, "the number of material files", place)?;
-                    libraries.insert(name.to_vec());
-                    scan.libraries.push((line, String::from_utf8_lossy(name).into_owned()));
+            b"f" => scan.add_face(rest, line, place)?,
+            b"usemtl" | b"mtllib" if rest.trim_ascii().is_empty() => {
+                scan.odd.nameless.add(place);
+                if keyword == b"usemtl" {
+                    scan.switches.push((scan.faces.len(), None));
                 }
             }
-            b"l" => scan.lines += 1,
-            b"p" => scan.points += 1,
-            b"curv" | b"curv2" | b"surf" => scan.curves += 1,
+            b"usemtl" => {
+                let index = index_of(rest, &mut names, &mut scan.used, (line, place))?;
+                limits::check(index + 1, MAX_MATERIALS, "the number of materials", place)?;
+                scan.switches.push((scan.faces.len(), Some(index)));
+            }
+            b"mtllib" => {
+                let index = index_of(rest, &mut libraries, &mut scan.libraries, (line, place))?;
+                limits::check(index + 1, MAX_LIBRARIES, "the number of material files", place)?;
+            }
+            b"l" => scan.odd.lines.add(|| FilePlace::file(path)),
+            b"p" => scan.odd.points.add(|| FilePlace::file(path)),
+            b"curv" | b"curv2" | b"surf" => scan.odd.curves.add(|| FilePlace::file(path)),
             b"" => {}
             other if is_harmless(other) => {}
             other => {
@@ -126,7 +108,7 @@ pub(crate) fn scan(path: &Path, mut text: Vec<u8>) -> Result<ObjScan, LoadError>
     }
     progress::end();
     scan.check_size(|| FilePlace::line(path, line))?;
-    scan.check_indices(texcoords, |line| FilePlace::line(path, line))?;
+    scan.check_indices(|line| FilePlace::line(path, line))?;
     Ok(scan)
 }
 
@@ -147,8 +129,21 @@ impl ObjScan {
     }
 }
 
-fn check_name(name: &[u8], place: impl Fn() -> FilePlace) -> Result<(), LoadError> {
-    limits::check(name.len(), MAX_NAME, "the length of a name", place)
+/// The index in a list of the name that a line gives; a new name is added with its line.
+fn index_of(
+    name: &[u8],
+    known: &mut HashMap<Vec<u8>, usize>,
+    list: &mut Vec<(usize, String)>,
+    (line, place): (usize, impl Fn() -> FilePlace),
+) -> Result<usize, LoadError> {
+    let name = name.trim_ascii();
+    if let Some(&index) = known.get(name) {
+        return Ok(index);
+    }
+    limits::check(name.len(), MAX_NAME, "the length of a name", place)?;
+    known.insert(name.to_vec(), list.len());
+    list.push((line, String::from_utf8_lossy(name).into_owned()));
+    Ok(list.len() - 1)
 }
 
 /// Keywords that carry nothing that a scene here could show, with blanks between them.

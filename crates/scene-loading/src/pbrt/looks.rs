@@ -10,15 +10,10 @@ use crate::tray_racing::sun_position;
 /// A light before its colour is scaled.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct LightEntry {
-    place: LightPlace,
+    /// Its place, or the direction of its parallel rays.
+    place: DVec3,
+    is_distant: bool,
     color: Rgb,
-}
-
-#[derive(Debug, Clone, Copy)]
-enum LightPlace {
-    At(DVec3),
-    /// Parallel rays in that direction.
-    Along(DVec3),
 }
 
 /// `Camera`: the transform so far leads from the world to the camera.
@@ -61,16 +56,16 @@ pub(super) fn light(
     let scale = params.number("scale", 1.0)?.max(0.0);
     let from = DVec3::from_array(params.vector("from", [0.0; 3])?);
     let (name, place) = match kind {
-        "point" | "spot" => ("I", LightPlace::At(transform.transform_point3(from))),
+        "point" | "spot" => ("I", transform.transform_point3(from)),
         "distant" => {
             let to = DVec3::from_array(params.vector("to", [0.0, 0.0, 1.0])?);
-            let along = transform.transform_vector3(to - from);
-            ("L", LightPlace::Along(along.normalize_or_zero()))
+            ("L", transform.transform_vector3(to - from).normalize_or_zero())
         }
         _ => return Ok(None),
     };
     let color = params.rgb(name)?.unwrap_or([1.0; 3]);
-    Ok(Some(LightEntry { place, color: color.map(|share| (share * scale).max(0.0)) }))
+    let color = color.map(|share| (share * scale).max(0.0));
+    Ok(Some(LightEntry { place, is_distant: kind == "distant", color }))
 }
 
 /// Adds lights to a scene whose shapes are all there; the strongest gets intensity 1, because
@@ -80,10 +75,8 @@ pub(super) fn add_lights(lights: &[LightEntry], scene: &mut Scene) {
     let strongest = shares.fold(0.0, f64::max);
     let bounds = scene.bounds();
     for light in lights {
-        let position = match light.place {
-            LightPlace::At(position) => position,
-            LightPlace::Along(along) => sun_position(&bounds, along),
-        };
+        let position =
+            if light.is_distant { sun_position(&bounds, light.place) } else { light.place };
         if !position.is_finite() {
             continue;
         }

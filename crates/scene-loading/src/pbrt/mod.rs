@@ -35,13 +35,13 @@ use crate::input::{confined, decompress, read_at_most, scene_name, text_of};
 use crate::limits::{self, MAX_BYTES, MAX_LIGHTS, MAX_MATERIALS, MAX_WARNINGS};
 use crate::mesh::{FaceCounts, FirstAndCount};
 use crate::pbrt::looks::{LightEntry, add_lights};
-use crate::pbrt::params::{InheritedParams, Params};
-use crate::pbrt::shapes::{ShapeSink, UnsupportedShape};
-use crate::pbrt::state::{Attributes, LIGHT, MATERIAL, SHAPE, State};
-use crate::pbrt::tokens::{Token, Tokens};
+use crate::pbrt::params::Params;
+use crate::pbrt::shapes::ShapeSink;
+use crate::pbrt::state::{Attributes, State};
 use crate::ply::add_ply;
 use crate::progress;
 use crate::scene::{Camera, Material, Scene};
+use crate::words::{Word, Words};
 
 /// How deep files may include others, and how many there may be of all.
 const MAX_INCLUDES: usize = 16;
@@ -63,20 +63,11 @@ const MAX_OBJECTS: usize = 1 << 20;
 /// named, and [`LoadError::NoPrimitives`].
 pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scene, LoadError> {
     let mut loader = Loader {
-        folder: path.parent().unwrap_or(Path::new("")),
+        folder: path.parent().unwrap_or(Path::new("")).to_path_buf(),
         triangulate,
         scene: Scene::new(scene_name(path)),
-        camera: None,
-        lights: Vec::new(),
-        state: State::default(),
-        materials: HashMap::new(),
-        plain: None,
-        objects: HashMap::new(),
-        object: None,
-        counts: FaceCounts::default(),
-        left_out: BTreeMap::new(),
-        files: 0,
         budget: MAX_BYTES.saturating_sub(bytes.len() as u64),
+        ..Loader::default()
     };
     loader.file(path, &text_of(path, bytes)?, 0)?;
     progress::end();
@@ -99,8 +90,9 @@ pub fn parse_pbrt(path: &Path, bytes: Vec<u8>, triangulate: bool) -> Result<Scen
     Ok(scene)
 }
 
-struct Loader<'a> {
-    folder: &'a Path,
+#[derive(Default)]
+struct Loader {
+    folder: PathBuf,
     triangulate: bool,
     scene: Scene,
     camera: Option<Camera>,
@@ -110,7 +102,7 @@ struct Loader<'a> {
     /// The material of shapes before any `Material`.
     plain: Option<u32>,
     /// The shapes of objects, placed as where they are defined.
-    objects: HashMap<String, (u32, Scene)>,
+    objects: HashMap<String, (u32, Rc<Scene>)>,
     /// The object that is being defined.
     object: Option<(String, Scene)>,
     counts: FaceCounts,
@@ -121,69 +113,69 @@ struct Loader<'a> {
     budget: u64,
 }
 
-impl Loader<'_> {
+impl Loader {
     fn file(&mut self, path: &Path, text: &str, depth: usize) -> Result<(), LoadError> {
-        let mut tokens = Tokens::new(path, text);
+        let mut words = Words::new(path, text).of_pbrt();
         if depth == 0 {
             progress::begin(text.len());
         }
-        while let Some(token) = tokens.next()? {
+        while let Some(word) = words.next() {
             if depth == 0 {
-                progress::at(text.len() - tokens.remaining());
+                progress::at(text.len() - words.remaining());
             }
-            if !token.is_directive() {
+            if !word.is_directive() {
                 let expected = "a directive as Shape, Translate, AttributeBegin";
-                return Err(LoadError::syntax(tokens.place(token.line), token.text, expected));
+                return Err(LoadError::syntax(words.place(word.line), word.text, expected));
             }
-            self.statement(token, &mut tokens, depth)?;
+            self.statement(word, &mut words, depth)?;
         }
-        Ok(())
+        words.check_closed()
     }
 
     fn statement(
         &mut self,
-        token: Token<'_>,
-        tokens: &mut Tokens<'_>,
+        word: Word<'_>,
+        words: &mut Words<'_>,
         depth: usize,
     ) -> Result<(), LoadError> {
-        let (path, line) = (tokens.path, token.line);
+        let (path, line) = (words.path, word.line);
         let place = || FilePlace::line(path, line);
-        if self.state.statement(token, tokens)? {
+        if self.state.statement(word, words)? {
             return Ok(());
         }
-        match token.text {
+        match word.text {
             "WorldBegin" => {
                 self.state.now = Attributes::default();
                 self.state.name_system("world", DMat4::IDENTITY, place)?;
             }
-            "Camera" => self.camera(token, tokens)?,
-            "LightSource" => self.light(token, tokens)?,
+            "Camera" => self.camera(word, words)?,
+            "LightSource" => self.light(word, words)?,
             "AreaLightSource" => {
-                tokens.quoted("type")?;
-                Params::read(tokens, line)?;
+                words.quoted("type")?;
+                Params::read(words, line, None)?;
                 self.state.now.shines = true;
             }
             "Material" => {
-                let kind = tokens.name("type")?;
-                let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
+                let kind = words.name("type")?;
+                let params = self.params(words, line, "material")?;
                 self.state.now.material = Some(self.material("", &kind, &params)?);
             }
             "MakeNamedMaterial" => {
-                let name = tokens.name("name")?;
-                let params = Params::read(tokens, line)?.inheriting(self.inherited(MATERIAL));
+                let name = words.name("name")?;
+                let params = self.params(words, line, "material")?;
                 let kind = params.string("type").unwrap_or_default().to_owned();
                 let id = self.material(&name, &kind, &params)?;
                 self.materials.insert(name, id);
             }
             "NamedMaterial" => {
-                let name = tokens.name("name")?;
+                let name = words.name("name")?;
                 let Some(&id) = self.materials.get(&name) else {
                     return Err(LoadError::syntax(place(), &name, "a named material before it"));
                 };
                 self.state.now.material = Some(id);
             }
             "ObjectBegin" => {
-                let name = tokens.name("name")?;
+                let name = words.name("name")?;
                 if self.object.is_some() {
                     return Err(LoadError::syntax(place(), "ObjectBegin", "ObjectEnd before it"));
                 }
@@ -198,21 +190,21 @@ impl Loader<'_> {
                 };
                 self.scene.warnings.append(&mut object.warnings);
                 let number = self.objects.len() as u32;
-                self.objects.insert(name, (number, object));
-                self.state.restore(token.text, place)?;
+                self.objects.insert(name, (number, Rc::new(object)));
+                self.state.restore(word.text, place)?;
             }
-            "ObjectInstance" => self.instance(token, tokens)?,
-            "Shape" => self.shape(token, tokens)?,
-            "Include" | "Import" => self.include(token, tokens, depth)?,
-            "Attribute" => self.attribute(token, tokens)?,
+            "ObjectInstance" => self.instance(word, words)?,
+            "Shape" => self.shape(word, words)?,
+            "Include" | "Import" => self.include(word, words, depth)?,
+            "Attribute" => self.attribute(word, words)?,
             "WorldEnd" | "SurfaceIntegrator" | "VolumeIntegrator" | "Renderer" | "Volume" => {
                 let what = "statements from before PBRT version 4; read as far as both agree";
                 self.leave_out(what.into(), place);
-                tokens.pass_over()?;
+                words.pass_over();
             }
             "Accelerator" | "ColorSpace" | "Film" | "Integrator" | "MakeNamedMedium"
             | "MediumInterface" | "Option" | "PixelFilter" | "ReverseOrientation" | "Sampler"
-            | "Texture" | "TransformTimes" => tokens.pass_over()?,
+            | "Texture" | "TransformTimes" => words.pass_over(),
             other => {
                 let expected = "a directive of PBRT, version 4";
                 return Err(LoadError::syntax(place(), other, expected));
@@ -222,32 +214,29 @@ impl Loader<'_> {
     }
 
     /// `Attribute "shape" ...`: parameters for statements of a kind that follow.
-    fn attribute(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let target = tokens.name("target")?;
-        let params = Params::read(tokens, token.line)?;
-        let which = match target.as_str() {
-            "shape" => SHAPE,
-            "light" => LIGHT,
-            "material" => MATERIAL,
-            _ => {
-                let what = format!("attributes of {} left out", shortened(&target));
-                self.leave_out(what, || params.place());
-                return Ok(());
-            }
+    fn attribute(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let target = words.name("target")?;
+        let known = ["shape", "light", "material"].into_iter().find(|known| *known == target);
+        let Some(known) = known else {
+            let params = Params::read(words, word.line, None)?;
+            let what = format!("attributes of {} left out", shortened(&target));
+            self.leave_out(what, || params.place());
+            return Ok(());
         };
-        if let Some(slot) = self.state.now.inherited.get_mut(which) {
-            *slot = Some(InheritedParams::with(slot.as_ref(), params)?);
-        }
+        let params = self.params(words, word.line, known)?;
+        params.check_depth()?;
+        self.state.now.inherited.insert(known, Rc::new(params));
         Ok(())
     }
 
-    fn inherited(&self, which: usize) -> Option<&Rc<InheritedParams>> {
-        self.state.now.inherited.get(which)?.as_ref()
+    /// The parameters of a statement of a kind that `Attribute` may give some.
+    fn params(&self, words: &mut Words<'_>, line: usize, kind: &str) -> Result<Params, LoadError> {
+        Params::read(words, line, self.state.now.inherited.get(kind))
     }
 
-    fn camera(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?;
+    fn camera(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let kind = words.name("type")?;
+        let params = Params::read(words, word.line, None)?;
         let from_world = self.state.now.transform;
         let to_world = from_world.inverse();
         self.camera = Some(looks::camera(&params, from_world)?);
@@ -257,9 +246,9 @@ impl Loader<'_> {
         self.state.name_system("camera", to_world, || params.place())
     }
 
-    fn light(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?.inheriting(self.inherited(LIGHT));
+    fn light(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let kind = words.name("type")?;
+        let params = self.params(words, word.line, "light")?;
         let place = || params.place();
         limits::check(self.lights.len() + 1, MAX_LIGHTS, "the number of lights", place)?;
         match looks::light(&kind, &params, self.state.now.transform)? {
@@ -286,9 +275,9 @@ impl Loader<'_> {
         self.left_out.entry(what).or_default().add(place);
     }
 
-    fn shape(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let kind = tokens.name("type")?;
-        let params = Params::read(tokens, token.line)?.inheriting(self.inherited(SHAPE));
+    fn shape(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let kind = words.name("type")?;
+        let params = self.params(words, word.line, "shape")?;
         let place = || params.place();
         let material = self.state.now.material.unwrap_or_else(|| {
             let scene = &mut self.scene;
@@ -301,29 +290,20 @@ impl Loader<'_> {
             }
             _ => None,
         };
-        let mut adding = ShapeSink {
-            scene: match &mut self.object {
-                Some((_, object)) => object,
-                None => &mut self.scene,
-            },
-            counts: &mut self.counts,
-            transform: self.state.now.transform,
-            material,
-            triangulate: self.triangulate,
-        };
-        let added = match kind.as_str() {
-            "trianglemesh" => adding.mesh(&params, 3).map(Ok),
-            "bilinearmesh" => adding.mesh(&params, 4).map(Ok),
-            "sphere" => adding.sphere(&params),
+        let mut sink = self.sink(material);
+        let is_there = match kind.as_str() {
+            "trianglemesh" => sink.mesh(&params, 3).map(|()| true),
+            "bilinearmesh" => sink.mesh(&params, 4).map(|()| true),
+            "sphere" => sink.sphere(&params),
             "plymesh" => {
-                let (vertices, normals) = (adding.scene.vertices.len(), adding.scene.normals.len());
+                let (vertices, normals) = (sink.scene.vertices.len(), sink.scene.normals.len());
                 let (path, bytes) = ply.unwrap_or_default();
-                add_ply(&path, &bytes, self.triangulate, material, adding.scene)?;
-                adding.place_since(vertices, normals, &path).map(Ok)
+                add_ply(&path, &bytes, sink.triangulate, material, sink.scene)?;
+                sink.place_since(vertices, normals, &path).map(|()| true)
             }
-            _ => Ok(Err(UnsupportedShape)),
-        };
-        if added?.is_err() {
+            _ => Ok(false),
+        }?;
+        if !is_there {
             let what = match kind.as_str() {
                 "sphere" => ELLIPSOIDS.to_owned(),
                 _ => format!("shapes {} left out", shortened(&kind)),
@@ -335,42 +315,47 @@ impl Loader<'_> {
         Ok(())
     }
 
-    fn instance(&mut self, token: Token<'_>, tokens: &mut Tokens<'_>) -> Result<(), LoadError> {
-        let name = tokens.name("name")?;
-        let place = || tokens.place(token.line);
+    fn instance(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<(), LoadError> {
+        let name = words.name("name")?;
+        let place = || words.place(word.line);
         if self.object.is_some() {
             return Err(LoadError::syntax(place(), "ObjectInstance", "ObjectEnd before it"));
         }
-        let Some((number, object)) = self.objects.get(&name) else {
+        let Some((number, object)) = self.objects.get(&name).cloned() else {
             return Err(LoadError::syntax(place(), &name, "an object before it"));
         };
-        let mut adding = ShapeSink {
-            scene: &mut self.scene,
-            counts: &mut self.counts,
-            transform: self.state.now.transform,
-            material: 0,
-            triangulate: self.triangulate,
-        };
-        for _ in 0..adding.instance(object, *number, place)? {
+        for _ in 0..self.sink(0).instance(&object, number, place)? {
             self.leave_out(ELLIPSOIDS.into(), place);
         }
         Ok(())
     }
 
+    /// Adds shapes of a material, under the current transform, to the object that is being
+    /// defined, or else to the scene.
+    fn sink(&mut self, material: u32) -> ShapeSink<'_> {
+        ShapeSink {
+            scene: self.object.as_mut().map_or(&mut self.scene, |(_, object)| object),
+            counts: &mut self.counts,
+            transform: self.state.now.transform,
+            material,
+            triangulate: self.triangulate,
+        }
+    }
+
     fn include(
         &mut self,
-        token: Token<'_>,
-        tokens: &mut Tokens<'_>,
+        word: Word<'_>,
+        words: &mut Words<'_>,
         depth: usize,
     ) -> Result<(), LoadError> {
-        let name = tokens.name("filename")?;
-        let place = || tokens.place(token.line);
+        let name = words.name("filename")?;
+        let place = || words.place(word.line);
         limits::check(depth + 1, MAX_INCLUDES, "the depth of Include", place)?;
         let (path, bytes) = self.read(&name, place)?;
         let text = text_of(&path, bytes)?;
         let before = self.state.now.clone();
         self.file(&path, &text, depth + 1)?;
-        if token.text == "Import" {
+        if word.text == "Import" {
             self.state.now = before;
         }
         Ok(())
@@ -383,7 +368,7 @@ impl Loader<'_> {
         name: &str,
         place: impl Fn() -> FilePlace,
     ) -> Result<(PathBuf, Vec<u8>), LoadError> {
-        let path = confined(self.folder, name)
+        let path = confined(&self.folder, name)
             .ok_or_else(|| LoadError::OutsideFolder { place: place(), uri: shortened(name) })?;
         self.files += 1;
         limits::check(self.files, MAX_FILES, "the number of files", place)?;

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use crate::error::{FilePlace, LoadError, shortened};
 use crate::limits::{self, MAX_ELEMENTS, MAX_NAME};
 use crate::mesh::coordinate;
-use crate::pbrt::tokens::{Kind, Token, Tokens};
 use crate::scene::Rgb;
+use crate::words::{Word, Words};
 
 /// The most parameters of a statement.
 const MAX_PARAMS: usize = 1 << 12;
@@ -15,11 +15,11 @@ const MAX_PARAMS: usize = 1 << 12;
 const MAX_NUMBERS: usize = 3 * MAX_ELEMENTS;
 
 /// The values of a parameter: numbers, or strings and `true` and `false`.
-#[derive(Debug, Default)]
-pub(super) struct Param {
+#[derive(Debug)]
+struct Param {
     kind: String,
     name: String,
-    line: usize,
+    place: FilePlace,
     numbers: Vec<f64>,
     words: Vec<String>,
 }
@@ -27,94 +27,68 @@ pub(super) struct Param {
 /// The parameters of a statement.
 #[derive(Debug)]
 pub(super) struct Params {
-    file: std::path::PathBuf,
     /// First line of the statement.
-    pub line: usize,
+    place: FilePlace,
     all: Vec<Param>,
-    inherited: Option<Rc<InheritedParams>>,
-}
-
-/// Parameters that `Attribute` gives to statements that follow and do not have them.
-#[derive(Debug)]
-pub(super) struct InheritedParams {
-    params: Params,
-    before: Option<Rc<InheritedParams>>,
-    /// Number of statements, including those before.
+    /// The last `Attribute` that gives it parameters which it does not have itself.
+    inherited: Option<Rc<Params>>,
+    /// Number of `Attribute` statements that do so.
     depth: usize,
 }
 
 /// The most `Attribute` statements that apply to one statement.
 const MAX_INHERITED: usize = 256;
 
-impl InheritedParams {
-    /// Adds the parameters of a statement, which override earlier ones.
-    pub fn with(before: Option<&Rc<Self>>, params: Params) -> Result<Rc<Self>, LoadError> {
-        let depth = before.map_or(0, |before| before.depth) + 1;
-        let what = "the number of Attribute statements that apply";
-        limits::check(depth, MAX_INHERITED, what, || params.place())?;
-        Ok(Rc::new(Self { params, before: before.cloned(), depth }))
-    }
-}
-
 impl Params {
-    /// Reads parameters up to the next statement.
-    pub fn read(tokens: &mut Tokens<'_>, line: usize) -> Result<Self, LoadError> {
+    /// Reads parameters up to the next statement; others are inherited.
+    pub fn read(
+        words: &mut Words<'_>,
+        line: usize,
+        inherited: Option<&Rc<Self>>,
+    ) -> Result<Self, LoadError> {
         let mut all = Vec::new();
-        while let Some(token) = tokens.peek()? {
-            if token.is_directive() {
-                break;
-            }
-            let place = || FilePlace::line(tokens.path, token.line);
-            limits::check(all.len() + 1, MAX_PARAMS, "the number of parameters", place)?;
-            let declared = tokens.quoted("type name")?;
-            limits::check(declared.text.len(), MAX_NAME, "the length of a name", || {
-                tokens.place(declared.line)
-            })?;
-            let mut words = declared.text.split_ascii_whitespace();
-            let (Some(kind), Some(name), None) = (words.next(), words.next(), words.next()) else {
-                let place = tokens.place(declared.line);
-                return Err(LoadError::syntax(place, declared.text, "a parameter: \"type name\""));
+        while let Some(declared) = words.peek().filter(|word| !word.is_directive()) {
+            let place = words.place(declared.line);
+            limits::check(all.len() + 1, MAX_PARAMS, "the number of parameters", || place.clone())?;
+            let text = words.name("type name")?;
+            let parts: Vec<&str> = text.split_ascii_whitespace().collect();
+            let &[kind, name] = parts.as_slice() else {
+                return Err(LoadError::syntax(place, &text, "a parameter: \"type name\""));
             };
             let (kind, name) = (kind.to_owned(), name.to_owned());
-            let mut param = Param { kind, name, line: declared.line, ..Param::default() };
-            let first = tokens.expect("a value, or [")?;
-            if first.kind == Kind::Open {
+            let mut param = Param { kind, name, place, numbers: Vec::new(), words: Vec::new() };
+            let first = words.any("a value, or [")?;
+            if first.is_bracket("[") {
                 loop {
-                    let value = tokens.expect("a value, or ]")?;
-                    if value.kind == Kind::Close {
+                    let value = words.any("a value, or ]")?;
+                    if value.is_bracket("]") {
                         break;
                     }
-                    param.push(value, tokens)?;
+                    param.push(value, words)?;
                 }
             } else {
-                param.push(first, tokens)?;
+                param.push(first, words)?;
             }
             all.push(param);
         }
-        Ok(Self { file: tokens.path.to_owned(), line, all, inherited: None })
+        words.check_closed()?;
+        let depth = inherited.map_or(0, |params| params.depth + 1);
+        Ok(Self { place: words.place(line), all, inherited: inherited.cloned(), depth })
     }
 
-    /// With parameters for those that the statement does not have.
-    pub fn inheriting(self, inherited: Option<&Rc<InheritedParams>>) -> Self {
-        Self { inherited: inherited.cloned(), ..self }
+    /// Refuses an `Attribute` statement that adds to too many others.
+    pub fn check_depth(&self) -> Result<(), LoadError> {
+        let what = "the number of Attribute statements that apply";
+        limits::check(self.depth + 1, MAX_INHERITED, what, || self.place())
     }
 
     pub fn place(&self) -> FilePlace {
-        FilePlace::line(&self.file, self.line)
+        self.place.clone()
     }
 
     fn find(&self, name: &str) -> Option<&Param> {
-        self.find_with_file(name).map(|(_, param)| param)
-    }
-
-    /// A parameter and the file it stands in.
-    fn find_with_file(&self, name: &str) -> Option<(&std::path::Path, &Param)> {
-        let inherited = std::iter::successors(self.inherited.as_deref(), |i| i.before.as_deref());
-        let mut all = std::iter::once(self).chain(inherited.map(|inherited| &inherited.params));
-        all.find_map(|params| {
-            let found = params.all.iter().find(|param| param.name == name);
-            found.map(|param| (params.file.as_path(), param))
-        })
+        let mut all = std::iter::successors(Some(self), |params| params.inherited.as_deref());
+        all.find_map(|params| params.all.iter().find(|param| param.name == name))
     }
 
     /// The numbers of a parameter; empty where it is not there.
@@ -122,23 +96,18 @@ impl Params {
     /// # Errors
     /// [`LoadError::Syntax`] for strings, [`LoadError::OutOfRange`].
     pub fn numbers(&self, name: &str) -> Result<&[f64], LoadError> {
-        let numbers = self.any_numbers(name)?;
-        if let Some((file, param)) = self.find_with_file(name) {
-            for &value in numbers {
-                coordinate(value, name, || FilePlace::line(file, param.line))?;
-            }
+        let Some(param) = self.find(name) else { return Ok(&[]) };
+        for &value in self.any_numbers(name)? {
+            coordinate(value, name, || param.place.clone())?;
         }
-        Ok(numbers)
+        Ok(&param.numbers)
     }
 
     /// As [`Params::numbers`], but they may be NaN, infinite or too large.
-    ///
-    /// # Errors
-    /// [`LoadError::Syntax`] for strings.
     pub fn any_numbers(&self, name: &str) -> Result<&[f64], LoadError> {
-        let Some((file, param)) = self.find_with_file(name) else { return Ok(&[]) };
+        let Some(param) = self.find(name) else { return Ok(&[]) };
         if let Some(word) = param.words.first() {
-            let place = FilePlace::line(file, param.line);
+            let place = param.place.clone();
             return Err(LoadError::syntax(place, word, format!("numbers ({name})")));
         }
         Ok(&param.numbers)
@@ -162,9 +131,6 @@ impl Params {
     }
 
     /// Three numbers.
-    ///
-    /// # Errors
-    /// As [`Params::number`].
     pub fn vector(&self, name: &str, default: [f64; 3]) -> Result<[f64; 3], LoadError> {
         match self.numbers(name)? {
             [] => Ok(default),
@@ -179,9 +145,6 @@ impl Params {
 
     /// A colour that is given as `rgb`, or `color` as before version 4; spectra, textures and
     /// temperatures are none.
-    ///
-    /// # Errors
-    /// As [`Params::vector`].
     pub fn rgb(&self, name: &str) -> Result<Option<Rgb>, LoadError> {
         match self.find(name) {
             Some(param) if matches!(&*param.kind, "rgb" | "color") => {
@@ -207,13 +170,13 @@ impl Params {
 }
 
 impl Param {
-    fn push(&mut self, value: Token<'_>, tokens: &Tokens<'_>) -> Result<(), LoadError> {
-        let place = || tokens.place(value.line);
+    fn push(&mut self, value: Word<'_>, words: &Words<'_>) -> Result<(), LoadError> {
+        let place = || words.place(value.line);
         if let Some(number) = value.number() {
             self.numbers.push(number);
             return limits::check(self.numbers.len(), MAX_NUMBERS, &self.name, place);
         }
-        if value.kind == Kind::Quoted || matches!(value.text, "true" | "false") {
+        if value.is_quoted || matches!(value.text, "true" | "false") {
             limits::check(value.text.len(), MAX_NAME, "the length of a string", place)?;
             self.words.push(value.text.to_owned());
             return limits::check(self.words.len(), MAX_ELEMENTS, &self.name, place);

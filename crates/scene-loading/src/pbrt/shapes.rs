@@ -3,17 +3,14 @@
 
 use std::path::Path;
 
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DMat4, DVec3};
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits::{self, MAX_ELEMENTS};
-use crate::mesh::{FaceCounts, Mesh, coordinate, usable};
+use crate::mesh::{FaceCounts, Mesh, cofactor, coordinate, usable};
 use crate::pbrt::params::Params;
 use crate::pbrt::state::uniform_scale;
 use crate::scene::{Primitive, Scene, Shape, index};
-
-/// A shape that scenes here do not have.
-pub(super) struct UnsupportedShape;
 
 /// The most there may be of vertices, normals, or primitives after so many more of each.
 pub(super) fn check_size(
@@ -87,18 +84,18 @@ impl ShapeSink<'_> {
         Ok(())
     }
 
-    /// `sphere`, whole, where the transform keeps it one.
-    pub fn sphere(&mut self, params: &Params) -> Result<Result<(), UnsupportedShape>, LoadError> {
+    /// `sphere`, whole; false where the transform does not keep it one.
+    pub fn sphere(&mut self, params: &Params) -> Result<bool, LoadError> {
         let radius = params.number("radius", 1.0)?;
         if radius <= 0.0 {
             return Err(LoadError::out_of_range(params.place(), "radius", radius, "above 0"));
         }
         check_size(self.scene, 1, || params.place())?;
-        let Some(scale) = uniform_scale(&self.transform) else { return Ok(Err(UnsupportedShape)) };
+        let Some(scale) = uniform_scale(&self.transform) else { return Ok(false) };
         let center = self.transform.transform_point3(DVec3::ZERO);
         checked(center + DVec3::splat(radius * scale), || params.place())?;
         self.scene.push_sphere(self.material, center, radius * scale);
-        Ok(Ok(()))
+        Ok(true)
     }
 
     /// Transforms the vertices and normals that `add_ply` added beyond these lengths.
@@ -111,7 +108,7 @@ impl ShapeSink<'_> {
         for vertex in self.scene.vertices.iter_mut().skip(vertices) {
             *vertex = checked(self.transform.transform_point3(*vertex), || FilePlace::file(path))?;
         }
-        let turn = normal_transform(&self.transform);
+        let turn = cofactor(self.transform);
         for normal in self.scene.normals.iter_mut().skip(normals) {
             *normal = (turn * *normal).normalize_or_zero();
         }
@@ -182,19 +179,13 @@ impl ShapeSink<'_> {
     /// The place of the first, where there are any.
     fn add_normals(&mut self, normals: &[DVec3]) -> Option<u32> {
         let first = u32::try_from(self.scene.normals.len()).ok()?;
-        let turn = normal_transform(&self.transform);
+        let turn = cofactor(self.transform);
         let turned = normals.iter().map(|normal| {
             if normal.is_nan() { DVec3::NAN } else { (turn * *normal).normalize_or_zero() }
         });
         self.scene.normals.extend(turned);
         (!normals.is_empty()).then_some(first)
     }
-}
-
-/// Normals stay perpendicular to surfaces: the inverse transposed, without its factor.
-fn normal_transform(transform: &DMat4) -> DMat3 {
-    let [x, y, z] = [transform.x_axis, transform.y_axis, transform.z_axis].map(|c| c.truncate());
-    DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * x.cross(y).dot(z).signum()
 }
 
 fn checked(point: DVec3, place: impl Fn() -> FilePlace) -> Result<DVec3, LoadError> {

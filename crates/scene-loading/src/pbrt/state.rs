@@ -1,14 +1,14 @@
 //! State that statements change for those that follow: transform, material, emission.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::rc::Rc;
 
 use glam::{DMat4, DVec3, DVec4};
 
 use crate::error::{FilePlace, LoadError};
 use crate::limits;
-use crate::pbrt::params::InheritedParams;
-use crate::pbrt::tokens::{Token, Tokens};
+use crate::pbrt::params::Params;
+use crate::words::{Word, Words};
 
 /// How deep attributes may nest.
 const MAX_DEPTH: usize = 1 << 12;
@@ -27,13 +27,9 @@ pub(super) struct Attributes {
     pub shines: bool,
     /// Transforms change the end of the exposure alone, which is not read.
     pub at_end: bool,
-    /// Parameters set by `Attribute` for shapes, lights and materials that follow.
-    pub inherited: [Option<Rc<InheritedParams>>; 3],
+    /// Parameters set by `Attribute` for what follows: `shape`, `light` or `material`.
+    pub inherited: BTreeMap<&'static str, Rc<Params>>,
 }
-
-pub(super) const SHAPE: usize = 0;
-pub(super) const LIGHT: usize = 1;
-pub(super) const MATERIAL: usize = 2;
 
 /// The attributes, those that were saved, and named coordinate systems.
 #[derive(Debug, Default)]
@@ -63,100 +59,67 @@ impl State {
     }
 
     /// Does what a statement says of transforms and attributes; false where it is none of them.
-    pub fn statement(
-        &mut self,
-        token: Token<'_>,
-        tokens: &mut Tokens<'_>,
-    ) -> Result<bool, LoadError> {
-        let (path, line) = (tokens.path, token.line);
+    pub fn statement(&mut self, word: Word<'_>, words: &mut Words<'_>) -> Result<bool, LoadError> {
+        let (path, line) = (words.path, word.line);
         let place = || FilePlace::line(path, line);
-        match token.text {
-            "Identity" => self.set_transform(DMat4::IDENTITY, place),
+        let now = self.now.transform;
+        let matrix = match word.text {
+            "Identity" => DMat4::IDENTITY,
             "Translate" => {
-                let by = DVec3::from_array(tokens.numbers("Translate")?);
-                self.transform(DMat4::from_translation(by), place)
+                now * DMat4::from_translation(DVec3::from_array(words.numbers(word.text)?))
             }
-            "Scale" => {
-                let by = DVec3::from_array(tokens.numbers("Scale")?);
-                self.transform(DMat4::from_scale(by), place)
-            }
+            "Scale" => now * DMat4::from_scale(DVec3::from_array(words.numbers(word.text)?)),
             "Rotate" => {
-                let [angle, x, y, z] = tokens.numbers("Rotate")?;
-                let Some(axis) = DVec3::new(x, y, z).try_normalize() else {
-                    let expected = "an angle and an axis other than 0 0 0";
-                    return Err(LoadError::syntax(place(), "Rotate", expected));
-                };
-                let turn = DMat4::from_axis_angle(axis, angle.to_radians());
-                self.transform(turn, place)
+                let [angle, x, y, z] = words.numbers(word.text)?;
+                let axis = DVec3::new(x, y, z).try_normalize().ok_or_else(|| {
+                    LoadError::syntax(place(), "Rotate", "an angle and an axis other than 0 0 0")
+                })?;
+                now * DMat4::from_axis_angle(axis, angle.to_radians())
             }
             "LookAt" => {
-                let [a, b, c, d, e, f, g, h, i] = tokens.numbers("LookAt")?;
-                let (from, at, up) =
-                    (DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
-                let Some(matrix) = look_at(from, at, up) else {
+                let [a, b, c, d, e, f, g, h, i] = words.numbers(word.text)?;
+                let look = look_at(DVec3::new(a, b, c), DVec3::new(d, e, f), DVec3::new(g, h, i));
+                let look = look.ok_or_else(|| {
                     let expected = "an eye, another point, and an up not along the view";
-                    return Err(LoadError::syntax(place(), "LookAt", expected));
-                };
-                self.transform(matrix, place)
+                    LoadError::syntax(place(), "LookAt", expected)
+                })?;
+                now * look
             }
-            "Transform" => {
-                let matrix = DMat4::from_cols_array(&tokens.numbers("Transform")?);
-                self.set_transform(matrix, place)
-            }
-            "ConcatTransform" => {
-                let matrix = DMat4::from_cols_array(&tokens.numbers("ConcatTransform")?);
-                self.transform(matrix, place)
+            "Transform" => DMat4::from_cols_array(&words.numbers(word.text)?),
+            "ConcatTransform" => now * DMat4::from_cols_array(&words.numbers(word.text)?),
+            "CoordSysTransform" => {
+                let name = words.name("name")?;
+                let expected = "a coordinate system before it";
+                let system = self.systems.get(&name).copied();
+                system.ok_or_else(|| LoadError::syntax(place(), &name, expected))?
             }
             "CoordinateSystem" => {
-                let name = tokens.name("name")?;
-                self.name_system(&name, self.now.transform, place)
-            }
-            "CoordSysTransform" => {
-                let name = tokens.name("name")?;
-                let Some(&matrix) = self.systems.get(&name) else {
-                    return Err(LoadError::syntax(place(), &name, "a coordinate system before it"));
-                };
-                self.set_transform(matrix, place)
+                let name = words.name("name")?;
+                return self.name_system(&name, now, place).map(|()| true);
             }
             "ActiveTransform" => {
-                let which = tokens.expect("StartTime, EndTime or All")?;
+                let which = words.any("StartTime, EndTime or All")?;
                 self.now.at_end = which.text == "EndTime";
-                Ok(())
+                return Ok(true);
             }
-            "AttributeBegin" | "TransformBegin" => self.save(place),
-            "AttributeEnd" | "TransformEnd" => self.restore(token.text, place),
+            "AttributeBegin" | "TransformBegin" => return self.save(place).map(|()| true),
+            "AttributeEnd" | "TransformEnd" => {
+                return self.restore(word.text, place).map(|()| true);
+            }
             _ => return Ok(false),
-        }?;
+        };
+        if !self.now.at_end {
+            if !matrix.is_finite() {
+                return Err(LoadError::not_finite(place(), "a transform", "not finite"));
+            }
+            self.now.transform = matrix;
+        }
         Ok(true)
     }
 
     /// Attributes that are saved now.
     pub fn depth(&self) -> usize {
         self.saved.len()
-    }
-
-    /// Applies `matrix` before the transforms so far; all numbers stay finite.
-    pub fn transform(
-        &mut self,
-        matrix: DMat4,
-        place: impl FnOnce() -> FilePlace,
-    ) -> Result<(), LoadError> {
-        self.set_transform(self.now.transform * matrix, place)
-    }
-
-    pub fn set_transform(
-        &mut self,
-        matrix: DMat4,
-        place: impl FnOnce() -> FilePlace,
-    ) -> Result<(), LoadError> {
-        if self.now.at_end {
-            return Ok(());
-        }
-        if !matrix.is_finite() {
-            return Err(LoadError::not_finite(place(), "a transform", "not finite"));
-        }
-        self.now.transform = matrix;
-        Ok(())
     }
 
     pub fn name_system(

@@ -110,10 +110,6 @@ impl Element {
         };
         self.properties.iter().map(of).sum()
     }
-
-    pub fn position(&self, name: &str) -> Option<usize> {
-        self.properties.iter().position(|property| property.name == name)
-    }
 }
 
 #[derive(Debug)]

@@ -186,53 +186,45 @@ impl<'a, V: Values> Reader<'a, V> {
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
         let all = self.scene.vertices.len().saturating_add(count);
         limits::check(all, MAX_ELEMENTS, "the number of vertices", place)?;
-        let scalars = |names: [&str; 3]| {
-            let place_of = names.map(|name| {
-                let at = element.position(name)?;
-                let property = element.properties.get(at)?;
-                matches!(property.kind, Kind::One(_)).then_some(at)
-            });
-            match place_of {
-                [Some(x), Some(y), Some(z)] => Some([x, y, z]),
-                _ => None,
-            }
+        let scalar = |name: &str| {
+            let is_it = |p: &Property| p.name == name && matches!(p.kind, Kind::One(_));
+            element.properties.iter().position(is_it)
         };
-        let Some(positions) = scalars(["x", "y", "z"]) else {
+        let (positions, normals) = (["x", "y", "z"].map(scalar), ["nx", "ny", "nz"].map(scalar));
+        if positions.contains(&None) {
             let expected = "an element vertex with properties x, y and z";
             return Err(LoadError::syntax(place(), "element vertex", expected));
-        };
-        let normals = scalars(["nx", "ny", "nz"]);
+        }
+        let has_normals = !normals.contains(&None);
         self.mesh.first = index(self.scene.vertices.len());
-        self.mesh.normals = normals.and(u32::try_from(self.scene.normals.len()).ok());
+        self.mesh.normals = has_normals.then_some(index(self.scene.normals.len()));
         self.scene.vertices.reserve(count);
-        self.scene.normals.reserve(if normals.is_some() { count } else { 0 });
-        let (mut position, mut normal) = ([0.0; 3], [0.0; 3]);
+        self.scene.normals.reserve(if has_normals { count } else { 0 });
+        let wanted = [positions, if has_normals { normals } else { [None; 3] }];
+        let slot_of = |at| wanted.as_flattened().iter().position(|&place| place == Some(at));
+        let slots: Vec<Option<usize>> = (0..element.properties.len()).map(slot_of).collect();
+        let mut numbers = [0.0; 6];
         let mut begin = FileLocation::Whole;
-        let last = element.properties.len() - 1;
         self.each(element, |reader, property, at| {
             if at == 0 {
                 begin = reader.values.place();
             }
-            let axis = |of: [usize; 3]| of.iter().position(|&place| place == at);
-            let slot = match (axis(positions), normals.and_then(axis)) {
-                (Some(i), _) => position.get_mut(i),
-                (None, Some(i)) => normal.get_mut(i),
-                (None, None) => None,
-            };
+            let slot = slots.get(at).copied().flatten().and_then(|slot| numbers.get_mut(slot));
             match (slot, property.kind) {
                 (Some(slot), Kind::One(scalar)) => {
                     *slot = usable(reader.values.next(scalar, &property.name)?);
                 }
                 _ => reader.skip(property)?,
             }
-            if at == last {
+            if at + 1 == slots.len() {
                 let place = || FilePlace { file: reader.path.to_path_buf(), within: begin };
-                let (position, normal) = (DVec3::from_array(position), DVec3::from_array(normal));
+                let [x, y, z, nx, ny, nz] = numbers;
+                let (position, normal) = (DVec3::new(x, y, z), DVec3::new(nx, ny, nz));
                 if position.is_nan() {
                     reader.counts.vertices.add(place);
                 }
                 reader.scene.vertices.push(position);
-                if normals.is_some() {
+                if has_normals {
                     if normal.is_nan() {
                         reader.mesh.has_bad_normals = true;
                         reader.counts.normals.add(place);
@@ -247,11 +239,11 @@ impl<'a, V: Values> Reader<'a, V> {
     }
 
     /// Reads each list of corners of an element by a function that gets where it begins, the type
-    /// of its items, their number, and how many vertices there are.
+    /// of its items, and their number.
     fn corner_lists(
         &mut self,
         element: &Element,
-        mut read: impl FnMut(&mut Self, FileLocation, Scalar, u64, usize) -> Result<(), LoadError>,
+        mut read: impl FnMut(&mut Self, FileLocation, Scalar, u64) -> Result<(), LoadError>,
     ) -> Result<(), LoadError> {
         if element.count == 0 {
             return Ok(());
@@ -260,7 +252,9 @@ impl<'a, V: Values> Reader<'a, V> {
             let found = format!("element {}", element.name);
             LoadError::syntax(FilePlace::line(self.path, element.line), &found, expected)
         };
-        let vertices = self.vertices.ok_or_else(|| missing("element vertex before it"))?;
+        if self.vertices.is_none() {
+            return Err(missing("element vertex before it"));
+        }
         let lists = || {
             let all = element.properties.iter().enumerate();
             all.filter_map(|(at, property)| match property.kind {
@@ -282,12 +276,12 @@ impl<'a, V: Values> Reader<'a, V> {
             }
             let begin = reader.values.place();
             let length = reader.length(count, &property.name)?;
-            read(reader, begin, item, length, vertices)
+            read(reader, begin, item, length)
         })
     }
 
     fn faces(&mut self, element: &Element) -> Result<(), LoadError> {
-        self.corner_lists(element, |reader, within, item, length, vertices| {
+        self.corner_lists(element, |reader, within, item, length| {
             let path = reader.path;
             let place = || FilePlace { file: path.to_path_buf(), within };
             let length = usize::try_from(length).unwrap_or(usize::MAX);
@@ -296,7 +290,7 @@ impl<'a, V: Values> Reader<'a, V> {
             let mut corners = std::mem::take(&mut reader.corners);
             corners.clear();
             for _ in 0..length {
-                corners.extend(reader.index(item, vertices, false)?);
+                corners.extend(reader.index(item, false)?);
             }
             if length < 3 {
                 reader.too_few.add(place);
@@ -317,12 +311,12 @@ impl<'a, V: Values> Reader<'a, V> {
     /// Strips: each corner after the second makes a triangle with the two before it, turned every
     /// other time; -1 begins a new strip.
     fn strips(&mut self, element: &Element) -> Result<(), LoadError> {
-        self.corner_lists(element, |reader, _, item, length, vertices| {
+        self.corner_lists(element, |reader, _, item, length| {
             let mut strip: Option<[u32; 2]> = None;
             let (mut begun, mut turned) = (None, false);
             for _ in 0..length {
                 let (path, within) = (reader.path, reader.values.place());
-                let Some(corner) = reader.index(item, vertices, true)? else {
+                let Some(corner) = reader.index(item, true)? else {
                     (strip, begun, turned) = (None, None, false);
                     continue;
                 };
@@ -339,12 +333,8 @@ impl<'a, V: Values> Reader<'a, V> {
     }
 
     /// The index of a vertex; none for the -1 that may end a strip.
-    fn index(
-        &mut self,
-        item: Scalar,
-        vertices: usize,
-        may_end: bool,
-    ) -> Result<Option<u32>, LoadError> {
+    fn index(&mut self, item: Scalar, may_end: bool) -> Result<Option<u32>, LoadError> {
+        let vertices = self.vertices.unwrap_or(0);
         let place = self.values.place();
         let what = if may_end { "the index of a vertex, or -1" } else { "the index of a vertex" };
         let index = self.values.next(item, what)?;

@@ -20,20 +20,15 @@ const TIP: f64 = 0.995;
 /// How far the root circle is within the pitch.
 const TOOTH_HEIGHT: f64 = 1.0 - 0.9;
 
-/// Corners of one tooth: on the tip circle or the root circle, at that share of the tooth's angle.
-const TOOTH: [(Circle, f64); 4] =
-    [(Circle::Tip, -0.19), (Circle::Tip, 0.19), (Circle::Root, 0.3), (Circle::Root, 0.7)];
+/// Root circle, in units of the pitch.
+const ROOT: f64 = 1.0 - TOOTH_HEIGHT;
 
-#[derive(Clone, Copy)]
-enum Circle {
-    Tip,
-    Root,
-}
+/// Corners of one tooth: on the tip circle or the root circle, at that share of the tooth's angle.
+const TOOTH: [(f64, f64); 4] = [(TIP, -0.19), (TIP, 0.19), (ROOT, 0.3), (ROOT, 0.7)];
 
 /// A gear's shape, the same for all gears of a scene.
 struct Profile {
-    tip: f64,
-    root: f64,
+    pitch: f64,
     thickness: f64,
 }
 
@@ -49,12 +44,7 @@ pub(crate) struct Gear {
 impl Profile {
     /// Profile of the gears of a scene of this size.
     fn of(size: u32) -> Self {
-        let pitch = pitch(size);
-        Self {
-            tip: TIP * pitch,
-            root: (1.0 - TOOTH_HEIGHT) * pitch,
-            thickness: (1.0 / (2.0 * f64::from(size))).min(0.1),
-        }
+        Self { pitch: pitch(size), thickness: (1.0 / (2.0 * f64::from(size))).min(0.1) }
     }
 }
 
@@ -159,10 +149,7 @@ fn outline(profile: &Profile, center: DVec3, turn: f64, sense: f64) -> [DVec3; F
     std::array::from_fn(|i| {
         let tooth_start = turn + sense * (2.0 * PI * (i / 4) as f64 / TEETH as f64);
         let (circle, share) = TOOTH[i % 4];
-        let radius = match circle {
-            Circle::Tip => profile.tip,
-            Circle::Root => profile.root,
-        };
+        let radius = circle * profile.pitch;
         let (sin, cos) = (tooth_start + share * tooth_angle).sin_cos();
         DVec3::new(radius * cos, radius * sin, 0.0) + center
     })

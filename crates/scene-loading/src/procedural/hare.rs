@@ -9,8 +9,8 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::parts::{Y_UP, matte, push_triangle, stage, view};
-use crate::scene::Scene;
+use super::parts::{Y_UP, matte, stage, view};
+use crate::scene::{Primitive, Scene, Shape};
 
 /// Radius of the ball that the lobes stand on.
 const BODY: f64 = 0.085;
@@ -48,25 +48,21 @@ pub(super) fn push_hare(scene: &mut Scene, material: u32, size: u32, middle: DVe
     let n = size as i32;
     // corners of the lattice |x| + |y| + |z| = n, each once, so that the mesh is closed
     let mut corners: HashMap<[i32; 3], u32> = HashMap::new();
-    let signs = [1, -1];
-    for sx in signs {
-        for sy in signs {
-            for sz in signs {
-                for (a, b, c) in face(n) {
-                    let mut v = [a, b, c].map(|[x, y, z]| {
-                        let key = [sx * x, sy * y, sz * z];
-                        *corners.entry(key).or_insert_with(|| {
-                            let d = DVec3::from_array(key.map(f64::from)).normalize();
-                            scene.vertices.push(middle + d * radius(d, &waves));
-                            scene.vertices.len() as u32 - 1
-                        })
-                    });
-                    if sx * sy * sz < 0 {
-                        v.swap(1, 2);
-                    }
-                    push_triangle(scene, material, v);
-                }
+    let octants = (0..8).map(|i| [4, 2, 1].map(|bit| if i & bit == 0 { 1 } else { -1 }));
+    for [sx, sy, sz] in octants {
+        for (a, b, c) in face(n) {
+            let mut v = [a, b, c].map(|[x, y, z]| {
+                let key = [sx * x, sy * y, sz * z];
+                *corners.entry(key).or_insert_with(|| {
+                    let d = DVec3::from_array(key.map(f64::from)).normalize();
+                    scene.vertices.push(middle + d * radius(d, &waves));
+                    scene.vertices.len() as u32 - 1
+                })
+            });
+            if sx * sy * sz < 0 {
+                v.swap(1, 2);
             }
+            scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
         }
     }
 }

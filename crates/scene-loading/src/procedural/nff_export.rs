@@ -122,15 +122,14 @@ impl PrintfG {
     pub fn value(self) -> f64 {
         match self.scientific() {
             // The text is a number in Rust's own notation; adding 0 makes -0 plain.
-            Some(text) => text.as_str().parse().unwrap_or(self.0) + 0.0,
+            Some(text) => text.parse().unwrap_or(self.0) + 0.0,
             None => self.0,
         }
     }
 
     /// `d.ddddde<exponent>`; `None` for infinities and NaN.
-    fn scientific(self) -> Option<ShortText> {
-        let mut text = ShortText::default();
-        (self.0.is_finite() && write!(text, "{:.5e}", self.0).is_ok()).then_some(text)
+    fn scientific(self) -> Option<String> {
+        self.0.is_finite().then(|| format!("{:.5e}", self.0))
     }
 }
 
@@ -140,7 +139,7 @@ impl fmt::Display for PrintfG {
             return f.write_char('0');
         }
         let text = self.scientific();
-        let Some((mantissa, exponent)) = text.as_ref().and_then(|t| t.as_str().split_once('e'))
+        let Some((mantissa, exponent)) = text.as_deref().and_then(|text| text.split_once('e'))
         else {
             return write!(f, "{}", self.0);
         };
@@ -170,28 +169,6 @@ impl fmt::Display for PrintfG {
                 write!(f, "{lead}{point}{rest}e{sign}{:02}", exponent.unsigned_abs())
             }
         }
-    }
-}
-
-/// A short text on the stack; scenes have millions of numbers.
-#[derive(Default)]
-struct ShortText {
-    bytes: [u8; 16],
-    len: usize,
-}
-
-impl ShortText {
-    fn as_str(&self) -> &str {
-        std::str::from_utf8(&self.bytes[..self.len]).unwrap_or_default()
-    }
-}
-
-impl fmt::Write for ShortText {
-    fn write_str(&mut self, s: &str) -> fmt::Result {
-        let end = self.len + s.len();
-        self.bytes.get_mut(self.len..end).ok_or(fmt::Error)?.copy_from_slice(s.as_bytes());
-        self.len = end;
-        Ok(())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::{Camera, Light, Material, NO_HIGHLIGHT, Primitive, Rgb, Scene, Shape};
+use crate::scene::{Camera, Light, Material, NO_HIGHLIGHT, Rgb, Scene};
 
 /// Background of every SPD scene.
 const SKY: Rgb = [0.078, 0.361, 0.753];
@@ -27,11 +27,6 @@ pub(crate) fn stage(camera: Camera, lights: &[[f64; 3]]) -> Scene {
             .collect(),
         ..Scene::default()
     }
-}
-
-/// Adds a triangle of vertices that the scene has.
-pub(crate) fn push_triangle(scene: &mut Scene, material: u32, v: [u32; 3]) {
-    scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
 }
 
 /// An opaque surface without highlight. The files give such surfaces the index of refraction 0.

@@ -6,7 +6,7 @@
 use glam::DVec3;
 
 use super::hare::push_hare;
-use super::parts::{Y_UP, matte, push_triangle, stage, view};
+use super::parts::{Y_UP, matte, stage, view};
 use crate::scene::Scene;
 
 const ROWS: u32 = 28;
@@ -38,37 +38,28 @@ fn push_pitch(scene: &mut Scene, material: u32) {
         [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, 0.0], [-1.0, -1.0], [0.0, -1.0],
         [1.0, -1.0],
     ];
-    let first = scene.vertices.len() as u32;
-    scene.vertices.push(DVec3::ZERO);
-    scene.vertices.extend(rim.map(|[x, z]| DVec3::new(x * half[0], 0.0, z * half[1])));
-    for i in 0..8 {
-        push_triangle(scene, material, [first, first + 1 + (i + 1) % 8, first + 1 + i]);
-    }
+    let rim = rim.map(|[x, z]| DVec3::new(x * half[0], 0.0, z * half[1]));
+    let triangles = (0..8).map(|i| [0, 1 + (i + 1) % 8, 1 + i]);
+    scene.push_mesh(material, std::iter::once(DVec3::ZERO).chain(rim), triangles);
 }
 
 /// Rows of risers and treads, rising outwards.
 fn push_stands(scene: &mut Scene, material: u32) {
-    let first = scene.vertices.len() as u32;
     // three rings a row: foot and head of its riser, the far edge of its tread
-    for row in 0..ROWS {
-        for (out, up) in [(row, row), (row, row + 1), (row + 1, row + 1)] {
-            for i in 0..SEGMENTS {
-                let (sin, cos) =
-                    (std::f64::consts::TAU * f64::from(i) / f64::from(SEGMENTS)).sin_cos();
-                let [x, z] = PITCH.map(|half| half + ROW[0] * f64::from(out));
-                scene.vertices.push(DVec3::new(cos * x, ROW[1] * f64::from(up), sin * z));
-            }
-        }
-    }
-    for row in 0..ROWS {
-        for ring in 0..2 {
-            let low = first + (3 * row + ring) * SEGMENTS;
-            let high = low + SEGMENTS;
-            for i in 0..SEGMENTS {
-                let j = (i + 1) % SEGMENTS;
-                push_triangle(scene, material, [low + i, high + i, high + j]);
-                push_triangle(scene, material, [low + i, high + j, low + j]);
-            }
-        }
-    }
+    let rings = (0..ROWS).flat_map(|row| [(row, row), (row, row + 1), (row + 1, row + 1)]);
+    let vertices = rings.flat_map(|(out, up)| {
+        (0..SEGMENTS).map(move |i| {
+            let (sin, cos) = (std::f64::consts::TAU * f64::from(i) / f64::from(SEGMENTS)).sin_cos();
+            let [x, z] = PITCH.map(|half| half + ROW[0] * f64::from(out));
+            DVec3::new(cos * x, ROW[1] * f64::from(up), sin * z)
+        })
+    });
+    let strips = (0..ROWS).flat_map(|row| [3 * row, 3 * row + 1].map(|ring| ring * SEGMENTS));
+    let triangles = strips.flat_map(|low| {
+        (0..SEGMENTS).flat_map(move |i| {
+            let (high, j) = (low + SEGMENTS, (i + 1) % SEGMENTS);
+            [[low + i, high + i, high + j], [low + i, high + j, low + j]]
+        })
+    });
+    scene.push_mesh(material, vertices, triangles);
 }

@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::parts::{Y_UP, matte, push_triangle, stage, view};
+use super::parts::{Y_UP, matte, stage, view};
 use crate::scene::Scene;
 
 const LENGTH: f64 = 1.2;
@@ -43,20 +43,16 @@ fn push_stick(scene: &mut Scene, material: u32, middle: DVec3, [height, turn, ro
     let (sin, cos) = (std::f64::consts::TAU * roll).sin_cos();
     let across =
         [across * cos + along.cross(across) * sin, along.cross(across) * cos - across * sin];
-    let first = scene.vertices.len() as u32;
-    for end in [-0.5, 0.5] {
-        for (a, b) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            let corner = (across[0] * a + across[1] * b) * HALF_SIDE;
-            scene.vertices.push(middle + along * (LENGTH * end) + corner);
-        }
-    }
-    let mut push = |v: [u32; 3]| push_triangle(scene, material, v.map(|i| first + i));
-    for i in 0..4 {
+    let square = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    let corners = [-0.5, 0.5].into_iter().flat_map(|end| {
+        square.map(|(a, b)| {
+            middle + along * (LENGTH * end) + (across[0] * a + across[1] * b) * HALF_SIDE
+        })
+    });
+    let sides = (0..4).flat_map(|i| {
         let j = (i + 1) % 4;
-        push([i, j, 4 + j]);
-        push([i, 4 + j, 4 + i]);
-    }
-    for cap in [[2, 1, 0], [3, 2, 0], [4, 5, 6], [4, 6, 7]] {
-        push(cap);
-    }
+        [[i, j, 4 + j], [i, 4 + j, 4 + i]]
+    });
+    let caps = [[2, 1, 0], [3, 2, 0], [4, 5, 6], [4, 6, 7]];
+    scene.push_mesh(material, corners, sides.chain(caps));
 }

@@ -204,10 +204,22 @@ impl Scene {
 
     /// Adds a triangle with its own copies of the vertices.
     pub fn push_triangle(&mut self, material: u32, vertices: [DVec3; 3]) {
+        self.push_mesh(material, vertices, [[0, 1, 2]]);
+    }
+
+    /// Adds vertices, and triangles over them: indices count from the first of the vertices.
+    pub(crate) fn push_mesh(
+        &mut self,
+        material: u32,
+        vertices: impl IntoIterator<Item = DVec3>,
+        triangles: impl IntoIterator<Item = [u32; 3]>,
+    ) {
         let first = index(self.vertices.len());
-        self.vertices.extend_from_slice(&vertices);
-        let shape = Shape::Triangle { v: [first, first + 1, first + 2] };
-        self.primitives.push(Primitive { shape, material });
+        self.vertices.extend(vertices);
+        self.primitives.extend(triangles.into_iter().map(|triangle| {
+            let v = triangle.map(|i| first.saturating_add(i));
+            Primitive { shape: Shape::Triangle { v }, material }
+        }));
     }
 
     /// Adds a triangular patch (vertices with normals) with its own copies of both.
@@ -224,16 +236,25 @@ impl Scene {
     /// The vertices of a polygon, triangle or patch; empty for other shapes. What is not there
     /// is left out.
     pub fn outline(&self, shape: Shape) -> Vec<DVec3> {
-        match shape {
-            Shape::Sphere(_) | Shape::Cone(_) => Vec::new(),
+        self.corners(shape).collect()
+    }
+
+    fn corners(&self, shape: Shape) -> impl Iterator<Item = DVec3> {
+        let (whole, three) = match shape {
+            Shape::Sphere(_) | Shape::Cone(_) => (None, None),
             Shape::Polygon { first, count } => {
                 let (first, count) = (first as usize, count as usize);
-                self.vertices.get(first..first.saturating_add(count)).unwrap_or_default().to_vec()
+                (self.vertices.get(first..first.saturating_add(count)), None)
             }
-            Shape::Triangle { v } | Shape::Patch { v, .. } => {
-                v.iter().filter_map(|&i| self.vertices.get(i as usize).copied()).collect()
-            }
-        }
+            Shape::Triangle { v } | Shape::Patch { v, .. } => (None, Some(v)),
+        };
+        let three = three.into_iter().flatten();
+        let three = three.filter_map(|i| self.vertices.get(i as usize));
+        whole.unwrap_or_default().iter().chain(three).copied()
+    }
+
+    pub(crate) fn warn(&mut self, text: impl Into<String>) {
+        self.warnings.push(Warning(text.into()));
     }
 
     /// Notes that the primitives from `first` on are an instance of an object.
@@ -294,14 +315,8 @@ impl Scene {
                     bounds.include(center + reach * radius.abs());
                 }
             }
-            Shape::Polygon { first, count } => {
-                let (first, count) = (first as usize, count as usize);
-                let corners = self.vertices.get(first..first.saturating_add(count));
-                corners.unwrap_or_default().iter().for_each(|p| bounds.include(*p));
-            }
-            Shape::Triangle { v } | Shape::Patch { v, .. } => {
-                let corners = v.iter().filter_map(|&i| self.vertices.get(i as usize));
-                corners.for_each(|p| bounds.include(*p));
+            Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
+                self.corners(shape).for_each(|p| bounds.include(p));
             }
         }
         bounds

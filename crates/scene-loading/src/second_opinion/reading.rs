@@ -48,12 +48,8 @@ impl Reading {
 
     /// Adds triangles of a material.
     pub fn add(&mut self, material: &str, triangles: u64) {
-        if triangles == 0 {
-            return;
-        }
-        match self.triangles.get_mut(material) {
-            Some(count) => *count += triangles,
-            None => drop(self.triangles.insert(material.to_owned(), triangles)),
+        if triangles > 0 {
+            *self.triangles.entry(material.to_owned()).or_default() += triangles;
         }
     }
 

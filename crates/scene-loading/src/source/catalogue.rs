@@ -18,7 +18,6 @@ use crate::scene_file::set::SceneSet;
 use crate::source::formats::{ENDINGS, is_scene_path};
 use crate::source::names::{name_of_path, path_of_name};
 use crate::source::scene_ref::{DescribedScene, SceneOrigin, SceneRef};
-use crate::source::sizes::{DescribedScenes, SceneSizes, described_of_size, no_sizes, sizes_of};
 
 macro_rules! embed {
     ($($path:literal),* $(,)?) => {
@@ -61,7 +60,7 @@ static SETS: &[(&str, &str)] = embed![
 /// All scenes that have a name.
 #[derive(Debug, Clone, Default)]
 pub struct SceneCatalogue {
-    scenes: DescribedScenes,
+    pub(super) scenes: BTreeMap<String, DescribedScene>,
     sets: BTreeMap<String, SceneSet>,
 }
 
@@ -156,13 +155,9 @@ impl SceneCatalogue {
     pub fn resolve(&self, names: &[String]) -> Result<Vec<SceneRef>, LoadError> {
         let mut scenes: Vec<SceneRef> = Vec::new();
         for name in names {
-            let found = match self.sets.get(name) {
-                Some(set) => {
-                    set.scenes.iter().map(|name| self.find(name)).collect::<Result<Vec<_>, _>>()?
-                }
-                None => vec![self.find(name)?],
-            };
-            for scene in found {
+            let of_set = self.sets.get(name).map(|set| set.scenes.as_slice());
+            for name in of_set.unwrap_or(std::slice::from_ref(name)) {
+                let scene = self.find(name)?;
                 if !scenes.contains(&scene) {
                     scenes.push(scene);
                 }
@@ -171,45 +166,32 @@ impl SceneCatalogue {
         Ok(scenes)
     }
 
-    /// The sizes of a scene, by its name without a size.
-    ///
-    /// # Errors
-    /// [`LoadError::NoSizes`] with those that have some, [`LoadError::UnknownScene`].
-    pub fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
-        if let Some(sizes) = sizes_of(&self.scenes, name) {
-            return Ok(sizes);
-        }
-        self.resolve(&[name.to_owned()])?;
-        Err(no_sizes(&self.scenes, name))
-    }
-
     fn find(&self, name: &str) -> Result<SceneRef, LoadError> {
-        let path = path_of_name(name);
-        let path = path.as_path();
+        let path = &path_of_name(name);
+        let of_file = || Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.clone())));
+        let described = |described| SceneOrigin::Described(Box::new(described));
         // a file of that name is meant, even if it is called like a generator's size
-        let is_file = name.contains(':') && is_scene_path(path) && path.is_file();
-        if is_file {
-            return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
+        if name.contains(':') && is_scene_path(path) && path.is_file() {
+            return of_file();
         }
-        let described = match self.scenes.get(name) {
-            Some(described) => Some(described.clone()),
-            None => described_of_size(&self.scenes, name)?,
+        let found = match self.scenes.get(name) {
+            Some(found) => Some(found.clone()),
+            None => self.of_size(name)?,
         };
-        if let Some(described) = described {
-            return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
+        if let Some(found) = found {
+            return Ok(SceneRef::new(name, described(found)));
         }
         let family = name.split(':').next().unwrap_or(name);
         if families().contains(&family) {
             return Ok(SceneRef::new(name, SceneOrigin::Spd(name.to_string())));
         }
         if extension(path) == "json" {
-            let described = DescribedScene::parse(path, &json_text(path)?, false)?;
-            let name = described.file.name.clone();
-            return Ok(SceneRef::new(name, SceneOrigin::Described(Box::new(described))));
+            let found = DescribedScene::parse(path, &json_text(path)?, false)?;
+            return Ok(SceneRef::new(found.file.name.clone(), described(found)));
         }
         if is_scene_path(path) {
             std::fs::metadata(path).map_err(|e| LoadError::io(path, e))?;
-            return Ok(SceneRef::new(scene_name(path), SceneOrigin::File(path.to_path_buf())));
+            return of_file();
         }
         if path.is_file() {
             let valid = format!("{}, .json", ENDINGS.join(", "));

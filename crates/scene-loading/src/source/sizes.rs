@@ -1,10 +1,9 @@
 //! Scenes that come in sizes: generated ones, as they are or as a scene file describes them.
 
-use std::collections::BTreeMap;
-
 use crate::error::LoadError;
 use crate::procedural::{SpdEntry, generators, size_of};
 use crate::scene_file::{SceneFile, Source};
+use crate::source::catalogue::SceneCatalogue;
 use crate::source::scene_ref::DescribedScene;
 
 /// The most primitives of a size: what the tessellator accepts.
@@ -49,52 +48,48 @@ impl SceneSizes {
     }
 }
 
-/// All described scenes, by name.
-pub(crate) type DescribedScenes = BTreeMap<String, DescribedScene>;
+impl SceneCatalogue {
+    /// The sizes of a scene, by its name without a size.
+    ///
+    /// # Errors
+    /// [`LoadError::NoSizes`] with those that have some, [`LoadError::UnknownScene`].
+    pub fn sizes(&self, name: &str) -> Result<SceneSizes, LoadError> {
+        let file = self.scenes.get(name).map(|described| &described.file);
+        let generated = || generators().find(|family| family.name == name);
+        let Some(family) = file.map_or_else(generated, family_of) else {
+            self.resolve(&[name.to_owned()])?;
+            return Err(self.no_sizes(name));
+        };
+        let resolution = file.and_then(|file| file.tessellate).map(|options| options.resolution);
+        Ok(SceneSizes::new(name, family.max_size, |size| {
+            let counts = (family.count)(size);
+            resolution.map_or(counts.primitives(), |n| counts.tessellated(n))
+        }))
+    }
 
-/// The sizes of a scene, by its name without a size.
-pub(crate) fn sizes_of(described: &DescribedScenes, name: &str) -> Option<SceneSizes> {
-    let Some(found) = described.get(name) else {
-        let family = generators().find(|family| family.name == name)?;
-        let primitives = |size| (family.count)(size).primitives();
-        return Some(SceneSizes::new(name, family.max_size, primitives));
-    };
-    let family = family_of(&found.file)?;
-    let resolution = found.file.tessellate.map(|options| options.resolution);
-    Some(SceneSizes::new(name, family.max_size, |size| {
-        let counts = (family.count)(size);
-        resolution.map_or(counts.primitives(), |n| counts.tessellated(n))
-    }))
-}
+    /// A described scene at another size, where the name says one: `balls-tess:5`.
+    pub(super) fn of_size(&self, name: &str) -> Result<Option<DescribedScene>, LoadError> {
+        let Some((head, size)) = name.split_once(':') else { return Ok(None) };
+        let Some(described) = self.scenes.get(head) else { return Ok(None) };
+        let Some(family) = family_of(&described.file) else {
+            // else it may be a path
+            let is_size = size.bytes().all(|b| b.is_ascii_digit());
+            return if is_size { Err(self.no_sizes(head)) } else { Ok(None) };
+        };
+        size_of(family.name, Some(size), family.default_size, family.max_size)
+            .map_err(|error| LoadError::procedural(name, error))?;
+        let mut described = described.clone();
+        described.file.source = Source::Spd(format!("{}:{size}", family.name));
+        Ok(Some(described))
+    }
 
-/// A described scene at another size, where the name says one: `balls-tess:5`.
-///
-/// # Errors
-/// [`LoadError::NoSizes`], and [`LoadError::Procedural`] for a size that there is not.
-pub(crate) fn described_of_size(
-    scenes: &DescribedScenes,
-    name: &str,
-) -> Result<Option<DescribedScene>, LoadError> {
-    let Some((head, size)) = name.split_once(':') else { return Ok(None) };
-    let Some(described) = scenes.get(head) else { return Ok(None) };
-    let Some(family) = family_of(&described.file) else {
-        // else it may be a path
-        let is_size = size.bytes().all(|b| b.is_ascii_digit());
-        return if is_size { Err(no_sizes(scenes, head)) } else { Ok(None) };
-    };
-    size_of(family.name, Some(size), family.default_size, family.max_size)
-        .map_err(|error| LoadError::procedural(name, error))?;
-    let mut described = described.clone();
-    described.file.source = Source::Spd(format!("{}:{size}", family.name));
-    Ok(Some(described))
-}
-
-/// The error that names what has sizes.
-pub(crate) fn no_sizes(scenes: &DescribedScenes, name: &str) -> LoadError {
-    let described = scenes.iter().filter(|(_, d)| family_of(&d.file).is_some());
-    let described = described.map(|(name, _)| name.as_str());
-    let valid: Vec<&str> = generators().map(|family| family.name).chain(described).collect();
-    LoadError::NoSizes { name: name.to_owned(), valid: valid.join(", ") }
+    /// The error that names what has sizes.
+    fn no_sizes(&self, name: &str) -> LoadError {
+        let described = self.scenes.iter().filter(|(_, d)| family_of(&d.file).is_some());
+        let described = described.map(|(name, _)| name.as_str());
+        let valid: Vec<&str> = generators().map(|family| family.name).chain(described).collect();
+        LoadError::NoSizes { name: name.to_owned(), valid: valid.join(", ") }
+    }
 }
 
 /// The generator behind a scene file, if it is one.
@@ -107,7 +102,6 @@ fn family_of(file: &SceneFile) -> Option<&'static SpdEntry> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::source::SceneCatalogue;
 
     fn sizes(name: &str) -> Result<SceneSizes, String> {
         SceneCatalogue::embedded().unwrap().sizes(name).map_err(|e| e.to_string())

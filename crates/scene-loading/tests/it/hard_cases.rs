@@ -292,7 +292,7 @@ fn l10_nff_that_lies() {
     let cut = error_of("b 0 0 0\np 4\n0 0 0\n1 0 0\n1 1 0\n", 6);
     assert!(matches!(cut, LoadError::UnexpectedEnd { .. }), "{cut}");
     let negative = error_of("s 0 0 0 1\ns 0 0 0 -1\n", 2);
-    assert!(matches!(negative, LoadError::NegativeRadius { .. }), "{negative}");
+    assert!(matches!(negative, LoadError::OutOfRange { .. }), "{negative}");
     for count in ["4000000000", "18446744073709551615"] {
         let absurd = error_of(&format!("\np {count}\n0 0 0\n"), 2);
         assert!(matches!(absurd, LoadError::CountTooLarge { .. }), "{absurd}");

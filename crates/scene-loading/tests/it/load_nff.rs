@@ -159,9 +159,9 @@ fn tight_polygons_fit_their_count() {
 #[test]
 fn negative_radii() {
     let error = error_at("\ns 0 0 0 -1", 2);
-    assert!(matches!(error, LoadError::NegativeRadius { radius, .. } if radius == -1.0));
+    assert!(matches!(error, LoadError::OutOfRange { found, .. } if found == "-1"));
     let error = error_at("c 0 0 0 1 0 0 1 -2", 1);
-    assert!(matches!(error, LoadError::NegativeRadius { radius, .. } if radius == -2.0));
+    assert!(matches!(error, LoadError::OutOfRange { found, .. } if found == "-2"));
     assert!(parse("c 0 0 0 -1 0 0 1 0").is_ok());
 }
 

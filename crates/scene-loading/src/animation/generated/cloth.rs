@@ -7,7 +7,6 @@ use glam::DVec3;
 
 use crate::animation::generated::stage::{Frames, seconds};
 use crate::procedural::parts::{Z_UP, matte, stage, view};
-use crate::scene::{Primitive, Scene, Shape};
 
 /// Number of strips per row.
 const SLIMNESS: u32 = 16;
@@ -24,29 +23,22 @@ pub(super) fn frames(size: u32) -> Frames {
     let (rows, strips) = (size, SLIMNESS * size);
     Box::new(move |frame| {
         let mut scene = still.clone();
-        fill(&mut scene, material, [rows, strips], seconds(frame));
+        let time = seconds(frame);
+        let corners = (0..=rows).flat_map(|row| (0..=strips).map(move |strip| (row, strip)));
+        let vertices = corners.map(|(row, strip)| {
+            at(f64::from(strip) / f64::from(strips), f64::from(row) / f64::from(rows), time)
+        });
+        let squares = (0..rows).flat_map(|row| (0..strips).map(move |strip| (row, strip)));
+        let triangles = squares.flat_map(|(row, strip)| {
+            let a = row * (strips + 1) + strip;
+            let [b, c, d] = [a + 1, a + strips + 1, a + strips + 2];
+            [[a, c, d], [a, d, b]]
+        });
+        scene.vertices.reserve_exact((rows as usize + 1) * (strips as usize + 1));
+        scene.primitives.reserve_exact(2 * rows as usize * strips as usize);
+        scene.push_mesh(material, vertices, triangles);
         scene
     })
-}
-
-fn fill(scene: &mut Scene, material: u32, [rows, strips]: [u32; 2], time: f64) {
-    let corners = (0..=rows).flat_map(|row| (0..=strips).map(move |strip| (row, strip)));
-    scene.vertices = corners
-        .map(|(row, strip)| {
-            at(f64::from(strip) / f64::from(strips), f64::from(row) / f64::from(rows), time)
-        })
-        .collect();
-    let corner = |row: u32, strip: u32| row * (strips + 1) + strip;
-    scene.primitives = Vec::with_capacity(2 * rows as usize * strips as usize);
-    for row in 0..rows {
-        for strip in 0..strips {
-            let [a, b] = [corner(row, strip), corner(row, strip + 1)];
-            let [c, d] = [corner(row + 1, strip), corner(row + 1, strip + 1)];
-            for v in [[a, c, d], [a, d, b]] {
-                scene.primitives.push(Primitive { shape: Shape::Triangle { v }, material });
-            }
-        }
-    }
 }
 
 /// Position of a point of the cloth, from (0, 0) at the left end of the rod to (1, 1) at the lower

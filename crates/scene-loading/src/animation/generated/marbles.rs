@@ -40,8 +40,8 @@ pub(super) fn frames(size: u32) -> Frames {
     let mut course = Replay::new(first);
     Box::new(move |frame| {
         let balls = course.after(frame, |balls| (0..STEPS / RATE).for_each(|_| balls.step()));
-        let places = balls.turns.iter().zip(&balls.positions);
-        stage.placed(places.map(|(&turn, &at)| DAffine3::from_rotation_translation(turn, at)))
+        let place = |ball: &Ball| DAffine3::from_rotation_translation(ball.turn, ball.at);
+        stage.placed(balls.all.iter().map(place))
     })
 }
 
@@ -99,10 +99,15 @@ const FRICTION: f64 = 1.5;
 #[derive(Clone)]
 struct Balls {
     radius: f64,
-    positions: Vec<DVec3>,
-    turns: Vec<DQuat>,
-    velocities: Vec<DVec3>,
-    spins: Vec<DVec3>,
+    all: Vec<Ball>,
+}
+
+#[derive(Clone)]
+struct Ball {
+    at: DVec3,
+    turn: DQuat,
+    velocity: DVec3,
+    spin: DVec3,
 }
 
 impl Balls {
@@ -111,44 +116,34 @@ impl Balls {
         let radius = (0.14 / f64::from(count)).cbrt().min(0.25);
         let pitch = 2.2 * radius;
         let across = ((0.6 - radius).max(0.0) / pitch) as i64;
-        let mut positions = Vec::with_capacity(count as usize);
-        for layer in 0.. {
-            for (x, y) in (-across..=across).flat_map(|x| (-across..=across).map(move |y| (x, y))) {
-                if positions.len() == count as usize {
-                    break;
-                }
-                if x * x + y * y <= across * across {
-                    let i = positions.len() as u64;
-                    let place = DVec3::new(x as f64, y as f64, f64::from(layer));
-                    positions.push((place + 0.04 * stage::vector(i, 0)) * pitch);
-                }
-            }
-            if positions.len() == count as usize {
-                break;
-            }
-        }
-        let still = vec![DVec3::ZERO; positions.len()];
-        let turns = vec![DQuat::IDENTITY; positions.len()];
-        Self { radius, positions, turns, velocities: still.clone(), spins: still }
+        let row = move || -across..=across;
+        let places =
+            (0..).flat_map(|layer| row().flat_map(move |x| row().map(move |y| (x, y, layer))));
+        let places = places.filter(|(x, y, _)| x * x + y * y <= across * across);
+        let ball = |(i, (x, y, layer)): (u64, (i64, i64, u32))| {
+            let place = DVec3::new(x as f64, y as f64, f64::from(layer));
+            let at = (place + 0.04 * stage::vector(i, 0)) * pitch;
+            Ball { at, turn: DQuat::IDENTITY, velocity: DVec3::ZERO, spin: DVec3::ZERO }
+        };
+        Self { radius, all: (0..).zip(places).take(count as usize).map(ball).collect() }
     }
 
     fn step(&mut self) {
-        for (i, velocity) in self.velocities.iter_mut().enumerate() {
+        for Ball { at, turn, velocity, spin } in &mut self.all {
             velocity.z -= GRAVITY * STEP;
-            self.positions[i] += *velocity * STEP;
-            let spin = 0.5 * STEP * self.spins[i];
-            let turn = self.turns[i];
-            let change = DQuat::from_xyzw(spin.x, spin.y, spin.z, 0.0) * turn;
-            self.turns[i] = (turn + change).normalize();
+            *at += *velocity * STEP;
+            let spin = 0.5 * STEP * *spin;
+            let change = DQuat::from_xyzw(spin.x, spin.y, spin.z, 0.0) * *turn;
+            *turn = (*turn + change).normalize();
         }
         let pairs = self.near_pairs();
         for _ in 0..ROUNDS {
             for &[i, j] in &pairs {
                 self.part(i as usize, j as usize);
             }
-            for i in 0..self.positions.len() {
-                self.touch_bowl(i);
-                self.touch(i, DVec3::Z, self.radius - (self.positions[i].z + BOWL));
+            for ball in &mut self.all {
+                ball.touch_bowl(self.radius);
+                ball.touch(self.radius, DVec3::Z, self.radius - (ball.at.z + BOWL));
             }
         }
     }
@@ -158,7 +153,7 @@ impl Balls {
         let reach = 2.3 * self.radius;
         let cell = |p: DVec3| (p / reach).floor().to_array().map(|k| k as i64);
         let mut order: Vec<([i64; 3], u32)> =
-            self.positions.iter().zip(0..).map(|(&p, i)| (cell(p), i)).collect();
+            self.all.iter().zip(0..).map(|(ball, i)| (cell(ball.at), i)).collect();
         order.sort_unstable();
         let mut pairs = Vec::new();
         for &([x, y, z], i) in &order {
@@ -167,8 +162,8 @@ impl Balls {
                 let [low, high] = [z - 1, z + 1].map(|z| [x + dx, y + dy, z]);
                 let from = order.partition_point(|entry| entry.0 < low);
                 let column = order[from..].iter().take_while(|entry| entry.0 <= high);
-                let at = self.positions[i as usize];
-                let near = |j: u32| at.distance_squared(self.positions[j as usize]) < reach * reach;
+                let at = self.all[i as usize].at;
+                let near = |j: u32| at.distance_squared(self.all[j as usize].at) < reach * reach;
                 pairs.extend(column.filter(|entry| i < entry.1 && near(entry.1)).map(|e| [i, e.1]));
             }
         }
@@ -177,53 +172,54 @@ impl Balls {
 
     /// Two balls, where they touch.
     fn part(&mut self, i: usize, j: usize) {
-        let between = self.positions[j] - self.positions[i];
+        let Ok([a, b]) = self.all.get_disjoint_mut([i, j]) else { return };
+        let between = b.at - a.at;
         let distance = between.length();
         let overlap = 2.0 * self.radius - distance;
         if overlap <= 0.0 || distance == 0.0 {
             return;
         }
         let normal = between / distance;
-        self.positions[i] -= normal * (0.5 * overlap);
-        self.positions[j] += normal * (0.5 * overlap);
-        let closing = (self.velocities[i] - self.velocities[j]).dot(normal);
+        a.at -= normal * (0.5 * overlap);
+        b.at += normal * (0.5 * overlap);
+        let closing = (a.velocity - b.velocity).dot(normal);
         if closing > 0.0 {
             let impulse = normal * (0.5 * closing * (1.0 + bounce(closing)));
-            self.velocities[i] -= impulse;
-            self.velocities[j] += impulse;
+            a.velocity -= impulse;
+            b.velocity += impulse;
         }
     }
+}
 
-    /// A ball and the bowl, on whichever side of it the ball is.
-    fn touch_bowl(&mut self, i: usize) {
-        let p = self.positions[i];
-        let distance = p.length();
-        if p.z >= 0.0 || distance == 0.0 {
+impl Ball {
+    /// The ball and the bowl, on whichever side of it the ball is.
+    fn touch_bowl(&mut self, radius: f64) {
+        let distance = self.at.length();
+        if self.at.z >= 0.0 || distance == 0.0 {
             return;
         }
-        let out = p / distance;
+        let out = self.at / distance;
         if distance < BOWL {
-            self.touch(i, -out, distance + self.radius - BOWL);
+            self.touch(radius, -out, distance + radius - BOWL);
         } else {
-            self.touch(i, out, BOWL + self.radius - distance);
+            self.touch(radius, out, BOWL + radius - distance);
         }
     }
 
-    /// A ball and a surface, into which it is by an overlap, where that is positive.
-    fn touch(&mut self, i: usize, normal: DVec3, overlap: f64) {
+    /// The ball and a surface, into which it is by an overlap, where that is positive.
+    fn touch(&mut self, radius: f64, normal: DVec3, overlap: f64) {
         if overlap <= 0.0 {
             return;
         }
-        self.positions[i] += normal * overlap;
-        let velocity = self.velocities[i];
-        let closing = -velocity.dot(normal);
-        let along = (velocity + normal * closing) * (1.0 - FRICTION * STEP);
-        self.velocities[i] = if closing > 0.0 {
+        self.at += normal * overlap;
+        let closing = -self.velocity.dot(normal);
+        let along = (self.velocity + normal * closing) * (1.0 - FRICTION * STEP);
+        self.velocity = if closing > 0.0 {
             along + normal * (closing * bounce(closing))
         } else {
             along - normal * closing
         };
-        self.spins[i] = normal.cross(along) / self.radius;
+        self.spin = normal.cross(along) / radius;
     }
 }
 
@@ -240,18 +236,19 @@ mod tests {
     fn balls_end_in_the_bowl_beside_one_another() {
         for count in [1, 40, 300] {
             let mut balls = Balls::above_the_bowl(count);
-            assert_eq!(balls.positions.len(), count as usize);
+            assert_eq!(balls.all.len(), count as usize);
             for _ in 0..3 * STEPS {
                 balls.step();
             }
-            let within = balls.positions.iter().filter(|p| p.length() < BOWL + 0.01).count();
+            let within = balls.all.iter().filter(|ball| ball.at.length() < BOWL + 0.01).count();
             assert!(within * 10 >= count as usize * 9, "{within} of {count}");
             let deepest = (0..count as usize)
                 .flat_map(|i| (0..i).map(move |j| (i, j)))
-                .map(|(i, j)| balls.positions[i].distance(balls.positions[j]))
+                .map(|(i, j)| balls.all[i].at.distance(balls.all[j].at))
                 .fold(f64::INFINITY, f64::min);
             assert!(deepest > 1.7 * balls.radius, "{deepest} for {}", balls.radius);
-            let speed = balls.velocities.iter().map(|v| v.length()).sum::<f64>() / f64::from(count);
+            let speed =
+                balls.all.iter().map(|ball| ball.velocity.length()).sum::<f64>() / f64::from(count);
             assert!(speed < 0.7, "{speed}");
         }
     }

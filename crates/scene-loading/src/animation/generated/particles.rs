@@ -9,7 +9,6 @@ use glam::DVec3;
 
 use crate::animation::generated::stage::{self, Frames, Replay};
 use crate::procedural::parts::{Z_UP, matte, stage, view};
-use crate::scene::{Primitive, Shape};
 
 /// Steps of a frame, and their length in seconds.
 const STEPS: u32 = 4;
@@ -43,15 +42,10 @@ pub(super) fn frames(size: u32) -> Frames {
             }
         });
         let mut scene = still.clone();
-        scene.vertices =
-            particles.iter().flat_map(|&p| CORNERS.map(|corner| p + half * corner)).collect();
+        scene.vertices.reserve_exact(4 * particles.len());
         scene.primitives.reserve_exact(4 * particles.len());
-        for i in 0..particles.len() {
-            let material = kinds[i % kinds.len()];
-            let faces = FACES.map(|face| face.map(|corner| 4 * i as u32 + corner));
-            scene
-                .primitives
-                .extend(faces.map(|v| Primitive { shape: Shape::Triangle { v }, material }));
+        for (i, &p) in particles.iter().enumerate() {
+            scene.push_mesh(kinds[i % kinds.len()], CORNERS.map(|corner| p + half * corner), FACES);
         }
         scene
     })

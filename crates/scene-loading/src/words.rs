@@ -12,6 +12,8 @@ use crate::error::{FilePlace, LoadError, shortened};
 pub(crate) struct Word<'a> {
     pub text: &'a str,
     pub line: usize,
+    /// It stands in quotation marks, which are no part of its text.
+    pub is_quoted: bool,
 }
 
 impl Word<'_> {
@@ -21,22 +23,26 @@ impl Word<'_> {
     }
 }
 
-/// Splits a text at white space; `#` starts a comment that runs to the end of the line.
+/// Splits a text at white space; comments run to the end of the line.
 pub(crate) struct Words<'a> {
-    path: &'a Path,
+    pub path: &'a Path,
     rest: &'a str,
     line: usize,
     comments: &'static [char],
+    stops: &'static [u8],
+    is_unclosed: bool,
 }
 
 impl<'a> Words<'a> {
+    /// The words of a text in which `#` starts a comment, as in NFF.
     pub fn new(path: &'a Path, text: &'a str) -> Self {
-        Self { path, rest: text, line: 1, comments: &['#'] }
+        Self { path, rest: text, line: 1, comments: &['#'], stops: b"", is_unclosed: false }
     }
 
-    /// With other characters that start comments.
-    pub fn with_comments(self, comments: &'static [char]) -> Self {
-        Self { comments, ..self }
+    /// With other characters that start comments, and ASCII characters that end a word wherever
+    /// they stand and are a word of their own. A quotation mark among those begins a quoted word.
+    pub fn with_syntax(self, comments: &'static [char], stops: &'static [u8]) -> Self {
+        Self { comments, stops, ..self }
     }
 
     /// Bytes not yet read: an upper bound for what the file can still hold.
@@ -48,8 +54,9 @@ impl<'a> Words<'a> {
         FilePlace::line(self.path, line)
     }
 
-    /// The next word, left in place.
-    pub fn peek(&mut self) -> Option<Word<'a>> {
+    /// The next word, and the bytes that it takes. None from a quoted word on that its line does
+    /// not close.
+    fn scan(&mut self) -> Option<(Word<'a>, usize)> {
         loop {
             let (mut blanks, mut lines) = (0, 0);
             for b in self.rest.bytes().take_while(u8::is_ascii_whitespace) {
@@ -64,16 +71,42 @@ impl<'a> Words<'a> {
             }
             self.rest = text.find('\n').and_then(|end| text.get(end..)).unwrap_or("");
         }
-        let end = self.rest.bytes().position(|b| b.is_ascii_whitespace());
-        let word = self.rest.get(..end.unwrap_or(self.rest.len()))?;
-        (!word.is_empty()).then_some(Word { text: word, line: self.line })
+        let (text, line) = (self.rest, self.line);
+        let first = *text.as_bytes().first()?;
+        let is_stop = |b: u8| !self.stops.is_empty() && self.stops.contains(&b);
+        if first == b'"' && is_stop(first) {
+            let inner = text.get(1..)?;
+            let quoted = inner.lines().next().and_then(|line| line.split_once('"'));
+            let Some((text, _)) = quoted else {
+                (self.rest, self.is_unclosed) = ("", true);
+                return None;
+            };
+            return Some((Word { text, line, is_quoted: true }, text.len() + 2));
+        }
+        let end = text.bytes().position(|b| b.is_ascii_whitespace() || is_stop(b));
+        let length = if is_stop(first) { 1 } else { end.unwrap_or(text.len()) };
+        Some((Word { text: text.get(..length)?, line, is_quoted: false }, length))
+    }
+
+    /// The next word, left in place.
+    pub fn peek(&mut self) -> Option<Word<'a>> {
+        self.scan().map(|(word, _)| word)
     }
 
     /// Takes the next word.
     pub fn next(&mut self) -> Option<Word<'a>> {
-        let word = self.peek()?;
-        self.rest = self.rest.get(word.text.len()..).unwrap_or("");
+        let (word, length) = self.scan()?;
+        self.rest = self.rest.get(length..).unwrap_or("");
         Some(word)
+    }
+
+    /// Refuses a quoted word without an end.
+    pub fn check_closed(&self) -> Result<(), LoadError> {
+        if self.is_unclosed { Err(self.ended("the end of a quoted string")) } else { Ok(()) }
+    }
+
+    fn ended(&self, expected: impl Display) -> LoadError {
+        LoadError::unexpected_end(self.place(self.line), expected)
     }
 
     /// True when these two words come next, in any case, without a comment between them.
@@ -84,7 +117,9 @@ impl<'a> Words<'a> {
 
     /// The next word, whatever it is.
     pub fn any(&mut self, what: impl Display) -> Result<Word<'a>, LoadError> {
-        self.next().ok_or_else(|| LoadError::unexpected_end(self.place(self.line), what))
+        let word = self.next();
+        self.check_closed()?;
+        word.ok_or_else(|| self.ended(what))
     }
 
     /// Takes a word that must be this one, in any case.
