@@ -7,15 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::abi;
 
-/// Most settings of a plugin.
 const MOST_SETTINGS: u32 = 256;
 
-/// Description of a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
-    /// The name of its row.
     pub name: String,
-    /// Its version, as it says.
     pub version: String,
     pub summary: String,
     /// It has a query of its own for shadow rays.
@@ -33,7 +29,6 @@ pub struct Description {
     pub settings: Vec<SettingDescription>,
 }
 
-/// One setting of a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SettingDescription {
     pub name: String,

@@ -14,10 +14,10 @@
 )]
 
 pub mod abi;
-pub mod description;
+mod description;
 pub mod files;
-pub mod instance;
-pub mod library;
+mod instance;
+mod library;
 #[cfg(unix)]
 mod memory_watch;
 mod near_rays;
@@ -34,5 +34,6 @@ mod tracer;
 mod wire;
 
 pub use library::PluginError;
-pub use registry::{Options, entry};
+pub use registry::entry;
 pub use serve::serve;
+pub use wire::Options;
