@@ -19,7 +19,6 @@ pub struct Image {
     pub pixels: Vec<[f64; 3]>,
 }
 
-/// A kind of image file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageFormat {
     /// 8 bits per channel, clamped to [0, 1], in the sRGB transfer function.

@@ -41,7 +41,6 @@ pub struct EffectInfo {
     pub called_by: fn(&Scene, &RenderSettings) -> Option<String>,
 }
 
-/// Every effect.
 pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::HardShadows,
@@ -212,7 +211,6 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// The numbers for a scene.
     pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
         let (typed, wished) = (settings.samples, scene.samples);
         let number = |typed: Option<u32>, wished: Option<u32>, default: u32| {

@@ -63,7 +63,6 @@ impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH
 pub struct Lobe {
     /// Rays at the first rough mirror of a path.
     pub samples: u32,
-    /// Seed of the directions.
     pub seed: u64,
 }
 

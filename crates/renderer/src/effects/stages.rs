@@ -30,7 +30,6 @@ pub struct EyeRay {
     pub direction: DVec3,
     /// The path that it is a part of.
     pub origin: Origin,
-    /// Its share of the pixel.
     pub share: f64,
 }
 
@@ -79,7 +78,6 @@ pub struct RayCounts {
 }
 
 impl RayCounts {
-    /// Rays of a kind.
     pub fn kind(&self, kind: RayKind) -> u64 {
         self.kinds[kind as usize]
     }
@@ -94,12 +92,10 @@ impl RayCounts {
         self.kinds.iter().sum()
     }
 
-    /// `n` more rays of a kind.
     pub fn add_kind(&mut self, kind: RayKind, n: usize) {
         self.kinds[kind as usize] += n as u64;
     }
 
-    /// `n` more rays of an effect.
     pub fn add_effect(&mut self, effect: Effect, n: usize) {
         self.effects[effect as usize] += n as u64;
     }
@@ -139,7 +135,6 @@ pub trait HitStage: Send + Sync {
 pub trait LightStage: Send + Sync {
     /// Shadow rays per hit, at most.
     fn rays_per_hit(&self) -> usize;
-    /// The shadow rays of some hits.
     fn shadow_rays(
         &self,
         place: WavePosition,
@@ -162,13 +157,11 @@ pub trait ScatterStage: Send + Sync {
 
 /// The stages of an image; what is `None` or empty is not there.
 pub struct Stages<'a> {
-    /// Rays from the eye.
     pub eye: Box<dyn EyeStage>,
     /// Rays that an eye ray may become at once: bounds the size of waves.
     pub fan_out: u32,
     /// Corrections of hits, in order.
     pub hits: Vec<Box<dyn HitStage + 'a>>,
-    /// Light, if there is any.
     pub lights: Option<Box<dyn LightStage>>,
     /// Reflection and refraction, if anything does either.
     pub scatter: Option<Box<dyn ScatterStage>>,

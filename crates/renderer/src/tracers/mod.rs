@@ -20,7 +20,6 @@ use whitted::{TracedRow, Whitted};
 /// Every tracer: one line each.
 pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO, &beam::INFO];
 
-/// The tracer of that name.
 pub fn find(name: &str) -> Option<&'static TracerInfo> {
     TRACERS.iter().find(|t| t.name == name).copied()
 }

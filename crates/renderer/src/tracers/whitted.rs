@@ -116,7 +116,6 @@ impl<'a> Whitted<'a> {
         }
     }
 
-    /// Rows of the image.
     pub fn rows(&self) -> u32 {
         self.grid[1]
     }
@@ -283,7 +282,6 @@ impl<'a> Whitted<'a> {
         next
     }
 
-    /// A ray that leaves a surface.
     fn secondary_ray<S: Buildable>(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Ray<S> {
         let mut ray: Ray<S> = self.offset.along(&hit.point, direction);
         ray.time = S::from_f64(hit.origin.time);

@@ -31,11 +31,9 @@ pub struct BeamPart {
 /// Result of a beam that meets glass.
 #[derive(Debug, Clone)]
 pub enum BendOutcome {
-    /// It goes through, as this one.
     Through(Box<Pyramid>),
     /// It would go along the surface, without a volume.
     Flat,
-    /// It is reflected totally.
     Totally,
 }
 

@@ -49,9 +49,7 @@ pub struct ConvexPolygon {
 /// Result of cutting a piece by a line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CutSide {
-    /// All of it lies inside.
     Inside,
-    /// All of it lies outside.
     Outside,
     /// The part inside and the part outside.
     Both(ConvexPolygon, ConvexPolygon),

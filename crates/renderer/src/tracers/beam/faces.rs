@@ -52,7 +52,6 @@ impl Faces {
         this
     }
 
-    /// The faces of a primitive.
     pub fn of_primitive(&self, id: u32) -> &[Face] {
         let [begin, end] = [id as usize, id as usize + 1]
             .map(|i| self.first.get(i).map_or(self.faces.len(), |&f| f as usize));

@@ -32,7 +32,6 @@ pub enum Relation {
     Disjoint,
     /// It may cover a part of it.
     Partial,
-    /// It covers all of it.
     Covers,
 }
 

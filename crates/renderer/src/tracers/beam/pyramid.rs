@@ -32,7 +32,6 @@ pub struct Plane {
     pub depth: Affine,
 }
 
-/// The pyramid of a beam.
 #[derive(Debug, Clone)]
 pub struct Pyramid {
     apex: DVec3,

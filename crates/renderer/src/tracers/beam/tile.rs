@@ -31,7 +31,6 @@ pub struct CoveredArea {
     pub lit: f64,
 }
 
-/// A beam on its way.
 struct Beam {
     pyramid: Pyramid,
     piece: ConvexPolygon,
@@ -79,7 +78,6 @@ impl<'a> Tile<'a> {
         self.covered.as_deref().unwrap_or_default()
     }
 
-    /// Traces all its beams.
     pub fn trace(&mut self, candidates: &mut Candidates) {
         candidates.work = FrustumWork::default();
         let [u, v, d] = self.on.eye.frame();
@@ -286,7 +284,6 @@ impl<'a> Tile<'a> {
         self.record(beam, piece, id, share, 1.0);
     }
 
-    /// Notes what is seen in a piece.
     fn record(&mut self, beam: &Beam, piece: &ConvexPolygon, id: Option<u32>, seen: f64, lit: f64) {
         if self.covered.is_none() {
             return;

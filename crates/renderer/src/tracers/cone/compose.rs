@@ -27,7 +27,6 @@ pub struct Fragment {
     pub coverage: Coverage,
 }
 
-/// A surface that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisibleSurface {
     /// Index into the fragments.
@@ -38,7 +37,6 @@ pub struct VisibleSurface {
     pub centroid: DVec2,
 }
 
-/// Surfaces visible to a cone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Composition {
     /// From front to back. The shares are at most 1 together; the rest is background.

@@ -130,6 +130,7 @@ fn segment(distance: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracers::cone::coverage::Outline;
 
     /// Share and centroid by counting the cells of a fine grid.
     fn counted(holds: impl Fn(DVec2) -> bool) -> (f64, DVec2) {
@@ -147,17 +148,6 @@ mod tests {
             }
         }
         (f64::from(inside) / f64::from(all), sum / f64::from(inside.max(1)))
-    }
-
-    fn is_inside(corners: &[DVec2], p: DVec2) -> bool {
-        let mut inside = false;
-        for (i, a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
-            if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) {
-                inside = !inside;
-            }
-        }
-        inside
     }
 
     fn agrees(found: Overlap, (share, centroid): (f64, DVec2), planted: f64) -> bool {
@@ -178,7 +168,8 @@ mod tests {
             &[v(-0.9, -0.9), v(0.9, -0.9), v(0.9, 0.9), v(0.0, -0.7), v(-0.9, 0.9)],
         ];
         for corners in outlines {
-            let expected = counted(|p| is_inside(corners, p));
+            let outline = Outline::Polygon(corners.to_vec());
+            let expected = counted(|p| outline.covers(p));
             assert!(agrees(of_polygon(corners), expected, 1.0), "{corners:?} {expected:?}");
             assert!(!agrees(of_polygon(corners), expected, 1.1), "no power: {expected:?}");
         }

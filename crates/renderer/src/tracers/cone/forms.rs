@@ -51,7 +51,6 @@ impl Forms {
         self.clear[id as usize]
     }
 
-    /// Returns whether the primitive is flat.
     pub fn is_flat(&self, id: u32) -> bool {
         matches!(self.forms[id as usize], Form::Flat(_))
     }

@@ -18,7 +18,6 @@ use crate::surface::{reflect, refract};
 /// Cones that spread more than this are cut into four: half an angle of 27 degrees.
 const WIDE: f64 = 0.5;
 
-/// A bundle on its way.
 enum Bundle {
     Ray(Ray<f64>),
     Cone(Cone, Option<DepartedSurface>),
