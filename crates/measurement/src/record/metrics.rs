@@ -109,7 +109,6 @@ impl Metric {
     }
 }
 
-/// The metric of that name.
 pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
     let names = || METRICS.iter().map(|m| m.name);
     let found = METRICS.iter().find(|m| m.name == name);
