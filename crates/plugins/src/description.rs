@@ -23,7 +23,6 @@ pub struct Description {
     /// It computes on a device: calls are timed by time of day, and have whole batches.
     #[serde(default)]
     pub on_device: bool,
-    /// It answers in f64, too.
     pub has_f64: bool,
     /// Settings that users can change.
     pub settings: Vec<SettingDescription>,
@@ -34,14 +33,11 @@ pub struct SettingDescription {
     pub name: String,
     pub summary: String,
     pub initial: String,
-    /// Valid values of the setting.
     pub kind: SettingKind,
 }
 
-/// Valid values of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SettingKind {
-    /// Integers of a closed range.
     Integer(u64, u64),
     /// Numbers of a closed range.
     Real(f64, f64),

@@ -222,7 +222,6 @@ impl<S: PluginScalar, H> Instance<S, H> {
         }
     }
 
-    /// Turns counting on or off.
     pub fn count(&self, on: bool) {
         if let Some(count) = self.functions().count {
             // SAFETY: by rtbench.h

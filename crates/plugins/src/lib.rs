@@ -18,11 +18,11 @@ mod description;
 pub mod files;
 mod instance;
 mod library;
-#[cfg(unix)]
+#[cfg_attr(not(unix), allow(dead_code))]
 mod memory_watch;
 mod near_rays;
 mod registry;
-#[cfg_attr(not(unix), path = "no_remote.rs")]
+#[cfg_attr(not(unix), allow(dead_code, unused_imports))]
 mod remote;
 #[cfg_attr(not(unix), allow(dead_code, unused_imports))]
 mod serve;

@@ -5,7 +5,6 @@
 //! is refused.
 
 use std::io::{self, BufReader, Read};
-use std::os::unix::net::{UnixListener, UnixStream};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -21,7 +20,7 @@ use crate::memory_watch::MemoryWatch;
 use crate::shared::{SharedSegment, folder};
 use crate::stopwatch::CallTime;
 use crate::wire::{
-    BuildReply, Launch, Order, Reply, Request, SegmentContent, SharedParts, receive, send,
+    BuildReply, Launch, Order, Reply, Request, SegmentContent, SharedParts, Stream, receive, send,
 };
 
 /// Time limit for the start of a process.
@@ -44,7 +43,7 @@ const HEAP_TUNABLES: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1")
 /// A running process with a plugin.
 pub(crate) struct Remote {
     process: Child,
-    stream: BufReader<UnixStream>,
+    stream: BufReader<Stream>,
     limit: Duration,
     parts: SharedParts,
     said: Arc<Mutex<Vec<u8>>>,
@@ -54,13 +53,19 @@ pub(crate) struct Remote {
 }
 
 impl Remote {
+    #[cfg(not(unix))]
+    pub(crate) fn start(_: &Launch) -> Result<Self, String> {
+        Err("plugins run in separate processes on Unix only".into())
+    }
+
     /// Starts a process; the words of the error say why there is none.
+    #[cfg(unix)]
     pub(crate) fn start(launch: &Launch) -> Result<Self, String> {
         let cannot = |e: io::Error| format!("its process cannot be started: {e}");
         let place =
             tempfile::Builder::new().prefix("rtbench-").tempdir_in(folder()).map_err(cannot)?;
         let socket = place.path().join("socket");
-        let listener = UnixListener::bind(&socket).map_err(cannot)?;
+        let listener = std::os::unix::net::UnixListener::bind(&socket).map_err(cannot)?;
         listener.set_nonblocking(true).map_err(cannot)?;
         let mut process = Command::new(&launch.options.program);
         if std::env::var_os(HEAP_TUNABLES.0).is_none() {
@@ -113,7 +118,6 @@ impl Remote {
         self.failure.as_deref()
     }
 
-    /// Asks for the description of the plugin.
     pub(crate) fn describe(&mut self) -> Result<Description, String> {
         match self.ask(&Request::Describe, "describing itself")? {
             Reply::Description(description) => Ok(*description),
@@ -122,7 +126,6 @@ impl Remote {
         }
     }
 
-    /// Builds over those triangles.
     pub(crate) fn build<S: PluginScalar>(
         &mut self,
         set: &TriangleSet<S>,
@@ -185,7 +188,7 @@ impl Remote {
         Ok(took)
     }
 
-    /// Asks for answers, in the place of those that are there before.
+    /// Asks for answers; `before` has what counts where none is written.
     fn trace<S: PluginScalar, A: Pod>(
         &mut self,
         query: Query,
@@ -206,7 +209,6 @@ impl Remote {
         Ok((took, self.part_of(SegmentContent::Answers, count)?))
     }
 
-    /// Turns counting on or off.
     pub(crate) fn count(&mut self, on: bool) -> Result<(), String> {
         self.done(&Request::Count { on }, "turning counting on or off").map(|_| ())
     }
@@ -218,7 +220,6 @@ impl Remote {
         }
     }
 
-    /// Destroys what was built.
     pub(crate) fn destroy(&mut self) -> Result<(), String> {
         self.done(&Request::Destroy, "destroying what it built").map(|_| ())
     }

@@ -25,7 +25,6 @@ trait Served {
 
     fn stats(&self) -> Stats;
 
-    /// Turns counting on or off.
     fn count(&self, on: bool);
 }
 

@@ -14,6 +14,13 @@ use crate::instance::{Query, Stats};
 use crate::shared::SharedSegment;
 use crate::stopwatch::CallTime;
 
+/// The way from parent to child.
+#[cfg(unix)]
+pub(crate) type Stream = std::os::unix::net::UnixStream;
+/// Elsewhere no process of a plugin is started.
+#[cfg(not(unix))]
+pub(crate) type Stream = std::net::TcpStream;
+
 /// Settings for running plugins.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -65,7 +72,6 @@ pub(crate) enum SegmentContent {
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Request {
-    /// Asks for the description of the plugin.
     Describe,
     /// To map a file, in place of the one before.
     Map {
@@ -89,7 +95,6 @@ pub(crate) enum Request {
     },
     Stats,
     Nothing,
-    /// To destroy what was built.
     Destroy,
 }
 
@@ -97,7 +102,6 @@ pub(crate) enum Request {
 pub(crate) enum Reply {
     /// It is done, and what the call of the plugin took.
     Done(CallTime),
-    /// Asks for the description of the plugin.
     Description(Box<Description>),
     Stats(Stats),
     /// It is not done.
