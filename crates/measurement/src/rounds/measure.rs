@@ -17,7 +17,7 @@ use crate::rays::batches::{Answers, BatchSet};
 use crate::record::{RowRecord, Sample, Verdict};
 use crate::rounds::interleaved::{Visit, interleaved, round_order};
 use crate::rounds::scope::{Laps, RowLog, Scope};
-use crate::system::clock::{Clock, timed};
+use crate::system::clock::timed;
 use crate::system::interrupt;
 use crate::system::panics::caught;
 
@@ -44,63 +44,50 @@ pub fn measure<S: Buildable>(
     deadline: Option<Duration>,
     log: &dyn RowLog,
 ) {
-    let schedule = Schedule::of(scope, checked, baseline, deadline);
-    let made = schedule.rounds(scope, checked, log);
-    made.keep_whole(&schedule, checked);
-    schedule.images(scope, checked, &made, log);
+    let plan = scope.plan;
+    let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
+    let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
+    let (at_least, deadline) = match plan.processes {
+        0 | 1 => (plan.rounds.at_least(), deadline),
+        // fresh processes time the rows; here they are asked once
+        _ => (1, None),
+    };
+    let schedule = Schedule { scope, log, baseline, strides, rows, at_least, deadline };
+    let times = schedule.rounds(checked);
+    times.keep_whole(&schedule.strides, checked);
+    schedule.images(checked, &times);
 }
 
 /// The rows to time, the rays of each, and the number of rounds.
-struct Schedule {
+struct Schedule<'s, 'a, 'r, S: Buildable> {
+    scope: &'s Scope<'a, 'r, S>,
+    log: &'s dyn RowLog,
     baseline: usize,
     /// Stride of the rays of each row of the plan; `None` for rows that are not timed.
     strides: Vec<Option<usize>>,
     rows: Vec<usize>,
-    first_round: usize,
     at_least: usize,
     /// End of the time in which rounds beyond `at_least` begin; `None` without a budget.
     deadline: Option<Duration>,
 }
 
-struct MadeRounds {
+struct RoundTimes {
     /// The reference's seconds on each sample of rays, by round.
     of_reference: Vec<BTreeMap<usize, Seconds>>,
     /// The round that a signal interrupted: some rows lack it.
     interrupted: Option<usize>,
 }
 
-impl Schedule {
-    fn of<S: Buildable>(
-        scope: &Scope<'_, '_, S>,
-        checked: &[RowCheck],
-        baseline: usize,
-        deadline: Option<Duration>,
-    ) -> Self {
-        let plan = scope.plan;
-        let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
-        let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
-        let (at_least, deadline) = match plan.processes {
-            0 | 1 => (plan.rounds.at_least(), deadline),
-            // fresh processes time the rows; here they are asked once
-            _ => (1, None),
-        };
-        let first_round = plan.process.first_round;
-        Self { baseline, strides, rows, first_round, at_least, deadline }
-    }
-
+impl<S: Buildable> Schedule<'_, '_, '_, S> {
     /// Returns whether another round begins after `rounds` of them.
-    fn goes_on(&self, rounds: usize, clock: &dyn Clock) -> bool {
-        let has_time = || self.deadline.is_some_and(|deadline| clock.now() < deadline);
+    fn goes_on(&self, rounds: usize) -> bool {
+        let has_time = || self.deadline.is_some_and(|deadline| self.scope.clock.now() < deadline);
         rounds < self.at_least || (rounds < MOST_ROUNDS && has_time())
     }
 
-    fn rounds<S: Buildable>(
-        &self,
-        scope: &Scope<'_, '_, S>,
-        checked: &mut [RowCheck],
-        log: &dyn RowLog,
-    ) -> MadeRounds {
-        let (plan, first) = (scope.plan, self.first_round);
+    fn rounds(&self, checked: &mut [RowCheck]) -> RoundTimes {
+        let Self { scope, log, .. } = self;
+        let (plan, first) = (scope.plan, scope.plan.process.first_round);
         let mut subsamples = thinned(scope, &self.strides);
         let mut of_reference = Vec::new();
         let interrupted = Cell::new(None);
@@ -108,7 +95,7 @@ impl Schedule {
             if round > first && plan.processes == 1 {
                 interrupt::let_rounds_end();
             }
-            interrupted.get().is_none() && self.goes_on(round - first, scope.clock)
+            interrupted.get().is_none() && self.goes_on(round - first)
         };
         let visit = |Visit { round, position, row }: Visit| {
             if interrupt::is_stopping() {
@@ -146,26 +133,21 @@ impl Schedule {
         interleaved(first, self.rows.len(), seed, scene, goes_on, visit);
         interrupt::rounds_ended();
         log.rows_passed();
-        MadeRounds { of_reference, interrupted: interrupted.get() }
+        RoundTimes { of_reference, interrupted: interrupted.get() }
     }
 
     /// Times the whole image of each row that is fast enough for it.
-    fn images<S: Buildable>(
-        &self,
-        scope: &Scope<'_, '_, S>,
-        checked: &mut [RowCheck],
-        made: &MadeRounds,
-        log: &dyn RowLog,
-    ) {
+    fn images(&self, checked: &mut [RowCheck], times: &RoundTimes) {
+        let Self { scope, log, .. } = self;
         let plan = scope.plan;
-        let (rounds, scene) = (made.of_reference.len(), &scope.stage.scene.name);
+        let (rounds, scene) = (times.of_reference.len(), &scope.stage.scene.name);
         for i in round_order(plan.seed, scene, rounds, self.rows.len()) {
             let row = self.rows[i];
             let (planned, RowCheck { record, full_pass_s }) = (&plan.rows[row], &mut checked[row]);
             let seconds = *full_pass_s / plan.threads as f64;
             // an image would be timed with the way to its process and back
             let is_cheap = seconds <= plan.limits.render_pass && record.plugin.is_none();
-            let is_whole = made.interrupted.is_none();
+            let is_whole = times.interrupted.is_none();
             if is_whole && is_cheap && !planned.is_sampled() && record.verdict.is_timed() {
                 log.row_begins(&planned.label());
                 match caught(|| render_once(scope, planned)) {
@@ -184,12 +166,12 @@ fn fail(record: &mut RowRecord, why: String) {
     (record.verdict, record.error) = (Verdict::Panicked, Some(why));
 }
 
-impl MadeRounds {
+impl RoundTimes {
     /// Drops the samples of an interrupted round. Adds to the others the seconds of the reference
     /// on the same rays in the same round.
-    fn keep_whole(&self, schedule: &Schedule, checked: &mut [RowCheck]) {
+    fn keep_whole(&self, strides: &[Option<usize>], checked: &mut [RowCheck]) {
         let whole = self.interrupted.unwrap_or(usize::MAX);
-        for (RowCheck { record, .. }, stride) in checked.iter_mut().zip(&schedule.strides) {
+        for (RowCheck { record, .. }, stride) in checked.iter_mut().zip(strides) {
             let Some(stride) = stride else { continue };
             record.samples.retain(|sample| (sample.round as usize) < whole);
             for sample in &mut record.samples {
