@@ -42,7 +42,6 @@ impl ImageFormat {
     }
 }
 
-/// An image that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot write the image: {source}", path.display())]
 pub struct ImageError {

@@ -71,7 +71,6 @@ pub struct RaySettings {
     pub offset: OffsetRule,
     /// Also make the diffuse bounce set.
     pub diffuse: bool,
-    /// Seed of the diffuse directions.
     pub seed: u64,
     pub shadows: ShadowRays,
 }

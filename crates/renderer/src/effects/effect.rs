@@ -5,9 +5,7 @@ use scene_loading::{Material, SampleWishes, Scene, Shape};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
-    /// Shadows of point lights.
     HardShadows,
-    /// Shadows of lights with an extent.
     SoftShadows,
     Mirror,
     /// Reflection by rough mirrors.
@@ -30,7 +28,6 @@ impl Effect {
     pub const COUNT: usize = 10;
 }
 
-/// Registry line of an effect.
 #[derive(Debug)]
 pub struct EffectInfo {
     pub effect: Effect,
@@ -183,7 +180,6 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// Numbers of samples that replace those of the scene.
     pub samples: SampleWishes,
-    /// Seed of all sample patterns.
     pub seed: u64,
 }
 

@@ -93,7 +93,6 @@ impl EffectPlan {
         self.called.iter().any(|called| called.info.effect == effect)
     }
 
-    /// The settings it was made for.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
     }

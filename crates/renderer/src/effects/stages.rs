@@ -56,7 +56,6 @@ pub struct ShadowRay {
     pub light: Rgb,
 }
 
-/// A ray that a hit sends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScatteredRay {
     /// Index of the hit it starts at, within the wave.
@@ -112,11 +111,12 @@ impl std::ops::AddAssign for RayCounts {
     }
 }
 
-/// Position of a wave: row of the image, and depth (1 for hits of eye rays).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct WavePosition {
+/// Hits of a row of the image, of one depth: 1 for hits of eye rays.
+#[derive(Debug, Clone, Copy)]
+pub struct Wave<'h> {
     pub y: u32,
     pub depth: u32,
+    pub hits: &'h [SurfaceHit<'h>],
 }
 
 /// Makes the rays of pixels.
@@ -128,31 +128,18 @@ pub trait EyeStage: Send + Sync {
 
 /// Corrects what hits look like.
 pub trait HitStage: Send + Sync {
-    /// Changes the hits of a wave.
     fn apply(&self, hits: &mut [SurfaceHit<'_>]);
 }
 
 pub trait LightStage: Send + Sync {
     /// Shadow rays per hit, at most.
     fn rays_per_hit(&self) -> usize;
-    fn shadow_rays(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ShadowRay>,
-        counts: &mut RayCounts,
-    );
+    fn shadow_rays(&self, wave: Wave<'_>, out: &mut Vec<ShadowRay>, counts: &mut RayCounts);
 }
 
 pub trait ScatterStage: Send + Sync {
     /// The reflected and refracted rays of a wave.
-    fn scatter(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ScatteredRay>,
-        counts: &mut RayCounts,
-    );
+    fn scatter(&self, wave: Wave<'_>, out: &mut Vec<ScatteredRay>, counts: &mut RayCounts);
 }
 
 /// The stages of an image; what is `None` or empty is not there.

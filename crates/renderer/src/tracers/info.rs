@@ -67,7 +67,6 @@ pub struct Frame {
     pub max_depth: u32,
 }
 
-/// An image by cones or beams.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnImage {
     pub image: Image,

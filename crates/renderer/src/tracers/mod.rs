@@ -17,7 +17,6 @@ pub use info::{DrawnImage, Frame, Refusal, Structures, TracerInfo};
 use crate::rays::{RayBatches, RaySettings};
 use whitted::{TracedRow, Whitted};
 
-/// Every tracer: one line each.
 pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO, &beam::INFO];
 
 pub fn find(name: &str) -> Option<&'static TracerInfo> {

@@ -61,8 +61,7 @@ impl Faces {
 
 /// A concave polygon as convex parts between its own corners.
 fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
-    let corner = |i: u32| outline.get(i as usize).copied().unwrap_or_default();
-    let at = |part: &[u32]| part.iter().map(|&i| corner(i)).collect::<Vec<DVec3>>();
+    let at = |part: &[u32]| part.iter().map(|&i| outline[i as usize]).collect::<Vec<DVec3>>();
     let mut parts: Vec<Vec<u32>> = Vec::new();
     for triangle in triangulate(outline).unwrap_or_default() {
         let joined = parts.iter().enumerate().find_map(|(number, part)| {
@@ -70,11 +69,7 @@ fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
             is_convex(&at(&joined)).then_some((number, joined))
         });
         match joined {
-            Some((number, joined)) => {
-                if let Some(part) = parts.get_mut(number) {
-                    *part = joined;
-                }
-            }
+            Some((number, joined)) => parts[number] = joined,
             None => parts.push(triangle.to_vec()),
         }
     }
@@ -108,14 +103,10 @@ pub fn crossing_outlines(scene: &Scene) -> usize {
             return false;
         }
         let twice = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a);
-        let corner = |i: u32| outline.get(i as usize).copied().unwrap_or_default();
-        let parts = triangulate(outline).unwrap_or_default().into_iter().map(|t| t.map(corner));
-        let sum: f64 = parts.map(|[a, b, c]| twice(a, b, c).length()).sum();
-        let Some(&first) = outline.first() else { return false };
-        let whole: DVec3 = outline
-            .windows(2)
-            .filter_map(|w| if let [a, b] = *w { Some(twice(first, a, b)) } else { None })
-            .sum();
+        let parts = triangulate(outline).unwrap_or_default().into_iter();
+        let corners = parts.map(|triangle| triangle.map(|i| outline[i as usize]));
+        let sum: f64 = corners.map(|[a, b, c]| twice(a, b, c).length()).sum();
+        let whole: DVec3 = outline.windows(2).map(|w| twice(outline[0], w[0], w[1])).sum();
         (sum - whole.length()).abs() > AREA_TOLERANCE * sum
     };
     polygons.filter(|p| crosses(&scene.outline(p.shape))).count()
@@ -125,10 +116,7 @@ pub fn crossing_outlines(scene: &Scene) -> usize {
 fn is_convex(outline: &[DVec3]) -> bool {
     let normal = newell_normal(outline);
     let n = outline.len();
-    let edge = |i: usize| match (outline.get(i % n), outline.get((i + 1) % n)) {
-        (Some(&a), Some(&b)) => b - a,
-        _ => DVec3::ZERO,
-    };
+    let edge = |i: usize| outline[(i + 1) % n] - outline[i];
     let edges: Vec<DVec3> = (0..n).map(edge).filter(|e| *e != DVec3::ZERO).collect();
     let mut turned = 0.0;
     for (a, b) in edges.iter().zip(edges.iter().cycle().skip(1)) {
