@@ -10,6 +10,8 @@ use glam::DVec3;
 use scene_loading::tessellate::triangulate;
 use scene_loading::{Scene, Shape};
 
+use super::convex::edges;
+
 /// A turn of an outline counts as one to the other side beyond this sine.
 const STRAIGHT: f64 = 1e-12;
 
@@ -78,8 +80,7 @@ fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
 
 /// A part with a triangle added where they have an edge in common.
 fn joined(part: &[u32], [a, b, c]: [u32; 3]) -> Option<Vec<u32>> {
-    let edges = part.iter().zip(part.iter().cycle().skip(1));
-    for (place, (&from, &to)) in edges.enumerate() {
+    for (place, (from, to)) in edges(part).enumerate() {
         let third = match (from, to) {
             edge if edge == (b, a) => c,
             edge if edge == (c, b) => a,
@@ -115,12 +116,11 @@ pub fn crossing_outlines(scene: &Scene) -> usize {
 /// True when the outline turns one way only, and once.
 fn is_convex(outline: &[DVec3]) -> bool {
     let normal = newell_normal(outline);
-    let n = outline.len();
-    let edge = |i: usize| outline[(i + 1) % n] - outline[i];
-    let edges: Vec<DVec3> = (0..n).map(edge).filter(|e| *e != DVec3::ZERO).collect();
+    let ways = edges(outline).map(|(a, b)| b - a).filter(|way| *way != DVec3::ZERO);
+    let ways: Vec<DVec3> = ways.collect();
     let mut turned = 0.0;
-    for (a, b) in edges.iter().zip(edges.iter().cycle().skip(1)) {
-        let (sin, cos) = (a.cross(*b).dot(normal), a.dot(*b));
+    for (a, b) in edges(&ways) {
+        let (sin, cos) = (a.cross(b).dot(normal), a.dot(b));
         if sin < -STRAIGHT * a.length() * b.length() {
             return false;
         }

@@ -143,20 +143,6 @@ impl Cone {
 }
 
 #[cfg(test)]
-impl Cone {
-    /// The share of its rays that meet something.
-    pub fn share_of_rays(&self, meets: impl Fn(DVec2) -> bool) -> f64 {
-        let n = 200;
-        let places = (0..n * n).map(|i| {
-            (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) * (2.0 / f64::from(n)) - 1.0
-        });
-        let within: Vec<DVec2> = places.filter(|p| p.length_squared() < 1.0).collect();
-        let hit = within.iter().filter(|&&place| meets(place)).count();
-        hit as f64 / within.len() as f64
-    }
-}
-
-#[cfg(test)]
 mod tests {
     use super::*;
 

@@ -128,13 +128,12 @@ fn segment(distance: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::tracers::cone::coverage::Outline;
 
-    /// Share and centroid by counting the cells of a fine grid.
-    fn counted(holds: impl Fn(DVec2) -> bool) -> (f64, DVec2) {
-        let n = 600;
+    /// Share and centroid by counting the cells of a grid of `n` by `n`.
+    pub fn counted(n: u32, holds: impl Fn(DVec2) -> bool) -> (f64, DVec2) {
         let (mut all, mut inside, mut sum) = (0, 0, DVec2::ZERO);
         for i in 0..n * n {
             let cell = DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5;
@@ -169,7 +168,7 @@ mod tests {
         ];
         for corners in outlines {
             let outline = Outline::Polygon(corners.to_vec());
-            let expected = counted(|p| outline.covers(p));
+            let expected = counted(600, |p| outline.covers(p));
             assert!(agrees(of_polygon(corners), expected, 1.0), "{corners:?} {expected:?}");
             assert!(!agrees(of_polygon(corners), expected, 1.1), "no power: {expected:?}");
         }
@@ -181,7 +180,7 @@ mod tests {
             (0.0, 40.1, 40.0),
         ] {
             let center = v(x, y);
-            let expected = counted(|p| p.distance(center) <= radius);
+            let expected = counted(600, |p| p.distance(center) <= radius);
             let found = of_disc(center, radius);
             assert!(agrees(found, expected, 1.0), "{center} {radius}: {found:?} {expected:?}");
         }
