@@ -129,6 +129,5 @@ impl<S: Buildable> RayBatches<S> {
         for (all, more) in self.batches.iter_mut().zip(&mut other.batches) {
             all.append(more);
         }
-        self.total_internal_reflections += other.total_internal_reflections;
     }
 }

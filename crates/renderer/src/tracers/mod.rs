@@ -35,8 +35,9 @@ pub fn generate_rays<S: Buildable>(
     let rows: Vec<TracedRow<S>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
     let mut all = RayBatches::default();
-    for rays in rows.into_iter().filter_map(|row| row.rays) {
-        all.append(rays);
+    for row in rows {
+        all.total_internal_reflections += row.counts.total_internal_reflections;
+        all.append(row.rays.unwrap_or_default());
     }
     all
 }

@@ -276,7 +276,6 @@ impl<S: Buildable> PixelGroup<'_, '_, S> {
         let Some(stage) = &self.on.stages.scatter else { return Vec::new() };
         let row = &mut *self.row;
         let mut scattered = Vec::<ScatteredRay>::new();
-        let internal = row.counts.total_internal_reflections;
         stage.scatter(wave, &mut scattered, &mut row.counts);
         let mut next = Vec::with_capacity(scattered.len());
         for s in &scattered {
@@ -290,7 +289,6 @@ impl<S: Buildable> PixelGroup<'_, '_, S> {
             for (s, path) in scattered.iter().zip(&next) {
                 kept.batch_mut(s.kind).push(path.ray);
             }
-            kept.total_internal_reflections += row.counts.total_internal_reflections - internal;
         }
         next
     }
