@@ -61,12 +61,10 @@ pub trait SceneSource {
         Err(LoadError::NoSizes { name: name.to_owned(), valid: "none".to_owned() })
     }
 
-    /// Every set.
     fn sets(&self) -> Result<Vec<SceneSet>, LoadError> {
         Ok(Vec::new())
     }
 
-    /// The set of that name; none where there is none.
     fn set(&self, name: &str) -> Result<Option<SceneSet>, LoadError> {
         Ok(self.sets()?.into_iter().find(|set| set.name == name))
     }

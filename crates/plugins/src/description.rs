@@ -7,15 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::abi;
 
-/// Most settings of a plugin.
 const MOST_SETTINGS: u32 = 256;
 
-/// Description of a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Description {
-    /// The name of its row.
     pub name: String,
-    /// Its version, as it says.
     pub version: String,
     pub summary: String,
     /// It has a query of its own for shadow rays.
@@ -27,26 +23,21 @@ pub struct Description {
     /// It computes on a device: calls are timed by time of day, and have whole batches.
     #[serde(default)]
     pub on_device: bool,
-    /// It answers in f64, too.
     pub has_f64: bool,
     /// Settings that users can change.
     pub settings: Vec<SettingDescription>,
 }
 
-/// One setting of a plugin.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SettingDescription {
     pub name: String,
     pub summary: String,
     pub initial: String,
-    /// Valid values of the setting.
     pub kind: SettingKind,
 }
 
-/// Valid values of a setting.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum SettingKind {
-    /// Integers of a closed range.
     Integer(u64, u64),
     /// Numbers of a closed range.
     Real(f64, f64),

@@ -31,17 +31,37 @@
 
 use std::path::PathBuf;
 
+use bytemuck::{Pod, Zeroable};
+
 use crate::abi;
 
+/// The table above.
+#[repr(C)]
+#[derive(Clone, Copy, Pod, Zeroable)]
+struct Header {
+    magic: [u8; 8],
+    version: u32,
+    record_bytes: u32,
+    rays: [u64; 5],
+    triangles: u64,
+    size: u32,
+    first_light: u32,
+    seed: u64,
+    scene: [u8; 32],
+    zero: [u8; 16],
+}
+
+#[cfg(target_endian = "big")]
+compile_error!("files of rays and hits are read and written as they are in memory: little-endian");
+
 /// Bytes of a header of version 1.
-pub const HEADER: usize = 128;
+const HEADER: usize = size_of::<Header>();
 /// Bytes of the origin behind it.
 const ORIGIN: usize = 24;
 const VERSION: u32 = 1;
 /// The version of headers with an origin.
 const WITH_ORIGIN: u32 = 2;
 
-/// Kind of content of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     Rays,
@@ -58,7 +78,6 @@ impl Content {
         }
     }
 
-    /// Bytes of a record.
     pub fn record_bytes(self) -> usize {
         match self {
             Self::Rays => 32,
@@ -73,13 +92,11 @@ impl Content {
 pub struct FileSubject {
     /// Rays of each kind: primary, shadow, reflected, refracted, diffuse.
     pub rays: [u64; 5],
-    /// Triangles of the scene.
     pub triangles: u64,
     /// Width and height of the image, pixels.
     pub size: u32,
     /// Shadow rays run to the first light alone.
     pub first_light: bool,
-    /// Seed of the rays.
     pub seed: u64,
     /// SHA-256 of the scene.
     pub scene: [u8; 32],
@@ -98,7 +115,6 @@ pub struct FileError {
 }
 
 impl FileSubject {
-    /// Bytes of its header.
     pub fn header_bytes(&self) -> usize {
         HEADER + if self.has_origin() { ORIGIN } else { 0 }
     }
@@ -107,24 +123,21 @@ impl FileSubject {
         self.origin != [0.0; 3]
     }
 
-    /// The header of a file.
     pub fn header(&self, content: Content) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(HEADER);
-        bytes.extend_from_slice(content.magic());
-        let version = if self.has_origin() { WITH_ORIGIN } else { VERSION };
-        bytes.extend(version.to_le_bytes());
-        bytes.extend((content.record_bytes() as u32).to_le_bytes());
-        bytes.extend(self.rays.iter().flat_map(|n| n.to_le_bytes()));
-        bytes.extend(self.triangles.to_le_bytes());
-        bytes.extend(self.size.to_le_bytes());
-        bytes.extend(u32::from(self.first_light).to_le_bytes());
-        bytes.extend(self.seed.to_le_bytes());
-        bytes.extend(self.scene);
-        bytes.resize(HEADER, 0);
-        if self.has_origin() {
-            bytes.extend(self.origin.iter().flat_map(|x| x.to_le_bytes()));
-        }
-        bytes
+        let header = Header {
+            magic: *content.magic(),
+            version: if self.has_origin() { WITH_ORIGIN } else { VERSION },
+            record_bytes: content.record_bytes() as u32,
+            rays: self.rays,
+            triangles: self.triangles,
+            size: self.size,
+            first_light: self.first_light.into(),
+            seed: self.seed,
+            scene: self.scene,
+            zero: [0; 16],
+        };
+        let origin = if self.has_origin() { bytemuck::bytes_of(&self.origin) } else { &[] };
+        [bytemuck::bytes_of(&header), origin].concat()
     }
 
     /// Reads the header of a file that holds `content`, and checks that its records are there.
@@ -133,49 +146,36 @@ impl FileSubject {
     /// [`FileError`] naming the first byte that is wrong.
     pub fn read(file: &std::path::Path, bytes: &[u8], content: Content) -> Result<Self, FileError> {
         let wrong = |offset, what: String| FileError { file: file.into(), offset, what };
-        let part = |offset: usize| bytes.get(offset..).and_then(|rest| rest.first_chunk::<8>());
-        let long =
-            |offset| part(offset).map(|bytes| u64::from_le_bytes(*bytes)).unwrap_or_default();
-        let short = |offset: usize| {
-            let part = bytes.get(offset..).and_then(|rest| rest.first_chunk::<4>());
-            part.map(|bytes| u32::from_le_bytes(*bytes)).unwrap_or_default()
-        };
-        let needs = if short(8) == WITH_ORIGIN { HEADER + ORIGIN } else { HEADER };
+        let header: Header = behind(bytes, 0).unwrap_or_else(Header::zeroed);
+        let is_moved = behind(bytes, 8) == Some(WITH_ORIGIN);
+        let needs = if is_moved { HEADER + ORIGIN } else { HEADER };
         if bytes.len() < needs {
             let has = bytes.len();
             return Err(wrong(has, format!("the file ends within its header of {needs} bytes")));
         }
-        let name = String::from_utf8_lossy(content.magic());
-        if bytes.first_chunk() != Some(content.magic()) {
+        if header.magic != *content.magic() {
+            let name = String::from_utf8_lossy(content.magic());
             return Err(wrong(0, format!("expected {:?}", name)));
         }
-        if ![VERSION, WITH_ORIGIN].contains(&short(8)) {
+        if ![VERSION, WITH_ORIGIN].contains(&header.version) {
             let expected = format!("expected {VERSION} or {WITH_ORIGIN}");
-            return Err(wrong(8, format!("version {}, {expected}", short(8))));
+            return Err(wrong(8, format!("version {}, {expected}", header.version)));
         }
         let size = content.record_bytes();
-        if short(12) as usize != size {
-            return Err(wrong(12, format!("records of {} bytes, expected {size}", short(12))));
+        if header.record_bytes as usize != size {
+            let has = header.record_bytes;
+            return Err(wrong(12, format!("records of {has} bytes, expected {size}")));
         }
-        if short(64) == 0 || short(68) > 1 {
+        if header.size == 0 || header.first_light > 1 {
             return Err(wrong(64, "invalid image size or choice of lights".into()));
         }
-        let origin = match short(8) {
-            WITH_ORIGIN => [0, 1, 2].map(|k| f64::from_bits(long(HEADER + 8 * k))),
-            _ => [0.0; 3],
-        };
-        if short(8) == WITH_ORIGIN && origin == [0.0; 3] || !origin.iter().all(|x| x.is_finite()) {
+        let origin: [f64; 3] = behind(bytes, HEADER).filter(|_| is_moved).unwrap_or_default();
+        if is_moved && origin == [0.0; 3] || !origin.iter().all(|x| x.is_finite()) {
             return Err(wrong(HEADER, format!("no origin: {origin:?}")));
         }
-        let about = Self {
-            rays: std::array::from_fn(|kind| long(16 + 8 * kind)),
-            triangles: long(56),
-            size: short(64),
-            first_light: short(68) == 1,
-            seed: long(72),
-            scene: bytes.get(80..).and_then(|rest| rest.first_chunk()).copied().unwrap_or_default(),
-            origin,
-        };
+        let Header { rays, triangles, size: pixels, first_light, seed, scene, .. } = header;
+        let first_light = first_light == 1;
+        let about = Self { rays, triangles, size: pixels, first_light, seed, scene, origin };
         let records = match content {
             Content::Triangles => u128::from(about.triangles),
             Content::Rays | Content::Hits => about.rays.iter().map(|&n| u128::from(n)).sum(),
@@ -193,49 +193,42 @@ impl FileSubject {
     }
 }
 
-/// A ray as a record.
+/// The item that lies at an offset; none where the bytes end before.
+fn behind<T: Pod>(bytes: &[u8], offset: usize) -> Option<T> {
+    bytes.get(offset..)?.get(..size_of::<T>()).map(bytemuck::pod_read_unaligned)
+}
+
 pub fn ray_record(ray: &abi::Ray) -> [u8; 32] {
-    let [x, y, z] = ray.origin;
-    let [a, b, c] = ray.direction;
-    record([x, y, z, ray.t_min, a, b, c, ray.t_max].map(f32::to_le_bytes))
+    bytemuck::cast(*ray)
 }
 
-/// A triangle as a record.
 pub fn triangle_record(corners: &[[f32; 3]; 3], lets_light_pass: bool) -> [u8; 40] {
-    let flag = u32::from(lets_light_pass).to_le_bytes();
-    record(corners.as_flattened().iter().map(|x| x.to_le_bytes()).chain([flag]))
-}
-
-fn record<const N: usize>(numbers: impl IntoIterator<Item = [u8; 4]>) -> [u8; N] {
-    let mut record = [0; N];
-    for (to, bytes) in record.chunks_exact_mut(4).zip(numbers) {
-        to.copy_from_slice(&bytes);
-    }
+    let mut record = [0; 40];
+    record[..36].copy_from_slice(bytemuck::bytes_of(corners));
+    record[36] = lets_light_pass.into();
     record
 }
 
-/// A hit as a record.
 pub fn hit_record(hit: &abi::Hit) -> [u8; 8] {
-    record([hit.t.to_le_bytes(), hit.id.to_le_bytes()])
+    bytemuck::cast(*hit)
 }
 
 /// The rays behind the header of a file, which [`FileSubject::read`] has read.
 pub fn rays<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = abi::Ray> + use<'a> {
-    let records = bytes.get(about.header_bytes()..).unwrap_or_default().as_chunks::<32>().0;
-    records.iter().map(|record| {
-        let mut numbers = record.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
-        let [x, y, z, t_min, a, b, c, t_max] =
-            std::array::from_fn(|_| numbers.next().unwrap_or_default());
-        abi::Ray { origin: [x, y, z], t_min, direction: [a, b, c], t_max }
-    })
+    records(about, bytes)
 }
 
 /// The hits behind the header of a file, which [`FileSubject::read`] has read.
 pub fn hits<'a>(about: &FileSubject, bytes: &'a [u8]) -> impl Iterator<Item = abi::Hit> + use<'a> {
-    let records = bytes.get(about.header_bytes()..).unwrap_or_default().as_chunks::<8>().0;
-    records.iter().map(|&[a, b, c, d, e, f, g, h]| {
-        abi::Hit::new(f32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h]))
-    })
+    records(about, bytes)
+}
+
+fn records<'a, T: Pod>(
+    about: &FileSubject,
+    bytes: &'a [u8],
+) -> impl Iterator<Item = T> + use<'a, T> {
+    let records = bytes.get(about.header_bytes()..).unwrap_or_default();
+    records.chunks_exact(size_of::<T>()).map(bytemuck::pod_read_unaligned)
 }
 
 #[cfg(test)]

@@ -26,7 +26,6 @@ pub enum Query {
 /// Statistics reported by the plugin.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Stats {
-    /// Bytes of the structure.
     pub bytes: u64,
     /// N_IN, N_V, N_EV, N_OIV.
     pub cells: [u64; 4],
@@ -84,25 +83,19 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
         let settings: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         let asks = library.plugin.answers & abi::INDICES != 0;
         let indexed = if asks { IndexedMesh::of(set.triangles()) } else { IndexedMesh::default() };
-        let null_or =
-            |is_there: bool, pointer: *const S| if is_there { pointer } else { std::ptr::null() };
         let scene = Box::new(abi::Scene {
             size: size_of::<abi::Scene<S>>() as u32,
             threads: threads as u32,
             triangles: set.len() as u64,
             positions: set.triangles().as_flattened().as_flattened().as_ptr(),
-            transmissive: if transmissive.is_empty() {
-                std::ptr::null()
-            } else {
-                transmissive.as_ptr()
-            },
+            transmissive: null_if_empty(&transmissive),
             settings: settings.as_ptr(),
             host: std::ptr::from_ref::<TriangleSet<S>>(&set).cast(),
             prepare: prepare::<S>,
             intersect: intersect::<S>,
             vertex_count: indexed.vertices.len() as u64,
-            vertices: null_or(asks, indexed.vertices.as_flattened().as_ptr()),
-            indices: null_or(asks, indexed.indices.as_flattened().as_ptr().cast()).cast(),
+            vertices: null_if_empty(indexed.vertices.as_flattened()),
+            indices: null_if_empty(indexed.indices.as_flattened()),
         });
         let Some(build) = S::functions(&library.plugin).build else {
             return Err("it cannot build".into());
@@ -125,22 +118,19 @@ impl<S: PluginScalar, H: Deref<Target = TriangleSet<S>> + Sync> Instance<S, H> {
                 said => said.to_owned(),
             });
         }
-        let (_set, _indexed, _texts, _settings, _scene) = (set, indexed, texts, settings, scene);
-        Ok((
-            Self {
-                library,
-                built,
-                in_chunks,
-                by_processor,
-                transmissive,
-                _set,
-                _indexed,
-                _texts,
-                _settings,
-                _scene,
-            },
-            seconds,
-        ))
+        let instance = Self {
+            library,
+            built,
+            in_chunks,
+            by_processor,
+            transmissive,
+            _set: set,
+            _indexed: indexed,
+            _texts: texts,
+            _settings: settings,
+            _scene: scene,
+        };
+        Ok((instance, seconds))
     }
 
     /// Writes the closest hits; returns what that took. Slices are of one length.
@@ -232,7 +222,6 @@ impl<S: PluginScalar, H> Instance<S, H> {
         }
     }
 
-    /// Turns counting on or off.
     pub fn count(&self, on: bool) {
         if let Some(count) = self.functions().count {
             // SAFETY: by rtbench.h
@@ -248,6 +237,10 @@ impl<S: PluginScalar, H> Drop for Instance<S, H> {
             unsafe { destroy(self.built) };
         }
     }
+}
+
+fn null_if_empty<T>(items: &[T]) -> *const T {
+    if items.is_empty() { std::ptr::null() } else { items.as_ptr() }
 }
 
 /// Text up to the first zero, in one line.

@@ -14,15 +14,15 @@
 )]
 
 pub mod abi;
-pub mod description;
+mod description;
 pub mod files;
-pub mod instance;
-pub mod library;
-#[cfg(unix)]
+mod instance;
+mod library;
+#[cfg_attr(not(unix), allow(dead_code))]
 mod memory_watch;
 mod near_rays;
 mod registry;
-#[cfg_attr(not(unix), path = "no_remote.rs")]
+#[cfg_attr(not(unix), allow(dead_code, unused_imports))]
 mod remote;
 #[cfg_attr(not(unix), allow(dead_code, unused_imports))]
 mod serve;
@@ -34,5 +34,6 @@ mod tracer;
 mod wire;
 
 pub use library::PluginError;
-pub use registry::{Options, entry};
+pub use registry::entry;
 pub use serve::serve;
+pub use wire::Options;

@@ -32,7 +32,6 @@ pub enum PluginError {
 
 /// A loaded plugin. Whatever it does wrong, it does to this process.
 pub struct Library {
-    /// Its description of itself.
     pub description: Description,
     pub(crate) plugin: abi::Plugin,
 }

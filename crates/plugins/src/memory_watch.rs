@@ -5,12 +5,13 @@
 //! nothing limited.
 
 use std::net::Shutdown;
-use std::os::unix::net::UnixStream;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering::SeqCst};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Duration;
+
+use crate::wire::Stream;
 
 /// How often it is looked at.
 const POLL: Duration = Duration::from_millis(10);
@@ -37,7 +38,7 @@ pub(crate) struct MemoryWatch {
 impl MemoryWatch {
     /// Watches until [`MemoryWatch::excess`]: `most` bytes more than now may be taken. None where
     /// nothing is told.
-    pub(crate) fn begin(process: u32, most: u64, stream: UnixStream) -> Option<Self> {
+    pub(crate) fn begin(process: u32, most: u64, stream: Stream) -> Option<Self> {
         let before = private_bytes(process)?;
         let (ends, ended): (_, Receiver<()>) = channel();
         let excess = Arc::new(AtomicU64::new(0));

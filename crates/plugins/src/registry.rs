@@ -4,9 +4,8 @@
 //! plugins of this process stand in one table, by the names of their lines.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
 
 use accel_core::params::{ParamSpec, Params};
 use accel_core::primitives::PrimsRef;
@@ -19,20 +18,7 @@ use crate::instance::PluginScalar;
 use crate::library::{Library, PluginError};
 use crate::remote::Remote;
 use crate::tracer::{Plugin, PluginTracer};
-use crate::wire::Launch;
-
-/// Settings for running plugins.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// This program, for processes of their own.
-    pub program: PathBuf,
-    /// Longest time of a build, and of a call that answers rays, in a separate process.
-    pub limit: Duration,
-    /// In this process: no limit, and what ends the plugin ends the run.
-    pub in_process: bool,
-    /// A row whose process ended is asked again in a new one.
-    pub restarts: bool,
-}
+use crate::wire::{Launch, Options};
 
 /// All of them, by name.
 static PLUGINS: Mutex<BTreeMap<&'static str, Arc<Plugin>>> = Mutex::new(BTreeMap::new());
@@ -51,9 +37,8 @@ pub fn entry(
 ) -> Result<Entry, PluginError> {
     let file = &std::path::absolute(file)
         .map_err(|source| PluginError::Read { file: file.into(), source })?;
-    let Options { program, limit, in_process, restarts } = options.clone();
-    let launch = Launch { program, file: file.clone(), limit, restarts };
-    let (description, library) = if in_process {
+    let launch = Launch { file: file.clone(), options: options.clone() };
+    let (description, library) = if options.in_process {
         let library = Arc::new(Library::load(file)?);
         (library.description.clone(), Some(library))
     } else if cfg!(unix) {
@@ -94,7 +79,7 @@ pub fn entry(
         sha256,
         version: description.version.clone(),
         has_own_test: description.has_own_test,
-        own_process: !in_process,
+        own_process: !options.in_process,
         empty_call_s: 0.0,
     };
     let plugin = Plugin { info, description, origin, library, launch, waiting: Mutex::default() };

@@ -5,7 +5,6 @@
 //! is refused.
 
 use std::io::{self, BufReader, Read};
-use std::os::unix::net::{UnixListener, UnixStream};
 use std::process::{Child, Command, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -20,7 +19,9 @@ use crate::instance::{PluginScalar, Query, Stats};
 use crate::memory_watch::MemoryWatch;
 use crate::shared::{SharedSegment, folder};
 use crate::stopwatch::CallTime;
-use crate::wire::{BuildReply, Launch, Order, Reply, Request, SegmentContent, receive, send};
+use crate::wire::{
+    BuildReply, Launch, Order, Reply, Request, SegmentContent, SharedParts, Stream, receive, send,
+};
 
 /// Time limit for the start of a process.
 const START: Duration = Duration::from_secs(20);
@@ -33,6 +34,8 @@ const COPY_EXTRA: usize = 12;
 /// Bytes of a plugin's output that are kept.
 const TAIL: usize = 500;
 
+const UNEXPECTED: &str = "its process sent an unexpected reply";
+
 /// Has the C library ask for huge pages for a plugin's memory, as rtbench's own heap does for that
 /// of all other rows; what the user says goes first.
 const HEAP_TUNABLES: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1");
@@ -40,9 +43,9 @@ const HEAP_TUNABLES: (&str, &str) = ("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1")
 /// A running process with a plugin.
 pub(crate) struct Remote {
     process: Child,
-    stream: BufReader<UnixStream>,
+    stream: BufReader<Stream>,
     limit: Duration,
-    parts: [Option<SharedSegment>; 3],
+    parts: SharedParts,
     said: Arc<Mutex<Vec<u8>>>,
     /// Somebody may hang up on it.
     is_watched: bool,
@@ -50,15 +53,21 @@ pub(crate) struct Remote {
 }
 
 impl Remote {
+    #[cfg(not(unix))]
+    pub(crate) fn start(_: &Launch) -> Result<Self, String> {
+        Err("plugins run in separate processes on Unix only".into())
+    }
+
     /// Starts a process; the words of the error say why there is none.
+    #[cfg(unix)]
     pub(crate) fn start(launch: &Launch) -> Result<Self, String> {
         let cannot = |e: io::Error| format!("its process cannot be started: {e}");
         let place =
             tempfile::Builder::new().prefix("rtbench-").tempdir_in(folder()).map_err(cannot)?;
         let socket = place.path().join("socket");
-        let listener = UnixListener::bind(&socket).map_err(cannot)?;
+        let listener = std::os::unix::net::UnixListener::bind(&socket).map_err(cannot)?;
         listener.set_nonblocking(true).map_err(cannot)?;
-        let mut process = Command::new(&launch.program);
+        let mut process = Command::new(&launch.options.program);
         if std::env::var_os(HEAP_TUNABLES.0).is_none() {
             process.env(HEAP_TUNABLES.0, HEAP_TUNABLES.1);
         }
@@ -97,9 +106,10 @@ impl Remote {
             std::thread::sleep(POLL);
         };
         stream.set_nonblocking(false).map_err(cannot)?;
-        stream.set_read_timeout(Some(launch.limit)).map_err(cannot)?;
-        stream.set_write_timeout(Some(launch.limit)).map_err(cannot)?;
-        let (stream, limit, parts) = (BufReader::new(stream), launch.limit, [None, None, None]);
+        let limit = launch.options.limit;
+        stream.set_read_timeout(Some(limit)).map_err(cannot)?;
+        stream.set_write_timeout(Some(limit)).map_err(cannot)?;
+        let (stream, parts) = (BufReader::new(stream), SharedParts::default());
         Ok(Self { process, stream, limit, parts, said, is_watched: false, failure: None })
     }
 
@@ -108,16 +118,14 @@ impl Remote {
         self.failure.as_deref()
     }
 
-    /// Asks for the description of the plugin.
     pub(crate) fn describe(&mut self) -> Result<Description, String> {
         match self.ask(&Request::Describe, "describing itself")? {
             Reply::Description(description) => Ok(*description),
             Reply::Refused { message } => Err(message),
-            _ => Err(self.ends("its process sent an unexpected reply".into())),
+            _ => Err(self.ends(UNEXPECTED.into())),
         }
     }
 
-    /// Builds over those triangles.
     pub(crate) fn build<S: PluginScalar>(
         &mut self,
         set: &TriangleSet<S>,
@@ -149,7 +157,7 @@ impl Remote {
         match reply? {
             Reply::Done(took) => Ok(BuildReply::Built(took.seconds)),
             Reply::Refused { message } => Ok(BuildReply::Refused(message)),
-            _ => Err(self.ends("its process sent an unexpected reply".into())),
+            _ => Err(self.ends(UNEXPECTED.into())),
         }
     }
 
@@ -160,13 +168,8 @@ impl Remote {
         rays: &[Ray<S>],
         hits: &mut [Hit<S>],
     ) -> Result<CallTime, String> {
-        self.put(rays)?;
-        let answers = self.part_of::<abi::Hit<S>>(SegmentContent::Answers, hits.len())?;
-        for (answer, hit) in answers.iter_mut().zip(&*hits) {
-            *answer = abi::Hit::new(hit.t, hit.id);
-        }
-        let took = self.trace(Query::Closest, rays.len())?;
-        let answers = self.part_of::<abi::Hit<S>>(SegmentContent::Answers, hits.len())?;
+        let before = hits.iter().map(|hit| abi::Hit::new(hit.t, hit.id));
+        let (took, answers) = self.trace(Query::Closest, rays, before)?;
         for ((hit, answer), ray) in hits.iter_mut().zip(answers).zip(rays) {
             *hit = answer.as_ours(ray);
         }
@@ -179,30 +182,33 @@ impl Remote {
         rays: &[Ray<S>],
         blocked: &mut [bool],
     ) -> Result<CallTime, String> {
-        self.put(rays)?;
-        let answers = self.part(SegmentContent::Answers, blocked.len())?;
-        answers.iter_mut().zip(&*blocked).for_each(|(answer, blocked)| *answer = (*blocked).into());
-        let took = self.trace(Query::Occlusion, rays.len())?;
-        let answers = self.part(SegmentContent::Answers, blocked.len())?;
-        blocked.iter_mut().zip(&*answers).for_each(|(blocked, answer)| *blocked = *answer != 0);
+        let (took, answers) =
+            self.trace(Query::Occlusion, rays, blocked.iter().copied().map(u8::from))?;
+        blocked.iter_mut().zip(answers).for_each(|(blocked, answer)| *blocked = *answer != 0);
         Ok(took)
     }
 
-    fn put<S: PluginScalar>(&mut self, rays: &[Ray<S>]) -> Result<(), String> {
-        let part = self.part_of(SegmentContent::Rays, rays.len())?;
-        part.iter_mut().zip(rays).for_each(|(to, ray)| *to = abi::Ray::<S>::from(ray));
-        Ok(())
-    }
-
-    fn trace(&mut self, query: Query, rays: usize) -> Result<CallTime, String> {
+    /// Asks for answers; `before` has what counts where none is written.
+    fn trace<S: PluginScalar, A: Pod>(
+        &mut self,
+        query: Query,
+        asked: &[Ray<S>],
+        before: impl ExactSizeIterator<Item = A>,
+    ) -> Result<(CallTime, &[A]), String> {
+        let (rays, count) = (asked.len(), before.len());
+        let part = self.part_of(SegmentContent::Rays, rays)?;
+        part.iter_mut().zip(asked).for_each(|(to, ray)| *to = abi::Ray::<S>::from(ray));
+        let answers = self.part_of(SegmentContent::Answers, count)?;
+        answers.iter_mut().zip(before).for_each(|(to, answer)| *to = answer);
         let what = match query {
             Query::Closest => "closest hits",
             Query::Occlusion => "occlusion",
         };
-        self.done(&Request::Trace { query, rays }, &format!("tracing {rays} rays ({what})"))
+        let doing = format!("tracing {rays} rays ({what})");
+        let took = self.done(&Request::Trace { query, rays }, &doing)?;
+        Ok((took, self.part_of(SegmentContent::Answers, count)?))
     }
 
-    /// Turns counting on or off.
     pub(crate) fn count(&mut self, on: bool) -> Result<(), String> {
         self.done(&Request::Count { on }, "turning counting on or off").map(|_| ())
     }
@@ -210,11 +216,10 @@ impl Remote {
     pub(crate) fn stats(&mut self) -> Result<Stats, String> {
         match self.ask(&Request::Stats, "saying what it built")? {
             Reply::Stats(stats) => Ok(stats),
-            _ => Err(self.ends("its process sent an unexpected reply".into())),
+            _ => Err(self.ends(UNEXPECTED.into())),
         }
     }
 
-    /// Destroys what was built.
     pub(crate) fn destroy(&mut self) -> Result<(), String> {
         self.done(&Request::Destroy, "destroying what it built").map(|_| ())
     }
@@ -241,30 +246,22 @@ impl Remote {
 
     /// Memory of at least so many bytes that the process has mapped, too.
     fn part(&mut self, part: SegmentContent, bytes: usize) -> Result<&mut [u8], String> {
-        let has = |parts: &[Option<SharedSegment>; 3]| {
-            parts
-                .get(part as usize)
-                .and_then(Option::as_ref)
-                .is_some_and(|p| p.bytes().len() >= bytes)
-        };
-        if !has(&self.parts) {
+        let place = part as usize;
+        if self.parts[place].as_ref().is_none_or(|part| part.bytes().len() < bytes) {
             let (shared, file) = SharedSegment::new(bytes)
                 .map_err(|e| self.ends(format!("cannot share memory with its process: {e}")))?;
             let request = Request::Map { part, file: file.path().to_owned() };
             self.done(&request, "mapping the memory it shares")?;
-            if let Some(slot) = self.parts.get_mut(part as usize) {
-                *slot = Some(shared);
-            }
+            self.parts[place] = Some(shared);
         }
-        let part = self.parts.get_mut(part as usize).and_then(Option::as_mut);
-        Ok(part.map(SharedSegment::bytes_mut).unwrap_or_default())
+        Ok(self.parts[place].as_mut().map(SharedSegment::bytes_mut).unwrap_or_default())
     }
 
     fn done(&mut self, request: &Request, doing: &str) -> Result<CallTime, String> {
         match self.ask(request, doing)? {
             Reply::Done(took) => Ok(took),
             Reply::Refused { message } => Err(self.ends(format!("fails while {doing}: {message}"))),
-            _ => Err(self.ends("its process sent an unexpected reply".into())),
+            _ => Err(self.ends(UNEXPECTED.into())),
         }
     }
 

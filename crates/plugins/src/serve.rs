@@ -11,11 +11,10 @@ use crate::instance::{Instance, PluginScalar, Query, Stats};
 use crate::library::Library;
 use crate::shared::SharedSegment;
 use crate::stopwatch::CallTime;
-use crate::wire::{Reply, Request, SegmentContent, receive, send};
+use crate::wire::{Reply, Request, SegmentContent, SharedParts, receive, send};
 
 /// A structure with the triangles it was built over, which are the child's own copy.
 trait Served {
-    /// Answers so many rays.
     fn trace(
         &self,
         query: Query,
@@ -26,16 +25,12 @@ trait Served {
 
     fn stats(&self) -> Stats;
 
-    /// Turns counting on or off.
     fn count(&self, on: bool);
 }
 
-/// State of the child.
 #[derive(Default)]
 struct State {
-    scene: Option<SharedSegment>,
-    rays: Option<SharedSegment>,
-    answers: Option<SharedSegment>,
+    parts: SharedParts,
     built: Option<Box<dyn Served + Send + Sync>>,
     pool: Option<rayon::ThreadPool>,
 }
@@ -80,11 +75,7 @@ impl State {
             Request::Map { part, file } => {
                 let mapped = SharedSegment::of(&file, part == SegmentContent::Answers)
                     .map_err(|e| e.to_string())?;
-                *match part {
-                    SegmentContent::Scene => &mut self.scene,
-                    SegmentContent::Rays => &mut self.rays,
-                    SegmentContent::Answers => &mut self.answers,
-                } = Some(mapped);
+                self.parts[part as usize] = Some(mapped);
             }
             Request::Build { triangles, is_double, values, threads } => {
                 self.built = None;
@@ -123,7 +114,8 @@ impl State {
     }
 
     fn triangles<S: PluginScalar>(&self, count: usize) -> Result<TriangleSet<S>, String> {
-        let bytes = self.scene.as_ref().map(SharedSegment::bytes).unwrap_or_default();
+        let [scene, ..] = &self.parts;
+        let bytes = scene.as_ref().map(SharedSegment::bytes).unwrap_or_default();
         let positions = size_of::<[[S; 3]; 3]>() * count;
         let (Some(corners), Some(flags)) =
             (bytes.get(..positions), bytes.get(positions..positions + count))
@@ -136,7 +128,7 @@ impl State {
     }
 
     fn trace(&mut self, query: Query, count: usize) -> Result<CallTime, String> {
-        let Self { rays, answers, built: Some(built), pool: Some(pool), .. } = self else {
+        let Self { parts: [_, rays, answers], built: Some(built), pool: Some(pool) } = self else {
             return Err("nothing is built".into());
         };
         let rays = rays.as_ref().map(SharedSegment::bytes).unwrap_or_default();

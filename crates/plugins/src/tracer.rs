@@ -21,7 +21,6 @@ use crate::remote::Remote;
 use crate::stopwatch::CallTime;
 use crate::wire::{BuildReply, Launch, Order};
 
-/// A plugin of this process.
 pub(crate) struct Plugin {
     pub(crate) info: &'static StructureInfo,
     pub(crate) description: Description,
@@ -42,7 +41,7 @@ impl Plugin {
         let found = self.waiting().remove(row);
         match found {
             Some(remote) => match remote.failure().map(str::to_owned) {
-                Some(_) if self.launch.restarts => Remote::start(&self.launch),
+                Some(_) if self.launch.options.restarts => Remote::start(&self.launch),
                 Some(how) => {
                     // in a run a row that ended its process is not tried again
                     self.keep(row, remote);
@@ -77,7 +76,6 @@ struct State<'a, S: PluginScalar> {
     failure: Option<String>,
 }
 
-/// A structure that a plugin built.
 pub(crate) struct PluginTracer<'a, S: PluginScalar> {
     plugin: Arc<Plugin>,
     /// The row's settings: a process is kept for each row.

@@ -11,17 +11,34 @@ use serde::{Deserialize, Serialize};
 
 use crate::description::Description;
 use crate::instance::{Query, Stats};
+use crate::shared::SharedSegment;
 use crate::stopwatch::CallTime;
 
-/// Settings for starting processes.
+/// The way from parent to child.
+#[cfg(unix)]
+pub(crate) type Stream = std::os::unix::net::UnixStream;
+/// Elsewhere no process of a plugin is started.
+#[cfg(not(unix))]
+pub(crate) type Stream = std::net::TcpStream;
+
+/// Settings for running plugins.
 #[derive(Debug, Clone)]
-pub struct Launch {
+pub struct Options {
+    /// This program, for processes of their own.
     pub program: PathBuf,
-    pub file: PathBuf,
-    /// Longest time of a build, and of a call that answers rays.
+    /// Longest time of a build, and of a call that answers rays, in a separate process.
     pub limit: Duration,
-    /// A row whose process ended gets a new one.
+    /// In this process: no limit, and what ends the plugin ends the run.
+    pub in_process: bool,
+    /// A row whose process ended is asked again in a new one.
     pub restarts: bool,
+}
+
+/// Settings for starting processes of a plugin.
+#[derive(Debug, Clone)]
+pub(crate) struct Launch {
+    pub(crate) file: PathBuf,
+    pub(crate) options: Options,
 }
 
 pub(crate) struct Order<'a> {
@@ -29,11 +46,9 @@ pub(crate) struct Order<'a> {
     pub(crate) values: &'a [String],
     /// Threads that build and trace.
     pub(crate) threads: usize,
-    /// Most bytes of the structure.
     pub(crate) most_bytes: Option<u64>,
 }
 
-/// Result of a build.
 pub(crate) enum BuildReply {
     /// It took so many seconds.
     Built(f64),
@@ -41,6 +56,9 @@ pub(crate) enum BuildReply {
     /// It took so many bytes at least, more than it may; its process was ended.
     TooLarge(u64),
 }
+
+/// The segments of shared memory, by their [`SegmentContent`].
+pub(crate) type SharedParts = [Option<SharedSegment>; 3];
 
 /// Content of a segment of shared memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -52,10 +70,8 @@ pub(crate) enum SegmentContent {
     Answers,
 }
 
-/// Request of the parent.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Request {
-    /// Asks for the description of the plugin.
     Describe,
     /// To map a file, in place of the one before.
     Map {
@@ -74,22 +90,18 @@ pub(crate) enum Request {
         query: Query,
         rays: usize,
     },
-    /// To count from here on, or not.
     Count {
         on: bool,
     },
     Stats,
     Nothing,
-    /// To destroy what was built.
     Destroy,
 }
 
-/// Reply of the child.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum Reply {
     /// It is done, and what the call of the plugin took.
     Done(CallTime),
-    /// Asks for the description of the plugin.
     Description(Box<Description>),
     Stats(Stats),
     /// It is not done.

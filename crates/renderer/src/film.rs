@@ -19,7 +19,6 @@ pub struct Image {
     pub pixels: Vec<[f64; 3]>,
 }
 
-/// A kind of image file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ImageFormat {
     /// 8 bits per channel, clamped to [0, 1], in the sRGB transfer function.
@@ -43,7 +42,6 @@ impl ImageFormat {
     }
 }
 
-/// An image that could not be written.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: cannot write the image: {source}", path.display())]
 pub struct ImageError {

@@ -98,7 +98,6 @@ impl<S: Buildable> Geometry<S> {
         self.len() == 0
     }
 
-    /// Bytes of the primitives.
     pub fn bytes(&self) -> usize {
         self.prims().primitives().bytes()
     }

@@ -103,7 +103,6 @@ impl RayOffset {
         ray
     }
 
-    /// Origin of a ray along `direction`.
     fn origin<S: Buildable>(&self, point: &SurfacePoint<'_>, direction: DVec3) -> Vec3<S> {
         let RefinedHit { position, normal, magnitude } = point.refined;
         // an apex has no normal: straight ahead

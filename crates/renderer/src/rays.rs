@@ -5,7 +5,6 @@ use accel_core::registry::Buildable;
 
 use crate::ray_offset::OffsetRule;
 
-/// Purpose of a ray.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum RayKind {
     Primary,
@@ -49,7 +48,6 @@ impl RayKind {
     }
 }
 
-/// Selection of shadow rays.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum ShadowRays {
     /// From every hit to each light on the lit side, as an image needs them.
@@ -60,7 +58,6 @@ pub enum ShadowRays {
     FirstLight,
 }
 
-/// How rays are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RaySettings {
     /// Pixels of the image.
@@ -74,9 +71,7 @@ pub struct RaySettings {
     pub offset: OffsetRule,
     /// Also make the diffuse bounce set.
     pub diffuse: bool,
-    /// Seed of the diffuse directions.
     pub seed: u64,
-    /// Selection of shadow rays.
     pub shadows: ShadowRays,
 }
 
@@ -118,12 +113,10 @@ pub struct RayBatches<S: Buildable> {
 }
 
 impl<S: Buildable> RayBatches<S> {
-    /// The rays of a kind.
     pub fn rays(&self, kind: RayKind) -> &[Ray<S>] {
         &self.batches[kind as usize]
     }
 
-    /// Rays of all kinds.
     pub fn total(&self) -> usize {
         self.batches.iter().map(Vec::len).sum()
     }
@@ -136,6 +129,5 @@ impl<S: Buildable> RayBatches<S> {
         for (all, more) in self.batches.iter_mut().zip(&mut other.batches) {
             all.append(more);
         }
-        self.total_internal_reflections += other.total_internal_reflections;
     }
 }

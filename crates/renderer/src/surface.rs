@@ -19,7 +19,6 @@ pub struct Surfaces<'a> {
     most: f64,
 }
 
-/// A point on a surface.
 #[derive(Debug, Clone, Copy)]
 pub struct SurfacePoint<'a> {
     pub position: DVec3,
@@ -45,71 +44,61 @@ impl<'a> Surfaces<'a> {
 
     /// The surface at `position` of primitive `id`.
     pub fn at(&self, id: u32, position: DVec3) -> SurfacePoint<'a> {
-        let primitive = self.scene.primitives[id as usize];
-        let normal = match primitive.shape {
+        let scene = self.scene;
+        let primitive = scene.primitives[id as usize];
+        let (normal, refined) = match primitive.shape {
             Shape::Sphere(i) => {
-                (position - self.scene.spheres[i as usize].center).normalize_or_zero()
+                let refined = on_sphere(&scene.spheres[i as usize], position);
+                (refined.normal, refined)
             }
-            Shape::Cone(i) => self.cone_normal(i, position),
-            Shape::Polygon { .. } => self.polygon_normals[id as usize],
+            Shape::Cone(i) => {
+                let cone = &scene.cones[i as usize];
+                (self.cone_normal(cone, position), on_cone(cone, position))
+            }
+            Shape::Polygon { first, count } => {
+                let normal = self.polygon_normals[id as usize];
+                let corners = &scene.vertices[first as usize..][..count as usize];
+                let refined = match *corners {
+                    [a, b, c] => on_triangle([a, b, c], self.most, position),
+                    _ => on_plane(corners.iter().copied(), normal, position),
+                };
+                (normal, refined)
+            }
             Shape::Triangle { v } => {
-                let [a, b, c] = v.map(|i| self.scene.vertices[i as usize]);
-                (b - a).cross(c - a).normalize_or_zero()
+                let corners @ [a, b, c] = v.map(|i| scene.vertices[i as usize]);
+                let normal = (b - a).cross(c - a).normalize_or_zero();
+                (normal, on_triangle(corners, self.most, position))
             }
-            Shape::Patch { v, n } => self.patch_normal(v, n, position),
+            Shape::Patch { v, n } => {
+                let corners = v.map(|i| scene.vertices[i as usize]);
+                let normal = patch_normal(corners, n.map(|i| scene.normals[i as usize]), position);
+                (normal, on_triangle(corners, self.most, position))
+            }
         };
-        let material = &self.scene.materials[primitive.material as usize];
-        let refined = self.refined_hit(id, position);
+        let material = &scene.materials[primitive.material as usize];
         SurfacePoint { position, normal, material, color: material.color, refined }
     }
 
-    /// The point of primitive `id` nearest to `hit`.
-    fn refined_hit(&self, id: u32, hit: DVec3) -> RefinedHit {
-        let scene = self.scene;
-        match scene.primitives[id as usize].shape {
-            Shape::Sphere(i) => on_sphere(&scene.spheres[i as usize], hit),
-            Shape::Cone(i) => on_cone(&scene.cones[i as usize], hit),
-            Shape::Polygon { first, count } => {
-                let corners = &scene.vertices[first as usize..][..count as usize];
-                if let &[a, b, c] = corners {
-                    return on_triangle([a, b, c], self.most, hit);
-                }
-                on_plane(corners.iter().copied(), self.polygon_normals[id as usize], hit)
-            }
-            Shape::Triangle { v } | Shape::Patch { v, .. } => {
-                on_triangle(v.map(|i| scene.vertices[i as usize]), self.most, hit)
-            }
-        }
-    }
-
-    fn cone_normal(&self, index: u32, position: DVec3) -> DVec3 {
-        let c = self.scene.cones[index as usize];
-        let axis = c.apex - c.base;
-        let length = axis.length();
-        if length == 0.0 {
-            return DVec3::ZERO;
-        }
-        let w = axis / length;
-        let from_base = position - c.base;
-        let radial = (from_base - w * from_base.dot(w)).normalize_or_zero();
-        let slope = if self.historical_cones {
-            (c.apex_radius - c.base_radius) / c.base_radius
+    fn cone_normal(&self, cone: &Cone, position: DVec3) -> DVec3 {
+        let outer = if self.historical_cones {
+            let slope = (cone.apex_radius - cone.base_radius) / cone.base_radius;
+            let Some((unit, _, radial, _)) = around(cone, position) else { return DVec3::ZERO };
+            (radial - unit * slope).normalize_or_zero()
         } else {
-            (c.apex_radius.abs() - c.base_radius.abs()) / length
+            on_cone(cone, position).normal
         };
-        let outer = (radial - w * slope).normalize_or_zero();
-        if c.base_radius + c.apex_radius < 0.0 { -outer } else { outer }
+        if cone.base_radius + cone.apex_radius < 0.0 { -outer } else { outer }
     }
+}
 
-    fn patch_normal(&self, v: [u32; 3], n: [u32; 3], position: DVec3) -> DVec3 {
-        let [a, b, c] = v.map(|i| self.scene.vertices[i as usize]);
-        let [na, nb, nc] = n.map(|i| self.scene.normals[i as usize]);
-        let face = (b - a).cross(c - a);
-        let Some([wa, wb, wc]) = barycentric([a, b, c], position) else {
-            return na.normalize_or_zero();
-        };
-        (na * wa + nb * wb + nc * wc).normalize_or(face.normalize_or_zero())
-    }
+/// The interpolated normal of a patch; that of its face where it has none there.
+fn patch_normal(corners: [DVec3; 3], [na, nb, nc]: [DVec3; 3], position: DVec3) -> DVec3 {
+    let Some([wa, wb, wc]) = barycentric(corners, position) else {
+        return na.normalize_or_zero();
+    };
+    let [a, b, c] = corners;
+    let face = (b - a).cross(c - a);
+    (na * wa + nb * wb + nc * wc).normalize_or(face.normalize_or_zero())
 }
 
 /// Barycentric weights of a point in the plane of a triangle; `None` if it has no area.
@@ -230,21 +219,27 @@ fn on_plane(corners: impl Iterator<Item = DVec3> + Clone, normal: DVec3, hit: DV
     }
 }
 
-/// Along the radius; the rim and the apex belong to the side.
-fn on_cone(cone: &Cone, hit: DVec3) -> RefinedHit {
+/// The unit axis of a cone and its length, the unit radius that a point lies on, and how far along
+/// the axis it lies; none of a cone without a length.
+fn around(cone: &Cone, point: DVec3) -> Option<(DVec3, f64, DVec3, f64)> {
     let axis = cone.apex - cone.base;
     let length = axis.length();
+    let unit = axis / length;
+    let from_base = point - cone.base;
+    let along = from_base.dot(unit);
+    (length > 0.0).then(|| (unit, length, (from_base - unit * along).normalize_or_zero(), along))
+}
+
+/// Along the radius; the rim and the apex belong to the side.
+fn on_cone(cone: &Cone, hit: DVec3) -> RefinedHit {
     let [base_radius, apex_radius] = [cone.base_radius.abs(), cone.apex_radius.abs()];
     let size = largest(cone.base).max(largest(cone.apex)) + base_radius.max(apex_radius);
     let magnitude = CONE * size;
-    if length == 0.0 {
+    let Some((unit, length, radial, along)) = around(cone, hit) else {
         return RefinedHit { position: hit, normal: DVec3::ZERO, magnitude };
-    }
-    let unit = axis / length;
-    let from_base = hit - cone.base;
-    let along = from_base.dot(unit).clamp(0.0, length);
-    let radial = (from_base - unit * from_base.dot(unit)).normalize_or_zero();
+    };
     let slope = (apex_radius - base_radius) / length;
+    let along = along.clamp(0.0, length);
     RefinedHit {
         position: cone.base + unit * along + radial * (base_radius + slope * along),
         normal: (radial - unit * slope).normalize_or_zero(),
@@ -297,10 +292,10 @@ mod tests {
             Cone { base: DVec3::ZERO, base_radius: 2.0, apex: DVec3::Z * 4.0, apex_radius: 1.0 };
         scene.push_cone(m, cone);
         let surfaces = Surfaces::new(&scene, false);
-        let on_ball = surfaces.refined_hit(0, dvec3(7.1, 0.0, 0.0));
+        let on_ball = surfaces.at(0, dvec3(7.1, 0.0, 0.0)).refined;
         assert_eq!((on_ball.position, on_ball.normal), (dvec3(7.0, 0.0, 0.0), DVec3::X));
         assert_eq!(on_ball.magnitude, 7.0);
-        let on_side = surfaces.refined_hit(1, dvec3(1.6, 0.0, 2.0));
+        let on_side = surfaces.at(1, dvec3(1.6, 0.0, 2.0)).refined;
         assert!((on_side.position - dvec3(1.5, 0.0, 2.0)).length() < 1e-15);
         // the side runs from (2, 0) to (1, 4)
         assert!(on_side.normal.dot(dvec3(-1.0, 0.0, 4.0)).abs() < 1e-15 && on_side.normal.x > 0.0);

@@ -5,7 +5,6 @@ use serde::{Deserialize, Serialize};
 use crate::normal::{student_95, upper_tail};
 use crate::random::Random;
 
-/// Resamples of a bootstrap.
 pub(crate) const RESAMPLES: usize = if cfg!(fuzzing) { 20 } else { 2000 };
 
 /// A median with its 95% bootstrap percentile interval, expanded by the factor of T. Hesterberg,

@@ -20,7 +20,6 @@ impl Random {
         random
     }
 
-    /// The next 64 bits.
     pub fn next_u64(&mut self) -> u64 {
         self.0.next_u64()
     }

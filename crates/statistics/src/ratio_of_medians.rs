@@ -38,7 +38,6 @@ pub fn geometric_mean_of_ratios(groups: &[(&[f64], &[f64])]) -> Option<Estimate>
     (n > 0.0).then_some(Estimate { median: ratio, low: ratio / factor, high: ratio * factor })
 }
 
-/// The variance of the logarithm of the median of samples.
 pub(crate) fn log_median_variance(samples: &[f64]) -> Option<f64> {
     let n = samples.len();
     if n < FEWEST || samples.iter().any(|x| x.is_nan() || *x <= 0.0) {

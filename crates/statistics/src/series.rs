@@ -79,7 +79,6 @@ impl Series {
         self.by_numbered_process().into_values().collect()
     }
 
-    /// The values of each process, by its number.
     pub fn by_numbered_process(&self) -> BTreeMap<u32, Vec<f64>> {
         let mut groups: BTreeMap<u32, Vec<f64>> = BTreeMap::new();
         for (process, value) in self.processes.iter().zip(&self.values) {
@@ -183,6 +182,13 @@ impl Levels {
         Self { log, variance, degrees }
     }
 
+    /// The mean of independent ones, at least one; none where one is none.
+    fn mean(terms: impl ExactSizeIterator<Item = Option<Self>>) -> Option<Self> {
+        let weight = 1.0 / terms.len() as f64;
+        let terms = terms.collect::<Option<Vec<_>>>()?;
+        (!terms.is_empty()).then(|| Self::sum(terms.into_iter().map(|term| (term, weight))))
+    }
+
     fn estimate(&self) -> Estimate {
         let factor = (student_95(self.degrees) * self.variance.sqrt()).exp();
         let median = self.log.exp();
@@ -209,10 +215,7 @@ pub fn geometric_mean_of(groups: &[Series], seed: u64) -> Option<Estimate> {
         let values: Vec<&[f64]> = groups.iter().map(|series| series.values()).collect();
         return geometric_mean_of_medians(&values, seed);
     }
-    let weight = 1.0 / groups.len() as f64;
-    let terms: Option<Vec<Levels>> =
-        groups.iter().map(|series| series.levels_or_rounds()).collect();
-    Some(Levels::sum(terms?.into_iter().map(|term| (term, weight))).estimate())
+    Some(Levels::mean(groups.iter().map(Series::levels_or_rounds))?.estimate())
 }
 
 /// One series over another that shares no rounds with it, with its interval; none where a side says
@@ -231,10 +234,8 @@ pub fn geometric_mean_of_ratios_of(groups: &[(&Series, &Series)]) -> Option<Esti
             groups.iter().map(|(above, below)| (above.values(), below.values())).collect();
         return geometric_mean_of_ratios(&values);
     }
-    let weight = 1.0 / groups.len() as f64;
-    let terms: Option<Vec<Levels>> =
-        groups.iter().map(|(above, below)| difference(above, below)).collect();
-    Some(Levels::sum(terms?.into_iter().map(|term| (term, weight))).estimate())
+    let ratios = groups.iter().map(|(above, below)| difference(above, below));
+    Some(Levels::mean(ratios)?.estimate())
 }
 
 /// The two-sided probability of such ratios if their geometric mean is 1: of several groups each by
@@ -243,11 +244,8 @@ pub fn p_value_of_mean(groups: &[(&Series, &Series)]) -> Option<f64> {
     if let [(above, below)] = groups {
         return p_value(above, below);
     }
-    let weight = 1.0 / groups.len() as f64;
-    let terms: Option<Vec<Levels>> =
-        groups.iter().map(|(above, below)| difference(above, below)).collect();
-    let terms = terms.filter(|terms| !terms.is_empty())?;
-    Some(Levels::sum(terms.into_iter().map(|term| (term, weight))).p_value())
+    let ratios = groups.iter().map(|(above, below)| difference(above, below));
+    Some(Levels::mean(ratios)?.p_value())
 }
 
 fn difference(above: &Series, below: &Series) -> Option<Levels> {

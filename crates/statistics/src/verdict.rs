@@ -92,7 +92,6 @@ pub fn correct<'c>(changes: impl Iterator<Item = &'c mut Change>) {
     }
 }
 
-/// Verdict on a change.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     Faster,

@@ -4,12 +4,11 @@ use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::Foreign;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use rayon::prelude::*;
 use scene_loading::source_hash::sha256_of_bytes;
 
 use crate::answers::judge::judge;
-use crate::plan::measured_row::{BuiltRow, MeasuredRow, sum};
-use crate::rays::batches::{Answers, Batch, BatchSet};
+use crate::plan::measured_row::{BuiltRow, MeasuredRow};
+use crate::rays::batches::{Answers, BatchSet};
 use crate::record::{PluginRecord, RowRecord, StatsRecord, Verdict, WorkRecord};
 use crate::rounds::scope::Scope;
 use crate::system::clock::Clock;
@@ -60,12 +59,11 @@ pub fn check<S: Buildable>(
     let mut answered = Vec::new();
     scope.pools.helper.install(|| {
         for batch in &set.batches {
-            let mut timed_path = Answers::new(batch.kind, batch.rays.len());
-            timed_path.poison(&batch.expected);
+            let mut timed_path = batch.unexpected();
             built.trace_chunked(batch, &mut timed_path);
             answered.extend_from_slice(batch.name().as_bytes());
             answered.extend(timed_path.bytes());
-            let (counted_path, counted) = count(&built, batch);
+            let (counted_path, counted) = built.count(batch);
             work += counted;
             let timed = judge(scope.stage, set, batch, &timed_path, built.exactness());
             let counted = judge(scope.stage, set, batch, &counted_path, built.exactness());
@@ -137,28 +135,6 @@ fn pilot<S: Buildable>(built: &BuiltRow<'_, S>, set: &BatchSet<'_, S>, clock: &d
         }
     }
     total
-}
-
-/// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
-pub fn count<S: Buildable>(
-    built: &BuiltRow<'_, S>,
-    batch: &Batch<'_, S>,
-) -> (Answers<S>, WorkCounters) {
-    let (BuiltRow::Structure(tracer), false) = (built, batch.kind.is_occlusion()) else {
-        let (blocked, work) = built.count_blocked(batch);
-        return (Answers::Blocked(blocked), work);
-    };
-    let mut answers = Answers::new(batch.kind, batch.rays.len());
-    answers.poison(&batch.expected);
-    let chunk = built.chunk(batch);
-    let Answers::Hits(mut hits) = answers else { return (answers, WorkCounters::default()) };
-    let work = batch
-        .rays
-        .par_chunks(chunk)
-        .zip(hits.par_chunks_mut(chunk))
-        .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
-        .reduce(WorkCounters::default, sum);
-    (Answers::Hits(hits), work)
 }
 
 fn stats<S: Buildable>(built: &BuiltRow<'_, S>) -> StatsRecord {

@@ -49,7 +49,6 @@ pub struct Manifest {
 #[serde(rename_all = "lowercase")]
 pub enum Line {
     Begun(Box<Manifest>),
-    /// A scene is begun.
     Scene(usize),
     /// The row with that label is begun in the scene: it is built and checked, timed for the first
     /// time, or renders its image.

@@ -1,5 +1,6 @@
 //! Rows of a run: a structure answers all rays, an occluder shadow rays only.
 
+use accel_core::Ray;
 use accel_core::occluders::{self, BoxedOccluder};
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
@@ -68,7 +69,6 @@ impl MeasuredRow<'_> {
         matches!(self, Self::Occluder(_))
     }
 
-    /// The record of a row of which there is nothing but a verdict.
     pub fn unmeasured(&self, verdict: Verdict, error: Option<String>) -> RowRecord {
         RowRecord {
             answers: match self {
@@ -135,31 +135,37 @@ impl<S: Buildable> BuiltRow<'_, S> {
         }
     }
 
-    /// The counting pass over shadow rays, in chunks over the current pool.
-    pub fn count_blocked(&self, batch: &Batch<'_, S>) -> (Vec<bool>, WorkCounters) {
-        let mut answers = Answers::new(batch.kind, batch.rays.len());
-        answers.poison(&batch.expected);
-        let Answers::Blocked(mut blocked) = answers else { return Default::default() };
+    /// The counting pass over a batch, in chunks over the current pool; sums do not depend on order.
+    /// An occluder leaves closest hits as they are.
+    pub fn count(&self, batch: &Batch<'_, S>) -> (Answers<S>, WorkCounters) {
+        let mut answers = batch.unexpected();
         let chunk = self.chunk(batch);
-        let chunks = batch
-            .rays
-            .par_chunks(chunk)
-            .zip(batch.lights.par_chunks(chunk))
-            .zip(blocked.par_chunks_mut(chunk));
-        let work = chunks
-            .map(|((rays, lights), blocked)| match self {
-                Self::Structure(tracer) => {
+        let rays = batch.rays.par_chunks(chunk);
+        let work = match (self, &mut answers) {
+            (Self::Structure(tracer), Answers::Hits(hits)) => rays
+                .zip(hits.par_chunks_mut(chunk))
+                .map(|(rays, hits)| tracer.count_closest_hits(rays, hits))
+                .reduce(WorkCounters::default, sum),
+            (Self::Structure(tracer), Answers::Blocked(blocked)) => {
+                let count = |(rays, blocked): (&[Ray<S>], &mut [bool])| {
                     let preset = |blocked: &bool| ShadowCount { blocked: *blocked, glass: 0 };
                     let mut answers: Vec<_> = blocked.iter().map(preset).collect();
                     let rule = ShadowRule::OpaqueBlocks;
                     let work = tracer.count_occlusions(rays, rule, &mut answers);
                     blocked.iter_mut().zip(&answers).for_each(|(b, a)| *b = a.blocked);
                     work
-                }
-                Self::Occluder(occluder) => occluder.count_occlusions(rays, lights, blocked),
-            })
-            .reduce(WorkCounters::default, sum);
-        (blocked, work)
+                };
+                let chunks = rays.zip(blocked.par_chunks_mut(chunk));
+                chunks.map(count).reduce(WorkCounters::default, sum)
+            }
+            (Self::Occluder(occluder), Answers::Blocked(blocked)) => rays
+                .zip(batch.lights.par_chunks(chunk))
+                .zip(blocked.par_chunks_mut(chunk))
+                .map(|((rays, lights), blocked)| occluder.count_occlusions(rays, lights, blocked))
+                .reduce(WorkCounters::default, sum),
+            (Self::Occluder(_), Answers::Hits(_)) => WorkCounters::default(),
+        };
+        (answers, work)
     }
 
     /// Its way to answer the rays of a batch: one by one or together.
@@ -227,7 +233,7 @@ impl<S: Buildable> BuiltRow<'_, S> {
     }
 }
 
-pub(crate) fn sum(mut one: WorkCounters, other: WorkCounters) -> WorkCounters {
+fn sum(mut one: WorkCounters, other: WorkCounters) -> WorkCounters {
     one += other;
     one
 }

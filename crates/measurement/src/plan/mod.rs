@@ -59,7 +59,6 @@ impl Rounds {
         }
     }
 
-    /// Time for the whole run, if it has a budget.
     pub fn budget(self) -> Option<Duration> {
         match self {
             Self::Fixed(_) => None,
@@ -133,9 +132,7 @@ pub struct Plan<'r> {
     /// Tables of each kind of ray are wanted, too.
     pub by_kind: bool,
     pub rounds: Rounds,
-    /// Threads that build and trace.
     pub threads: usize,
-    /// Seed of everything random.
     pub seed: u64,
     pub settings: RaySettings,
     pub precision: Precision,

@@ -8,7 +8,6 @@ use accel_core::variants::chosen_tests;
 use crate::plan::error::PlanError;
 use crate::settings::choice;
 
-/// A structure (or occluder) with settings.
 pub struct Row<'r, L: RegistryItem = Traceable> {
     pub entry: &'r Entry<L>,
     pub params: Params,
@@ -57,7 +56,6 @@ impl<'r, L: RegistryItem> Row<'r, L> {
         self.entry.info.sampled
     }
 
-    /// The structure's defaults.
     pub fn defaults(entry: &'r Entry<L>) -> Result<Self, PlanError> {
         Self::with(entry, &[], &[])
     }

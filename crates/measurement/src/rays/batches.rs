@@ -153,6 +153,13 @@ impl<S: Buildable> Batch<'_, S> {
         batch_name(self.kind.name(), self.order)
     }
 
+    /// Room for the answers, none of which is the one expected.
+    pub fn unexpected(&self) -> Answers<S> {
+        let mut answers = Answers::new(self.kind, self.rays.len());
+        answers.poison(&self.expected);
+        answers
+    }
+
     /// Indices of the rays that were answered otherwise than expected, as far as answers must
     /// agree. To the last bit nearly all answers of another primitive test would be wrong.
     pub fn wrong<'b>(

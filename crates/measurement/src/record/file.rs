@@ -113,7 +113,6 @@ fn kind_of(kind: FileType) -> Option<&'static str> {
     }
 }
 
-/// Parses a JSON file.
 pub fn parsed<T: DeserializeOwned>(
     path: &Path,
     text: &[u8],

@@ -109,7 +109,6 @@ impl Metric {
     }
 }
 
-/// The metric of that name.
 pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
     let names = || METRICS.iter().map(|m| m.name);
     let found = METRICS.iter().find(|m| m.name == name);
@@ -121,26 +120,17 @@ pub fn named(name: &str) -> Result<&'static Metric, PlanError> {
 pub static METRICS: &[Metric] = &[
     cost("n_in", "", "inner cells", Reading::Stats(|stats| stats.n_in)),
     cost("n_v", "", "elementary cells", Reading::Stats(|stats| stats.n_v)),
-    Metric {
-        // what it cost is in n_v and memory
-        is_cost: false,
-        ..cost("n_ev", "", "empty elementary cells", Reading::Stats(|stats| stats.n_ev))
-    },
+    // what it cost is in n_v and memory
+    share("n_ev", "empty elementary cells", Reading::Stats(|stats| stats.n_ev)),
     cost("n_oiv", "", "references in cells", Reading::Stats(|stats| stats.n_oiv)),
     cost("memory", "bytes", "bytes of the structure", Reading::Stats(|stats| stats.memory_bytes)),
     cost("n_it", "", "intersection tests per ray", Reading::Work(|work| work.intersection_tests)),
     cost("n_ts", "", "traversal steps per ray", Reading::Work(|work| work.traversal_steps)),
     cost("n_ets", "", "elementary steps per ray", Reading::Work(|work| work.elementary_steps)),
-    Metric {
-        // what it cost is in n_ets
-        is_cost: false,
-        ..cost("n_eets", "", "empty elementary steps per ray", Reading::Work(|work| work.empty_elementary_steps))
-    },
-    Metric {
-        // what it cost is in n_it
-        is_cost: false,
-        ..cost("saved", "", "tests per ray that a mailbox saved", Reading::Work(|work| work.tests_saved))
-    },
+    // what it cost is in n_ets
+    share("n_eets", "empty elementary steps per ray", Reading::Work(|work| work.empty_elementary_steps)),
+    // what it cost is in n_it
+    share("saved", "tests per ray that a mailbox saved", Reading::Work(|work| work.tests_saved)),
     cost("build", "s", "build time", Reading::Build(|_, row| series(row, |s| Some(s.build_s)))),
     cost("trace", "s", "trace time of all rays", Reading::Trace(|row| series(row, |s| Some(s.total_trace_s())))),
     cost("build-ratio", "", "build time over the reference's of the same round", Reading::Build(build_ratios)),
@@ -164,6 +154,10 @@ const fn cost(
     reading: Reading,
 ) -> Metric {
     Metric { name, unit, summary, is_cost: true, reading }
+}
+
+const fn share(name: &'static str, summary: &'static str, reading: Reading) -> Metric {
+    Metric { is_cost: false, ..cost(name, "", summary, reading) }
 }
 
 /// Trace time over the reference's, round by round.

@@ -167,7 +167,6 @@ impl Outliers {
 }
 
 impl RowRecord {
-    /// A row of which there is nothing but a verdict.
     pub fn unmeasured(structure: String, settings: String, verdict: Verdict) -> Self {
         Self { structure, settings, verdict, stride: 1, ..Self::default() }
     }

@@ -54,12 +54,10 @@ pub struct SlopeRecord {
 }
 
 impl ScaleRecord {
-    /// The size that a scene of the run is.
     pub fn size(&self, scene: &str) -> Option<&SizeRecord> {
         self.sizes.iter().find(|size| size.name == scene)
     }
 
-    /// The slope of a quantity of the row with that label.
     pub fn slope(&self, row: &str, quantity: &str) -> Option<&SlopeRecord> {
         let is =
             |s: &&SlopeRecord| s.quantity == quantity && label(&s.structure, &s.settings) == row;

@@ -14,28 +14,15 @@ use crate::answers::judge::judge;
 use crate::plan::Plan;
 use crate::plan::measured_row::{BuiltRow, MeasuredRow};
 use crate::rays::batches::{Answers, BatchSet};
-use crate::record::Sample;
+use crate::record::{RowRecord, Sample, Verdict};
 use crate::rounds::interleaved::{Visit, interleaved, round_order};
 use crate::rounds::scope::{Laps, RowLog, Scope};
-use crate::system::clock::{Clock, timed};
+use crate::system::clock::timed;
 use crate::system::interrupt;
 use crate::system::panics::caught;
 
 /// Most rounds that a time budget buys.
 const MOST_ROUNDS: usize = 10_000;
-
-#[derive(Debug, Clone, Default)]
-pub struct RowTimes {
-    pub samples: Vec<Sample>,
-    /// Stride of the rays that were timed.
-    pub stride: usize,
-    /// Most rays answered otherwise than expected in any timed pass.
-    pub mismatches: usize,
-    /// Seconds of the whole image.
-    pub render_s: Option<f64>,
-    /// Why it was left out from some round on: it panicked, or its process ended.
-    pub failed: Option<String>,
-}
 
 /// A sample of the rays and room for the answers to them.
 struct Subsample<'a, S: Buildable> {
@@ -46,78 +33,69 @@ struct Subsample<'a, S: Buildable> {
 /// Seconds by kind of ray and order.
 type Seconds = BTreeMap<String, f64>;
 
-/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan. The row
-/// `baseline` is the reference. The result has one entry for each row too. `log` is told what each row does for the first time.
+/// Rounds over the rows that may be timed; `checked` has an entry for each row of the plan, whose
+/// record gets its samples and the time of its image. One that panics, or whose process ends, is
+/// left out from then on. The row `baseline` is the reference. `log` is told what each row does for
+/// the first time.
 pub fn measure<S: Buildable>(
     scope: &Scope<'_, '_, S>,
-    checked: &[RowCheck],
+    checked: &mut [RowCheck],
     baseline: usize,
     deadline: Option<Duration>,
     log: &dyn RowLog,
-) -> Vec<RowTimes> {
-    let schedule = Schedule::of(scope, checked, baseline, deadline);
-    let mut measured = schedule.rounds(scope, log);
-    measured.keep_whole_rounds(&schedule);
-    schedule.images(scope, checked, &mut measured, log);
-    measured.timed
+) {
+    let plan = scope.plan;
+    let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
+    let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
+    let (at_least, deadline) = match plan.processes {
+        0 | 1 => (plan.rounds.at_least(), deadline),
+        // fresh processes time the rows; here they are asked once
+        _ => (1, None),
+    };
+    let schedule = Schedule { scope, log, baseline, strides, rows, at_least, deadline };
+    let times = schedule.rounds(checked);
+    times.keep_whole(&schedule.strides, checked);
+    schedule.images(checked, &times);
 }
 
 /// The rows to time, the rays of each, and the number of rounds.
-struct Schedule {
+struct Schedule<'s, 'a, 'r, S: Buildable> {
+    scope: &'s Scope<'a, 'r, S>,
+    log: &'s dyn RowLog,
     baseline: usize,
     /// Stride of the rays of each row of the plan; `None` for rows that are not timed.
     strides: Vec<Option<usize>>,
     rows: Vec<usize>,
-    first_round: usize,
     at_least: usize,
     /// End of the time in which rounds beyond `at_least` begin; `None` without a budget.
     deadline: Option<Duration>,
 }
 
 struct RoundTimes {
-    timed: Vec<RowTimes>,
     /// The reference's seconds on each sample of rays, by round.
     of_reference: Vec<BTreeMap<usize, Seconds>>,
     /// The round that a signal interrupted: some rows lack it.
     interrupted: Option<usize>,
 }
 
-impl Schedule {
-    fn of<S: Buildable>(
-        scope: &Scope<'_, '_, S>,
-        checked: &[RowCheck],
-        baseline: usize,
-        deadline: Option<Duration>,
-    ) -> Self {
-        let plan = scope.plan;
-        let strides = strides(plan, &scope.stage.scene.name, checked, baseline);
-        let rows = (0..plan.rows.len()).filter(|&row| strides[row].is_some()).collect();
-        let (at_least, deadline) = match plan.processes {
-            0 | 1 => (plan.rounds.at_least(), deadline),
-            // fresh processes time the rows; here they are asked once
-            _ => (1, None),
-        };
-        let first_round = plan.process.first_round;
-        Self { baseline, strides, rows, first_round, at_least, deadline }
-    }
-
+impl<S: Buildable> Schedule<'_, '_, '_, S> {
     /// Returns whether another round begins after `rounds` of them.
-    fn goes_on(&self, rounds: usize, clock: &dyn Clock) -> bool {
-        let has_time = || self.deadline.is_some_and(|deadline| clock.now() < deadline);
+    fn goes_on(&self, rounds: usize) -> bool {
+        let has_time = || self.deadline.is_some_and(|deadline| self.scope.clock.now() < deadline);
         rounds < self.at_least || (rounds < MOST_ROUNDS && has_time())
     }
 
-    fn rounds<S: Buildable>(&self, scope: &Scope<'_, '_, S>, log: &dyn RowLog) -> RoundTimes {
-        let (plan, first) = (scope.plan, self.first_round);
+    fn rounds(&self, checked: &mut [RowCheck]) -> RoundTimes {
+        let Self { scope, log, .. } = self;
+        let (plan, first) = (scope.plan, scope.plan.process.first_round);
         let mut subsamples = thinned(scope, &self.strides);
-        let mut timed = vec![RowTimes::default(); plan.rows.len()];
         let mut of_reference = Vec::new();
         let interrupted = Cell::new(None);
         let goes_on = |round| {
             if round > first && plan.processes == 1 {
                 interrupt::let_rounds_end();
             }
-            interrupted.get().is_none() && self.goes_on(round - first, scope.clock)
+            interrupted.get().is_none() && self.goes_on(round - first)
         };
         let visit = |Visit { round, position, row }: Visit| {
             if interrupt::is_stopping() {
@@ -126,8 +104,9 @@ impl Schedule {
             }
             of_reference.resize_with(round + 1, BTreeMap::new);
             let row = self.rows[row];
-            let (out, of_round) = (&mut timed[row], &mut of_reference[round]);
-            let Some(stride) = self.strides[row].filter(|_| out.failed.is_none()) else { return };
+            let (record, of_round) = (&mut checked[row].record, &mut of_reference[round]);
+            let is_left = record.verdict.is_timed();
+            let Some(stride) = self.strides[row].filter(|_| is_left) else { return };
             let is_baseline = row == self.baseline;
             let asked = RowVisit { row: &plan.rows[row], stride, is_baseline };
             if round == first {
@@ -137,48 +116,43 @@ impl Schedule {
             }
             match caught(|| asked.make(scope, &mut subsamples, of_round)) {
                 Ok(Ok((sample, mismatches))) => {
-                    out.stride = stride;
-                    out.mismatches = out.mismatches.max(mismatches);
+                    record.stride = stride as u64;
+                    // a structure may be wrong only sometimes
+                    record.mismatches = record.mismatches.max(mismatches as u64);
                     let (round, position) = (round as u32, position as u32);
-                    out.samples.push(Sample { round, position, ..sample });
+                    record.samples.push(Sample { round, position, ..sample });
                     scope.progress.step(scope.clock.now());
                 }
-                Ok(Err(died @ BuildError::Died(_))) => out.failed = Some(died.to_string()),
+                Ok(Err(died @ BuildError::Died(_))) => fail(record, died.to_string()),
                 // it was built before, and cannot be built again
                 Ok(Err(_)) => {}
-                Err(panicked) => out.failed = Some(panicked.to_string()),
+                Err(panicked) => fail(record, panicked.to_string()),
             }
         };
         let (seed, scene) = (plan.seed, &scope.stage.scene.name);
         interleaved(first, self.rows.len(), seed, scene, goes_on, visit);
         interrupt::rounds_ended();
         log.rows_passed();
-        RoundTimes { timed, of_reference, interrupted: interrupted.get() }
+        RoundTimes { of_reference, interrupted: interrupted.get() }
     }
 
     /// Times the whole image of each row that is fast enough for it.
-    fn images<S: Buildable>(
-        &self,
-        scope: &Scope<'_, '_, S>,
-        checked: &[RowCheck],
-        measured: &mut RoundTimes,
-        log: &dyn RowLog,
-    ) {
+    fn images(&self, checked: &mut [RowCheck], times: &RoundTimes) {
+        let Self { scope, log, .. } = self;
         let plan = scope.plan;
-        let (rounds, scene) = (measured.of_reference.len(), &scope.stage.scene.name);
+        let (rounds, scene) = (times.of_reference.len(), &scope.stage.scene.name);
         for i in round_order(plan.seed, scene, rounds, self.rows.len()) {
             let row = self.rows[i];
-            let (planned, out) = (&plan.rows[row], &mut measured.timed[row]);
-            let RowCheck { record, full_pass_s } = &checked[row];
-            let seconds = full_pass_s / plan.threads as f64;
+            let (planned, RowCheck { record, full_pass_s }) = (&plan.rows[row], &mut checked[row]);
+            let seconds = *full_pass_s / plan.threads as f64;
             // an image would be timed with the way to its process and back
             let is_cheap = seconds <= plan.limits.render_pass && record.plugin.is_none();
-            let is_whole = measured.interrupted.is_none();
-            if is_whole && is_cheap && !planned.is_sampled() && out.failed.is_none() {
+            let is_whole = times.interrupted.is_none();
+            if is_whole && is_cheap && !planned.is_sampled() && record.verdict.is_timed() {
                 log.row_begins(&planned.label());
                 match caught(|| render_once(scope, planned)) {
-                    Ok(seconds) => out.render_s = seconds,
-                    Err(panicked) => out.failed = Some(panicked.to_string()),
+                    Ok(seconds) => record.render_s = seconds,
+                    Err(panicked) => fail(record, panicked.to_string()),
                 }
             }
             scope.progress.step(scope.clock.now());
@@ -187,15 +161,20 @@ impl Schedule {
     }
 }
 
+/// One that panics once is not trusted any more.
+fn fail(record: &mut RowRecord, why: String) {
+    (record.verdict, record.error) = (Verdict::Panicked, Some(why));
+}
+
 impl RoundTimes {
     /// Drops the samples of an interrupted round. Adds to the others the seconds of the reference
     /// on the same rays in the same round.
-    fn keep_whole_rounds(&mut self, schedule: &Schedule) {
+    fn keep_whole(&self, strides: &[Option<usize>], checked: &mut [RowCheck]) {
         let whole = self.interrupted.unwrap_or(usize::MAX);
-        for (timed, stride) in self.timed.iter_mut().zip(&schedule.strides) {
+        for (RowCheck { record, .. }, stride) in checked.iter_mut().zip(strides) {
             let Some(stride) = stride else { continue };
-            timed.samples.retain(|sample| (sample.round as usize) < whole);
-            for sample in &mut timed.samples {
+            record.samples.retain(|sample| (sample.round as usize) < whole);
+            for sample in &mut record.samples {
                 let of_round = self.of_reference.get(sample.round as usize);
                 let Some(seconds) = of_round.and_then(|round| round.get(stride)) else { continue };
                 // over the kinds of rays that the row answers

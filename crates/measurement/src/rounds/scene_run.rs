@@ -9,7 +9,7 @@ use crate::rays::batches::BatchSet;
 use crate::record::metrics::{builds_by_round, seconds_of};
 use crate::record::{RowRecord, SceneRecord, Verdict};
 use crate::rounds::MeasureError;
-use crate::rounds::measure::{RowTimes, measure, measure_laps};
+use crate::rounds::measure::{measure, measure_laps};
 use crate::rounds::scope::{Laps, RowLog, Scope};
 use crate::rounds::trial::TrialOutcome;
 use crate::scenes::LoadedScene;
@@ -81,20 +81,13 @@ pub fn run_scene<S: Buildable>(
     }
     progress.message(format!("{}: timing", scene.name));
     let baseline = baseline(plan, &checked);
-    let timed = match equipment.laps {
-        None => measure(&scope, &checked, baseline, deadline, equipment.log),
-        Some(laps) => {
-            measure_laps(&scope, &checked, baseline, laps);
-            vec![RowTimes::default(); plan.rows.len()]
-        }
-    };
-    let mut rows: Vec<RowRecord> = plan
-        .rows
-        .iter()
-        .zip(checked)
-        .zip(timed)
-        .map(|((row, checked), timed)| row_record(&all, row, checked.record, timed))
-        .collect();
+    match equipment.laps {
+        None => measure(&scope, &mut checked, baseline, deadline, equipment.log),
+        Some(laps) => measure_laps(&scope, &checked, baseline, laps),
+    }
+    let rows = plan.rows.iter().zip(checked);
+    let mut rows: Vec<RowRecord> =
+        rows.map(|(row, checked)| judged_by_rounds(&all, row, checked.record)).collect();
     if let Some(reference) = rows.get_mut(baseline) {
         reference.is_reference = true;
     }
@@ -185,26 +178,19 @@ fn verdict_of(error: &BuildError) -> Verdict {
     }
 }
 
-/// The record of a checked row with its times.
-fn row_record<S: Buildable>(
+/// The record of a row after all rounds: its answers were compared in each again.
+fn judged_by_rounds<S: Buildable>(
     all: &BatchSet<'_, S>,
     row: &MeasuredRow<'_>,
     mut record: RowRecord,
-    timed: RowTimes,
 ) -> RowRecord {
-    // one that panics once is not trusted any more
-    if timed.failed.is_some() {
-        (record.verdict, record.error) = (Verdict::Panicked, timed.failed);
-    }
-    // Answers are compared in every round again: a structure may be wrong only sometimes.
-    record.mismatches = record.mismatches.max(timed.mismatches as u64);
     if record.verdict == Verdict::Ok && record.mismatches > 0 {
         let is_known = record.known_defect.is_some();
         record.verdict = if is_known { Verdict::WrongAsShipped } else { Verdict::Wrong };
     }
-    record.stride = timed.stride.max(1) as u64;
-    if record.verdict.is_timed() {
-        (record.samples, record.render_s) = (timed.samples, timed.render_s);
+    if !record.verdict.is_timed() {
+        record.samples.clear();
+        record.render_s = None;
     }
     if !record.samples.is_empty() {
         let asked = by_kind(all, |kind| row.answers(kind)).into_iter();

@@ -70,7 +70,6 @@ pub struct MeasuringSettings {
     pub time_budget: Option<Duration>,
     /// Small images and few rounds.
     pub quick: bool,
-    /// Threads that build and trace.
     pub threads: u16,
     /// Seed of schedules, samples and intervals.
     pub seed: u64,

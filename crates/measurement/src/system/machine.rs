@@ -128,7 +128,6 @@ pub fn kibibytes(text: &str, key: &str) -> Option<u64> {
 
 pub const CPU_PRESSURE: &str = "/proc/pressure/cpu";
 
-/// A look at the pressure that goes on.
 #[derive(Debug)]
 pub struct PressureWatch {
     begin: Option<(PathBuf, u64)>,

@@ -60,7 +60,6 @@ pub trait World: Sync {
     }
 }
 
-/// The world that the process finds.
 #[derive(Debug, Clone)]
 pub struct SystemWorld {
     pub tool: Tool,

@@ -5,9 +5,7 @@ use scene_loading::{Material, SampleWishes, Scene, Shape};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
-    /// Shadows of point lights.
     HardShadows,
-    /// Shadows of lights with an extent.
     SoftShadows,
     Mirror,
     /// Reflection by rough mirrors.
@@ -30,7 +28,6 @@ impl Effect {
     pub const COUNT: usize = 10;
 }
 
-/// Registry line of an effect.
 #[derive(Debug)]
 pub struct EffectInfo {
     pub effect: Effect,
@@ -41,7 +38,6 @@ pub struct EffectInfo {
     pub called_by: fn(&Scene, &RenderSettings) -> Option<String>,
 }
 
-/// Every effect.
 pub static EFFECTS: [EffectInfo; Effect::COUNT] = [
     EffectInfo {
         effect: Effect::HardShadows,
@@ -184,7 +180,6 @@ pub struct RenderSettings {
     pub max_depth: u32,
     /// Numbers of samples that replace those of the scene.
     pub samples: SampleWishes,
-    /// Seed of all sample patterns.
     pub seed: u64,
 }
 
@@ -212,7 +207,6 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// The numbers for a scene.
     pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
         let (typed, wished) = (settings.samples, scene.samples);
         let number = |typed: Option<u32>, wished: Option<u32>, default: u32| {

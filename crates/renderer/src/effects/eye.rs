@@ -74,7 +74,6 @@ pub struct Sampling {
     pub lens: Lens,
     /// How long the shutter is open.
     pub shutter: f64,
-    /// Seed of the patterns.
     pub seed: u64,
 }
 

@@ -13,7 +13,7 @@ use scene_loading::{Rgb, Scene};
 
 use super::effect::Effect;
 use super::sampler::{Pattern, Purpose};
-use super::stages::{LightStage, RayCounts, ShadowRay, SurfaceHit, WavePosition};
+use super::stages::{LightStage, RayCounts, ShadowRay, SurfaceHit, Wave};
 use crate::surface::reflect;
 
 /// The lights of a scene: centre, colour and radius.
@@ -75,15 +75,9 @@ impl LightStage for PointLights {
         self.lights.len()
     }
 
-    fn shadow_rays(
-        &self,
-        _: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ShadowRay>,
-        counts: &mut RayCounts,
-    ) {
+    fn shadow_rays(&self, wave: Wave<'_>, out: &mut Vec<ShadowRay>, counts: &mut RayCounts) {
         let before = out.len();
-        for (hit, index) in hits.iter().zip(0..) {
+        for (hit, index) in wave.hits.iter().zip(0..) {
             let normal = lit_normal(hit, self.both_sides);
             for &(light, color, _) in &self.lights {
                 out.extend(shadow_ray(hit, index, normal, light, color, 1.0));
@@ -111,19 +105,13 @@ impl LightStage for FirstLight {
         1
     }
 
-    fn shadow_rays(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ShadowRay>,
-        counts: &mut RayCounts,
-    ) {
-        if place.depth > 1 {
+    fn shadow_rays(&self, wave: Wave<'_>, out: &mut Vec<ShadowRay>, counts: &mut RayCounts) {
+        if wave.depth > 1 {
             return;
         }
         let &Self { light, color, both_sides } = self;
         // a light in the very point has no direction
-        let asked = hits.iter().zip(0..).filter(|(hit, _)| hit.point.position != light);
+        let asked = wave.hits.iter().zip(0..).filter(|(hit, _)| hit.point.position != light);
         let before = out.len();
         out.extend(asked.map(|(hit, index)| {
             let lit = shadow_ray(hit, index, lit_normal(hit, both_sides), light, color, 1.0);
@@ -152,15 +140,9 @@ impl LightStage for DiscLights {
         self.lights.len().saturating_mul(self.samples as usize)
     }
 
-    fn shadow_rays(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ShadowRay>,
-        counts: &mut RayCounts,
-    ) {
+    fn shadow_rays(&self, wave: Wave<'_>, out: &mut Vec<ShadowRay>, counts: &mut RayCounts) {
         let share = 1.0 / f64::from(self.samples);
-        for (hit, index) in hits.iter().zip(0..) {
+        for (hit, index) in wave.hits.iter().zip(0..) {
             let normal = lit_normal(hit, true);
             for (&(light, color, radius), number) in self.lights.iter().zip(0..) {
                 let before = out.len();
@@ -171,8 +153,8 @@ impl LightStage for DiscLights {
                 }
                 let axis = (light - hit.point.position).normalize_or(normal);
                 let (s, t) = axis.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
-                let purpose = Purpose::Light(number, place.depth);
-                let pattern = Pattern::new(self.seed, [hit.origin.column, place.y], purpose);
+                let purpose = Purpose::Light(number, wave.depth);
+                let pattern = Pattern::new(self.seed, [hit.origin.column, wave.y], purpose);
                 let begin = hit.origin.sample.wrapping_mul(self.samples);
                 for k in 0..self.samples {
                     let p = pattern.disc(begin.wrapping_add(k)) * radius;

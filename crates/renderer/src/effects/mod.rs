@@ -19,6 +19,4 @@ pub(crate) use lights::{first_light, lights, lit_normal, shadow_ray};
 pub(crate) use plan::plain_stages;
 pub use plan::{EffectPlan, Gating};
 pub use stages::RayCounts;
-pub(crate) use stages::{
-    HitStage, Origin, ScatteredRay, ShadowRay, Stages, SurfaceHit, WavePosition,
-};
+pub(crate) use stages::{HitStage, Origin, ScatteredRay, ShadowRay, Stages, SurfaceHit, Wave};

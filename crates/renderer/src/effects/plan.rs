@@ -13,7 +13,6 @@ use crate::camera::EyeRays;
 
 pub const MOST_SAMPLES_PER_PIXEL: u64 = 1 << 22;
 
-/// An effect that is called for.
 #[derive(Debug, Clone)]
 pub struct RequestedEffect {
     pub info: &'static EffectInfo,
@@ -48,7 +47,6 @@ pub enum Gating {
 }
 
 impl EffectPlan {
-    /// The plan for a scene.
     pub fn of(scene: &Scene, settings: &RenderSettings) -> Self {
         let called = |info: &'static EffectInfo| {
             (info.called_by)(scene, settings).map(|by| RequestedEffect { info, by })
@@ -91,12 +89,10 @@ impl EffectPlan {
         self.without(Effect::SoftShadows).without(Effect::HardShadows)
     }
 
-    /// Returns whether an effect is part of it.
     pub fn calls_for(&self, effect: Effect) -> bool {
         self.called.iter().any(|called| called.info.effect == effect)
     }
 
-    /// The settings it was made for.
     pub fn settings(&self) -> &RenderSettings {
         &self.settings
     }
@@ -116,7 +112,6 @@ impl EffectPlan {
         }
     }
 
-    /// Eye rays per pixel.
     pub fn rays_per_pixel(&self) -> u32 {
         [Effect::Supersampling, Effect::Motion, Effect::Focus]
             .into_iter()

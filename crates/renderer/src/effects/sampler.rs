@@ -18,9 +18,7 @@ const LONGEST: u32 = 1 << 16;
 /// Purpose of samples; separates their patterns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Purpose {
-    /// The area of a pixel.
     Pixel,
-    /// The area of the lens.
     Lens,
     /// The time that the shutter is open.
     Time,
@@ -30,14 +28,12 @@ pub enum Purpose {
     Facet(u32),
 }
 
-/// The pattern of one pixel and purpose.
 #[derive(Debug, Clone, Copy)]
 pub struct Pattern {
     seed: u32,
 }
 
 impl Pattern {
-    /// The pattern for a pixel.
     pub fn new(seed: u64, [x, y]: [u32; 2], purpose: Purpose) -> Self {
         let (kind, a, b) = match purpose {
             Purpose::Pixel => (0, 0, 0),

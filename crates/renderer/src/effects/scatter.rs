@@ -13,7 +13,7 @@
 
 use super::effect::Effect;
 use super::sampler::{Pattern, Purpose};
-use super::stages::{Origin, RayCounts, ScatterStage, ScatteredRay, SurfaceHit, WavePosition};
+use super::stages::{Origin, RayCounts, ScatterStage, ScatteredRay, Wave};
 use crate::rays::RayKind;
 use crate::surface::{reflect, refract};
 
@@ -22,15 +22,9 @@ use crate::surface::{reflect, refract};
 pub struct Scatter<const GLASS: bool, const ROUGH: bool>(pub Lobe);
 
 impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH> {
-    fn scatter(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ScatteredRay>,
-        counts: &mut RayCounts,
-    ) {
+    fn scatter(&self, wave: Wave<'_>, out: &mut Vec<ScatteredRay>, counts: &mut RayCounts) {
         let (mut mirrored, mut refracted) = (0, 0);
-        for (hit, index) in hits.iter().zip(0..) {
+        for (hit, index) in wave.hits.iter().zip(0..) {
             let m = hit.point.material;
             let normal = hit.point.normal;
             let ray = |kind, direction, share: f64| {
@@ -38,7 +32,7 @@ impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH
                 ScatteredRay { hit: index, kind, direction, weight, origin: hit.origin }
             };
             if ROUGH && m.roughness > 0.0 && m.specular > 0.0 {
-                self.0.reflect(place, index, hit, out, counts);
+                self.0.reflect(wave, index, out, counts);
             } else if m.specular > 0.0 || (GLASS && m.transmittance > 0.0) {
                 out.push(ray(RayKind::Reflected, reflect(hit.incoming, normal), m.specular));
                 mirrored += 1;
@@ -58,12 +52,10 @@ impl<const GLASS: bool, const ROUGH: bool> ScatterStage for Scatter<GLASS, ROUGH
     }
 }
 
-/// How rough mirrors are sampled.
 #[derive(Debug, Clone, Copy)]
 pub struct Lobe {
     /// Rays at the first rough mirror of a path.
     pub samples: u32,
-    /// Seed of the directions.
     pub seed: u64,
 }
 
@@ -71,20 +63,20 @@ impl Lobe {
     /// Sends the rays of one hit.
     pub fn reflect(
         &self,
-        place: WavePosition,
+        wave: Wave<'_>,
         index: u32,
-        hit: &SurfaceHit<'_>,
         out: &mut Vec<ScatteredRay>,
         counts: &mut RayCounts,
     ) {
+        let hit = &wave.hits[index as usize];
         let m = hit.point.material;
         // the side that is seen
         let outside = hit.point.normal.dot(hit.incoming) <= 0.0;
         let normal = if outside { hit.point.normal } else { -hit.point.normal };
         let Some(unit) = normal.try_normalize() else { return };
         let (s, t) = unit.any_orthonormal_pair();
-        let purpose = Purpose::Facet(place.depth);
-        let pattern = Pattern::new(self.seed, [hit.origin.column, place.y], purpose);
+        let purpose = Purpose::Facet(wave.depth);
+        let pattern = Pattern::new(self.seed, [hit.origin.column, wave.y], purpose);
         let (begin, samples) = if hit.origin.fanned {
             (hit.origin.sample, 1)
         } else {

@@ -30,7 +30,6 @@ pub struct EyeRay {
     pub direction: DVec3,
     /// The path that it is a part of.
     pub origin: Origin,
-    /// Its share of the pixel.
     pub share: f64,
 }
 
@@ -57,7 +56,6 @@ pub struct ShadowRay {
     pub light: Rgb,
 }
 
-/// A ray that a hit sends on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ScatteredRay {
     /// Index of the hit it starts at, within the wave.
@@ -79,7 +77,6 @@ pub struct RayCounts {
 }
 
 impl RayCounts {
-    /// Rays of a kind.
     pub fn kind(&self, kind: RayKind) -> u64 {
         self.kinds[kind as usize]
     }
@@ -94,12 +91,10 @@ impl RayCounts {
         self.kinds.iter().sum()
     }
 
-    /// `n` more rays of a kind.
     pub fn add_kind(&mut self, kind: RayKind, n: usize) {
         self.kinds[kind as usize] += n as u64;
     }
 
-    /// `n` more rays of an effect.
     pub fn add_effect(&mut self, effect: Effect, n: usize) {
         self.effects[effect as usize] += n as u64;
     }
@@ -116,11 +111,12 @@ impl std::ops::AddAssign for RayCounts {
     }
 }
 
-/// Position of a wave: row of the image, and depth (1 for hits of eye rays).
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct WavePosition {
+/// Hits of a row of the image, of one depth: 1 for hits of eye rays.
+#[derive(Debug, Clone, Copy)]
+pub struct Wave<'h> {
     pub y: u32,
     pub depth: u32,
+    pub hits: &'h [SurfaceHit<'h>],
 }
 
 /// Makes the rays of pixels.
@@ -132,43 +128,27 @@ pub trait EyeStage: Send + Sync {
 
 /// Corrects what hits look like.
 pub trait HitStage: Send + Sync {
-    /// Changes the hits of a wave.
     fn apply(&self, hits: &mut [SurfaceHit<'_>]);
 }
 
 pub trait LightStage: Send + Sync {
     /// Shadow rays per hit, at most.
     fn rays_per_hit(&self) -> usize;
-    /// The shadow rays of some hits.
-    fn shadow_rays(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ShadowRay>,
-        counts: &mut RayCounts,
-    );
+    fn shadow_rays(&self, wave: Wave<'_>, out: &mut Vec<ShadowRay>, counts: &mut RayCounts);
 }
 
 pub trait ScatterStage: Send + Sync {
     /// The reflected and refracted rays of a wave.
-    fn scatter(
-        &self,
-        place: WavePosition,
-        hits: &[SurfaceHit<'_>],
-        out: &mut Vec<ScatteredRay>,
-        counts: &mut RayCounts,
-    );
+    fn scatter(&self, wave: Wave<'_>, out: &mut Vec<ScatteredRay>, counts: &mut RayCounts);
 }
 
 /// The stages of an image; what is `None` or empty is not there.
 pub struct Stages<'a> {
-    /// Rays from the eye.
     pub eye: Box<dyn EyeStage>,
     /// Rays that an eye ray may become at once: bounds the size of waves.
     pub fan_out: u32,
     /// Corrections of hits, in order.
     pub hits: Vec<Box<dyn HitStage + 'a>>,
-    /// Light, if there is any.
     pub lights: Option<Box<dyn LightStage>>,
     /// Reflection and refraction, if anything does either.
     pub scatter: Option<Box<dyn ScatterStage>>,

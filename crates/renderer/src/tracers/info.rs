@@ -7,14 +7,12 @@ use scene_loading::Scene;
 
 use crate::film::Image;
 
-/// Description of a tracer.
 #[derive(Debug)]
 pub struct TracerInfo {
     pub name: &'static str,
     pub summary: &'static str,
     /// Where it comes from.
     pub paper: &'static str,
-    /// Assumptions of its approximations.
     pub assumptions: &'static str,
     /// Deviations from the paper.
     pub deviations: &'static str,
@@ -26,9 +24,7 @@ pub struct TracerInfo {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{tracer} tracing does not support scene {scene}: it has {what}")]
 pub struct Refusal {
-    /// Name of the tracer.
     pub tracer: &'static str,
-    /// Name of the scene.
     pub scene: String,
     /// The unsupported part: `91 spheres`.
     pub what: String,
@@ -71,7 +67,6 @@ pub struct Frame {
     pub max_depth: u32,
 }
 
-/// An image by cones or beams.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnImage {
     pub image: Image,

@@ -17,10 +17,8 @@ pub use info::{DrawnImage, Frame, Refusal, Structures, TracerInfo};
 use crate::rays::{RayBatches, RaySettings};
 use whitted::{TracedRow, Whitted};
 
-/// Every tracer: one line each.
 pub static TRACERS: &[&TracerInfo] = &[&whitted::INFO, &cone::INFO, &beam::INFO];
 
-/// The tracer of that name.
 pub fn find(name: &str) -> Option<&'static TracerInfo> {
     TRACERS.iter().find(|t| t.name == name).copied()
 }
@@ -37,8 +35,9 @@ pub fn generate_rays<S: Buildable>(
     let rows: Vec<TracedRow<S>> =
         (0..whitted.rows()).into_par_iter().map(|y| whitted.trace_row(tracer, y)).collect();
     let mut all = RayBatches::default();
-    for rays in rows.into_iter().filter_map(|row| row.rays) {
-        all.append(rays);
+    for row in rows {
+        all.total_internal_reflections += row.counts.total_internal_reflections;
+        all.append(row.rays.unwrap_or_default());
     }
     all
 }

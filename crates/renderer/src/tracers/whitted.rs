@@ -23,8 +23,8 @@ use scene_loading::{Rgb, Scene};
 use super::info::TracerInfo;
 use crate::camera::{EyeRays, Sampling};
 use crate::effects::{
-    EffectPlan, Origin, RayCounts, ScatteredRay, ShadowRay, Stages, SurfaceHit, WavePosition,
-    first_light, plain_stages,
+    EffectPlan, Origin, RayCounts, ScatteredRay, ShadowRay, Stages, SurfaceHit, Wave, first_light,
+    plain_stages,
 };
 use crate::film::Image;
 use crate::ray_offset::{OffsetRule, RayOffset, magnitude};
@@ -116,7 +116,6 @@ impl<'a> Whitted<'a> {
         }
     }
 
-    /// Rows of the image.
     pub fn rows(&self) -> u32 {
         self.grid[1]
     }
@@ -161,7 +160,6 @@ impl<'a> Whitted<'a> {
     ) {
         let mut eye_rays = Vec::new();
         self.stages.eye.rays(y, columns.clone(), &mut eye_rays, &mut row.counts);
-        let mut colors = Colors::new(columns);
         let mut wave: Vec<Path<S>> = eye_rays
             .iter()
             .map(|eye| {
@@ -173,102 +171,115 @@ impl<'a> Whitted<'a> {
         if let Some(rays) = &mut row.rays {
             rays.batch_mut(RayKind::Primary).extend(wave.iter().map(|p| p.ray));
         }
+        let (first, colors) = (columns.start, vec![[0.0; 3]; columns.len()]);
+        let mut group = PixelGroup { on: self, tracer, first, colors, row };
         for depth in 1..=self.max_depth {
-            wave = self.advance(tracer, &wave, WavePosition { y, depth }, &mut colors, row);
+            wave = group.advance(&wave, y, depth);
             if wave.is_empty() {
                 break;
             }
         }
-        row.colors.append(&mut colors.pixels);
+        group.row.colors.append(&mut group.colors);
+    }
+
+    /// A ray that leaves a surface.
+    fn secondary_ray<S: Buildable>(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Ray<S> {
+        let mut ray: Ray<S> = self.offset.along(&hit.point, direction);
+        ray.time = S::from_f64(hit.origin.time);
+        ray
+    }
+}
+
+/// Pixels of a row that are traced together.
+struct PixelGroup<'t, 'a, S: Buildable> {
+    on: &'t Whitted<'a>,
+    tracer: &'t dyn Tracer<S>,
+    /// The column of the first pixel.
+    first: u32,
+    colors: Vec<Rgb>,
+    /// What is kept of the rays, and their numbers.
+    row: &'t mut TracedRow<S>,
+}
+
+impl<S: Buildable> PixelGroup<'_, '_, S> {
+    fn add(&mut self, origin: Origin, weight: Rgb, light: Rgb) {
+        let color = &mut self.colors[(origin.column - self.first) as usize];
+        for k in 0..3 {
+            color[k] += weight[k] * light[k];
+        }
     }
 
     /// Traces a wave, shades its hits and returns the rays they send on.
-    fn advance<S: Buildable>(
-        &self,
-        tracer: &dyn Tracer<S>,
-        wave: &[Path<S>],
-        place: WavePosition,
-        colors: &mut Colors,
-        row: &mut TracedRow<S>,
-    ) -> Vec<Path<S>> {
+    fn advance(&mut self, wave: &[Path<S>], y: u32, depth: u32) -> Vec<Path<S>> {
+        let on = self.on;
         let rays: Vec<Ray<S>> = wave.iter().map(|p| p.ray).collect();
         let mut hits = vec![Hit::NONE; rays.len()];
-        tracer.closest_hits(&rays, &mut hits);
+        self.tracer.closest_hits(&rays, &mut hits);
         let mut seen = Vec::with_capacity(wave.len());
         for (path, hit) in wave.iter().zip(&hits) {
             if !hit.is_hit() {
-                colors.add(path.origin, path.weight, self.background);
+                self.add(path.origin, path.weight, on.background);
                 continue;
             }
             let incoming = path.ray.direction.to_dvec3();
             let position = path.ray.origin.to_dvec3() + incoming * hit.t.to_f64();
-            let point = self.surfaces.at(hit.id, position);
+            let point = on.surfaces.at(hit.id, position);
             let (weight, origin) = (path.weight, path.origin);
             seen.push(SurfaceHit { point, id: hit.id, incoming, weight, origin });
         }
-        for stage in &self.stages.hits {
+        for stage in &on.stages.hits {
             stage.apply(&mut seen);
         }
-        self.light(tracer, &seen, place, colors, row);
-        if let (Some(seed), 1, Some(rays)) = (self.diffuse, place.depth, &mut row.rays) {
+        let wave = Wave { y, depth, hits: &seen };
+        self.light(wave);
+        if let (Some(seed), 1, Some(rays)) = (on.diffuse, depth, &mut self.row.rays) {
             let bounces = seen.iter().map(|hit| {
-                let pixel = [hit.origin.column, place.y];
-                self.secondary_ray(hit, diffuse_direction(hit, pixel, seed))
+                let pixel = [hit.origin.column, y];
+                on.secondary_ray(hit, diffuse_direction(hit, pixel, seed))
             });
             rays.batch_mut(RayKind::Diffuse).extend(bounces);
         }
-        if place.depth < self.max_depth { self.scatter(&seen, place, row) } else { Vec::new() }
+        if depth < on.max_depth { self.scatter(wave) } else { Vec::new() }
     }
 
     /// Adds the light that arrives at the hits of a wave.
-    fn light<S: Buildable>(
-        &self,
-        tracer: &dyn Tracer<S>,
-        hits: &[SurfaceHit<'_>],
-        place: WavePosition,
-        colors: &mut Colors,
-        row: &mut TracedRow<S>,
-    ) {
-        let Some(lights) = &self.stages.lights else { return };
+    fn light(&mut self, wave: Wave<'_>) {
+        let on = self.on;
+        let Some(lights) = &on.stages.lights else { return };
         let part = (BATCH / lights.rays_per_hit().max(1)).max(1);
         let (mut shadows, mut rays, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
-        for hits in hits.chunks(part) {
+        for hits in wave.hits.chunks(part) {
             shadows.clear();
-            lights.shadow_rays(place, hits, &mut shadows, &mut row.counts);
+            lights.shadow_rays(Wave { hits, ..wave }, &mut shadows, &mut self.row.counts);
             rays.clear();
             rays.extend(shadows.iter().map(|shadow: &ShadowRay| {
                 let hit = &hits[shadow.hit as usize];
-                let mut ray: Ray<S> = self.offset.to(&hit.point, shadow.target);
+                let mut ray: Ray<S> = on.offset.to(&hit.point, shadow.target);
                 ray.time = S::from_f64(hit.origin.time);
                 ray
             }));
             blocked.clear();
             blocked.resize(rays.len(), false);
-            tracer.occlusions(&rays, &mut blocked);
+            self.tracer.occlusions(&rays, &mut blocked);
             for (shadow, _) in shadows.iter().zip(&blocked).filter(|(_, b)| !**b) {
-                colors.add(hits[shadow.hit as usize].origin, [1.0; 3], shadow.light);
+                self.add(hits[shadow.hit as usize].origin, [1.0; 3], shadow.light);
             }
-            row.counts.add_kind(RayKind::Shadow, rays.len());
-            if let Some(kept) = &mut row.rays {
+            self.row.counts.add_kind(RayKind::Shadow, rays.len());
+            if let Some(kept) = &mut self.row.rays {
                 kept.batch_mut(RayKind::Shadow).extend_from_slice(&rays);
             }
         }
     }
 
     /// The rays that the hits of a wave send on.
-    fn scatter<S: Buildable>(
-        &self,
-        hits: &[SurfaceHit<'_>],
-        place: WavePosition,
-        row: &mut TracedRow<S>,
-    ) -> Vec<Path<S>> {
-        let Some(stage) = &self.stages.scatter else { return Vec::new() };
+    fn scatter(&mut self, wave: Wave<'_>) -> Vec<Path<S>> {
+        let Some(stage) = &self.on.stages.scatter else { return Vec::new() };
+        let row = &mut *self.row;
         let mut scattered = Vec::<ScatteredRay>::new();
-        let internal = row.counts.total_internal_reflections;
-        stage.scatter(place, hits, &mut scattered, &mut row.counts);
+        stage.scatter(wave, &mut scattered, &mut row.counts);
         let mut next = Vec::with_capacity(scattered.len());
         for s in &scattered {
-            let ray = self.secondary_ray(&hits[s.hit as usize], s.direction);
+            let ray = self.on.secondary_ray(&wave.hits[s.hit as usize], s.direction);
             next.push(Path { ray, origin: s.origin, weight: s.weight });
         }
         let refracted = scattered.iter().filter(|s| s.kind == RayKind::Refracted).count();
@@ -278,16 +289,8 @@ impl<'a> Whitted<'a> {
             for (s, path) in scattered.iter().zip(&next) {
                 kept.batch_mut(s.kind).push(path.ray);
             }
-            kept.total_internal_reflections += row.counts.total_internal_reflections - internal;
         }
         next
-    }
-
-    /// A ray that leaves a surface.
-    fn secondary_ray<S: Buildable>(&self, hit: &SurfaceHit<'_>, direction: DVec3) -> Ray<S> {
-        let mut ray: Ray<S> = self.offset.along(&hit.point, direction);
-        ray.time = S::from_f64(hit.origin.time);
-        ray
     }
 }
 
@@ -303,25 +306,6 @@ static TRACE_GROUP: ScalarPair<TraceGroup> = ScalarPair {
     f32: |whitted, tracer, y, columns, row| whitted.trace_group(tracer, y, columns, row),
     f64: |whitted, tracer, y, columns, row| whitted.trace_group(tracer, y, columns, row),
 };
-
-/// The pixels that are being traced.
-struct Colors {
-    first: u32,
-    pixels: Vec<Rgb>,
-}
-
-impl Colors {
-    fn new(columns: Range<u32>) -> Self {
-        Self { first: columns.start, pixels: vec![[0.0; 3]; columns.len()] }
-    }
-
-    fn add(&mut self, origin: Origin, weight: Rgb, light: Rgb) {
-        let color = &mut self.pixels[(origin.column - self.first) as usize];
-        for k in 0..3 {
-            color[k] += weight[k] * light[k];
-        }
-    }
-}
 
 /// A cosine-distributed direction about the side that was hit (B. Malley's method: a uniform
 /// point of the disc, projected up), seeded by pixel.
@@ -349,7 +333,6 @@ pub fn render<S: Buildable>(
     image(&Whitted::new(scene, settings), tracer, &|| ()).image
 }
 
-/// An image and the rays it took.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RenderedImage {
     pub image: Image,

@@ -69,7 +69,6 @@ impl<S: Buildable> Tracer<S> for CountingTracer<'_, S> {
 /// Work of each pixel of an image, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelWork {
-    /// Pixels of the image.
     pub resolution: [u32; 2],
     pub tests: Vec<f64>,
     pub steps: Vec<f64>,

@@ -7,9 +7,8 @@ use accel_core::query::region::{Candidates, Frustum, FrustumQueries};
 use accel_core::structure::StructureStats;
 use accel_core::structures::frustum_queries;
 use glam::{DVec2, DVec3, dvec3};
-use renderer::tracers::cone::circular_cone::Cone;
+use renderer::tracers::cone::circular_cone::{Cone, DepartedSurface};
 use renderer::tracers::cone::compose::{Fragment, compose};
-use renderer::tracers::cone::coverage::DepartedSurface;
 use renderer::tracers::cone::forms::Forms;
 use renderer::tracers::cone::{Settings, draw, refusal};
 use renderer::tracers::{DrawnImage, Frame, Structures};
@@ -131,11 +130,12 @@ fn coverage_stays_within_its_bounds() {
                 cone.end = origin.distance(target);
             }
             let plane = (random.unit() < 0.3).then(|| (axis, axis.dot(origin)));
-            let left = DepartedSurface { id: 0, inwards: random.unit() < 0.5, plane };
+            let inwards = random.unit() < 0.5;
+            cone.left = Some(DepartedSurface { id: 0, inwards, plane });
             let mut sum = 0.0;
             for id in 0..scene.primitives.len() as u32 {
                 tested += 1;
-                let Some(found) = forms.cover(&cone, id, Some(&left)) else { continue };
+                let Some(found) = forms.cover(&cone, id) else { continue };
                 let overlap = found.overlap;
                 assert_eq!(fault(overlap.share, overlap.centroid), None, "{cone:?} {id}");
                 assert!(!found.far.is_nan());
@@ -173,12 +173,12 @@ fn the_triangles_of_a_mesh_cover_a_cone_exactly_once() {
         let cone = Cone::new(from, axis, 0.0, random.size(3.0, -1.3));
         let mut fragments: Vec<Fragment> = (0..scene.primitives.len() as u32)
             .filter_map(|id| {
-                let coverage = forms.cover(&cone, id, None)?;
-                let depth = forms.depth(&cone, id, coverage.overlap.centroid, None)?;
+                let coverage = forms.cover(&cone, id)?;
+                let depth = forms.depth(&cone, id, coverage.overlap.centroid)?;
                 Some(Fragment { id, depth, coverage })
             })
             .collect();
-        let found = compose(&mut fragments, &|id, place| forms.depth(&cone, id, place, None));
+        let found = compose(&mut fragments, &|id, place| forms.depth(&cone, id, place));
         let sum: f64 = found.seen.iter().map(|s| s.share).sum();
         assert!(found.is_certain && (sum - 1.0).abs() < 1e-6, "{sum} {cone:?}");
         if fragments.len() > 1 {

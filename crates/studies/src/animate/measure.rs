@@ -9,7 +9,7 @@ use accel_core::structure::BuildError;
 use accel_core::structures::Entry;
 use accel_core::update;
 use measurement::answers::arbiter::Arbiter;
-use measurement::answers::check::{count, stride_for};
+use measurement::answers::check::stride_for;
 use measurement::answers::judge::judge;
 use measurement::answers::reference::{Reference, Stage};
 use measurement::plan::measured_row::{BuiltRow, MeasuredRow};
@@ -251,7 +251,7 @@ impl<'p> Lane<'p> {
         }
         let mut all = WorkCounters::default();
         for batch in &asked.batches {
-            let (answers, work) = on.scope.pools.helper.install(|| count(built, batch));
+            let (answers, work) = on.scope.pools.helper.install(|| built.count(batch));
             let judged = judge(on.scope.stage, asked, batch, &answers, built.exactness());
             self.note(on, judged.wrong, judged.example);
             all += work;

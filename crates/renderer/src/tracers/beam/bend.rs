@@ -21,7 +21,6 @@ use crate::surface::refract;
 /// Pieces of less area, square pixels, are not halved: they are bent as their central rays.
 const SMALLEST: f64 = 1.0 / 64.0;
 
-/// A part of a beam that meets glass.
 #[derive(Debug, Clone)]
 pub struct BeamPart {
     pub piece: ConvexPolygon,
@@ -31,11 +30,9 @@ pub struct BeamPart {
 /// Result of a beam that meets glass.
 #[derive(Debug, Clone)]
 pub enum BendOutcome {
-    /// It goes through, as this one.
     Through(Box<Pyramid>),
     /// It would go along the surface, without a volume.
     Flat,
-    /// It is reflected totally.
     Totally,
 }
 

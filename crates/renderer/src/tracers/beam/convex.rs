@@ -40,6 +40,11 @@ impl Affine {
     }
 }
 
+/// The edges of an outline: from each corner to the next.
+pub fn edges<T: Copy>(corners: &[T]) -> impl Iterator<Item = (T, T)> + '_ {
+    corners.iter().copied().zip(corners.iter().copied().cycle().skip(1))
+}
+
 /// A convex polygon of the image, corners in pixels from the origin of the tile, in order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ConvexPolygon {
@@ -49,9 +54,7 @@ pub struct ConvexPolygon {
 /// Result of cutting a piece by a line.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CutSide {
-    /// All of it lies inside.
     Inside,
-    /// All of it lies outside.
     Outside,
     /// The part inside and the part outside.
     Both(ConvexPolygon, ConvexPolygon),
@@ -96,10 +99,9 @@ impl ConvexPolygon {
     /// twice their signed area.
     fn fan(&self) -> impl Iterator<Item = (DVec2, f64)> + '_ {
         let first = self.corners.first().copied().unwrap_or_default();
-        self.corners.windows(2).skip(1).filter_map(move |pair| {
-            let [a, b] = *pair else { return None };
-            let (a, b) = (a - first, b - first);
-            Some((a + b, a.perp_dot(b)))
+        self.corners.windows(2).skip(1).map(move |pair| {
+            let (a, b) = (pair[0] - first, pair[1] - first);
+            (a + b, a.perp_dot(b))
         })
     }
 
@@ -123,8 +125,7 @@ impl ConvexPolygon {
         }
         let n = self.corners.len() + 2;
         let (mut inside, mut outside) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        let next = self.corners.iter().cycle().skip(1);
-        for (&a, &b) in self.corners.iter().zip(next) {
+        for (a, b) in edges(&self.corners) {
             let (da, db) = (line.at(a), line.at(b));
             if da >= -ON {
                 inside.push(a);

@@ -10,6 +10,8 @@ use glam::DVec3;
 use scene_loading::tessellate::triangulate;
 use scene_loading::{Scene, Shape};
 
+use super::convex::edges;
+
 /// A turn of an outline counts as one to the other side beyond this sine.
 const STRAIGHT: f64 = 1e-12;
 
@@ -52,7 +54,6 @@ impl Faces {
         this
     }
 
-    /// The faces of a primitive.
     pub fn of_primitive(&self, id: u32) -> &[Face] {
         let [begin, end] = [id as usize, id as usize + 1]
             .map(|i| self.first.get(i).map_or(self.faces.len(), |&f| f as usize));
@@ -62,8 +63,7 @@ impl Faces {
 
 /// A concave polygon as convex parts between its own corners.
 fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
-    let corner = |i: u32| outline.get(i as usize).copied().unwrap_or_default();
-    let at = |part: &[u32]| part.iter().map(|&i| corner(i)).collect::<Vec<DVec3>>();
+    let at = |part: &[u32]| part.iter().map(|&i| outline[i as usize]).collect::<Vec<DVec3>>();
     let mut parts: Vec<Vec<u32>> = Vec::new();
     for triangle in triangulate(outline).unwrap_or_default() {
         let joined = parts.iter().enumerate().find_map(|(number, part)| {
@@ -71,11 +71,7 @@ fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
             is_convex(&at(&joined)).then_some((number, joined))
         });
         match joined {
-            Some((number, joined)) => {
-                if let Some(part) = parts.get_mut(number) {
-                    *part = joined;
-                }
-            }
+            Some((number, joined)) => parts[number] = joined,
             None => parts.push(triangle.to_vec()),
         }
     }
@@ -84,8 +80,7 @@ fn convex_parts(outline: &[DVec3]) -> Vec<Vec<DVec3>> {
 
 /// A part with a triangle added where they have an edge in common.
 fn joined(part: &[u32], [a, b, c]: [u32; 3]) -> Option<Vec<u32>> {
-    let edges = part.iter().zip(part.iter().cycle().skip(1));
-    for (place, (&from, &to)) in edges.enumerate() {
+    for (place, (from, to)) in edges(part).enumerate() {
         let third = match (from, to) {
             edge if edge == (b, a) => c,
             edge if edge == (c, b) => a,
@@ -109,14 +104,10 @@ pub fn crossing_outlines(scene: &Scene) -> usize {
             return false;
         }
         let twice = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a);
-        let corner = |i: u32| outline.get(i as usize).copied().unwrap_or_default();
-        let parts = triangulate(outline).unwrap_or_default().into_iter().map(|t| t.map(corner));
-        let sum: f64 = parts.map(|[a, b, c]| twice(a, b, c).length()).sum();
-        let Some(&first) = outline.first() else { return false };
-        let whole: DVec3 = outline
-            .windows(2)
-            .filter_map(|w| if let [a, b] = *w { Some(twice(first, a, b)) } else { None })
-            .sum();
+        let parts = triangulate(outline).unwrap_or_default().into_iter();
+        let corners = parts.map(|triangle| triangle.map(|i| outline[i as usize]));
+        let sum: f64 = corners.map(|[a, b, c]| twice(a, b, c).length()).sum();
+        let whole: DVec3 = outline.windows(2).map(|w| twice(outline[0], w[0], w[1])).sum();
         (sum - whole.length()).abs() > AREA_TOLERANCE * sum
     };
     polygons.filter(|p| crosses(&scene.outline(p.shape))).count()
@@ -125,15 +116,11 @@ pub fn crossing_outlines(scene: &Scene) -> usize {
 /// True when the outline turns one way only, and once.
 fn is_convex(outline: &[DVec3]) -> bool {
     let normal = newell_normal(outline);
-    let n = outline.len();
-    let edge = |i: usize| match (outline.get(i % n), outline.get((i + 1) % n)) {
-        (Some(&a), Some(&b)) => b - a,
-        _ => DVec3::ZERO,
-    };
-    let edges: Vec<DVec3> = (0..n).map(edge).filter(|e| *e != DVec3::ZERO).collect();
+    let ways = edges(outline).map(|(a, b)| b - a).filter(|way| *way != DVec3::ZERO);
+    let ways: Vec<DVec3> = ways.collect();
     let mut turned = 0.0;
-    for (a, b) in edges.iter().zip(edges.iter().cycle().skip(1)) {
-        let (sin, cos) = (a.cross(*b).dot(normal), a.dot(*b));
+    for (a, b) in edges(&ways) {
+        let (sin, cos) = (a.cross(b).dot(normal), a.dot(b));
         if sin < -STRAIGHT * a.length() * b.length() {
             return false;
         }

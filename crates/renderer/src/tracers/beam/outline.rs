@@ -6,7 +6,7 @@
 
 use glam::{DVec2, DVec3};
 
-use super::convex::{Affine, ConvexPolygon, ON};
+use super::convex::{Affine, ConvexPolygon, ON, edges};
 use super::faces::Face;
 use super::pyramid::Pyramid;
 
@@ -32,7 +32,6 @@ pub enum Relation {
     Disjoint,
     /// It may cover a part of it.
     Partial,
-    /// It covers all of it.
     Covers,
 }
 
@@ -46,23 +45,19 @@ impl Outline {
         let kept = pyramid.keep(&face.corners);
         let corners: Vec<DVec3> = kept.iter().map(|&x| pyramid.project(x)).collect();
         let &first = corners.first()?;
-        let mut normal = DVec3::ZERO;
-        for pair in corners.windows(2) {
-            let [a, b] = *pair else { continue };
-            normal += (a - first).cross(b - first);
-        }
+        let normal: DVec3 =
+            corners.windows(2).map(|pair| (pair[0] - first).cross(pair[1] - first)).sum();
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let height = normal.dot(centre);
         if height.is_nan() || height.abs() <= EDGE_ON * normal.length() * centre.length() {
             return None;
         }
         let side = height.signum();
-        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
-        let line = |(a, b): (&DVec3, &DVec3)| {
-            let across = a.cross(*b) * side;
+        let line = |(a, b): (DVec3, DVec3)| {
+            let across = a.cross(b) * side;
             Affine { slope: across.truncate(), offset: across.z }.as_line()
         };
-        let lines: Vec<Affine> = edges.filter_map(line).collect();
+        let lines: Vec<Affine> = edges(&corners).filter_map(line).collect();
         let depth = normal / height;
         let depth = Affine { slope: depth.truncate(), offset: depth.z };
         (lines.len() >= 3).then_some(Self { id: face.id, lines, depth, corners })
@@ -86,9 +81,8 @@ impl Outline {
 
     /// True when an edge of the piece has all of this outline beyond it.
     fn is_beside(&self, piece: &ConvexPolygon) -> bool {
-        let corners = piece.corners();
         let centroid = piece.centroid();
-        corners.iter().zip(corners.iter().cycle().skip(1)).any(|(&a, &b)| {
+        edges(piece.corners()).any(|(a, b)| {
             let slope = (b - a).perp();
             let edge = Affine { slope, offset: -slope.dot(a) };
             let Some(line) = edge.as_line() else { return false };

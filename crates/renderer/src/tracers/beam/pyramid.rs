@@ -9,7 +9,7 @@
 use accel_core::query::region::Frustum;
 use glam::{DMat3, DVec2, DVec3};
 
-use super::convex::{Affine, ConvexPolygon};
+use super::convex::{Affine, ConvexPolygon, edges};
 
 /// Surfaces nearer than this to the surface a beam leaves, or to its apex, are not met: in units of
 /// the scene's largest coordinate.
@@ -32,7 +32,6 @@ pub struct Plane {
     pub depth: Affine,
 }
 
-/// The pyramid of a beam.
 #[derive(Debug, Clone)]
 pub struct Pyramid {
     apex: DVec3,
@@ -166,7 +165,7 @@ impl HalfSpace {
             return corners;
         }
         let mut kept = Vec::with_capacity(corners.len() + 1);
-        for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
+        for (a, b) in edges(&corners) {
             let (ha, hb) = (height(a), height(b));
             if ha >= 0.0 {
                 kept.push(a);

@@ -91,7 +91,6 @@ fn is_flat(scene: &Scene, shape: Shape) -> bool {
     })
 }
 
-/// A scene made ready for beams.
 pub struct BeamScene<'a> {
     pub scene: &'a Scene,
     pub over: Structures<'a>,

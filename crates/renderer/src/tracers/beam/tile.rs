@@ -31,7 +31,6 @@ pub struct CoveredArea {
     pub lit: f64,
 }
 
-/// A beam on its way.
 struct Beam {
     pyramid: Pyramid,
     piece: ConvexPolygon,
@@ -79,7 +78,6 @@ impl<'a> Tile<'a> {
         self.covered.as_deref().unwrap_or_default()
     }
 
-    /// Traces all its beams.
     pub fn trace(&mut self, candidates: &mut Candidates) {
         candidates.work = FrustumWork::default();
         let [u, v, d] = self.on.eye.frame();
@@ -133,8 +131,8 @@ impl<'a> Tile<'a> {
         let fragments = resolve(piece, &outlines, &self.on.settings, &mut self.counts);
         self.counts.fragments += fragments.len() as u64;
         for fragment in fragments {
-            match fragment.seen.and_then(|i| outlines.get(i)) {
-                Some(outline) => self.light(beam, &fragment.piece, outline, candidates),
+            match fragment.seen {
+                Some(i) => self.light(beam, &fragment.piece, &outlines[i], candidates),
                 None => {
                     let background = self.on.scene.background;
                     self.add(beam, &fragment.piece, None, |_| background);
@@ -274,8 +272,9 @@ impl<'a> Tile<'a> {
         for part in piece.pixels() {
             let (centre, area) = (part.centroid(), part.area());
             let light = light(centre);
-            if let Some(color) = self.index(centre).and_then(|i| self.colors.get_mut(i)) {
-                for (color, (light, weight)) in color.iter_mut().zip(light.iter().zip(beam.weight))
+            if let Some(i) = self.index(centre) {
+                for (color, (light, weight)) in
+                    self.colors[i].iter_mut().zip(light.iter().zip(beam.weight))
                 {
                     *color += light * weight * area;
                 }
@@ -286,19 +285,15 @@ impl<'a> Tile<'a> {
         self.record(beam, piece, id, share, 1.0);
     }
 
-    /// Notes what is seen in a piece.
     fn record(&mut self, beam: &Beam, piece: &ConvexPolygon, id: Option<u32>, seen: f64, lit: f64) {
-        if self.covered.is_none() {
-            return;
-        }
+        let Some(mut covered) = self.covered.take() else { return };
         for part in piece.pixels() {
-            let (index, area) = (self.index(part.centroid()), part.area());
-            let pixel = self.covered.as_mut().zip(index).and_then(|(all, i)| all.get_mut(i));
-            if let Some(pixel) = pixel {
-                let (area, lit) = (area * seen, area * lit);
-                pixel.push(CoveredArea { depth: beam.depth, id, area, lit });
+            if let Some(i) = self.index(part.centroid()) {
+                let (area, lit) = (part.area() * seen, part.area() * lit);
+                covered[i].push(CoveredArea { depth: beam.depth, id, area, lit });
             }
         }
+        self.covered = Some(covered);
     }
 
     /// The pixel that a point lies in.

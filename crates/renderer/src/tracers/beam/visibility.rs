@@ -65,29 +65,18 @@ pub fn resolve(
 }
 
 impl Visibility<'_> {
-    fn outline(&self, candidate: Candidate) -> Option<&Outline> {
-        self.outlines.get(candidate.index)
-    }
-
-    fn depth(&self, candidate: Candidate) -> Affine {
-        self.outline(candidate)
-            .map_or(Affine { slope: DVec2::ZERO, offset: 0.0 }, |outline| outline.depth)
-    }
-
-    fn id(&self, candidate: Candidate) -> u32 {
-        self.outline(candidate).map_or(u32::MAX, |outline| outline.id)
+    fn outline(&self, candidate: Candidate) -> &Outline {
+        &self.outlines[candidate.index]
     }
 
     /// Emits the piece, or cuts it.
     fn step(&mut self, task: Task) {
         let Task { piece, mut candidates } = task;
         candidates.retain_mut(|c| {
-            if !c.covers {
-                let relation = self.outline(*c).map_or(Relation::Disjoint, |o| o.relation(&piece));
-                c.covers = relation == Relation::Covers;
-                return relation != Relation::Disjoint;
-            }
-            true
+            let relation =
+                if c.covers { Relation::Covers } else { self.outline(*c).relation(&piece) };
+            c.covers = relation == Relation::Covers;
+            relation != Relation::Disjoint
         });
         let front = self.front_cover(&piece, &candidates);
         if let Some(front) = front {
@@ -111,7 +100,7 @@ impl Visibility<'_> {
         }
         if let (Some(front), Some(&other)) = (front, candidates.iter().find(|c| c.covers)) {
             // both cover the piece and go through each other
-            let crossing = self.depth(other).minus(&self.depth(front)).as_line();
+            let crossing = self.outline(other).depth.minus(&self.outline(front).depth).as_line();
             let is_cut = crossing.is_some_and(|line| matches!(piece.cut(&line), CutSide::Both(..)));
             let all = candidates.iter().copied().chain([front]);
             return match crossing {
@@ -139,12 +128,10 @@ impl Visibility<'_> {
         }
     }
 
-    /// Cuts the piece along the outline of the chosen candidate.
     fn cut_out(&mut self, piece: ConvexPolygon, chosen: Candidate, candidates: Vec<Candidate>) {
         let without: Vec<Candidate> =
             candidates.iter().copied().filter(|c| c.index != chosen.index).collect();
-        let lines = self.outline(chosen).map_or(&[][..], |o| &o.lines);
-        let (inside, outside) = cut_along(&piece, lines);
+        let (inside, outside) = cut_along(&piece, &self.outline(chosen).lines);
         let Some(inside) = inside.filter(|i| i.area() > self.settings.least_area) else {
             return self.todo.push(Task { piece, candidates: without });
         };
@@ -169,36 +156,35 @@ impl Visibility<'_> {
         self.nearest(centre, candidates.iter().copied().filter(|c| c.covers))
     }
 
-    /// The face in front at a point.
     fn front_at(&self, p: DVec2, candidates: &[Candidate]) -> Option<Candidate> {
-        let holds = |c: &Candidate| {
-            c.covers || self.outline(*c).is_some_and(|o| o.lines.iter().all(|l| l.at(p) >= 0.0))
-        };
+        let holds =
+            |c: &Candidate| c.covers || self.outline(*c).lines.iter().all(|line| line.at(p) >= 0.0);
         self.nearest(p, candidates.iter().copied().filter(holds))
     }
 
     fn nearest(&self, p: DVec2, candidates: impl Iterator<Item = Candidate>) -> Option<Candidate> {
         candidates.reduce(|best, other| {
-            let (a, b) = (self.depth(best).at(p), self.depth(other).at(p));
+            let (first, second) = (self.outline(best), self.outline(other));
+            let (a, b) = (first.depth.at(p), second.depth.at(p));
             let same = (a - b).abs() <= SAME_DEPTH * a.abs();
-            let wins = if same { self.id(other) < self.id(best) } else { b > a };
+            let wins = if same { second.id < first.id } else { b > a };
             if wins { other } else { best }
         })
     }
 
     /// False when the candidate is hidden by `front`, which covers the piece, wherever it may be.
     fn is_before(&self, candidate: Candidate, front: Candidate, piece: &ConvexPolygon) -> bool {
-        let (own, other) = (self.depth(candidate), self.depth(front));
+        let (own, other) = (self.outline(candidate), self.outline(front));
         let mut same = true;
         for p in piece.corners() {
-            let (a, b) = (own.at(*p), other.at(*p));
+            let (a, b) = (own.depth.at(*p), other.depth.at(*p));
             let tolerance = SAME_DEPTH * b.abs();
             if a - b > tolerance {
                 return true;
             }
             same &= (a - b).abs() <= tolerance;
         }
-        same && self.id(candidate) < self.id(front)
+        same && own.id < other.id
     }
 
     /// The candidate to cut along next: that in front at the centre, else that which would be.

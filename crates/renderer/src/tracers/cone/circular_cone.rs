@@ -16,6 +16,17 @@ use glam::{DVec2, DVec3};
 /// unit disc: sqrt(pi) / 4.
 const QUARTER: f64 = 0.443_113_462_726_379;
 
+/// The surface that a cone leaves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepartedSurface {
+    pub id: u32,
+    /// True if the cone goes into the body: against the outer geometric normal.
+    pub inwards: bool,
+    /// For a flat surface, or a cone into a ball, surfaces behind are not met: unit normal on the
+    /// side of the cone, and the position of the surface along it.
+    pub plane: Option<(DVec3, f64)>,
+}
+
 /// A cone; world units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cone {
@@ -34,13 +45,16 @@ pub struct Cone {
     pub begin: f64,
     /// Largest depth, that of a light; may be infinite.
     pub end: f64,
+    /// None for a cone from the eye.
+    pub left: Option<DepartedSurface>,
 }
 
 impl Cone {
     /// A cone from depth 0 to infinity; `axis` is of unit length.
     pub fn new(origin: DVec3, axis: DVec3, radius: f64, spread: f64) -> Self {
         let (right, up) = axis.any_orthonormal_pair();
-        Self { origin, axis, right, up, radius, spread, begin: 0.0, end: f64::INFINITY }
+        let (begin, end, left) = (0.0, f64::INFINITY, None);
+        Self { origin, axis, right, up, radius, spread, begin, end, left }
     }
 
     /// The same with directions across that are nearest to two given ones.
@@ -52,6 +66,11 @@ impl Cone {
             self.up = if own.dot(up) < 0.0 { -own } else { own };
         }
         self
+    }
+
+    /// The surface that it leaves, if that is the primitive `id`.
+    pub fn left_surface(&self, id: u32) -> Option<DepartedSurface> {
+        self.left.filter(|left| left.id == id)
     }
 
     /// Returns whether it is no more than a ray.
@@ -120,20 +139,6 @@ impl Cone {
             far.rotate_left(2);
         }
         Frustum::new(&outline(self.begin), &far)
-    }
-}
-
-#[cfg(test)]
-impl Cone {
-    /// The share of its rays that meet something.
-    pub fn share_of_rays(&self, meets: impl Fn(DVec2) -> bool) -> f64 {
-        let n = 200;
-        let places = (0..n * n).map(|i| {
-            (DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5) * (2.0 / f64::from(n)) - 1.0
-        });
-        let within: Vec<DVec2> = places.filter(|p| p.length_squared() < 1.0).collect();
-        let hit = within.iter().filter(|&&place| meets(place)).count();
-        hit as f64 / within.len() as f64
     }
 }
 

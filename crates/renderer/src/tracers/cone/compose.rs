@@ -27,7 +27,6 @@ pub struct Fragment {
     pub coverage: Coverage,
 }
 
-/// A surface that is seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VisibleSurface {
     /// Index into the fragments.
@@ -38,7 +37,6 @@ pub struct VisibleSurface {
     pub centroid: DVec2,
 }
 
-/// Surfaces visible to a cone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Composition {
     /// From front to back. The shares are at most 1 together; the rest is background.
@@ -59,76 +57,62 @@ pub fn compose(
     let is_whole = |f: &Fragment| f.coverage.overlap.share >= 1.0;
     let nearest_whole = fragments.iter().find(|f| is_whole(f));
     let are_compared = fragments.len() <= MOST_COMPARED;
-    let mut composition =
-        Composition { seen: Vec::new(), is_certain: are_compared, left_over: 1.0 };
-    let Composition { seen, is_certain, left_over } = &mut composition;
-    // where the whole one stands among those seen
-    let mut whole: Option<usize> = None;
+    let mut seen: Vec<VisibleSurface> = Vec::new();
+    // the whole one, which gets what is free in the end, has a place among those seen
+    let (mut is_certain, mut free, mut whole) = (are_compared, 1.0, None);
     for (index, fragment) in fragments.iter().enumerate() {
         let Coverage { overlap, outline, doubtful, .. } = &fragment.coverage;
         if is_whole(fragment) {
-            if nearest_whole.is_some_and(|f| f.id != fragment.id) {
-                let crosses = nearest_whole.is_some_and(|f| crosses(f.id, fragment.id, depth_at));
-                *is_certain &= !crosses;
-                continue;
+            if let Some(nearest) = nearest_whole.filter(|nearest| nearest.id != fragment.id) {
+                is_certain &= !crosses(nearest.id, fragment.id, depth_at);
+            } else if whole.is_none() && free > 0.0 {
+                is_certain &= !doubtful;
+                whole = Some(seen.len());
+                seen.push(VisibleSurface { fragment: index, share: 0.0, centroid: DVec2::ZERO });
             }
-            if *left_over <= 0.0 {
-                continue;
-            }
-            *is_certain &= !doubtful;
-            whole = Some(seen.len());
-            seen.push(VisibleSurface { fragment: index, share: *left_over, centroid: DVec2::ZERO });
-            *left_over = 0.0;
             continue;
         }
         // behind the whole one: hidden. A surface at a slant may be in front and yet sorted after
         if nearest_whole.is_some_and(|whole| in_front_of(whole, fragment, depth_at)) {
             continue;
         }
-        let (mut hidden, mut is_full) = (0.0, *left_over <= LEFT_OVER);
-        if *left_over <= 0.0 && nearest_whole.is_some() {
-            // the whole one came first: this goes in front of it
-            is_full = false;
-        }
-        if is_full {
+        // in front of a whole one that came first, or is still to come, there is room
+        let has_room = whole.is_some() || free <= 0.0 && nearest_whole.is_some();
+        if free <= LEFT_OVER && !has_room {
             let is_hidden = || {
                 let covering = seen.iter().map(|s| &fragments[s.fragment]);
                 let mut covering = covering.filter(|f| f.coverage.outline.covers(overlap.centroid));
                 covering.next().is_none_or(|f| in_front_of(f, fragment, depth_at))
             };
-            *is_certain = *is_certain && is_hidden();
+            is_certain = is_certain && is_hidden();
             continue;
         }
-        *is_certain &= !doubtful;
+        is_certain &= !doubtful;
+        let mut hidden = 0.0;
         if are_compared {
-            for s in seen.iter() {
+            for s in &seen {
                 let before = &fragments[s.fragment];
                 if !is_whole(before) && !before.coverage.outline.is_beside(outline) {
                     hidden += s.share;
-                    *is_certain = false;
+                    is_certain = false;
                 }
             }
         }
         let wanted = overlap.share * (1.0 - f64::min(hidden, 1.0));
-        // what the whole one has taken, it gives back
-        let free = *left_over + whole.map_or(0.0, |at| seen[at].share);
         let share = wanted.min(free);
-        if share <= 0.0 {
-            continue;
-        }
-        seen.push(VisibleSurface { fragment: index, share, centroid: overlap.centroid });
-        if let Some(at) = whole {
-            seen[at].share = free - share;
-        } else {
-            *left_over = free - share;
+        if share > 0.0 {
+            seen.push(VisibleSurface { fragment: index, share, centroid: overlap.centroid });
+            free -= share;
         }
     }
     if let Some(at) = whole {
         let others = seen.iter().enumerate().filter(|(k, _)| *k != at);
-        seen[at].centroid = rest(others.map(|(_, s)| *s));
+        let centroid = rest(others.map(|(_, s)| *s));
+        seen[at] = VisibleSurface { share: free, centroid, ..seen[at] };
+        free = 0.0;
     }
     seen.retain(|s| s.share > 0.0);
-    composition
+    Composition { seen, is_certain, left_over: free }
 }
 
 /// Returns whether a surface is in front of another where the middle of that one is.

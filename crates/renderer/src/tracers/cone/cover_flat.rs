@@ -9,8 +9,7 @@
 use glam::{DVec2, DVec3};
 
 use super::circular_cone::Cone;
-use super::coverage::Outline;
-use super::coverage::{Coverage, DepartedSurface};
+use super::coverage::{Coverage, Outline};
 use super::disc_overlap::{Overlap, of_polygon};
 
 /// Outlines are cut off so many radii from the axis: what is beyond covers nothing.
@@ -27,14 +26,9 @@ pub struct FlatCoverage {
 }
 
 impl FlatCoverage {
-    pub fn cover(
-        &self,
-        cone: &Cone,
-        corners: &[DVec3],
-        left: Option<&DepartedSurface>,
-    ) -> Option<Coverage> {
+    pub fn cover(&self, cone: &Cone, corners: &[DVec3]) -> Option<Coverage> {
         let &anchor = corners.first()?;
-        let (overlap, outline, deepest) = project(cone, corners, left)?;
+        let (overlap, outline, deepest) = project(cone, corners)?;
         // the plane is deepest at the edge of the disc, in the direction in which it recedes
         let (across, along) = self.slope(cone);
         let reach = across.length();
@@ -86,12 +80,8 @@ impl Corner {
 
 /// Projects the outline of a polygon: coverage, outline in units of the radius, largest depth;
 /// `None` if it covers nothing. Non-planar ones are replaced by their projection.
-pub fn project(
-    cone: &Cone,
-    corners: &[DVec3],
-    left: Option<&DepartedSurface>,
-) -> Option<(Overlap, Vec<DVec2>, f64)> {
-    let plane = left.and_then(|left| left.plane);
+pub fn project(cone: &Cone, corners: &[DVec3]) -> Option<(Overlap, Vec<DVec2>, f64)> {
+    let plane = cone.left.and_then(|left| left.plane);
     let located: Vec<Corner> = corners
         .iter()
         .map(|&p| {
@@ -171,14 +161,15 @@ fn clip(corners: &mut Vec<Corner>, distance: impl Fn(&Corner) -> f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracers::cone::circular_cone::DepartedSurface;
 
     fn flat(corners: &[DVec3]) -> FlatCoverage {
         let normal = accel_core::primitives::newell_normal(corners);
         FlatCoverage { normal, first: 0, count: corners.len() }
     }
 
-    fn cover(cone: &Cone, corners: &[DVec3], left: Option<&DepartedSurface>) -> f64 {
-        flat(corners).cover(cone, corners, left).map_or(0.0, |c| c.overlap.share)
+    fn cover(cone: &Cone, corners: &[DVec3]) -> f64 {
+        flat(corners).cover(cone, corners).map_or(0.0, |c| c.overlap.share)
     }
 
     #[test]
@@ -187,21 +178,22 @@ mod tests {
         let quad = |x0: f64, x1: f64, z0: f64, z1: f64| {
             [(x0, -1e6, z0), (x1, -1e6, z1), (x1, 1e6, z1), (x0, 1e6, z0)].map(DVec3::from)
         };
-        assert_eq!(cover(&cone, &quad(-1e6, 1e6, 2.0, 2.0), None), 1.0);
-        assert!((cover(&cone, &quad(0.0, 1e6, 2.0, 2.0), None) - 0.5).abs() < 1e-12);
+        assert_eq!(cover(&cone, &quad(-1e6, 1e6, 2.0, 2.0)), 1.0);
+        assert!((cover(&cone, &quad(0.0, 1e6, 2.0, 2.0)) - 0.5).abs() < 1e-12);
         // a floor that runs from beside the eye to infinity, and one behind it
         let floor = [(-1e6, -3.0), (1e6, -3.0), (1e6, 1e6), (-1e6, 1e6)];
         let floor = floor.map(|(x, z)| DVec3::new(x, -1.0, z));
-        assert!((cover(&cone, &floor, None) - 0.5).abs() < 1e-5);
-        assert_eq!(cover(&cone, &quad(-1.0, 1.0, -2.0, -2.0), None), 0.0);
+        assert!((cover(&cone, &floor) - 0.5).abs() < 1e-5);
+        assert_eq!(cover(&cone, &quad(-1.0, 1.0, -2.0, -2.0)), 0.0);
         // edge on
-        assert_eq!(cover(&cone, &quad(0.0, 0.0, 1.0, 9.0), None), 0.0);
+        assert_eq!(cover(&cone, &quad(0.0, 0.0, 1.0, 9.0)), 0.0);
         // half of it is behind the surface that the cone leaves
         let left = DepartedSurface { id: 9, inwards: false, plane: Some((DVec3::Y, 0.0)) };
-        assert!((cover(&cone, &quad(0.0, 1e6, 2.0, 2.0), Some(&left)) - 0.25).abs() < 1e-12);
+        let leaving = Cone { left: Some(left), ..cone };
+        assert!((cover(&leaving, &quad(0.0, 1e6, 2.0, 2.0)) - 0.25).abs() < 1e-12);
         let mut short = cone;
         short.end = 1.9;
-        assert_eq!(cover(&short, &quad(-1e6, 1e6, 2.0, 2.0), None), 0.0);
+        assert_eq!(cover(&short, &quad(-1e6, 1e6, 2.0, 2.0)), 0.0);
     }
 
     #[test]
@@ -211,14 +203,14 @@ mod tests {
         let wall = wall.map(|(y, z)| DVec3::new(0.1, y, z));
         // x > 0.1 before the focus, x < 0 behind it
         let strip = (0.1 * 0.99_f64.sqrt() + 0.1_f64.asin()) / std::f64::consts::PI;
-        let share = cover(&cone, &wall, None);
+        let share = cover(&cone, &wall);
         assert!((share - (1.0 - strip)).abs() < 1e-5, "{share} {strip}");
         let across = [(-9.0, -9.0), (9.0, -9.0), (9.0, 0.0), (-9.0, 0.0)];
         let across = |z: f64| across.map(|(x, y)| DVec3::new(x, y, z));
-        assert!((cover(&cone, &across(1.9), None) - 0.5).abs() < 1e-9);
-        assert!((cover(&cone, &across(2.1), None) - 0.5).abs() < 1e-9);
-        let place = of_polygon(&project(&cone, &across(2.1), None).unwrap().1).centroid;
-        let before = of_polygon(&project(&cone, &across(1.9), None).unwrap().1).centroid;
+        assert!((cover(&cone, &across(1.9)) - 0.5).abs() < 1e-9);
+        assert!((cover(&cone, &across(2.1)) - 0.5).abs() < 1e-9);
+        let place = of_polygon(&project(&cone, &across(2.1)).unwrap().1).centroid;
+        let before = of_polygon(&project(&cone, &across(1.9)).unwrap().1).centroid;
         assert!((place + before).length() < 1e-9 && place.length() > 0.4, "upside down");
     }
 
@@ -228,7 +220,7 @@ mod tests {
         let corners = [(-9.0, -9.0, 3.0), (9.0, -9.0, 7.0), (9.0, 9.0, 8.0), (-9.0, 9.0, 4.0)]
             .map(DVec3::from);
         let flat = flat(&corners);
-        let far = flat.cover(&cone, &corners, None).unwrap().far;
+        let far = flat.cover(&cone, &corners).unwrap().far;
         let edge = |k| DVec2::from_angle(f64::from(k) / 64.0 * std::f64::consts::TAU);
         let depths = (0..64).filter_map(|k| flat.depth(&cone, corners[0], edge(k)));
         let deepest = depths.fold(0.0, f64::max);

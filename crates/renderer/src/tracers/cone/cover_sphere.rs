@@ -14,29 +14,25 @@ use accel_core::primitives::Sphere;
 use glam::DVec2;
 
 use super::circular_cone::Cone;
-use super::coverage::Outline;
-use super::coverage::{Coverage, DepartedSurface};
+use super::coverage::{Coverage, Outline};
 use super::disc_overlap::{Overlap, of_disc};
 
 /// A cone whose radius changes by less than this part over the way to the sphere is a cylinder.
 const PARALLEL: f64 = 1e-7;
 
 pub struct Ball {
+    pub id: u32,
     pub sphere: Sphere<f64>,
 }
 
 impl Ball {
-    pub fn new(sphere: &scene_loading::Sphere) -> Self {
-        Self { sphere: Sphere { center: sphere.center, radius: sphere.radius.abs() } }
+    pub fn new(id: u32, sphere: &scene_loading::Sphere) -> Self {
+        Self { id, sphere: Sphere { center: sphere.center, radius: sphere.radius.abs() } }
     }
 
-    /// Its coverage. `own`: the cone leaves this very sphere.
-    pub fn cover(
-        &self,
-        cone: &Cone,
-        own: Option<&DepartedSurface>,
-        left: Option<&DepartedSurface>,
-    ) -> Option<Coverage> {
+    pub fn cover(&self, cone: &Cone) -> Option<Coverage> {
+        let own = cone.left_surface(self.id);
+        let plane = cone.left.and_then(|left| left.plane);
         let (center, size) = (self.sphere.center, self.sphere.radius);
         let (depth, across, radius) = cone.locate(center);
         if size <= 0.0 || depth + size < cone.begin || depth - size > cone.end {
@@ -48,7 +44,7 @@ impl Ball {
             None => center.distance_squared(cone.origin) < size * size,
         };
         let mut doubtful = false;
-        if let Some((normal, at)) = left.and_then(|left| left.plane) {
+        if let Some((normal, at)) = plane {
             let height = normal.dot(center) - at;
             if height <= -size {
                 return None;
@@ -65,9 +61,9 @@ impl Ball {
             return None;
         }
         let ray = cone.ray(overlap.centroid);
-        match self.depth(cone, overlap.centroid, own) {
+        match self.depth(cone, overlap.centroid) {
             Some(depth) => {
-                let plane = left.and_then(|left| left.plane).filter(|_| own.is_none());
+                let plane = plane.filter(|_| own.is_none());
                 if plane.is_some_and(|(normal, at)| normal.dot(ray.at(depth)) < at) {
                     return None;
                 }
@@ -85,7 +81,8 @@ impl Ball {
 
     /// The depth at which the ray through a place meets it: from within the far side, else the near
     /// one alone.
-    pub fn depth(&self, cone: &Cone, place: DVec2, own: Option<&DepartedSurface>) -> Option<f64> {
+    pub fn depth(&self, cone: &Cone, place: DVec2) -> Option<f64> {
+        let own = cone.left_surface(self.id);
         let mut ray = cone.ray(place);
         let (center, size) = (self.sphere.center, self.sphere.radius);
         let is_inside = own.is_some_and(|left| left.inwards)
@@ -143,11 +140,14 @@ fn silhouette(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tracers::cone::circular_cone::DepartedSurface;
+    use crate::tracers::cone::disc_overlap::tests::counted;
     use glam::DVec3;
 
     #[test]
     fn sphere_coverage_equals_the_share_of_rays() {
         let ball = |x: f64, y: f64, z: f64, radius: f64| Ball {
+            id: 0,
             sphere: Sphere { center: DVec3::new(x, y, z), radius },
         };
         let eye = Cone::new(DVec3::ZERO, DVec3::Z, 0.0, 0.01);
@@ -167,8 +167,8 @@ mod tests {
             (lens, ball(1.0, 0.0, 9.0, 1.03)),
         ];
         for (cone, ball) in cases {
-            let share = ball.cover(&cone, None, None).map_or(0.0, |c| c.overlap.share);
-            let expected = cone.share_of_rays(|place| ball.depth(&cone, place, None).is_some());
+            let share = ball.cover(&cone).map_or(0.0, |c| c.overlap.share);
+            let (expected, _) = counted(200, |place| ball.depth(&cone, place).is_some());
             assert!(expected > 0.02 && expected < 0.99, "{expected}");
             let off = (share - expected).abs();
             assert!(off < 0.01, "{share} {expected} {:?} {cone:?}", ball.sphere);
@@ -177,17 +177,18 @@ mod tests {
 
     #[test]
     fn spheres_around_and_behind_the_origin() {
-        let ball = Ball { sphere: Sphere { center: DVec3::Z, radius: 2.0 } };
+        let ball = Ball { id: 0, sphere: Sphere { center: DVec3::Z, radius: 2.0 } };
         let cone = Cone::new(DVec3::ZERO, DVec3::Z, 0.0, 0.01);
-        assert_eq!(ball.cover(&cone, None, None).unwrap().overlap, Overlap::ALL);
-        assert_eq!(ball.depth(&cone, DVec2::ZERO, None), Some(3.0));
+        assert_eq!(ball.cover(&cone).unwrap().overlap, Overlap::ALL);
+        assert_eq!(ball.depth(&cone, DVec2::ZERO), Some(3.0));
         let away = Cone::new(DVec3::Z * 4.0, DVec3::Z, 0.0, 0.01);
-        assert_eq!(ball.cover(&away, None, None), None);
-        let leaving = |inwards| DepartedSurface { id: 0, inwards, plane: None };
-        let from_it = Cone::new(DVec3::Z * -1.0, DVec3::Z, 0.1, 0.01);
-        let inwards = leaving(true);
-        assert_eq!(ball.cover(&from_it, Some(&leaving(false)), None), None);
-        assert_eq!(ball.cover(&from_it, Some(&inwards), None).unwrap().overlap, Overlap::ALL);
-        assert_eq!(ball.depth(&from_it, DVec2::ZERO, Some(&inwards)), Some(4.0));
+        assert_eq!(ball.cover(&away), None);
+        let leaving = |inwards| {
+            let cone = Cone::new(DVec3::Z * -1.0, DVec3::Z, 0.1, 0.01);
+            Cone { left: Some(DepartedSurface { id: 0, inwards, plane: None }), ..cone }
+        };
+        assert_eq!(ball.cover(&leaving(false)), None);
+        assert_eq!(ball.cover(&leaving(true)).unwrap().overlap, Overlap::ALL);
+        assert_eq!(ball.depth(&leaving(true), DVec2::ZERO), Some(4.0));
     }
 }

@@ -4,7 +4,7 @@
 //! Paper: none; a separating line (the separating axis theorem in the plane) is enough to tell
 //! that two surfaces share nothing, so that what they cover may be added.
 
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 
 use super::disc_overlap::Overlap;
 
@@ -15,18 +15,6 @@ const SLACK: f64 = 1e-6;
 /// Pairs of corners that are compared before a pair of outlines is given up as overlapping.
 const MOST_PAIRS: usize = 1 << 14;
 
-/// The surface that a cone leaves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DepartedSurface {
-    pub id: u32,
-    /// True if the cone goes into the body: against the outer geometric normal.
-    pub inwards: bool,
-    /// For a flat surface, or a cone into a ball, surfaces behind are not met: unit normal on the
-    /// side of the cone, and the position of the surface along it.
-    pub plane: Option<(DVec3, f64)>,
-}
-
-/// A surface as a cone sees it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Coverage {
     /// Share of the cone that it covers if nothing is in front, and where.

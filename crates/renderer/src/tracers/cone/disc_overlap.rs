@@ -128,12 +128,12 @@ fn segment(distance: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::tracers::cone::coverage::Outline;
 
-    /// Share and centroid by counting the cells of a fine grid.
-    fn counted(holds: impl Fn(DVec2) -> bool) -> (f64, DVec2) {
-        let n = 600;
+    /// Share and centroid by counting the cells of a grid of `n` by `n`.
+    pub fn counted(n: u32, holds: impl Fn(DVec2) -> bool) -> (f64, DVec2) {
         let (mut all, mut inside, mut sum) = (0, 0, DVec2::ZERO);
         for i in 0..n * n {
             let cell = DVec2::new(f64::from(i % n), f64::from(i / n)) + 0.5;
@@ -147,17 +147,6 @@ mod tests {
             }
         }
         (f64::from(inside) / f64::from(all), sum / f64::from(inside.max(1)))
-    }
-
-    fn is_inside(corners: &[DVec2], p: DVec2) -> bool {
-        let mut inside = false;
-        for (i, a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
-            if (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) {
-                inside = !inside;
-            }
-        }
-        inside
     }
 
     fn agrees(found: Overlap, (share, centroid): (f64, DVec2), planted: f64) -> bool {
@@ -178,7 +167,8 @@ mod tests {
             &[v(-0.9, -0.9), v(0.9, -0.9), v(0.9, 0.9), v(0.0, -0.7), v(-0.9, 0.9)],
         ];
         for corners in outlines {
-            let expected = counted(|p| is_inside(corners, p));
+            let outline = Outline::Polygon(corners.to_vec());
+            let expected = counted(600, |p| outline.covers(p));
             assert!(agrees(of_polygon(corners), expected, 1.0), "{corners:?} {expected:?}");
             assert!(!agrees(of_polygon(corners), expected, 1.1), "no power: {expected:?}");
         }
@@ -190,7 +180,7 @@ mod tests {
             (0.0, 40.1, 40.0),
         ] {
             let center = v(x, y);
-            let expected = counted(|p| p.distance(center) <= radius);
+            let expected = counted(600, |p| p.distance(center) <= radius);
             let found = of_disc(center, radius);
             assert!(agrees(found, expected, 1.0), "{center} {radius}: {found:?} {expected:?}");
         }

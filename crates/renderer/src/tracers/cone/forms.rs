@@ -9,7 +9,7 @@ use super::circular_cone::Cone;
 use super::cover_flat::FlatCoverage;
 use super::cover_side::Side;
 use super::cover_sphere::Ball;
-use super::coverage::{Coverage, DepartedSurface};
+use super::coverage::Coverage;
 
 /// A primitive, by what cones ask of it.
 enum Form {
@@ -29,9 +29,9 @@ pub struct Forms {
 impl Forms {
     pub fn new(scene: &Scene) -> Self {
         let mut corners = Vec::new();
-        let form = |primitive: &scene_loading::Primitive| match primitive.shape {
-            Shape::Sphere(i) => Form::Ball(Ball::new(&scene.spheres[i as usize])),
-            Shape::Cone(i) => Form::Side(Box::new(Side::new(&scene.cones[i as usize]))),
+        let form = |(primitive, id): (&scene_loading::Primitive, u32)| match primitive.shape {
+            Shape::Sphere(i) => Form::Ball(Ball::new(id, &scene.spheres[i as usize])),
+            Shape::Cone(i) => Form::Side(Box::new(Side::new(id, &scene.cones[i as usize]))),
             Shape::Polygon { .. } | Shape::Triangle { .. } | Shape::Patch { .. } => {
                 let outline = scene.outline(primitive.shape);
                 let (normal, first) = (newell_normal(&outline), corners.len());
@@ -39,7 +39,7 @@ impl Forms {
                 Form::Flat(FlatCoverage { normal, first, count: outline.len() })
             }
         };
-        let forms = scene.primitives.iter().map(form).collect();
+        let forms = scene.primitives.iter().zip(0..).map(form).collect();
         let is_clear = |p: &scene_loading::Primitive| {
             scene.materials.get(p.material as usize).is_some_and(|m| m.transmittance > 0.0)
         };
@@ -51,7 +51,6 @@ impl Forms {
         self.clear[id as usize]
     }
 
-    /// Returns whether the primitive is flat.
     pub fn is_flat(&self, id: u32) -> bool {
         matches!(self.forms[id as usize], Form::Flat(_))
     }
@@ -62,26 +61,19 @@ impl Forms {
     }
 
     /// Share of the cone covered by a primitive; `None` for nothing.
-    pub fn cover(&self, cone: &Cone, id: u32, left: Option<&DepartedSurface>) -> Option<Coverage> {
-        let own = left.filter(|left| left.id == id);
+    pub fn cover(&self, cone: &Cone, id: u32) -> Option<Coverage> {
         match &self.forms[id as usize] {
-            Form::Ball(ball) => ball.cover(cone, own, left),
-            Form::Side(side) => side.cover(cone, own, left),
-            Form::Flat(_) if own.is_some() => None,
-            Form::Flat(flat) => flat.cover(cone, self.outline(flat), left),
+            Form::Ball(ball) => ball.cover(cone),
+            Form::Side(side) => side.cover(cone),
+            Form::Flat(_) if cone.left_surface(id).is_some() => None,
+            Form::Flat(flat) => flat.cover(cone, self.outline(flat)),
         }
     }
 
     /// The depth at which the ray through a place meets a primitive; of a flat one, its plane.
-    pub fn depth(
-        &self,
-        cone: &Cone,
-        id: u32,
-        place: DVec2,
-        left: Option<&DepartedSurface>,
-    ) -> Option<f64> {
+    pub fn depth(&self, cone: &Cone, id: u32, place: DVec2) -> Option<f64> {
         match &self.forms[id as usize] {
-            Form::Ball(ball) => ball.depth(cone, place, left.filter(|left| left.id == id)),
+            Form::Ball(ball) => ball.depth(cone, place),
             Form::Side(side) => side.depth(cone, place),
             Form::Flat(flat) => flat.depth(cone, *self.outline(flat).first()?, place),
         }

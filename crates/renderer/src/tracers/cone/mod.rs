@@ -50,8 +50,7 @@ use crate::effects::{ImageColors, SurfaceHit, lights};
 use crate::film::Image;
 use crate::ray_offset::{OffsetRule, RayOffset};
 use crate::surface::Surfaces;
-use circular_cone::Cone;
-use coverage::DepartedSurface;
+use circular_cone::{Cone, DepartedSurface};
 use forms::Forms;
 use widening::LEAST_COSINE;
 
@@ -123,19 +122,18 @@ pub fn draw(
     let eye = EyeRays::new(&scene.camera, frame.resolution, Sampling::PixelCentres);
     let caster = Caster::new(scene, *settings, frame.max_depth, over);
     let row = |y: u32| {
-        let mut scratch = Scratch::default();
-        let colors: Vec<Rgb> = (0..width)
-            .map(|x| caster.look(pixel_cone(&eye, [x, y], settings.width), &mut scratch))
-            .collect();
-        (colors, scratch)
+        let mut tracer = ConeTracer::new(&caster);
+        let cone = |x: u32| pixel_cone(&eye, [x, y], settings.width);
+        let colors: Vec<Rgb> = (0..width).map(|x| tracer.look(cone(x))).collect();
+        (colors, tracer.candidates.work, tracer.counts)
     };
-    let rows: Vec<(Vec<Rgb>, Scratch)> = (0..height).into_par_iter().map(row).collect();
+    let rows: Vec<(Vec<Rgb>, FrustumWork, Counts)> = (0..height).into_par_iter().map(row).collect();
     let mut pixels = Vec::with_capacity(width as usize * height as usize);
     let (mut work, mut counts) = (FrustumWork::default(), Counts::default());
-    for (mut colors, scratch) in rows {
+    for (mut colors, more_work, more_counts) in rows {
         pixels.append(&mut colors);
-        work += scratch.candidates.work;
-        counts += scratch.counts;
+        work += more_work;
+        counts += more_counts;
     }
     let counts = counts.rows();
     Ok(DrawnImage { image: Image { width, height, pixels }, work, counts })
@@ -201,32 +199,42 @@ impl<'a> Caster<'a> {
         }
     }
 
-    /// The surface that a bundle leaves along a direction.
-    pub(super) fn departed_surface(
-        &self,
-        hit: &SurfaceHit<'_>,
-        direction: DVec3,
-    ) -> DepartedSurface {
+    /// The same cone as one that leaves a surface along a direction. Off a flat one it begins where
+    /// its edge does, before its middle.
+    pub(super) fn leaving(&self, hit: &SurfaceHit<'_>, direction: DVec3, cone: Cone) -> Cone {
         let refined = hit.point.refined;
         let inwards = direction.dot(refined.normal) < 0.0;
+        let is_flat = self.forms.is_flat(hit.id);
+        let normal = if inwards { -refined.normal } else { refined.normal };
         // within a convex body, all of it is on the inner side of the surface
-        let is_one_sided = self.forms.is_flat(hit.id) || self.forms.is_ball(hit.id) && inwards;
-        let plane = is_one_sided.then(|| {
-            let normal = if inwards { -refined.normal } else { refined.normal };
-            (normal, normal.dot(refined.position) + PLANE_SLACK * refined.magnitude)
-        });
-        DepartedSurface { id: hit.id, inwards, plane }
-    }
-
-    /// The cone that leaves a flat surface begins where its edge does, before its middle.
-    pub(super) fn start_at_edge(&self, mut cone: Cone, left: &DepartedSurface) -> Cone {
-        if let Some((normal, _)) = left.plane.filter(|_| self.forms.is_flat(left.id)) {
+        let is_one_sided = is_flat || self.forms.is_ball(hit.id) && inwards;
+        let at = normal.dot(refined.position) + PLANE_SLACK * refined.magnitude;
+        let plane = is_one_sided.then_some((normal, at));
+        let mut begin = cone.begin;
+        if is_flat {
             let cosine = cone.axis.dot(normal).clamp(LEAST_COSINE, 1.0);
             let slope = (1.0 - cosine * cosine).sqrt() / cosine;
             // the edge recedes from the axis as the cone spreads
-            cone.begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
+            begin = -cone.radius * slope / (1.0 + cone.spread * slope).max(0.1);
         }
-        cone
+        Cone { begin, left: Some(DepartedSurface { id: hit.id, inwards, plane }), ..cone }
+    }
+}
+
+/// Traces pixel after pixel.
+struct ConeTracer<'c, 'a> {
+    on: &'c Caster<'a>,
+    /// What the pixel has of the bundles that are traced.
+    color: Rgb,
+    /// Memory of the candidate queries, and their cost.
+    candidates: Candidates,
+    counts: Counts,
+}
+
+impl<'c, 'a> ConeTracer<'c, 'a> {
+    fn new(on: &'c Caster<'a>) -> Self {
+        let (candidates, counts) = (Candidates::default(), Counts::default());
+        Self { on, color: [0.0; 3], candidates, counts }
     }
 }
 
@@ -236,12 +244,4 @@ counts! {
     subdivided: "cones cut into four",
     rays: "rays",
     shadow_rays: "shadow rays",
-}
-
-/// Scratch memory of a tracing thread.
-#[derive(Default)]
-pub struct Scratch {
-    /// Memory of the candidate queries, and their cost.
-    pub candidates: Candidates,
-    pub counts: Counts,
 }

@@ -14,10 +14,8 @@ use scene_loading::Rgb;
 
 use super::circular_cone::Cone;
 use super::compose::union;
-use super::coverage::DepartedSurface;
-use super::{Caster, Path, Scratch};
-
 use super::widening::Incidence;
+use super::{ConeTracer, Path};
 use crate::effects::SurfaceHit;
 
 /// Lights end a shadow cone by this part of the way before them: they may stand on a surface.
@@ -33,45 +31,39 @@ pub fn shadow_cone(from: DVec3, footprint: f64, light: DVec3, light_radius: f64)
     cone
 }
 
-impl Caster<'_> {
+impl ConeTracer<'_, '_> {
     /// The share of a shadow cone that opaque surfaces cover, in [0, 1].
-    pub(super) fn blocked(
-        &self,
-        cone: &Cone,
-        left: &DepartedSurface,
-        level: u32,
-        scratch: &mut Scratch,
-    ) -> f64 {
-        scratch.counts.shadow_cones += 1;
-        let mut fragments = self.fragments(cone, Some(left), true, scratch);
+    fn blocked(&mut self, cone: &Cone, level: u32) -> f64 {
+        self.counts.shadow_cones += 1;
+        let mut fragments = self.fragments(cone, true);
         if fragments.iter().any(|f| f.coverage.overlap.share >= 1.0) {
             return 1.0;
         }
         fragments.sort_by(|a, b| a.depth.total_cmp(&b.depth).then(a.id.cmp(&b.id)));
         let (share, is_certain) = union(&fragments);
-        if is_certain || level >= self.settings.subdivisions {
+        if is_certain || level >= self.on.settings.subdivisions {
             return share;
         }
-        scratch.counts.subdivided += 1;
+        self.counts.subdivided += 1;
         let quarters = cone.quarters();
-        quarters.iter().map(|part| self.blocked(part, left, level + 1, scratch)).sum::<f64>() / 4.0
+        quarters.iter().map(|part| self.blocked(part, level + 1)).sum::<f64>() / 4.0
     }
 
     /// The share of a light that is hidden from a surface.
     pub(super) fn shadow(
-        &self,
+        &mut self,
         hit: &SurfaceHit<'_>,
         incidence: &Incidence,
         (light, light_radius): (DVec3, f64),
         path: Path,
         arriving: Rgb,
-        scratch: &mut Scratch,
     ) -> f64 {
-        let is_little = arriving.into_iter().fold(0.0, f64::max) < self.settings.ray_below;
+        let on = self.on;
+        let is_little = arriving.into_iter().fold(0.0, f64::max) < on.settings.ray_below;
         if light_radius <= 0.0 && (incidence.radius <= 0.0 || is_little) {
-            scratch.counts.shadow_rays += 1;
+            self.counts.shadow_rays += 1;
             let mut blocked = [false];
-            self.over.rays.occlusions(&[self.offset.to(&hit.point, light)], &mut blocked);
+            on.over.rays.occlusions(&[on.offset.to(&hit.point, light)], &mut blocked);
             return if blocked[0] { 1.0 } else { 0.0 };
         }
         let refined = hit.point.refined;
@@ -80,7 +72,6 @@ impl Caster<'_> {
         let ratio = refined.normal.dot(towards).abs() / incidence.cosine;
         let cone =
             shadow_cone(refined.position, incidence.radius * ratio.sqrt(), light, light_radius);
-        let left = self.departed_surface(hit, towards);
-        self.blocked(&self.start_at_edge(cone, &left), &left, path.level, scratch)
+        self.blocked(&on.leaving(hit, towards, cone), path.level)
     }
 }

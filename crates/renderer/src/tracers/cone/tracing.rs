@@ -9,19 +9,17 @@ use scene_loading::Rgb;
 
 use super::circular_cone::Cone;
 use super::compose::VisibleSurface;
-use super::coverage::DepartedSurface;
 use super::widening::Incidence;
-use super::{Caster, Path, Scratch, UNSEEN};
+use super::{Caster, ConeTracer, Path, UNSEEN};
 use crate::effects::{HitStage, Origin, SurfaceHit, lit_normal, shadow_ray};
 use crate::surface::{reflect, refract};
 
 /// Cones that spread more than this are cut into four: half an angle of 27 degrees.
 const WIDE: f64 = 0.5;
 
-/// A bundle on its way.
 enum Bundle {
     Ray(Ray<f64>),
-    Cone(Cone, Option<DepartedSurface>),
+    Cone(Cone),
 }
 
 /// A surface that is seen, and the cone that sees it.
@@ -51,44 +49,41 @@ impl Continuation {
     }
 }
 
-impl<'a> Caster<'a> {
+impl<'a> ConeTracer<'_, 'a> {
     /// The colour that a cone from the eye sees.
-    pub fn look(&self, cone: Cone, scratch: &mut Scratch) -> Rgb {
+    pub fn look(&mut self, cone: Cone) -> Rgb {
         let bundle = if cone.is_ray() {
             Bundle::Ray(Ray::<f64>::new(cone.origin, cone.axis))
         } else {
-            Bundle::Cone(cone, None)
+            Bundle::Cone(cone)
         };
-        let mut color = [0.0; 3];
+        self.color = [0.0; 3];
         let path = Path { weight: [1.0; 3], depth: 1, level: 0 };
-        if self.max_depth > 0 {
-            self.trace(&bundle, path, &mut color, scratch);
+        if self.on.max_depth > 0 {
+            self.trace(&bundle, path);
         }
-        color
+        self.color
     }
 
-    /// Adds what a bundle sees.
-    fn trace(&self, bundle: &Bundle, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
+    fn trace(&mut self, bundle: &Bundle, path: Path) {
         let sights = match bundle {
-            Bundle::Ray(ray) => self.hit(ray, path, color, scratch),
-            Bundle::Cone(cone, left) => {
-                match self.sights(cone, left.as_ref(), path, color, scratch) {
-                    Some(sights) => sights,
-                    None => return self.quarter(cone, *left, path, color, scratch),
-                }
-            }
+            Bundle::Ray(ray) => self.hit(ray, path),
+            Bundle::Cone(cone) => match self.sights(cone, path) {
+                Some(sights) => sights,
+                None => return self.quarter(cone, path),
+            },
         };
         for sight in &sights {
-            self.light(sight, path, color, scratch);
+            self.light(sight, path);
         }
-        if path.depth < self.max_depth {
-            self.go_on(&sights, path, color, scratch);
+        if path.depth < self.on.max_depth {
+            self.go_on(&sights, path);
         }
     }
 
     /// Follows what goes on from the surfaces that a bundle sees. Those that contribute little do
     /// so through the largest of them: a wide cone may see hundreds of mirrors.
-    fn go_on(&self, sights: &[Sighting<'_>], path: Path, color: &mut Rgb, scratch: &mut Scratch) {
+    fn go_on(&mut self, sights: &[Sighting<'_>], path: Path) {
         for way in [Continuation::Mirrored, Continuation::Refracted] {
             let mut little: Option<(&Sighting<'_>, Rgb, f64)> = None;
             for sight in sights {
@@ -97,8 +92,8 @@ impl<'a> Caster<'a> {
                 if largest <= 0.0 {
                     continue;
                 }
-                if largest >= self.settings.ray_below {
-                    self.follow(sight, way, weight, path, color, scratch);
+                if largest >= self.on.settings.ray_below {
+                    self.follow(sight, way, weight, path);
                     continue;
                 }
                 little = Some(match little {
@@ -110,21 +105,13 @@ impl<'a> Caster<'a> {
                 });
             }
             if let Some((sight, weight, _)) = little {
-                self.follow(sight, way, weight, path, color, scratch);
+                self.follow(sight, way, weight, path);
             }
         }
     }
 
     /// Follows the bundle that goes on from one surface.
-    fn follow(
-        &self,
-        sight: &Sighting<'_>,
-        way: Continuation,
-        weight: Rgb,
-        path: Path,
-        color: &mut Rgb,
-        scratch: &mut Scratch,
-    ) {
+    fn follow(&mut self, sight: &Sighting<'_>, way: Continuation, weight: Rgb, path: Path) {
         let Sighting { hit, incidence, right, up } = sight;
         let (normal, index) = (hit.point.normal, hit.point.material.refraction_index);
         let path = Path { weight, depth: path.depth + 1, level: path.level };
@@ -141,99 +128,95 @@ impl<'a> Caster<'a> {
                 (direction, bundle, [*right, *up])
             }
         };
-        let bundle = self.secondary_ray(hit, direction, bundle, frame, path);
-        self.trace(&bundle, path, color, scratch);
+        let bundle = self.on.secondary_ray(hit, direction, bundle, frame, path);
+        self.trace(&bundle, path);
     }
 
     /// Adds what the four quarters of a cone see.
-    fn quarter(
-        &self,
-        cone: &Cone,
-        left: Option<DepartedSurface>,
-        path: Path,
-        color: &mut Rgb,
-        scratch: &mut Scratch,
-    ) {
-        scratch.counts.subdivided += 1;
+    fn quarter(&mut self, cone: &Cone, path: Path) {
+        self.counts.subdivided += 1;
         let path = Path { weight: path.weight.map(|w| w / 4.0), level: path.level + 1, ..path };
         for part in cone.quarters() {
-            self.trace(&Bundle::Cone(part, left), path, color, scratch);
+            self.trace(&Bundle::Cone(part), path);
         }
     }
 
-    /// Finds the hit of a ray.
-    fn hit(
-        &self,
-        ray: &Ray<f64>,
-        path: Path,
-        color: &mut Rgb,
-        scratch: &mut Scratch,
-    ) -> Vec<Sighting<'a>> {
-        scratch.counts.rays += 1;
+    fn hit(&mut self, ray: &Ray<f64>, path: Path) -> Vec<Sighting<'a>> {
+        self.counts.rays += 1;
         let mut hit = [Hit::NONE];
-        self.over.rays.closest_hits(&[*ray], &mut hit);
+        self.on.over.rays.closest_hits(&[*ray], &mut hit);
         let [hit] = hit;
         if !hit.is_hit() {
-            add(color, path.weight, self.scene.background);
+            self.add(path.weight, self.on.scene.background);
             return Vec::new();
         }
-        let hit = self.surface(hit.id, ray.at(hit.t), ray.direction, path.weight);
+        let hit = self.on.surface(hit.id, ray.at(hit.t), ray.direction, path.weight);
         let incidence = Incidence { radius: 0.0, spread: 0.0, cosine: 1.0, curvatures: [0.0; 2] };
         vec![Sighting { hit, incidence, right: DVec3::X, up: DVec3::Y }]
     }
 
     /// Surfaces and background seen by a cone; `None` if it must be split into four.
-    fn sights(
-        &self,
-        cone: &Cone,
-        left: Option<&DepartedSurface>,
-        path: Path,
-        color: &mut Rgb,
-        scratch: &mut Scratch,
-    ) -> Option<Vec<Sighting<'a>>> {
-        scratch.counts.cones += 1;
-        let may_cut = path.level < self.settings.subdivisions;
+    fn sights(&mut self, cone: &Cone, path: Path) -> Option<Vec<Sighting<'a>>> {
+        self.counts.cones += 1;
+        let on = self.on;
+        let may_cut = path.level < on.settings.subdivisions;
         if may_cut && cone.spread.abs() > WIDE {
             return None;
         }
-        let mut fragments = self.fragments(cone, left, false, scratch);
-        let found = self.compose(cone, left, &mut fragments);
+        let mut fragments = self.fragments(cone, false);
+        let found = on.compose(cone, &mut fragments);
         if may_cut && !found.is_certain {
             return None;
         }
         let mut sights = Vec::with_capacity(found.seen.len());
         let brightest = path.weight.into_iter().fold(0.0, f64::max);
-        for (seen, stands_for) in together(&found.seen, self.settings.ray_below / brightest) {
+        for (seen, stands_for) in together(&found.seen, on.settings.ray_below / brightest) {
             let fragment = &fragments[seen.fragment];
             let part = cone.part(seen.centroid, seen.share.sqrt());
             let ray = cone.ray(seen.centroid);
-            let met = self.forms.depth(cone, fragment.id, seen.centroid, left);
+            let met = on.forms.depth(cone, fragment.id, seen.centroid);
             let depth = met.unwrap_or(fragment.depth);
             let mut position = ray.at(depth);
             if met.is_none() {
                 // just beside it: the nearest point of it
-                position = self.surfaces.at(fragment.id, position).refined.position;
+                position = on.surfaces.at(fragment.id, position).refined.position;
             }
             let weight = path.weight.map(|w| w * stands_for);
-            let hit = self.surface(fragment.id, position, part.axis, weight);
+            let hit = on.surface(fragment.id, position, part.axis, weight);
             let radius = part.radius_at(depth * ray.direction.length());
             // behind a focus it grows as fast as it shrank before
             let bundle = (radius.abs(), part.spread * radius.signum());
             let place = (position, hit.point.normal);
-            let incidence =
-                Incidence::measure(&self.surfaces, fragment.id, place, part.axis, bundle);
-            if may_cut && incidence.turn() > self.settings.turn {
+            let incidence = Incidence::measure(&on.surfaces, fragment.id, place, part.axis, bundle);
+            if may_cut && incidence.turn() > on.settings.turn {
                 return None;
             }
-            let incidence = if self.settings.widening { incidence } else { incidence.flattened() };
+            let incidence = if on.settings.widening { incidence } else { incidence.flattened() };
             sights.push(Sighting { hit, incidence, right: part.right, up: part.up });
         }
         if found.left_over > 0.0 {
-            add(color, path.weight.map(|w| w * found.left_over), self.scene.background);
+            self.add(path.weight.map(|w| w * found.left_over), on.scene.background);
         }
         Some(sights)
     }
 
+    /// Adds the light that arrives at a surface.
+    fn light(&mut self, sight: &Sighting<'_>, path: Path) {
+        let Sighting { hit, incidence, .. } = sight;
+        let normal = lit_normal(hit, true);
+        for &(light, color, radius) in &self.on.lights {
+            let Some(shadow) = shadow_ray(hit, 0, normal, light, color, 1.0) else { continue };
+            let visible = 1.0 - self.shadow(hit, incidence, (light, radius), path, shadow.light);
+            self.add([visible; 3], shadow.light);
+        }
+    }
+
+    fn add(&mut self, weight: Rgb, light: Rgb) {
+        self.color = std::array::from_fn(|k| self.color[k] + weight[k] * light[k]);
+    }
+}
+
+impl<'a> Caster<'a> {
     /// A hit as shading wants it.
     fn surface(&self, id: u32, position: DVec3, incoming: DVec3, weight: Rgb) -> SurfaceHit<'a> {
         let origin = Origin { column: 0, sample: 0, fanned: false, time: 0.0 };
@@ -242,20 +225,6 @@ impl<'a> Caster<'a> {
         self.textures.apply(&mut hit);
         let [hit] = hit;
         hit
-    }
-
-    /// Adds the light that arrives at a surface.
-    fn light(&self, sight: &Sighting<'_>, path: Path, color: &mut Rgb, scratch: &mut Scratch) {
-        let Sighting { hit, incidence, .. } = sight;
-        let normal = lit_normal(hit, true);
-        for &(light, light_color, radius) in &self.lights {
-            let Some(shadow) = shadow_ray(hit, 0, normal, light, light_color, 1.0) else {
-                continue;
-            };
-            let to = (light, radius);
-            let visible = 1.0 - self.shadow(hit, incidence, to, path, shadow.light, scratch);
-            add(color, [visible; 3], shadow.light);
-        }
     }
 
     /// The bundle that leaves a surface: a cone of a radius and a spread, or a ray where that is
@@ -275,8 +244,7 @@ impl<'a> Caster<'a> {
         }
         let axis = direction.normalize_or(hit.incoming);
         let cone = Cone::new(hit.point.refined.position, axis, radius, spread).across(right, up);
-        let left = self.departed_surface(hit, axis);
-        Bundle::Cone(self.start_at_edge(cone, &left), Some(left))
+        Bundle::Cone(self.leaving(hit, axis, cone))
     }
 }
 
@@ -304,10 +272,4 @@ fn together(seen: &[VisibleSurface], little: f64) -> Vec<(VisibleSurface, f64)> 
     }
     all.extend(group);
     all
-}
-
-fn add(color: &mut Rgb, weight: Rgb, light: Rgb) {
-    for k in 0..3 {
-        color[k] += weight[k] * light[k];
-    }
 }
