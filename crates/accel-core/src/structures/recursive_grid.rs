@@ -104,8 +104,6 @@ const HISTORICAL_PAD: f64 = 0.01;
 pub struct RecursiveGrid<S: Scalar> {
     root: Grid<S>,
     division: Division<S>,
-    /// Grids may still be waiting to be built.
-    lazy: bool,
     /// How far beyond its entry a grid's first voxel is looked up.
     advance: S,
     /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
@@ -139,16 +137,9 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         };
         let bounds = bounds_of(prims, rule, structure)?;
         let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
-        let (lazy, max_depth) = (settings.is_lazy, settings.max_depth);
         let mut division = Division {
             boxes: collect(prims.len(), |id| bounds.of(id as u32).expanded(pad)),
-            rule: settings.rule,
-            densities: [settings.top_density, settings.density],
-            threshold: settings.threshold,
-            max_depth,
-            eager_depth: if lazy { settings.lazy_levels } else { max_depth },
-            max_growth: settings.max_growth,
-            by_division: historical,
+            config: RecursiveGridConfig::clone(settings),
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
             padding: bounds.padding(),
@@ -159,11 +150,11 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         if settings.has_joined_lists {
             root.join_lists();
         }
-        if !lazy {
+        if !settings.is_lazy {
             division.boxes = Vec::new();
         }
         let advance = if historical { pad } else { S::ZERO };
-        Ok(Self { root, division, lazy, advance, from_origin: historical })
+        Ok(Self { root, division, advance, from_origin: historical })
     }
 
     #[inline(always)]
@@ -182,7 +173,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
     fn stats(&self) -> StructureStats {
         let mut stats = StructureStats {
             bytes: (size_of::<Self>() + size_of_val(self.division.boxes.as_slice())) as u64,
-            pending_cells: self.lazy.then_some(0),
+            pending_cells: self.division.config.is_lazy.then_some(0),
             ..StructureStats::default()
         };
         add_grid(&self.root, &mut stats);

@@ -240,15 +240,19 @@ pub fn rays_for<S: Buildable>(bounds: (DVec3, DVec3), r: &mut Random) -> Vec<Ray
     rays
 }
 
-/// The structure of that name, by settings like `leaf-size=3 group=8`.
+/// Settings written as in a variant: `leaf-size=3 group=8`.
+pub fn settings(text: &str) -> impl Iterator<Item = (&str, &str)> + Clone {
+    text.split_whitespace().map(|word| word.split_once('=').unwrap())
+}
+
+/// The structure of that name, by settings written so.
 pub fn build<'a, S: Buildable>(
     prims: PrimsRef<'a, S>,
     name: &str,
-    settings: &str,
+    text: &str,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let entry = find(name).unwrap();
-    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
-    entry.build(prims, &entry.params(settings).unwrap())
+    entry.build(prims, &entry.params(settings(text)).unwrap())
 }
 
 /// An entry for a structure with a planted fault. Its queries are called, not compiled into its

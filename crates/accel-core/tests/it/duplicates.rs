@@ -4,10 +4,11 @@
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder};
 use accel_core::structures::{Entry, REGISTRY, find};
-use accel_core::{Hit, Ray};
+use accel_core::Ray;
 use glam::{DVec3, dvec3};
 
-use crate::common::Random;
+use crate::common::{Random, build, settings};
+use crate::test_scenes::closest_hits;
 
 const N: usize = 100_000;
 
@@ -43,18 +44,12 @@ fn most_references(n: usize) -> u64 {
 }
 
 /// Number of references of a structure; its answers must be those of brute force.
-fn references(set: &MixedSet<f32>, entry: &Entry, settings: &str) -> u64 {
-    let settings = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
-    let tracer = entry.build(PrimsRef::Mixed(set), &entry.params(settings).unwrap()).unwrap();
+fn references(set: &MixedSet<f32>, entry: &Entry, text: &str) -> u64 {
+    let tracer = build(PrimsRef::Mixed(set), entry.info.name, text).unwrap();
     let rays = [[0.45, 0.4, -9.0], [0.1, 0.1, -9.0], [3.0, 3.0, -9.0]]
         .map(|o| Ray::<f32>::new(o.into(), [0.0, 0.0, 1.0].into()));
-    let mut right = [Hit::NONE; 3];
-    let oracle = find("brute-force").unwrap();
-    let oracle = oracle.build(PrimsRef::Mixed(set), &oracle.params([]).unwrap()).unwrap();
-    oracle.closest_hits(&rays, &mut right);
-    let mut hits = [Hit { t: f32::NAN, id: 0 }; 3];
-    tracer.closest_hits(&rays, &mut hits);
-    assert_eq!(hits, right, "{}", entry.info.name);
+    let right = closest_hits(&*build(PrimsRef::Mixed(set), "brute-force", "").unwrap(), &rays);
+    assert_eq!(closest_hits(&*tracer, &rays), right, "{}", entry.info.name);
     tracer.stats().references
 }
 
@@ -65,9 +60,8 @@ fn building_over_inseparable_primitives_is_near_linear() {
         let robust = REGISTRY.iter().find(|entry| entry.info.name == "obvhs-cwbvh");
         let robust = robust.map(|entry| (entry, "adapter=robust"));
         for (entry, variant) in rows.chain(robust) {
-            let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
             // obvhs as its authors use it is quadratic
-            if (entry.info.known_defect)(&entry.params(settings).unwrap()).is_some() {
+            if (entry.info.known_defect)(&entry.params(settings(variant)).unwrap()).is_some() {
                 continue;
             }
             let start = std::time::Instant::now();

@@ -2,12 +2,13 @@
 
 use accel_core::geometry::ray::{Hit, Ray};
 use accel_core::geometry::scalar::Scalar;
-use accel_core::primitives::MixedSetBuilder;
+use accel_core::primitives::{MixedSetBuilder, PrimsRef};
 use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structures::find;
 
+use crate::agreement::agreed;
 use crate::test_scenes::{
     Random, built, closest_hits, hard_scenes, mixed_scene, occlusions, rays, unwritten,
 };
@@ -30,19 +31,10 @@ pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Answer
 }
 
 /// Every setting must give brute force's hits, bit for bit.
-pub(crate) fn agrees_with_brute_force<S: Buildable>(name: &str, settings: &[&str]) {
-    let entry = find(name).unwrap();
+fn agree_with_brute_force<S: Buildable>(tested: &[(&str, impl AsRef<str>)]) {
     for (scene, set) in hard_scenes::<S>() {
         let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 99);
-        let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
-        assert!(right.0.iter().filter(|h| h.is_hit()).count() * 20 > rays.len(), "{scene}");
-        for settings in settings {
-            let got = work(built(entry, &set, settings).as_ref(), &rays);
-            for (i, ray) in rays.iter().enumerate() {
-                assert_eq!(got.0[i], right.0[i], "{name} {settings} {scene} {ray:?}");
-                assert_eq!(got.1[i], right.1[i], "{name} {settings} {scene} {ray:?}");
-            }
-        }
+        agreed(scene, PrimsRef::Mixed(&set), &rays, 20, tested);
     }
 }
 
@@ -57,8 +49,9 @@ fn grids_agree_with_brute_force() {
             "resolution=cubic",
             "resolution=auto",
         ];
-        agrees_with_brute_force::<f32>(name, &settings);
-        agrees_with_brute_force::<f64>(name, &settings);
+        let tested = settings.map(|settings| (name, settings));
+        agree_with_brute_force::<f32>(&tested);
+        agree_with_brute_force::<f64>(&tested);
     }
 }
 
@@ -107,13 +100,15 @@ const METRICS: [&str; 3] = ["city-block", "chessboard", "euclidean"];
 
 #[test]
 fn proximity_clouds_agree_with_brute_force() {
-    let all: Vec<String> = METRICS
-        .iter()
-        .flat_map(|m| ["all", "octants"].map(|d| format!("metric={m} directions={d} density=15")))
-        .collect();
-    let all: Vec<&str> = all.iter().map(String::as_str).collect();
-    agrees_with_brute_force::<f32>("proximity-clouds", &all);
-    agrees_with_brute_force::<f64>("proximity-clouds", &all);
+    let settings = |metric: &&str| {
+        ["all", "octants"].map(|directions| {
+            let settings = format!("metric={metric} directions={directions} density=15");
+            ("proximity-clouds", settings)
+        })
+    };
+    let tested: Vec<_> = METRICS.iter().flat_map(settings).collect();
+    agree_with_brute_force::<f32>(&tested);
+    agree_with_brute_force::<f64>(&tested);
 }
 
 #[test]

@@ -6,6 +6,8 @@ use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find};
 
+use crate::common::settings as settings_of;
+
 type Set = TriangleSet<f32, Watertight>;
 
 /// A relief of 2 * side * side triangles.
@@ -35,7 +37,7 @@ fn built(
 /// The variants of a structure, as settings.
 fn variants(entry: &'static Entry) -> impl Iterator<Item = Vec<(&'static str, &'static str)>> {
     let settings = entry.info.variants.iter().chain(entry.info.also_tested);
-    settings.map(|v| v.split_whitespace().map(|s| s.split_once('=').unwrap()).collect())
+    settings.map(|variant| settings_of(variant).collect())
 }
 
 /// Faults of a structure with little memory.

@@ -8,7 +8,7 @@ use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray};
 
-use crate::common::{Random, many_triangles, rays_for};
+use crate::common::{Random, build, many_triangles, rays_for};
 use crate::test_scenes::on_threads as on;
 
 /// Observable behaviour of a structure. The tests of an occlusion query end at the first that
@@ -16,8 +16,7 @@ use crate::test_scenes::on_threads as on;
 type Seen = (StructureStats, [WorkCounters; 2], Vec<Hit<f32>>);
 
 fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -> Seen {
-    let words = setting.split_whitespace().filter_map(|word| word.split_once('='));
-    let tracer = entry.build(prims, &entry.params(words).unwrap()).unwrap();
+    let tracer = build(prims, entry.info.name, setting).unwrap();
     let mut hits = vec![Hit::NONE; rays.len()];
     let closest = tracer.count_closest_hits(rays, &mut hits);
     let mut blocked = vec![Default::default(); rays.len()];

@@ -154,8 +154,8 @@ impl<S: Scalar> BlockPlacement for Contents<'_, S> {
 /// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
 const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
 
-/// The settings of [`crate::params::specs`] and of storage: what a structure does not list has its
-/// default.
+/// The settings of [`crate::params::specs`], and those of a structure's own: what a structure does
+/// not list has its default.
 #[derive(Debug, Clone)]
 pub struct GridConfig<C> {
     pub(super) resolution: ResolutionRule,
@@ -168,7 +168,7 @@ pub struct GridConfig<C> {
     pub(super) traversal: Traversal,
     pub(crate) is_incremental: bool,
     pub(super) is_batch: bool,
-    pub(super) storage: C,
+    pub(crate) own: C,
 }
 
 impl<C: Config> Config for GridConfig<C> {
@@ -185,7 +185,7 @@ impl<C: Config> Config for GridConfig<C> {
             traversal: Traversal::of(params),
             is_incremental: is_incremental(params),
             is_batch: params.get(specs::QUERY.name) == Some("batch"),
-            storage: C::of(params),
+            own: C::of(params),
         }
     }
 }

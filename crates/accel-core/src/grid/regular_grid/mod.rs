@@ -151,7 +151,7 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
-        let (contents, storage) = stored::<S, G>(prims, settings.limits(), settings)?;
+        let (contents, storage) = stored::<S, G, _>(prims, settings.limits(), settings, &settings.own)?;
         let (frame, from_origin) = (contents.frame, settings.historical);
         let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
         let is_batch =
@@ -296,10 +296,11 @@ fn soft_limit<S: Scalar>(prims: &dyn Primitives<S>) -> u64 {
 ///
 /// # Errors
 /// [`BuildError`] when the scene is too large for the scalar or the grid for its limits.
-pub fn stored<'a, S: Scalar, G: CellStorage>(
+pub fn stored<'a, S: Scalar, G: CellStorage, C>(
     prims: &'a dyn Primitives<S>,
     limits: Limits,
-    config: &GridConfig<G::Config>,
+    config: &GridConfig<C>,
+    own: &G::Config,
 ) -> Result<(Contents<'a, S>, G), BuildError> {
     let mut contents = contents_of(prims, limits, config)?;
     let hard_limit = contents.max_references;
@@ -311,7 +312,7 @@ pub fn stored<'a, S: Scalar, G: CellStorage>(
         let allowed = if is_final { hard_limit } else { hard_limit.min(soft_limit) };
         contents.max_references = limits.most(&references, allowed);
         limits.fits(G::cell_bytes(contents.frame.cells() as u128))?;
-        match G::build(&contents, &config.storage) {
+        match G::build(&contents, own) {
             Ok(storage) => return Ok((contents, storage)),
             // memory alone is no reason for another resolution
             Err(TooManyReferences(n)) if is_final || n <= allowed => {
