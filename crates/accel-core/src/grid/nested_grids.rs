@@ -14,6 +14,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::query::cells::{Cell, CellKind, CellVisitor};
+use crate::query::mailbox::Mailbox;
 use crate::query::sink::Sink;
 
 #[derive(Debug, Clone, Copy)]
@@ -128,7 +129,7 @@ impl<S: Scalar> NestedGrids<S> {
         ray: &Ray<S>,
         t_start: S,
         sink: &mut K,
-        visited: &mut impl VisitedGrids,
+        visited: &mut impl Mailbox,
     ) -> ControlFlow<()> {
         let Some(grid) = self.grids.get(grid as usize) else { return ControlFlow::Continue(()) };
         // what is farther than the best hit needs no traversal
@@ -155,7 +156,7 @@ impl<S: Scalar> NestedGrids<S> {
             if from.grids < to.grids {
                 for i in from.grids..to.grids {
                     let Some(&inner) = self.inner.get(i as usize) else { continue };
-                    if visited.is_first(inner) {
+                    if visited.is_new(inner) {
                         self.traverse(inner, ray, t_start, sink, visited)?;
                     }
                 }
@@ -178,27 +179,11 @@ pub(crate) struct Census {
     pub references: u64,
 }
 
-/// Remembers which grids a ray has traversed. It may forget (a second traversal is only a waste),
-/// but never claims a traversal that was not made.
-pub(crate) trait VisitedGrids {
-    /// True unless the grid is known to have been traversed; remembers it.
-    fn is_first(&mut self, grid: u32) -> bool;
-}
+/// The grids that a ray has traversed, where some are in several cells: a direct-mapped table on
+/// the stack. It may forget (a second traversal is only a waste).
+pub(crate) struct VisitedGrids([u32; Self::SLOTS]);
 
-/// For grids of which none is in two cells.
-pub(crate) struct NoMailbox;
-
-impl VisitedGrids for NoMailbox {
-    #[inline(always)]
-    fn is_first(&mut self, _: u32) -> bool {
-        true
-    }
-}
-
-/// A direct-mapped table on the stack.
-pub(crate) struct Mailbox([u32; Self::SLOTS]);
-
-impl Mailbox {
+impl VisitedGrids {
     const SLOTS: usize = 32;
 
     #[inline(always)]
@@ -207,9 +192,11 @@ impl Mailbox {
     }
 }
 
-impl VisitedGrids for Mailbox {
+impl Mailbox for VisitedGrids {
+    const ENABLED: bool = true;
+
     #[inline(always)]
-    fn is_first(&mut self, grid: u32) -> bool {
+    fn is_new(&mut self, grid: u32) -> bool {
         std::mem::replace(&mut self.0[grid as usize % Self::SLOTS], grid) != grid
     }
 }

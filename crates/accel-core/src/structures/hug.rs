@@ -22,7 +22,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::nested_grids::build::{BuildRules, LooseGrids, references_in, room_of};
-use crate::grid::nested_grids::{Mailbox, NestedGrids, VisitedGrids};
+use crate::grid::nested_grids::{NestedGrids, VisitedGrids};
 use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsRule, smallest_cell};
@@ -33,7 +33,7 @@ use crate::params::specs;
 use crate::primitives::{PrimitiveKind, Primitives};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
-use crate::query::mailbox;
+use crate::query::mailbox::{self, Mailbox as _};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
@@ -136,9 +136,9 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         if !self.from_origin || self.grids.meets(0, ray, t_start) {
             sink.inner_step();
         }
-        let mut mailbox = Mailbox::new();
-        mailbox.is_first(0);
-        let _ = self.grids.traverse(0, ray, t_start, sink, &mut mailbox);
+        let mut visited = VisitedGrids::new();
+        visited.is_new(0);
+        let _ = self.grids.traverse(0, ray, t_start, sink, &mut visited);
     }
 
     /// N_IN is 1 for the root and 1 for every cell that holds a grid; N_V all other cells.

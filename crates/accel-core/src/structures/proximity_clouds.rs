@@ -51,8 +51,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        [
-            CloudsConfig::PARAMS[0], CloudsConfig::PARAMS[1]],
+        [CloudsConfig::PARAMS[0], CloudsConfig::PARAMS[1]],
         []
     ),
     variants: &["density=20"],

@@ -14,11 +14,11 @@
 //! first voxel that of the point 0.01 beyond its entry.
 
 mod budget;
+mod config;
 mod levels;
 
 use std::ops::ControlFlow;
 
-use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
@@ -26,50 +26,14 @@ use crate::grid::nested_grids::build::room_of;
 use crate::grid::voxel_traversal::inverse_direction;
 use crate::historical::bounds_rule::BoundsRule;
 use crate::parallel::collect;
-use crate::params::ParamSpec;
 use crate::params::config::Settings;
-use crate::params::specs;
 use crate::primitives::Primitives;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use budget::Budget;
-use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
-
-config! {
-    /// How grids within grids are built.
-    pub struct RecursiveGridConfig {
-        /// levels of grids, the outermost included
-        max_depth: u32 = ParamSpec::integer("max-depth", "4", 1, MAX_DEPTH),
-        /// rule for the voxels of every grid
-        rule: LevelRule = ParamSpec::choice(
-            "resolution", "density", &["density", "heterogeneous", "cube-root"]
-        ) => |rule| match rule {
-            "heterogeneous" => LevelRule::Heterogeneous,
-            "cube-root" => LevelRule::CubeRoot,
-            _ => LevelRule::Density,
-        },
-        /// voxels per primitive of the outermost grid
-        top_density: f64 = ParamSpec::real("top-density", "1", 1e-6, 1e6),
-        /// voxels per reference of the grids inside
-        density: f64 = ParamSpec { default: "1", ..specs::DENSITY },
-        /// voxels with more references are divided
-        threshold: usize = ParamSpec::integer("threshold", "8", 1, 1 << 31),
-        /// a voxel stays undivided if its grid held more times its references
-        max_growth: f64 = ParamSpec::real("max-growth", "16", 1.0, 1e9),
-        /// all grids at once, or deep ones when a ray enters their voxel
-        is_lazy: bool = ParamSpec::choice("build", "eager", &["eager", "lazy"]) => |build| build == "lazy",
-        /// levels that build=lazy makes at once
-        lazy_levels: u32 = ParamSpec::integer("lazy-levels", "1", 1, MAX_DEPTH),
-        historical: bool = specs::BOXES => specs::is_historical,
-        max_cells: u64 = specs::MAX_CELLS,
-        max_references: u64 = specs::MAX_REFERENCES,
-        has_joined_lists: bool = kernel::PARAM => |kernel| kernel == "block",
-    }
-    and mailbox::PARAM, mailbox::SLOTS_PARAM
-}
+use config::RecursiveGridConfig;
+use levels::{Child, Content, Division, Grid, MAX_PRIMITIVES, Voxel};
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Jevans, Wyvill 1989",
@@ -90,9 +54,6 @@ pub static INFO: StructureInfo = StructureInfo {
         "voxels with many primitives are divided by grids of their own, eagerly or on demand",
     )
 };
-
-/// The traversal recurses once a level.
-const MAX_DEPTH: u64 = 8;
 
 /// Box margin of cones and cylinders in Havran and Sixta's recursive grid, as fitted.
 const HISTORICAL_CONE_MARGIN: f64 = 0.001;

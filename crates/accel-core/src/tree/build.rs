@@ -51,7 +51,7 @@ pub(crate) trait Link<S>: Copy + Send + Sync {
     /// How a cell is cut.
     type Cut;
     /// What of a cut stands in a list of its own, by the number of the inner cell.
-    type Kept: Copy + Send + Sync;
+    type Record: Copy + Send + Sync;
     /// Number of children of an inner cell.
     const CHILDREN: usize;
 
@@ -59,7 +59,7 @@ pub(crate) trait Link<S>: Copy + Send + Sync {
 
     fn inner(cut: &Self::Cut, number: u32) -> Self;
 
-    fn kept(cut: Self::Cut) -> Self::Kept;
+    fn record(cut: Self::Cut) -> Self::Record;
 
     /// The same behind so many other inner cells and leaves.
     fn moved(self, by: [u32; 2]) -> Self;
@@ -70,7 +70,7 @@ pub(crate) trait Link<S>: Copy + Send + Sync {
 pub(crate) struct Cells<S, L: Link<S>> {
     pub(crate) links: Vec<L>,
     /// For each inner cell.
-    pub(crate) cuts: Vec<L::Kept>,
+    pub(crate) cuts: Vec<L::Record>,
     /// The references of leaves.
     pub(crate) lists: CellLists,
 }
@@ -85,7 +85,7 @@ impl<S, L: Link<S>> Cells<S, L> {
     fn divide(&mut self, cell: usize, cut: L::Cut) -> usize {
         let first = self.links.len();
         self.links[cell] = L::inner(&cut, self.cuts.len() as u32);
-        self.cuts.push(L::kept(cut));
+        self.cuts.push(L::record(cut));
         self.links.resize(first + L::CHILDREN, L::leaf(0));
         first
     }
@@ -125,18 +125,14 @@ impl<S, L: Link<S>> Cells<S, L> {
         let mut links = concat(&links, &L::moved);
         firsts.into_iter().for_each(|(cell, link)| links[cell] = link);
         let (starts, ids) = (concat(&starts, &|start, by| start + by), concat(&ids, &|id, ()| id));
-        Self {
-            links,
-            cuts: concat(&cuts, &|cut, ()| cut),
-            lists: CellLists::of_parts(starts, ids),
-        }
+        Self { links, cuts: concat(&cuts, &|cut, ()| cut), lists: CellLists::of_parts(starts, ids) }
     }
 }
 
 /// Next step of a build that starts with one cell.
 enum Step<S, L: Link<S>> {
     /// This cell is cut.
-    Divide(usize, L, L::Kept),
+    Divide(usize, L, L::Record),
     /// This cell becomes the first one of others, the rest of which stand behind all before.
     Below(usize, Cells<S, L>),
 }
@@ -183,7 +179,7 @@ impl<S, L: Link<S>> ForkedCells<S, L> {
     fn steps(self, cell: usize, steps: &mut Vec<Step<S, L>>, counts: &mut [u64; 2]) {
         match self {
             Self::Cut(cut, below) => {
-                steps.push(Step::Divide(cell, L::inner(&cut, 0), L::kept(cut)));
+                steps.push(Step::Divide(cell, L::inner(&cut, 0), L::record(cut)));
                 let first = counts[0] as usize;
                 counts[0] += L::CHILDREN as u64;
                 for (child, below) in below.into_iter().enumerate() {

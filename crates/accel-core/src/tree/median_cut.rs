@@ -76,7 +76,8 @@ mod tests {
     #[test]
     fn groups_are_full_and_next_to_each_other() {
         // 100 centres on a line, in a scrambled order
-        let centres = Centres::<f64>((0..100).map(|i| DVec3::X * f64::from(i * 37 % 100)).collect());
+        let centres =
+            Centres::<f64>((0..100).map(|i| DVec3::X * f64::from(i * 37 % 100)).collect());
         for size in [1, 3, 7, 64, 100, 1000] {
             let mut ids: Vec<u32> = (0..100).collect();
             centres.group(&mut ids, size);

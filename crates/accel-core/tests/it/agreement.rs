@@ -1,15 +1,17 @@
 //! Do structures give the answers of brute force?
 
 use accel_core::primitives::PrimsRef;
+use accel_core::query::counters::WorkCounters;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::structures::Entry;
-use accel_core::{Hit, Ray};
+use accel_core::{Hit, Ray, Scalar};
 
 use crate::common::{build, settings};
-use crate::test_scenes::{closest_hits, occlusions, unwritten};
+use crate::test_scenes::occlusions;
 
 /// Answers of a structure to some rays.
+#[derive(Debug, PartialEq)]
 pub struct Answers<S: Buildable> {
     pub hits: Vec<Hit<S>>,
     pub blocked: Vec<bool>,
@@ -37,14 +39,19 @@ impl<S: Buildable> Answers<S> {
         this
     }
 
-    /// The same from the passes that count.
-    pub fn counted(tracer: &dyn Tracer<S>, rays: &[Ray<S>], expected: &Self) -> Self {
+    /// The same from the passes that count, and the work of both.
+    pub fn counted(
+        tracer: &dyn Tracer<S>,
+        rays: &[Ray<S>],
+        expected: &Self,
+    ) -> (Self, [WorkCounters; 2]) {
         let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
         let mut shadows: Vec<_> = expected.blocked.iter().map(preset).collect();
         let mut hits = vec![unwritten(); rays.len()];
-        tracer.count_closest_hits(rays, &mut hits);
-        tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
-        Self { hits, blocked: shadows.iter().map(|s| s.blocked).collect() }
+        let closest = tracer.count_closest_hits(rays, &mut hits);
+        let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
+        let blocked = shadows.iter().map(|s| s.blocked).collect();
+        (Self { hits, blocked }, [closest, shadow])
     }
 
     /// Rays with another answer.
@@ -55,6 +62,29 @@ impl<S: Buildable> Answers<S> {
     }
 }
 
+/// Stands where no hit was written: not even equal to itself.
+pub fn unwritten<S: Scalar>() -> Hit<S> {
+    Hit { t: S::from_f64(f64::NAN), id: 0 }
+}
+
+/// The closest hits, with nothing in their places before that could be one.
+pub fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    let mut hits = vec![unwritten(); rays.len()];
+    tracer.closest_hits(rays, &mut hits);
+    hits
+}
+
+/// The answers of a structure, timed and counted alike, and the work of both kinds.
+pub fn work<S: Buildable>(
+    tracer: &dyn Tracer<S>,
+    rays: &[Ray<S>],
+) -> (Answers<S>, [WorkCounters; 2]) {
+    let timed = Answers::written(tracer, rays);
+    let (counted, work) = Answers::counted(tracer, rays, &timed);
+    assert_eq!(counted, timed);
+    (timed, work)
+}
+
 /// Mismatches of a tracer with what is expected, when timed and when counted.
 fn differences<S: Buildable>(
     label: &str,
@@ -63,7 +93,7 @@ fn differences<S: Buildable>(
     expected: &Answers<S>,
 ) -> Vec<String> {
     let timed = Answers::of(tracer, rays, expected);
-    let counted = Answers::counted(tracer, rays, expected);
+    let (counted, _) = Answers::counted(tracer, rays, expected);
     let mut wrong = Vec::new();
     for (pass, answers) in [("timed", timed), ("counted", counted)] {
         wrong.extend(answers.differing(expected).into_iter().map(|i| {

@@ -3,7 +3,7 @@
 //! error which limit it would break. None takes the machine down. Numbers that are not finite, or
 //! whose products are not, are refused.
 
-use crate::common::planted_entry;
+use crate::common::{Corners, planted_entry, relief};
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimitiveError, Primitives, PrimsRef, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
@@ -11,28 +11,9 @@ use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray, Scalar};
 
-type Corners = [[f32; 3]; 3];
-
 /// The cap: so many bytes for a primitive, and so many for any scene.
 const BYTES_A_PRIMITIVE: u64 = 640;
 const BYTES_IN_ANY_CASE: u64 = 16 << 20;
-
-/// A relief of 2 * side * side triangles over the unit square, `height` high.
-fn relief(side: usize, height: f32, corner: [f32; 3], size: f32) -> Vec<Corners> {
-    let point = |x: usize, y: usize| {
-        let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
-        let z = (u * 37.0).sin() * (v * 29.0).cos() * height;
-        [corner[0] + u * size, corner[1] + v * size, corner[2] + z * size]
-    };
-    let mut triangles = Vec::with_capacity(2 * side * side);
-    for y in 0..side {
-        for x in 0..side {
-            let [a, b, c, d] = [point(x, y), point(x + 1, y), point(x, y + 1), point(x + 1, y + 1)];
-            triangles.extend([[a, b, c], [b, d, c]]);
-        }
-    }
-    triangles
-}
 
 fn set(triangles: Vec<Corners>) -> TriangleSet<f32, Watertight> {
     TriangleSet::new(triangles, |_| false).unwrap()

@@ -128,7 +128,6 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
 }
 
 /// So many triangles of all sizes within the unit cube, half of them in a corner of it.
-#[allow(dead_code, reason = "not every test target needs them")]
 pub fn many_triangles(n: usize) -> TriangleSet<f32, Watertight> {
     let mut r = Random::new(5);
     let list = (0..n).map(|i| {
@@ -138,6 +137,26 @@ pub fn many_triangles(n: usize) -> TriangleSet<f32, Watertight> {
         corners.map(|p| p.clamp(DVec3::ZERO, DVec3::ONE).as_vec3().to_array())
     });
     TriangleSet::new(list.collect(), |_| false).unwrap()
+}
+
+/// A triangle in f32.
+pub type Corners = [[f32; 3]; 3];
+
+/// A relief of 2 * side * side triangles over the unit square, `height` high.
+pub fn relief(side: usize, height: f32, corner: [f32; 3], size: f32) -> Vec<Corners> {
+    let point = |x: usize, y: usize| {
+        let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
+        let z = (u * 37.0).sin() * (v * 29.0).cos() * height;
+        [corner[0] + u * size, corner[1] + v * size, corner[2] + z * size]
+    };
+    let mut triangles = Vec::with_capacity(2 * side * side);
+    for y in 0..side {
+        for x in 0..side {
+            let [a, b, c, d] = [point(x, y), point(x + 1, y), point(x, y + 1), point(x + 1, y + 1)];
+            triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    triangles
 }
 
 /// Primitives of all kinds; two thirds of them move, if any do.

@@ -1,14 +1,14 @@
 //! Primitives that no cell and no plane can separate: all in one place, or all about one centre.
 //! What a structure makes of them stays near-linear in their number.
 
+use accel_core::Ray;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder};
 use accel_core::structures::{Entry, REGISTRY, find};
-use accel_core::Ray;
 use glam::{DVec3, dvec3};
 
+use crate::agreement::closest_hits;
 use crate::common::{Random, build, settings};
-use crate::test_scenes::closest_hits;
 
 const N: usize = 100_000;
 

@@ -1,34 +1,11 @@
 //! Grids of one level against brute force and one another.
 
-use accel_core::geometry::ray::{Hit, Ray};
-use accel_core::geometry::scalar::Scalar;
 use accel_core::primitives::{MixedSetBuilder, PrimsRef};
-use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
-use accel_core::structures::find;
 
-use crate::agreement::agreed;
-use crate::test_scenes::{
-    Random, built, closest_hits, hard_scenes, mixed_scene, occlusions, rays, unwritten,
-};
-
-/// Results of a tracer: hits, blocked, counters of both kinds of query.
-pub(crate) type AnswersAndWork<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
-
-/// Runs every query of a tracer; counted and timed answers must agree.
-pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> AnswersAndWork<S> {
-    let hits = closest_hits(tracer, rays);
-    let mut counted_hits = vec![unwritten(); rays.len()];
-    let blocked = occlusions(tracer, rays);
-    let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
-    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
-    let closest = tracer.count_closest_hits(rays, &mut counted_hits);
-    let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-    assert_eq!(hits, counted_hits);
-    assert!(answers.iter().map(|a| a.blocked).eq(blocked.iter().copied()));
-    (hits, blocked, closest, shadow)
-}
+use crate::agreement::{agreed, work};
+use crate::common::build;
+use crate::test_scenes::{Random, hard_scenes, mixed_scene, rays};
 
 /// Every setting must give brute force's hits, bit for bit.
 fn agree_with_brute_force<S: Buildable>(tested: &[(&str, impl AsRef<str>)]) {
@@ -60,10 +37,10 @@ fn storages_have_the_same_cells_and_do_the_same_work() {
     for (scene, set) in hard_scenes::<f64>() {
         let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 5);
         for settings in ["", "density=9 order=reverse", "boxes=historical traversal=driving-axis"] {
-            let dense = built(find("uniform-grid").unwrap(), &set, settings);
+            let dense = build(PrimsRef::Mixed(&set), "uniform-grid", settings).unwrap();
             let expected = work(dense.as_ref(), &rays);
             for name in ["hashed-grid", "bricked-grid"] {
-                let other = built(find(name).unwrap(), &set, settings);
+                let other = build(PrimsRef::Mixed(&set), name, settings).unwrap();
                 assert!(work(other.as_ref(), &rays) == expected, "{name} {settings} {scene}");
                 let (mut a, mut b) = (dense.stats(), other.stats());
                 (a.bytes, b.bytes) = (0, 0);
@@ -84,12 +61,12 @@ fn a_virtual_grid_of_2048_cubed_works() {
     }
     let set = set.finish();
     let rays = rays(&set, 600, 12);
-    let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
+    let right = work(build(PrimsRef::Mixed(&set), "brute-force", "").unwrap().as_ref(), &rays);
     for traversal in ["t-next", "driving-axis"] {
         let settings = format!("resolution=2048x2048x2048 traversal={traversal}");
-        let grid = built(find("hashed-grid").unwrap(), &set, &settings);
+        let grid = build(PrimsRef::Mixed(&set), "hashed-grid", &settings).unwrap();
         let got = work(grid.as_ref(), &rays);
-        assert!(got.0 == right.0 && got.1 == right.1);
+        assert!(got.0 == right.0);
         let stats = grid.stats();
         assert_eq!(stats.cells, 1 << 33);
         assert!(stats.bytes < 1 << 27, "{stats:?}");
@@ -115,14 +92,14 @@ fn proximity_clouds_agree_with_brute_force() {
 fn jumps_save_steps() {
     let set = mixed_scene::<f32>(100, 31, [1.0; 3]);
     let rays = rays(&set, 1000, 32);
-    let grid = built(find("uniform-grid").unwrap(), &set, "density=100");
-    let plain = work(grid.as_ref(), &rays).2;
+    let grid = build(PrimsRef::Mixed(&set), "uniform-grid", "density=100").unwrap();
+    let plain = work(grid.as_ref(), &rays).1[0];
     for metric in METRICS {
         let mut steps = plain.traversal_steps;
         for directions in ["all", "octants"] {
             let settings = format!("density=100 metric={metric} directions={directions}");
-            let clouds = built(find("proximity-clouds").unwrap(), &set, &settings);
-            let counters = work(clouds.as_ref(), &rays).2;
+            let clouds = build(PrimsRef::Mixed(&set), "proximity-clouds", &settings).unwrap();
+            let counters = work(clouds.as_ref(), &rays).1[0];
             assert!(counters.traversal_steps < steps, "{settings}");
             steps = counters.traversal_steps;
         }

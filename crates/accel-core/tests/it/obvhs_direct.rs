@@ -15,8 +15,9 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::triangle::Triangle;
 
+use crate::agreement::closest_hits;
 use crate::common::{Random, build, triangle_set};
-use crate::test_scenes::{closest_hits, occlusions};
+use crate::test_scenes::occlusions;
 
 const ROWS: [&str; 2] = ["obvhs-bvh2", "obvhs-cwbvh"];
 

@@ -1,8 +1,7 @@
 //! The octree in all its settings and the k-d tree against brute force: the same hits to the bit.
 
-use crate::agreement::agreed;
+use crate::agreement::{agreed, closest_hits};
 use crate::common::{Random, build};
-use crate::test_scenes::closest_hits;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder};
 use accel_core::registry::Buildable;
@@ -151,7 +150,8 @@ fn ten_thousand_duplicates_stay_few_cells() {
 #[test]
 fn limits_are_errors_with_numbers() {
     let set = duplicates(1000);
-    let refused = |name, settings| build(PrimsRef::Mixed(&set), name, settings).err().unwrap().to_string();
+    let refused =
+        |name, settings| build(PrimsRef::Mixed(&set), name, settings).err().unwrap().to_string();
     let e = refused("octree", "max-leaf=0 useless-splits=20 max-growth=1e9 max-references=100000");
     assert!(e.contains("references in cells") && e.contains("100000"), "{e}");
     let e = refused("octree", "max-leaf=0 useless-splits=20 max-growth=1e9 max-cells=100");

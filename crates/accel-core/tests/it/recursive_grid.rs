@@ -1,8 +1,7 @@
 use glam::{DVec3, dvec3};
 
-use crate::agreement::agreed;
+use crate::agreement::{agreed, closest_hits as hits};
 use crate::common::{Random, build};
-use crate::test_scenes::closest_hits as hits;
 use accel_core::Vector;
 use accel_core::geometry::aabb::Aabb;
 use accel_core::geometry::ray::{Hit, Ray};

@@ -151,7 +151,8 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
-        let (contents, storage) = stored::<S, G, _>(prims, settings.limits(), settings, &settings.own)?;
+        let (contents, storage) =
+            stored::<S, G, _>(prims, settings.limits(), settings, &settings.own)?;
         let (frame, from_origin) = (contents.frame, settings.historical);
         let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
         let is_batch =

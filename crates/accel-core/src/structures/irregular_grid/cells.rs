@@ -55,7 +55,12 @@ impl Cells {
     }
 
     /// Takes in the cells of others; their first `roots` entries come to those from `at` on.
-    pub(super) fn absorb(&mut self, other: Self, at: usize, roots: usize) -> Result<(), BuildError> {
+    pub(super) fn absorb(
+        &mut self,
+        other: Self,
+        at: usize,
+        roots: usize,
+    ) -> Result<(), BuildError> {
         let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
         // both begin with the empty list
         let lists = self.lists.len() as u32 - 1;

@@ -146,8 +146,7 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let most_growth = if are_copies { MOST_REFERENCES_A_COPY as f64 } else { f64::INFINITY };
         let whole = |top| Lattice::new(&scene, top, smallest);
         let mut lattice = whole(top);
-        while lattice.top != [1; 3]
-            && !(Placement { lattice: &lattice, boxes: &boxes }).is_sparse()
+        while lattice.top != [1; 3] && !(Placement { lattice: &lattice, boxes: &boxes }).is_sparse()
         {
             lattice = whole(lattice.top.map(|n| n / 2));
         }

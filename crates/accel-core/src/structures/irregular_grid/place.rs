@@ -108,4 +108,3 @@ impl<S: Scalar> Placement<'_, S> {
         }
     }
 }
-

@@ -257,12 +257,7 @@ impl<S: Scalar> Worker<'_, S> {
         (shift != levels).then_some(Division { first, shift, parts })
     }
 
-    fn cell(
-        &mut self,
-        ids: &[u32],
-        first: [u32; 3],
-        last: [u32; 3],
-    ) -> Result<u32, BuildError> {
+    fn cell(&mut self, ids: &[u32], first: [u32; 3], last: [u32; 3]) -> Result<u32, BuildError> {
         self.cells.references += ids.len() as u64;
         let stored = self.shared.stored.fetch_add(ids.len() as u64, Ordering::Relaxed);
         let list = self.list(ids);

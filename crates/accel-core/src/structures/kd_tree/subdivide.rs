@@ -55,7 +55,7 @@ impl<S> Node<S> {
 
 impl<S: Scalar> Link<S> for Node<S> {
     type Cut = CutPlane<S>;
-    type Kept = ();
+    type Record = ();
     const CHILDREN: usize = 2;
 
     fn leaf(number: u32) -> Self {
@@ -66,7 +66,7 @@ impl<S: Scalar> Link<S> for Node<S> {
         Self { plane: cut.plane, link: (1 + 2 * number) << 2 | cut.axis as u32 }
     }
 
-    fn kept(_: CutPlane<S>) {}
+    fn record(_: CutPlane<S>) {}
 
     fn moved(self, [inner, leaves]: [u32; 2]) -> Self {
         let by = if self.link & 3 == Self::LEAF { leaves } else { 2 * inner };

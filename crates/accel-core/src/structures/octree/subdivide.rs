@@ -89,7 +89,7 @@ struct Descent {
 
 impl<S: Scalar> Link<S> for OctantLink {
     type Cut = [S; 3];
-    type Kept = [S; 3];
+    type Record = [S; 3];
     const CHILDREN: usize = 8;
 
     fn leaf(number: u32) -> Self {
@@ -100,7 +100,7 @@ impl<S: Scalar> Link<S> for OctantLink {
         Self(number)
     }
 
-    fn kept(planes: [S; 3]) -> [S; 3] {
+    fn record(planes: [S; 3]) -> [S; 3] {
         planes
     }
 

@@ -12,8 +12,8 @@ use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::parallel::{map, should_parallelize};
 use crate::query::cells::{Cell, CellVisitor};
-use crate::structures::recursive_grid::RecursiveGridConfig;
 use crate::structures::recursive_grid::budget::{Budget, ExcessCounts};
+use crate::structures::recursive_grid::config::{LevelRule, RecursiveGridConfig};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -165,17 +165,6 @@ impl<S: Scalar> Child<S> {
             }
         })
     }
-}
-
-/// How the voxels of a level are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LevelRule {
-    /// Cubes, D a reference, flat voxels included.
-    Density,
-    /// s_i (D n / V)^(1/3), rounded as in 1999.
-    Heterogeneous,
-    /// n^(1/3) on every axis, rounded up.
-    CubeRoot,
 }
 
 /// All that is needed to divide a voxel.
