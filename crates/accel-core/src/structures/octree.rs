@@ -102,11 +102,7 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         settings: &Settings<OctreeConfig>,
     ) -> Result<Self, BuildError> {
         let historical = settings.historical;
-        let rule = if historical {
-            BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
-        } else {
-            BoundsRule::Padded
-        };
+        let rule = BoundsRule::of(historical, HISTORICAL_CONE_MARGIN);
         let boxes = bounds_of(prims, rule, settings.structure())?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all = boxes.all();

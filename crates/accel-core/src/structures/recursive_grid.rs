@@ -90,12 +90,8 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             });
         }
         let historical = settings.historical;
-        let (rule, pad) = if historical {
-            let rule = BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN };
-            (rule, S::from_f64(HISTORICAL_PAD))
-        } else {
-            (BoundsRule::Padded, S::ZERO)
-        };
+        let rule = BoundsRule::of(historical, HISTORICAL_CONE_MARGIN);
+        let pad = if historical { S::from_f64(HISTORICAL_PAD) } else { S::ZERO };
         let bounds = bounds_of(prims, rule, structure)?;
         let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
         let mut division = Division {
@@ -114,8 +110,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         if !settings.is_lazy {
             division.boxes = Vec::new();
         }
-        let advance = if historical { pad } else { S::ZERO };
-        Ok(Self { root, division, advance, from_origin: historical })
+        Ok(Self { root, division, advance: pad, from_origin: historical })
     }
 
     #[inline(always)]

@@ -23,7 +23,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::build::room_of;
-use crate::grid::regular_grid::{CellStorage, GridConfig, contents_of, stored};
+use crate::grid::regular_grid::{CellStorage, Contents, GridConfig, contents_of, stored};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inverse_direction};
 use crate::params::ParamSpec;
 use crate::params::config::Settings;
@@ -35,7 +35,7 @@ use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, INCREMENTAL, is_worth_changing};
-use leaf_cells::{LeafCells, LeafRules, UpperCell};
+use leaf_cells::{LeafCells, UpperCell, UpperCells};
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Kalojanov, Billeter, Slusallek 2011",
@@ -88,9 +88,15 @@ pub struct TwoLevelGrid<S: Scalar> {
     lists: Option<CellLists>,
 }
 
-fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
+/// The upper cells of these contents, with their lists.
+fn upper_cells<'a, 'p, S: Scalar>(
+    settings: &Settings<TwoLevelConfig>,
+    contents: &'a Contents<'p, S>,
+    division: &'a CellDivision<S>,
+    lists: &'a CellLists,
+) -> UpperCells<'a, 'p, S> {
     let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
-    LeafRules { density: settings.own.leaf_density, room }
+    UpperCells { contents, division, lists, density: settings.own.leaf_density, room }
 }
 
 impl<S: Scalar> TwoLevelGrid<S> {
@@ -108,11 +114,9 @@ impl<S: Scalar> TwoLevelGrid<S> {
             return Ok(false);
         }
         let Some(changed) = CellStorage::change(lists, &contents, moved) else { return Ok(false) };
+        let upper = upper_cells(settings, &contents, &self.division, lists);
         let before = (self.cells.as_slice(), &self.leaves);
-        let (division, changed) = (&self.division, &changed.changed);
-        let divided =
-            leaf_cells::redivide(&contents, division, lists, &rules(settings), before, changed)?;
-        (self.cells, self.leaves) = divided;
+        (self.cells, self.leaves) = upper.redivide(before, &changed.changed)?;
         Ok(true)
     }
 }
@@ -128,7 +132,7 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
     ) -> Result<Self, BuildError> {
         let (contents, lists) = stored::<S, CellLists, _>(prims, settings.limits(), settings, &())?;
         let division = CellDivision::new(&contents.frame, contents.padding());
-        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(settings))?;
+        let (cells, leaves) = upper_cells(settings, &contents, &division, &lists).divide()?;
         let lists = settings.is_incremental.then_some(lists);
         Ok(Self { upper: contents.frame, division, cells, leaves, lists })
     }

@@ -23,7 +23,9 @@ fn set<S: Buildable>(triangles: &[Corners]) -> TriangleSet<S, Watertight> {
 
 /// All presets of both rows.
 fn all_right<S: Buildable>(what: &str, triangles: &[Corners], rays: &[Ray<S>]) {
-    let of = |(name, settings)| PRESETS.map(|preset| (name, format!("{settings} preset={preset}")));
+    let of = |(name, settings): (&'static str, &str)| {
+        PRESETS.map(|preset| (name, format!("{settings} preset={preset}")))
+    };
     let tested: Vec<_> = ROWS.into_iter().flat_map(of).collect();
     agreed(what, PrimsRef::Watertight(&set::<S>(triangles)), rays, 50, &tested);
 }

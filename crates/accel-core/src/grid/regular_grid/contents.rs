@@ -197,11 +197,7 @@ pub(crate) fn contents_of<'a, S: Scalar, C>(
     config: &GridConfig<C>,
 ) -> Result<Contents<'a, S>, BuildError> {
     let &GridConfig { order, max_references, historical, insertion, .. } = config;
-    let rule = if historical {
-        BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
-    } else {
-        BoundsRule::Padded
-    };
+    let rule = BoundsRule::of(historical, HISTORICAL_CONE_MARGIN);
     let boxes = bounds_of(prims, rule, limits.structure)?;
     let frame = frame_of(prims, &boxes, limits.structure, config)?;
     let primitives = prims.len();

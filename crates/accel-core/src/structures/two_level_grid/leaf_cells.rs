@@ -18,14 +18,6 @@ use crate::structure::BuildError;
 /// A leaf grid that would list its primitives more often than this on average is made coarser.
 const MAX_REFS_PER_PRIM: u64 = 16;
 
-/// How leaf grids are made.
-pub(super) struct LeafRules {
-    /// Leaf cells for each reference of an upper cell.
-    pub density: f64,
-    /// For the cells of both levels, and the references in leaf cells.
-    pub room: CapacityLimits,
-}
-
 /// A cell of the upper level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct UpperCell {
@@ -81,111 +73,107 @@ impl LeafCells {
     }
 }
 
-/// Divides the upper cells, whose lists are `lists`, as `division` says.
-///
-/// # Errors
-/// [`BuildError`] where the limits do not suffice.
-pub(super) fn divide<S: Scalar>(
-    contents: &Contents<S>,
-    division: &CellDivision<S>,
-    lists: &CellLists,
-    rules: &LeafRules,
-) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
-    let upper = UpperCellInput { contents, division, lists, rules };
-    let stretches = lists.stretches(rayon::current_num_threads());
-    let planned: Vec<Vec<_>> =
-        map(&stretches, &|cells| cells.clone().map(|cell| upper.planned(cell)).collect());
-    let mut cells = Vec::with_capacity(contents.frame.cells());
-    // where the leaf cells and the references of each stretch end
-    let (mut ends, mut ends_of) = ([0u64; 2], vec![[0; 2]]);
-    for part in planned {
-        for (cell, references) in part {
-            cells.push(UpperCell { first: ends[0] as u32, ..cell });
-            ends = [ends[0] + cell.leaf_cells() as u64, ends[1] + references];
-        }
-        ends_of.push(ends);
-    }
-    let [leaf_cells, references] = ends;
-    let all_cells = leaf_cells + cells.len() as u64;
-    rules.room.check([all_cells, 0])?;
-    rules.room.check([all_cells, references])?;
-    let (mut starts, mut ids) = (vec![0; leaf_cells as usize + 1], vec![0; references as usize]);
-    let lengths = |k: usize| ends_of.windows(2).map(move |at| (at[1][k] - at[0][k]) as usize);
-    let pieces = split_mut(&mut starts, lengths(0)).zip(split_mut(&mut ids, lengths(1)));
-    let jobs: Vec<_> = stretches.iter().zip(&ends_of).zip(pieces).collect();
-    map(jobs, &|((stretch, &[_, before]), (mut starts, mut ids))| {
-        let mut before = before as u32;
-        for at in stretch.clone() {
-            let Some(own) = starts.split_off_mut(..cells[at].leaf_cells()) else { return };
-            let filled = upper.fill(at, &cells[at], own, ids, before);
-            ids = &mut ids[filled..];
-            before += filled as u32;
-        }
-    });
-    if let Some(last) = starts.last_mut() {
-        *last = references as u32;
-    }
-    Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
+/// The upper cells before their division.
+pub(super) struct UpperCells<'a, 'p, S: Scalar> {
+    pub contents: &'a Contents<'p, S>,
+    pub division: &'a CellDivision<S>,
+    /// What each lists.
+    pub lists: &'a CellLists,
+    /// Leaf cells for each reference of an upper cell.
+    pub density: f64,
+    /// For the cells of both levels, and the references in leaf cells.
+    pub room: CapacityLimits,
 }
 
-/// [`divide`] where the lists of the `changed` upper cells alone (ascending) are others than
-/// before, or hold something that moved: the leaf cells of the others are copied, stretch by
-/// stretch.
-///
-/// # Errors
-/// As [`divide`].
-pub(super) fn redivide<S: Scalar>(
-    contents: &Contents<S>,
-    division: &CellDivision<S>,
-    lists: &CellLists,
-    rules: &LeafRules,
-    (old_cells, old): (&[UpperCell], &LeafCells),
-    changed: &[u32],
-) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
-    let upper = UpperCellInput { contents, division, lists, rules };
-    let (old_starts, old_ids) = (old.0.starts(), old.0.ids());
-    let mut cells: Vec<UpperCell> = Vec::with_capacity(old_cells.len());
-    let mut starts: Vec<u32> = Vec::with_capacity(old_starts.len());
-    let mut ids: Vec<u32> = Vec::with_capacity(old_ids.len());
-    let first_leaf =
-        |cell: usize| old_cells.get(cell).map_or(old.0.cells(), |cell| cell.first as usize);
-    let ends = changed.iter().map(|&cell| cell as usize).chain([old_cells.len()]);
-    let mut next = 0;
-    for end in ends {
-        let (from, to) = (first_leaf(next), first_leaf(end));
-        let at = starts.len();
-        let place = |first: u32| (first as usize - from + at) as u32;
-        cells
-            .extend(old_cells[next..end].iter().map(|c| UpperCell { first: place(c.first), ..*c }));
-        let (low, high) = (old_starts[from], old_starts[to]);
-        let before = ids.len() as u32;
-        starts.extend(old_starts[from..to].iter().map(|start| start - low + before));
-        ids.extend_from_slice(&old_ids[low as usize..high as usize]);
-        if end < old_cells.len() {
-            let (cell, references) = upper.planned(end);
-            let (first, before) = (starts.len(), ids.len());
-            let all = (first + cell.leaf_cells() + old_cells.len()) as u64;
-            rules.room.check([all, before as u64 + references])?;
-            starts.resize(first + cell.leaf_cells(), 0);
-            ids.resize(before + references as usize, 0);
-            upper.fill(end, &cell, &mut starts[first..], &mut ids[before..], before as u32);
-            cells.push(UpperCell { first: first as u32, ..cell });
+impl<S: Scalar> UpperCells<'_, '_, S> {
+    /// Divides the upper cells.
+    ///
+    /// # Errors
+    /// [`BuildError`] where the limits do not suffice.
+    pub(super) fn divide(&self) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
+        let stretches = self.lists.stretches(rayon::current_num_threads());
+        let planned: Vec<Vec<_>> =
+            map(&stretches, &|cells| cells.clone().map(|cell| self.planned(cell)).collect());
+        let mut cells = Vec::with_capacity(self.contents.frame.cells());
+        // where the leaf cells and the references of each stretch end
+        let (mut ends, mut ends_of) = ([0u64; 2], vec![[0; 2]]);
+        for part in planned {
+            for (cell, references) in part {
+                cells.push(UpperCell { first: ends[0] as u32, ..cell });
+                ends = [ends[0] + cell.leaf_cells() as u64, ends[1] + references];
+            }
+            ends_of.push(ends);
         }
-        next = end + 1;
+        let [leaf_cells, references] = ends;
+        let all_cells = leaf_cells + cells.len() as u64;
+        self.room.check([all_cells, 0])?;
+        self.room.check([all_cells, references])?;
+        let (mut starts, mut ids) =
+            (vec![0; leaf_cells as usize + 1], vec![0; references as usize]);
+        let lengths = |k: usize| ends_of.windows(2).map(move |at| (at[1][k] - at[0][k]) as usize);
+        let pieces = split_mut(&mut starts, lengths(0)).zip(split_mut(&mut ids, lengths(1)));
+        let jobs: Vec<_> = stretches.iter().zip(&ends_of).zip(pieces).collect();
+        map(jobs, &|((stretch, &[_, before]), (mut starts, mut ids))| {
+            let mut before = before as u32;
+            for at in stretch.clone() {
+                let Some(own) = starts.split_off_mut(..cells[at].leaf_cells()) else { return };
+                let filled = self.fill(at, &cells[at], own, ids, before);
+                ids = &mut ids[filled..];
+                before += filled as u32;
+            }
+        });
+        if let Some(last) = starts.last_mut() {
+            *last = references as u32;
+        }
+        Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
     }
-    starts.push(ids.len() as u32);
-    Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
-}
 
-/// Input of the division of an upper cell.
-struct UpperCellInput<'a, 'p, S: Scalar> {
-    contents: &'a Contents<'p, S>,
-    division: &'a CellDivision<S>,
-    lists: &'a CellLists,
-    rules: &'a LeafRules,
-}
+    /// [`Self::divide`] where the lists of the `changed` upper cells alone (ascending) are others than
+    /// before, or hold something that moved: the leaf cells of the others are copied, stretch by
+    /// stretch.
+    ///
+    /// # Errors
+    /// As [`Self::divide`].
+    pub(super) fn redivide(
+        &self,
+        (old_cells, old): (&[UpperCell], &LeafCells),
+        changed: &[u32],
+    ) -> Result<(Vec<UpperCell>, LeafCells), BuildError> {
+        let (old_starts, old_ids) = (old.0.starts(), old.0.ids());
+        let mut cells: Vec<UpperCell> = Vec::with_capacity(old_cells.len());
+        let mut starts: Vec<u32> = Vec::with_capacity(old_starts.len());
+        let mut ids: Vec<u32> = Vec::with_capacity(old_ids.len());
+        let first_leaf =
+            |cell: usize| old_cells.get(cell).map_or(old.0.cells(), |cell| cell.first as usize);
+        let ends = changed.iter().map(|&cell| cell as usize).chain([old_cells.len()]);
+        let mut next = 0;
+        for end in ends {
+            let (from, to) = (first_leaf(next), first_leaf(end));
+            let at = starts.len();
+            let place = |first: u32| (first as usize - from + at) as u32;
+            cells.extend(
+                old_cells[next..end].iter().map(|c| UpperCell { first: place(c.first), ..*c }),
+            );
+            let (low, high) = (old_starts[from], old_starts[to]);
+            let before = ids.len() as u32;
+            starts.extend(old_starts[from..to].iter().map(|start| start - low + before));
+            ids.extend_from_slice(&old_ids[low as usize..high as usize]);
+            if end < old_cells.len() {
+                let (cell, references) = self.planned(end);
+                let (first, before) = (starts.len(), ids.len());
+                let all = (first + cell.leaf_cells() + old_cells.len()) as u64;
+                self.room.check([all, before as u64 + references])?;
+                starts.resize(first + cell.leaf_cells(), 0);
+                ids.resize(before + references as usize, 0);
+                self.fill(end, &cell, &mut starts[first..], &mut ids[before..], before as u32);
+                cells.push(UpperCell { first: first as u32, ..cell });
+            }
+            next = end + 1;
+        }
+        starts.push(ids.len() as u32);
+        Ok((cells, LeafCells(CellLists::of_parts(starts, ids))))
+    }
 
-impl<S: Scalar> UpperCellInput<'_, '_, S> {
     /// The grid of an upper cell.
     fn leaf(&self, cell: usize, n: [u8; 3]) -> GridFrame<S> {
         self.division.grid(self.contents.frame.coords(cell), n)
@@ -198,11 +186,10 @@ impl<S: Scalar> UpperCellInput<'_, '_, S> {
         let list = self.lists.list(cell);
         let length = list.len() as u64;
         let mut n = [u8::from(!list.is_empty()); 3];
-        if self.rules.density * list.len() as f64 >= 2.0 {
+        if self.density * list.len() as f64 >= 2.0 {
             let bounds = self.contents.frame.cell_bounds(cell);
-            let (most, smallest) =
-                (self.rules.room.most_cells(), smallest_cell(self.contents.padding()));
-            let wanted = resolve_by_density(bounds, list.len(), self.rules.density, most, smallest);
+            let (most, smallest) = (self.room.most_cells(), smallest_cell(self.contents.padding()));
+            let wanted = resolve_by_density(bounds, list.len(), self.density, most, smallest);
             n = wanted.map(|n| n.min(u32::from(u8::MAX)) as u8);
             while n != [1; 3] {
                 let leaf = self.leaf(cell, n);
