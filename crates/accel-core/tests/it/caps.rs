@@ -3,7 +3,7 @@
 //! error which limit it would break. None takes the machine down. Numbers that are not finite, or
 //! whose products are not, are refused.
 
-use crate::common::{Corners, planted_entry, relief};
+use crate::common::{self, Corners, planted_entry, relief, squares};
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimitiveError, Primitives, PrimsRef, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
@@ -149,9 +149,7 @@ fn wing(around: usize, along: usize) -> Vec<Corners> {
         let thickness = 0.6 * half * turn.sin().signum();
         [x * chord + 0.3 * s, thickness * chord + 0.05 * s, s].map(|c| c as f32)
     };
-    let pairs = (0..around * along).map(|k| (k % around, k / around));
-    let quad = |(i, j)| [point(i, j), point(i + 1, j), point(i, j + 1), point(i + 1, j + 1)];
-    pairs.map(quad).flat_map(|[a, b, c, d]| [[a, b, d], [a, d, c]]).collect()
+    squares(around, along, point)
 }
 
 #[test]
@@ -173,21 +171,19 @@ fn slivers() {
 
 #[test]
 fn cuts_that_separate_nothing_are_limited() {
-    let references = |triangles: &[Corners], settings: &[(&str, &str)]| {
+    let references = |triangles: &[Corners], settings: &str| {
         let set = set(triangles.to_vec());
-        let entry = find("octree").unwrap();
-        let params = entry.params(settings.iter().copied()).unwrap();
-        let tracer = entry.build(PrimsRef::Watertight(&set), &params)?;
+        let tracer = common::build(PrimsRef::Watertight(&set), "octree", settings)?;
         Ok::<_, BuildError>(tracer.stats().references as f64 / set.len() as f64)
     };
     for scene in [blocks(12), wing(3997, 2), wing(999, 8)] {
-        for (growth, limit) in [("1", 1.0), ("16", 16.0), ("256", 256.0)] {
-            let found = references(&scene, &[("max-growth", growth)]).unwrap();
+        for limit in [1.0, 16.0, 256.0] {
+            let found = references(&scene, &format!("max-growth={limit}")).unwrap();
             assert!(found <= limit, "{found} references per primitive, at most {limit}");
         }
         // without that rule: planted
-        let unlimited = [("max-growth", "1e9"), ("max-references", "3000000")];
-        let refused = references(&scene, &unlimited).unwrap_err();
+        let unlimited = "max-growth=1e9 max-references=3000000";
+        let refused = references(&scene, unlimited).unwrap_err();
         assert!(matches!(refused, BuildError::TooLarge { .. }), "{refused}");
     }
 }

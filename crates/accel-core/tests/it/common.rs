@@ -5,7 +5,7 @@ use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, TriangleSet, Water
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use accel_core::structures::find;
+use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Ray, Scalar, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 
@@ -71,6 +71,16 @@ fn triangles<S: Buildable>(list: &[[DVec3; 3]], transmissive: impl Fn(u32) -> bo
     Set::Triangles(triangle_set(list.iter().copied(), transmissive))
 }
 
+/// Two triangles for each of `m * n` squares between these corners.
+pub fn squares<P: Copy>(m: usize, n: usize, corner: impl Fn(usize, usize) -> P) -> Vec<[P; 3]> {
+    let square = |k: usize| {
+        let (i, j) = (k % m, k / m);
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)];
+        [[a, b, d], [a, d, c]]
+    };
+    (0..m * n).flat_map(square).collect()
+}
+
 /// A name, the set and its bounds.
 pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
     let mut r = Random::new(42);
@@ -81,13 +91,7 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
             [p, p + r.signed() * 0.15, p + r.signed() * 0.15]
         })
         .collect();
-    let lattice: Vec<[DVec3; 3]> = (0..12)
-        .flat_map(|y| (0..12).map(move |x| (f64::from(x), f64::from(y))))
-        .flat_map(|(x, y)| {
-            let p = |dx: f64, dy: f64| dvec3((x + dx) / 12.0, 0.5, (y + dy) / 12.0);
-            [[p(0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0)], [p(0.0, 0.0), p(1.0, 1.0), p(0.0, 1.0)]]
-        })
-        .collect();
+    let lattice = squares(12, 12, |x, y| dvec3(x as f64 / 12.0, 0.5, y as f64 / 12.0));
     // twins in the same place, in the middle of others: the lowest id must win
     let mut twins = soup[..60].to_vec();
     twins.extend_from_slice(&soup[..60]);
@@ -272,6 +276,16 @@ pub fn build<'a, S: Buildable>(
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let entry = find(name).unwrap();
     entry.build(prims, &entry.params(settings(text)).unwrap())
+}
+
+/// Every structure, by name, in every variant that is measured and has no known defect.
+pub fn right_variants() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let all =
+        REGISTRY.iter().flat_map(|entry| entry.info.variants.iter().map(move |v| (entry, *v)));
+    let is_right = |(entry, variant): &(&Entry, &str)| {
+        (entry.info.known_defect)(&entry.params(settings(variant)).unwrap()).is_none()
+    };
+    all.filter(is_right).map(|(entry, variant)| (entry.info.name, variant))
 }
 
 /// An entry for a structure with a planted fault. Its queries are called, not compiled into its

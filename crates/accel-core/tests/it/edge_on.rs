@@ -5,13 +5,12 @@
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, Primitives, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
-use accel_core::structures::{Entry, REGISTRY};
 use accel_core::variants::triangle_tests::WatertightFallback;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::{DVec3, dvec3};
 
 use crate::agreement::{Answers, agreed};
-use crate::common::{Random, settings, triangle_set};
+use crate::common::{Random, right_variants, squares, triangle_set};
 
 fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
     triangle_set(triangles.iter().copied(), |_| false)
@@ -19,24 +18,12 @@ fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
 
 /// A lattice of 2 n n triangles over the square from 0 to n in x and z, at y = 0.
 fn lattice(n: usize) -> Vec<[DVec3; 3]> {
-    let at = |x: usize, z: usize| dvec3(x as f64, 0.0, z as f64);
-    (0..n * n)
-        .map(|i| (i % n, i / n))
-        .flat_map(|(x, z)| {
-            let q = [at(x, z), at(x + 1, z), at(x + 1, z + 1), at(x, z + 1)];
-            [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
-        })
-        .collect()
+    squares(n, n, |x, z| dvec3(x as f64, 0.0, z as f64))
 }
 
 /// The answers of brute force, after all structures were compared with them.
 fn agreed_by_all<S: Buildable>(set: &TriangleSet<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let is_right = |(entry, variant): &(&Entry, &str)| {
-        (entry.info.known_defect)(&entry.params(settings(variant)).unwrap()).is_none()
-    };
-    let variants = REGISTRY.iter().flat_map(|e| e.info.variants.iter().map(move |v| (e, *v)));
-    let tested = variants.filter(is_right).map(|(entry, variant)| (entry.info.name, variant));
-    let tested: Vec<_> = tested.chain([("irregular-grid", "query=batch")]).collect();
+    let tested: Vec<_> = right_variants().chain([("irregular-grid", "query=batch")]).collect();
     let Answers { hits, blocked } =
         agreed("", PrimsRef::Watertight(set), rays, 2 * rays.len(), &tested);
     assert!(hits.iter().map(Hit::is_hit).eq(blocked));

@@ -1,7 +1,7 @@
 //! HUG and the adaptive grid give the oracle's answers, bit for bit, and survive hard scenes.
 
 use crate::agreement::agreed;
-use crate::common::{Random, build, triangle_set};
+use crate::common::{Random, build, squares, triangle_set};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
     Cone, MixedSet, MixedSetBuilder, Primitives, TriangleSet, Watertight,
@@ -116,13 +116,7 @@ fn field(n: usize, size: f64, height: impl Fn(f64, f64) -> f64) -> Vec<[DVec3; 3
         let (x, z) = (i as f64 / n as f64 * size, j as f64 / n as f64 * size);
         dvec3(x, height(x, z), z)
     };
-    (0..n * n)
-        .flat_map(|k| {
-            let (i, j) = (k % n, k / n);
-            let q = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
-        })
-        .collect()
+    squares(n, n, at)
 }
 
 #[test]

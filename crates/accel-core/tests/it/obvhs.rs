@@ -3,7 +3,7 @@
 //! answers are those of brute force.
 
 use crate::agreement::{Answers, agreed};
-use crate::common::{Random, triangle_set};
+use crate::common::{Random, squares, triangle_set};
 use accel_core::Ray;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
@@ -176,12 +176,7 @@ fn in_plane<S: Buildable>(n: usize, random: &mut Random) -> (Vec<Corners>, Vec<R
     let turn = DQuat::from_axis_angle(axis, random.unit() * 6.0);
     let place = |x: f64, y: f64| turn * dvec3(x - 0.5, y - 0.5, 0.3);
     let corner = |i: usize, j: usize| place(i as f64 / n as f64, j as f64 / n as f64);
-    let square = |k: usize| {
-        let (i, j) = (k % n, k / n);
-        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)];
-        [[a, b, d], [a, d, c]]
-    };
-    let triangles = (0..n * n).flat_map(square).collect();
+    let triangles = squares(n, n, corner);
     let rays = (0..2000).map(|i| {
         let whole = |x: f64| (x * n as f64).round() / n as f64;
         let (mut x, mut y) = (3.0 * random.unit() - 1.0, 3.0 * random.unit() - 1.0);

@@ -3,11 +3,10 @@
 //! roundings of one plane lie on either side of the whole scene.
 
 use crate::agreement::agreed;
-use crate::common::{Random, settings, triangle_set};
+use crate::common::{Random, right_variants, triangle_set};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::registry::Buildable;
-use accel_core::structures::REGISTRY;
 use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
 
@@ -74,16 +73,9 @@ fn rays<S: Buildable>(
 
 /// Every structure in every variant; more of those whose traversals or levels differ.
 fn tested() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let variants = REGISTRY.iter().flat_map(|entry| {
-        // an octree cuts aligned faces for ever
-        let is_octree = entry.info.name == "octree";
-        let variants = if is_octree { &["max-depth=6"] } else { entry.info.variants };
-        let is_right = move |v: &&&str| {
-            (entry.info.known_defect)(&entry.params(settings(v)).unwrap()).is_none()
-        };
-        variants.iter().filter(is_right).map(|variant| (entry.info.name, *variant))
-    });
-    variants.chain([
+    // an octree cuts aligned faces for ever
+    right_variants().filter(|(name, _)| *name != "octree").chain([
+        ("octree", "max-depth=6"),
         ("recursive-grid", "max-depth=8 threshold=2"),
         ("two-level-grid", "density=0.01 leaf-density=20"),
         ("hug", "size-classes=4 min-objects=2"),

@@ -7,7 +7,7 @@ use accel_core::query::counters::WorkCounters;
 use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
 
-use crate::agreement::{Answers, work};
+use crate::agreement::Answers;
 use crate::common::{Random, build, many_triangles, rays_for};
 use crate::test_scenes::on_threads as on;
 
@@ -17,7 +17,8 @@ type Seen = (StructureStats, (Answers<f32>, [WorkCounters; 2]));
 
 fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -> Seen {
     let tracer = build(prims, entry.info.name, setting).unwrap();
-    (tracer.stats(), work(&*tracer, rays))
+    let free = Answers { hits: Vec::new(), blocked: vec![false; rays.len()] };
+    (tracer.stats(), Answers::counted(&*tracer, rays, &free))
 }
 
 #[test]
