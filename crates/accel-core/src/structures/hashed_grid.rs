@@ -22,7 +22,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel::{map, parts, ranges, sort, split_mut};
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::structure::StructureInfo;
+use crate::structure::{StructureInfo, StructureStats};
 use crate::update::{ChangedLists, INCREMENTAL};
 
 config! {
@@ -291,16 +291,14 @@ impl CellStorage for HashedCells {
             .for_each(each);
     }
 
-    fn occupied_cells(&self) -> u64 {
-        self.table.slots.iter().filter(|slot| slot.len > 0).count() as u64
-    }
-
-    fn references(&self) -> u64 {
-        self.ids.len() as u64
-    }
-
-    fn bytes(&self) -> u64 {
-        (size_of_val(self.table.slots.as_slice()) + size_of_val(self.ids.as_slice())) as u64
+    fn stats(&self) -> StructureStats {
+        let (slots, ids) = (self.table.slots.as_slice(), self.ids.as_slice());
+        StructureStats {
+            cells: slots.iter().filter(|slot| slot.len > 0).count() as u64,
+            references: ids.len() as u64,
+            bytes: (size_of_val(slots) + size_of_val(ids)) as u64,
+            ..StructureStats::default()
+        }
     }
 }
 

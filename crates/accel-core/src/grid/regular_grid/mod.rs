@@ -71,11 +71,8 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     /// Calls `each` with every list, in the order in which they stand; those that hold no ids may
     /// be left out.
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32]));
-    /// Cells that hold ids.
-    fn occupied_cells(&self) -> u64;
-    /// Ids in all cells together.
-    fn references(&self) -> u64;
-    fn bytes(&self) -> u64;
+    /// The number of cells that hold ids, the ids in all of them, and bytes.
+    fn stats(&self) -> StructureStats;
 }
 
 /// The parameter of how rays of a batch are answered.
@@ -236,15 +233,9 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     }
 
     fn stats(&self) -> StructureStats {
-        let cells = self.frame.cells() as u64;
-        StructureStats {
-            cells,
-            empty_cells: cells - self.storage.occupied_cells(),
-            references: self.storage.references(),
-            resolution: Some(self.frame.resolution()),
-            bytes: self.storage.bytes(),
-            ..StructureStats::default()
-        }
+        let (cells, resolution) = (self.frame.cells() as u64, Some(self.frame.resolution()));
+        let occupied = self.storage.stats();
+        StructureStats { cells, empty_cells: cells - occupied.cells, resolution, ..occupied }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
