@@ -31,20 +31,16 @@ struct CellStart {
 }
 
 /// The grids. Number 0 is the first one pushed.
-pub(crate) struct NestedGrids<S: Scalar> {
+pub(crate) struct NestedGrids<S: Scalar, I = u32> {
     grids: Vec<Grid<S>>,
     /// One more than there are cells.
     starts: Vec<CellStart>,
     ids: Vec<u32>,
-    inner: Vec<u32>,
+    /// The numbers of grids within cells, or what tells these.
+    inner: Vec<I>,
 }
 
 impl<S: Scalar> NestedGrids<S> {
-    pub(crate) fn new() -> Self {
-        let starts = vec![CellStart { ids: 0, grids: 0 }];
-        Self { grids: Vec::new(), starts, ids: Vec::new(), inner: Vec::new() }
-    }
-
     /// The references of all cells.
     pub(crate) fn lists(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).filter_map(|at| self.ids.get(at[0].ids as usize..at[1].ids as usize))
