@@ -80,26 +80,6 @@ impl ChangedLists {
     }
 }
 
-/// Set of the ids that moved.
-pub(crate) struct MovedIds(Vec<u64>);
-
-impl MovedIds {
-    /// Set of these ascending ids.
-    pub(crate) fn new(moved: &[u32]) -> Self {
-        let words = moved.last().map_or(0, |&last| last as usize / 64 + 1);
-        let mut bits = vec![0; words];
-        for &id in moved {
-            bits[id as usize / 64] |= 1 << (id % 64);
-        }
-        Self(bits)
-    }
-
-    #[inline(always)]
-    pub(crate) fn has(&self, id: u32) -> bool {
-        self.0.get(id as usize / 64).is_some_and(|word| word >> (id % 64) & 1 == 1)
-    }
-}
-
 /// The primitives of `after` that are not those of `before` under the same ids: others by kind, by
 /// a vertex or by a radius. None where the sets are of different lengths.
 pub fn moved<S: Scalar>(before: &dyn Primitives<S>, after: &dyn Primitives<S>) -> Option<Vec<u32>> {

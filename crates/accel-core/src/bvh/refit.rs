@@ -15,8 +15,7 @@ use super::{WideBvh, WideBvhConfig};
 use crate::bvh::items::BoxScale;
 use crate::geometry::scalar::Scalar;
 use crate::params::config::Settings;
-use crate::primitives::{Primitives, TriangleBlock};
-use crate::update::MovedIds;
+use crate::primitives::{IdSet, Primitives, TriangleBlock};
 
 impl<S: Scalar> WideBvh<S> {
     /// Fits the boxes and blocks to primitives of which some stand elsewhere now; the tree stays.
@@ -28,7 +27,7 @@ impl<S: Scalar> WideBvh<S> {
         moved: &[u32],
     ) -> Option<f64> {
         let scale = BoxScale::of_set(prims, settings.padding(prims));
-        let moved = MovedIds::new(moved);
+        let moved = IdSet::of(moved);
         if !self.lists.refresh(prims, &moved) {
             return None;
         }
@@ -47,7 +46,7 @@ impl<S: Scalar> WideBvh<S> {
                     own[child as usize]
                 } else {
                     self.lists.ids(child & !LEAF, &mut ids);
-                    let bounds = if is_same && !ids.iter().any(|&id| moved.has(id)) {
+                    let bounds = if is_same && !ids.iter().any(|&id| moved.contains(id)) {
                         Aabb::new(before[0].into(), before[1].into())
                     } else {
                         scale.around(prims, &ids)

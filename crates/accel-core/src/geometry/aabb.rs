@@ -49,6 +49,23 @@ impl<S: Scalar> Aabb<S> {
         self.max - self.min
     }
 
+    /// The axis along which it is longest; of equal ones the lowest.
+    pub(crate) fn longest_axis(&self) -> usize {
+        let size = self.size().to_array();
+        (1..3).fold(0, |longest, k| if size[k] > size[longest] { k } else { longest })
+    }
+
+    /// Both sides of a plane across an axis, the lower one first.
+    #[inline(always)]
+    pub(crate) fn cut(self, axis: usize, plane: S) -> [Self; 2] {
+        let (mut lo, mut hi) = (self.min.to_array(), self.max.to_array());
+        (lo[axis], hi[axis]) = (plane, plane);
+        [
+            Self { max: Vec3::<S>::from_array(hi), ..self },
+            Self { min: Vec3::<S>::from_array(lo), ..self },
+        ]
+    }
+
     /// Half the surface, in f64.
     pub fn half_area(&self) -> f64 {
         let s = self.size().to_dvec3();

@@ -7,7 +7,8 @@
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::{CellLists, ListOrder};
 use crate::grid::regular_grid::Contents;
-use crate::update::{ChangedLists, MovedIds};
+use crate::primitives::IdSet;
+use crate::update::ChangedLists;
 
 /// The cells that moved primitives are in now.
 pub(crate) struct NewCells {
@@ -49,14 +50,14 @@ impl CellLists {
     /// Takes the `moved` primitives (ascending ids) out of all lists and puts them where they are
     /// `gained`. `None`, and nothing done, where the references become too many.
     pub(crate) fn change(&mut self, moved: &[u32], gained: &NewCells) -> Option<ChangedLists> {
-        let has_moved = MovedIds::new(moved);
+        let moved = IdSet::of(moved);
         let (starts, ids) = (self.starts(), self.ids());
         // ascending: the cells that held one, those that hold one now
         let mut changed: Vec<u32> = Vec::new();
         let mut cell = 0;
         let mut lost = 0;
         for (place, &id) in ids.iter().enumerate() {
-            if has_moved.has(id) {
+            if moved.contains(id) {
                 lost += 1;
                 // the cell of this place is not before that of the last one
                 cell += starts[cell + 1..].partition_point(|&end| end as usize <= place);
@@ -82,7 +83,7 @@ impl CellLists {
             let (here, rest) = pairs.split_at(own);
             pairs = rest;
             let list = &ids[starts[number as usize] as usize..starts[next] as usize];
-            let stay = list.iter().copied().filter(|&id| !has_moved.has(id));
+            let stay = list.iter().copied().filter(|&id| !moved.contains(id));
             merge(stay, here.iter().map(|&(_, id)| id), gained.order, &mut all);
         }
         copy(starts, ids, next..starts.len() - 1, &mut begins, &mut all);

@@ -14,6 +14,7 @@ use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::query::cells::{Cell, CellKind, CellVisitor};
+use crate::query::mailbox::Mailbox;
 use crate::query::sink::Sink;
 
 #[derive(Debug, Clone, Copy)]
@@ -30,20 +31,16 @@ struct CellStart {
 }
 
 /// The grids. Number 0 is the first one pushed.
-pub(crate) struct NestedGrids<S: Scalar> {
+pub(crate) struct NestedGrids<S: Scalar, I = u32> {
     grids: Vec<Grid<S>>,
     /// One more than there are cells.
     starts: Vec<CellStart>,
     ids: Vec<u32>,
-    inner: Vec<u32>,
+    /// The numbers of grids within cells, or what tells these.
+    inner: Vec<I>,
 }
 
 impl<S: Scalar> NestedGrids<S> {
-    pub(crate) fn new() -> Self {
-        let starts = vec![CellStart { ids: 0, grids: 0 }];
-        Self { grids: Vec::new(), starts, ids: Vec::new(), inner: Vec::new() }
-    }
-
     /// The references of all cells.
     pub(crate) fn lists(&self) -> impl Iterator<Item = &[u32]> {
         self.starts.windows(2).filter_map(|at| self.ids.get(at[0].ids as usize..at[1].ids as usize))
@@ -128,7 +125,7 @@ impl<S: Scalar> NestedGrids<S> {
         ray: &Ray<S>,
         t_start: S,
         sink: &mut K,
-        visited: &mut impl VisitedGrids,
+        visited: &mut impl Mailbox,
     ) -> ControlFlow<()> {
         let Some(grid) = self.grids.get(grid as usize) else { return ControlFlow::Continue(()) };
         // what is farther than the best hit needs no traversal
@@ -155,7 +152,7 @@ impl<S: Scalar> NestedGrids<S> {
             if from.grids < to.grids {
                 for i in from.grids..to.grids {
                     let Some(&inner) = self.inner.get(i as usize) else { continue };
-                    if visited.is_first(inner) {
+                    if visited.is_new(inner) {
                         self.traverse(inner, ray, t_start, sink, visited)?;
                     }
                 }
@@ -178,27 +175,11 @@ pub(crate) struct Census {
     pub references: u64,
 }
 
-/// Remembers which grids a ray has traversed. It may forget (a second traversal is only a waste),
-/// but never claims a traversal that was not made.
-pub(crate) trait VisitedGrids {
-    /// True unless the grid is known to have been traversed; remembers it.
-    fn is_first(&mut self, grid: u32) -> bool;
-}
+/// The grids that a ray has traversed, where some are in several cells: a direct-mapped table on
+/// the stack. It may forget (a second traversal is only a waste).
+pub(crate) struct VisitedGrids([u32; Self::SLOTS]);
 
-/// For grids of which none is in two cells.
-pub(crate) struct NoMailbox;
-
-impl VisitedGrids for NoMailbox {
-    #[inline(always)]
-    fn is_first(&mut self, _: u32) -> bool {
-        true
-    }
-}
-
-/// A direct-mapped table on the stack.
-pub(crate) struct Mailbox([u32; Self::SLOTS]);
-
-impl Mailbox {
+impl VisitedGrids {
     const SLOTS: usize = 32;
 
     #[inline(always)]
@@ -207,9 +188,11 @@ impl Mailbox {
     }
 }
 
-impl VisitedGrids for Mailbox {
+impl Mailbox for VisitedGrids {
+    const ENABLED: bool = true;
+
     #[inline(always)]
-    fn is_first(&mut self, grid: u32) -> bool {
+    fn is_new(&mut self, grid: u32) -> bool {
         std::mem::replace(&mut self.0[grid as usize % Self::SLOTS], grid) != grid
     }
 }

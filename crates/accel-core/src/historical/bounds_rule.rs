@@ -23,6 +23,13 @@ pub enum BoundsRule {
     },
 }
 
+impl BoundsRule {
+    /// The rule of 1999 with this margin for cones, or today's.
+    pub(crate) fn of(historical: bool, cone_margin: f64) -> Self {
+        if historical { Self::Historical { cone_margin } } else { Self::Padded }
+    }
+}
+
 /// Ulps (of the scene's largest coordinate) by which padded boxes grow, for all structures, so that
 /// the ray is in a cell that lists a triangle where it is nearest to what it hits of it
 /// (`proofs/padding.gappa`). Across the ray a hit is off by 25 for the rounding of sheared corners

@@ -3,10 +3,9 @@
 use std::mem::MaybeUninit;
 
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::primitives::prim_set::Primitives;
+use crate::primitives::prim_set::{IdSet, Primitives};
 use crate::primitives::triangle::prefetch_triangle;
 use crate::primitives::triangle_block::TriangleBlock;
-use crate::update::MovedIds;
 
 /// Returns whether blocks can stand for lists of this set: all its primitives are triangles under
 /// the watertight test, and not too many.
@@ -71,11 +70,11 @@ fn parts<S: Scalar>(ids: &[u32]) -> impl Iterator<Item = (&[u32], bool)> {
 pub(crate) fn refresh<S: Scalar>(
     prims: &dyn Primitives<S>,
     blocks: &mut [TriangleBlock<S>],
-    moved: &MovedIds,
+    moved: &IdSet,
 ) {
     for block in blocks {
         let (ids, n) = block.ids();
-        if !ids[..n].iter().any(|&id| moved.has(id)) {
+        if !ids[..n].iter().any(|&id| moved.contains(id)) {
             continue;
         }
         let more = block.has_next();

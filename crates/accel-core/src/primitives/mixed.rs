@@ -15,8 +15,8 @@ use crate::primitives::sphere::{RearrangedSphere, SphereTest};
 use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_of_points};
 use crate::primitives::triangle::{TriangleTest, Watertight};
 use crate::primitives::{
-    Cone, Instance, Instances, PrimSet, PrimitiveKind, Primitives, Sphere, TransmissiveSet,
-    precise, watertight,
+    Cone, IdSet, Instance, Instances, PrimSet, PrimitiveKind, Primitives, Sphere, precise,
+    watertight,
 };
 use glam::DVec3;
 
@@ -40,7 +40,7 @@ pub struct MixedSet<S: Scalar> {
     polygon_vertices: Vec<[S; 3]>,
     spheres: Vec<Sphere<S>>,
     cones: Vec<Cone<S>>,
-    transmissive: TransmissiveSet,
+    transmissive: IdSet,
     magnitude: S,
     motion: Motion<S>,
     /// The spheres where anything moves, each with its velocity (and a zero): one look-up per test.

@@ -32,7 +32,7 @@ pub use mixed::MixedSet;
 pub use mixed::builder::MixedSetBuilder;
 pub use moving::MovingSet;
 pub use polygon::{Polygon, newell_normal};
-pub(crate) use prim_set::TransmissiveSet;
+pub(crate) use prim_set::IdSet;
 pub use prim_set::{PrimSet, PrimitiveError, PrimitiveKind, Primitives};
 pub use shear::Shear;
 pub use sphere::{RearrangedSphere, Sphere, SphereTest};

@@ -262,13 +262,19 @@ macro_rules! as_its_set {
 }
 pub(crate) use as_its_set;
 
-/// The set of primitives that let shadow rays pass: empty in most scenes.
+/// A set of ids, a bit each up to the largest.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct TransmissiveSet {
+pub(crate) struct IdSet {
     words: Vec<u64>,
 }
 
-impl TransmissiveSet {
+impl IdSet {
+    pub(crate) fn of(ids: &[u32]) -> Self {
+        let mut this = Self::default();
+        ids.iter().for_each(|&id| this.insert(id));
+        this
+    }
+
     pub(crate) fn insert(&mut self, id: u32) {
         let word = id as usize / 64;
         if self.words.len() <= word {

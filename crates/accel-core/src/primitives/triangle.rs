@@ -25,7 +25,7 @@ use crate::primitives::support::{Ball, balls_around, distance_to_points, extent_
 use crate::primitives::triangle_block::TriangleBlock;
 use crate::primitives::watertight;
 use crate::primitives::{
-    Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Primitives, TransmissiveSet,
+    IdSet, Instance, Instances, PrimSet, PrimitiveError, PrimitiveKind, Primitives,
 };
 
 /// A way to intersect a ray with a triangle.
@@ -183,7 +183,7 @@ impl<S: Scalar, const EPSILONS: i32> TriangleTest<S> for MoellerTrumboreWithin<E
 #[repr(C)]
 pub struct TriangleSet<S: Scalar, T: TriangleTest<S> = Watertight> {
     triangles: Vec<[[S; 3]; 3]>,
-    transmissive: TransmissiveSet,
+    transmissive: IdSet,
     magnitude: S,
     instances: Instances,
     test: PhantomData<T>,
@@ -205,7 +205,7 @@ impl<S: Scalar, T: TriangleTest<S>> TriangleSet<S, T> {
             return Err(PrimitiveError::NotFinite { id: id as u32 });
         }
         let triangles: Vec<_> = triangles.into_iter().map(without_sliver).collect();
-        let mut transmissive = TransmissiveSet::default();
+        let mut transmissive = IdSet::default();
         (0..triangles.len() as u32)
             .filter(|&id| is_transmissive(id))
             .for_each(|id| transmissive.insert(id));

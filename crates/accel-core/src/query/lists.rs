@@ -4,9 +4,8 @@ use std::ops::ControlFlow;
 
 use crate::geometry::scalar::Scalar;
 use crate::memory::prefetch;
-use crate::primitives::{Primitives, TriangleBlock, blocks};
+use crate::primitives::{IdSet, Primitives, TriangleBlock, blocks};
 use crate::query::sink::Sink;
-use crate::update::MovedIds;
 
 /// Lists by their numbers.
 #[derive(Debug)]
@@ -68,7 +67,7 @@ impl Layout {
 impl<S: Scalar> Lists<S> {
     /// Makes the blocks of the same lists over primitives of which some have moved; false where
     /// these would not be such lists.
-    pub(crate) fn refresh(&mut self, prims: &dyn Primitives<S>, moved: &MovedIds) -> bool {
+    pub(crate) fn refresh(&mut self, prims: &dyn Primitives<S>, moved: &IdSet) -> bool {
         let (serve, are_blocks) = (blocks::serve(prims), matches!(self, Self::Blocks(_)));
         if let (Self::Blocks(all), true) = (self, serve) {
             blocks::refresh(prims, all, moved);

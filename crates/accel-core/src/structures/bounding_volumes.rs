@@ -19,12 +19,10 @@
 //! is the number of volumes tested, N_ETS of those met, and N_EETS is 0, as none is empty.
 
 mod ball;
-pub(super) mod median_cut;
 pub(super) mod slabs;
 pub(super) mod volume;
 
 use self::ball::Ball;
-use self::median_cut::Centres;
 use self::slabs::Slabs;
 use self::volume::{BOX_TEST, ComparedBox, Volume, box_test};
 use crate::geometry::aabb::Aabb;
@@ -42,6 +40,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of, too_many};
+use crate::tree::median_cut::Centres;
 
 /// Number of plane directions of slabs.
 pub(super) const DIRECTIONS: ParamSpec = ParamSpec::choice("directions", "7", &["3", "4", "7"])

@@ -18,7 +18,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel;
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::structure::StructureInfo;
+use crate::structure::{StructureInfo, StructureStats};
 
 config! {
     /// How large blocks are.
@@ -179,18 +179,14 @@ impl CellStorage for BrickedCells {
             .for_each(each);
     }
 
-    fn occupied_cells(&self) -> u64 {
-        self.occupied
-    }
-
-    fn references(&self) -> u64 {
-        self.ids.len() as u64
-    }
-
-    fn bytes(&self) -> u64 {
-        (self.layout.bytes()
-            + size_of_val(self.starts.as_slice())
-            + size_of_val(self.ids.as_slice())) as u64
+    fn stats(&self) -> StructureStats {
+        let (starts, ids) = (self.starts.as_slice(), self.ids.as_slice());
+        StructureStats {
+            cells: self.occupied,
+            references: ids.len() as u64,
+            bytes: (self.layout.bytes() + size_of_val(starts) + size_of_val(ids)) as u64,
+            ..StructureStats::default()
+        }
     }
 }
 

@@ -27,7 +27,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel::map_parts;
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::structure::StructureInfo;
+use crate::structure::{StructureInfo, StructureStats};
 
 config! {
     /// How rows find their places.
@@ -263,17 +263,11 @@ impl CellStorage for CompactCells {
         self.lists.lists().for_each(each);
     }
 
-    fn occupied_cells(&self) -> u64 {
-        self.occupied.count()
-    }
-
-    fn references(&self) -> u64 {
-        self.lists.references() as u64
-    }
-
-    fn bytes(&self) -> u64 {
+    fn stats(&self) -> StructureStats {
         let (bits, starts) = (self.occupied.0.as_slice(), self.rows.starts.as_slice());
-        (size_of_val(bits) + size_of_val(starts) + self.lists.bytes()) as u64
+        let rows = (size_of_val(bits) + size_of_val(starts)) as u64;
+        let lists = self.lists.stats();
+        StructureStats { cells: self.occupied.count(), bytes: rows + lists.bytes, ..lists }
     }
 }
 

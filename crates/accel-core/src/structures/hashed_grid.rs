@@ -22,7 +22,7 @@ use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid,
 use crate::parallel::{map, parts, ranges, sort, split_mut};
 use crate::params::ParamSpec;
 use crate::params::specs;
-use crate::structure::StructureInfo;
+use crate::structure::{StructureInfo, StructureStats};
 use crate::update::{ChangedLists, INCREMENTAL};
 
 config! {
@@ -70,7 +70,7 @@ pub type HashedGrid<S> = RegularGrid<S, HashedCells>;
 const GOLDEN: u64 = 0x9E37_79B9_7F4A_7C15;
 
 /// Up to so many cells a reference, and so many more, lists are made cell by cell, which takes no
-/// more memory than the slots do; beyond that in a table that grows. The same table comes of both.
+/// more memory than the slots do; beyond that they are sorted. The same table comes of both.
 const CELLS_PER_REFERENCE: u64 = 4;
 const FEW_CELLS: u64 = 1 << 16;
 
@@ -145,16 +145,6 @@ impl Table {
         at
     }
 
-    /// The same entries in a table of another size.
-    fn resized(&self, capacity: usize) -> Self {
-        let mut table = Self::new(capacity.max(self.occupied), self.multiplier);
-        for old in self.occupied_slots() {
-            let at = table.slot(old.key);
-            table.slots[at] = *old;
-        }
-        table
-    }
-
     /// The table of these keys, taken in turn, with the lengths of their lists, which stand in the
     /// order of slots.
     fn of(cells: &[(u64, u32)], load_factor: f64, multiplier: u64) -> Self {
@@ -170,10 +160,6 @@ impl Table {
             sum += slot.len;
         }
         table
-    }
-
-    fn occupied_slots(&self) -> impl Iterator<Item = &Slot> {
-        self.slots.iter().filter(|slot| slot.key != VACANT)
     }
 }
 
@@ -209,34 +195,21 @@ impl HashedCells {
             hashed.fill(&|key| lists.list(key as usize));
             return Ok(hashed);
         }
-        let mut counts = Table::new(1024, multiplier);
-        let primitives = 0..contents.primitives as u32;
-        for id in primitives.clone() {
-            contents.cells_of(id, |c| {
-                if counts.occupied * 2 >= counts.slots.len() {
-                    counts = counts.resized(counts.slots.len() * 2);
-                }
-                let at = counts.slot(frame.index(c) as u64);
-                counts.slots[at].len += 1;
-            });
+        // a number that orders ids as their lists do
+        let placed = |id: u32| if contents.order == ListOrder::File { id } else { !id };
+        let mut pairs = Vec::with_capacity(total as usize);
+        for id in 0..contents.primitives as u32 {
+            contents.cells_of(id, |c| pairs.push((frame.index(c) as u64, placed(id))));
         }
-        let mut cells: Vec<_> = counts.occupied_slots().map(|slot| (slot.key, slot.len)).collect();
-        drop(counts);
-        sort(&mut cells);
+        sort(&mut pairs);
+        let lists = || pairs.chunk_by(|a, b| a.0 == b.0);
+        let cells: Vec<_> = lists().map(|list| (list[0].0, list.len() as u32)).collect();
         let mut hashed = built(&cells);
-        // filling from the back turns the ends of lists into their starts
-        let Self { table, ids, .. } = &mut hashed;
-        table.slots.iter_mut().for_each(|slot| slot.start += slot.len);
-        let mut place = |id: u32| {
-            contents.cells_of(id, |c| {
-                let at = table.slot(frame.index(c) as u64);
-                table.slots[at].start -= 1;
-                ids[table.slots[at].start as usize] = id;
-            });
-        };
-        match contents.order {
-            ListOrder::File => primitives.rev().for_each(&mut place),
-            ListOrder::Reverse => primitives.for_each(&mut place),
+        for list in lists() {
+            let slot = hashed.table.slot(list[0].0);
+            let start = hashed.table.slots[slot].start as usize;
+            let ids = hashed.ids[start..].iter_mut();
+            ids.zip(list).for_each(|(slot, &(_, id))| *slot = placed(id));
         }
         Ok(hashed)
     }
@@ -318,16 +291,14 @@ impl CellStorage for HashedCells {
             .for_each(each);
     }
 
-    fn occupied_cells(&self) -> u64 {
-        self.table.slots.iter().filter(|slot| slot.len > 0).count() as u64
-    }
-
-    fn references(&self) -> u64 {
-        self.ids.len() as u64
-    }
-
-    fn bytes(&self) -> u64 {
-        (size_of_val(self.table.slots.as_slice()) + size_of_val(self.ids.as_slice())) as u64
+    fn stats(&self) -> StructureStats {
+        let (slots, ids) = (self.table.slots.as_slice(), self.ids.as_slice());
+        StructureStats {
+            cells: slots.iter().filter(|slot| slot.len > 0).count() as u64,
+            references: ids.len() as u64,
+            bytes: (size_of_val(slots) + size_of_val(ids)) as u64,
+            ..StructureStats::default()
+        }
     }
 }
 

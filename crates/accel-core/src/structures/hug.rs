@@ -22,7 +22,7 @@ use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::grid::nested_grids::build::{BuildRules, LooseGrids, references_in, room_of};
-use crate::grid::nested_grids::{Mailbox, NestedGrids, VisitedGrids};
+use crate::grid::nested_grids::{NestedGrids, VisitedGrids};
 use crate::grid::resolution::{MAX_PER_AXIS, resolve_by_density};
 use crate::grid::voxel_traversal::GridFrame;
 use crate::historical::bounds_rule::{BoundsRule, smallest_cell};
@@ -33,7 +33,7 @@ use crate::params::specs;
 use crate::primitives::{PrimitiveKind, Primitives};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
-use crate::query::mailbox;
+use crate::query::mailbox::{self, Mailbox as _};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::clustering::box_tree::{BoxTree, NeighbourRule};
@@ -99,12 +99,16 @@ pub struct Hug<S: Scalar> {
     from_origin: bool,
 }
 
-/// Resolution and bounds of a grid before it is filled.
+/// A grid before it is filled.
 struct PlannedGrid<S: Scalar> {
     bounds: Aabb<S>,
     class: usize,
     /// Primitives of the cluster it was made for.
     own: usize,
+    /// All primitives that go to it, ascending.
+    ids: Vec<u32>,
+    /// The grids that go to it.
+    inner: Vec<u32>,
 }
 
 impl<S: Scalar> Structure<S> for Hug<S> {
@@ -119,14 +123,14 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         let historical = settings.historical;
         let Boxes { of: boxes, scene, padding } =
             boxes_of(prims, historical, settings.structure())?;
-        let (mut plans, owners) = plan(&boxes, scene, padding, settings);
+        let mut plans = plan(&boxes, scene, padding, settings);
         if let (true, Some(root)) = (historical, plans.first_mut()) {
             root.bounds = root.bounds.expanded(S::from_f64(HISTORICAL_ROOT_MARGIN));
             let asked = settings.root_objects;
             root.own = if asked == 0 { root.own } else { asked };
         }
         let boxes = if historical { inserted(prims) } else { boxes };
-        let grids = fill(&boxes, &plans, &owners, padding, settings)?;
+        let grids = fill(&boxes, &plans, padding, settings)?;
         Ok(Self { grids, from_origin: historical })
     }
 
@@ -136,9 +140,9 @@ impl<S: Scalar> Structure<S> for Hug<S> {
         if !self.from_origin || self.grids.meets(0, ray, t_start) {
             sink.inner_step();
         }
-        let mut mailbox = Mailbox::new();
-        mailbox.is_first(0);
-        let _ = self.grids.traverse(0, ray, t_start, sink, &mut mailbox);
+        let mut visited = VisitedGrids::new();
+        visited.is_new(0);
+        let _ = self.grids.traverse(0, ray, t_start, sink, &mut visited);
     }
 
     /// N_IN is 1 for the root and 1 for every cell that holds a grid; N_V all other cells.
@@ -228,48 +232,54 @@ fn classes<S: Scalar>(boxes: &[Aabb<S>], count: usize) -> Vec<usize> {
     sizes.into_iter().map(|s| class(s).min(count - 1)).collect()
 }
 
-/// Filtering, clustering and hierarchy: which grids there are, and which grid every primitive
-/// goes to.
+/// Filtering, clustering and hierarchy: which grids there are, and what goes to each.
 fn plan<S: Scalar>(
     boxes: &[Aabb<S>],
     scene: Aabb<S>,
     padding: S,
     config: &HugConfig,
-) -> (Vec<PlannedGrid<S>>, Vec<u32>) {
+) -> Vec<PlannedGrid<S>> {
     let count = config.size_classes;
     let near = NeighbourRule { gap: S::from_f64(config.gap), closed: !config.historical };
     let class_of = classes(boxes, count);
-    let own = class_of.iter().filter(|&&c| c == count - 1).count();
-    let mut plans = vec![PlannedGrid { bounds: scene, class: count - 1, own }];
-    let mut owners = vec![0u32; boxes.len()];
+    let of_class = |class: usize| -> Vec<u32> {
+        (0..boxes.len() as u32).filter(|&i| class_of[i as usize] == class).collect()
+    };
+    let planned = |bounds, class, ids: Vec<u32>| PlannedGrid {
+        bounds,
+        class,
+        own: ids.len(),
+        ids,
+        inner: Vec::new(),
+    };
+    let mut plans = vec![planned(scene, count - 1, of_class(count - 1))];
     // clusters without a grid, with their boxes and classes
     let mut loose: Vec<(Vec<u32>, Aabb<S>, usize)> = Vec::new();
     for class in (0..count.saturating_sub(1)).rev() {
-        let ids: Vec<u32> =
-            (0..boxes.len() as u32).filter(|&i| class_of[i as usize] == class).collect();
+        let ids = of_class(class);
         let class_boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
         for members in components(&class_boxes, &near) {
             let members: Vec<u32> = members.into_iter().map(|i| ids[i as usize]).collect();
             let bounds = members.iter().fold(Aabb::empty(), |b, &i| b.union(boxes[i as usize]));
             if members.len() < config.min_objects {
                 loose.push((members, bounds, class));
-                continue;
+            } else {
+                plans.push(planned(bounds.expanded(padding), class, members));
             }
-            for &i in &members {
-                owners[i as usize] = plans.len() as u32;
-            }
-            plans.push(PlannedGrid { bounds: bounds.expanded(padding), class, own: members.len() });
         }
     }
     let bounds: Vec<_> = plans.iter().map(|p| p.bounds).collect();
     let tree = BoxTree::new(&bounds);
     for (members, bounds, class) in loose {
         let owner = smallest_around(&tree, &plans, &bounds, class);
-        for i in members {
-            owners[i as usize] = owner;
-        }
+        plans[owner].ids.extend(members);
     }
-    (plans, owners)
+    for number in 1..plans.len() {
+        let parent = smallest_around(&tree, &plans, &bounds[number], plans[number].class);
+        plans[parent].inner.push(number as u32);
+    }
+    plans.iter_mut().for_each(|plan| plan.ids.sort_unstable());
+    plans
 }
 
 /// The smallest grid of a class above `class` that holds the box; the root if there is none.
@@ -278,7 +288,7 @@ fn smallest_around<S: Scalar>(
     plans: &[PlannedGrid<S>],
     bounds: &Aabb<S>,
     class: usize,
-) -> u32 {
+) -> usize {
     let mut best = (f64::INFINITY, 0);
     tree.holding(bounds, &mut |grid| {
         let plan = &plans[grid as usize];
@@ -287,36 +297,23 @@ fn smallest_around<S: Scalar>(
             best = (volume, grid);
         }
     });
-    best.1
+    best.1 as usize
 }
 
 /// Makes all grids of the plan.
 fn fill<S: Scalar>(
     boxes: &[Aabb<S>],
     plans: &[PlannedGrid<S>],
-    owners: &[u32],
     padding: S,
     settings: &Settings<HugConfig>,
 ) -> Result<NestedGrids<S>, BuildError> {
     let historical = settings.historical;
     let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
     let rules = BuildRules { historical, room };
-    let mut primitives = vec![Vec::new(); plans.len()];
-    for (&owner, id) in owners.iter().zip(0u32..) {
-        primitives[owner as usize].push(id);
-    }
-    let mut inner = vec![Vec::new(); plans.len()];
-    let bounds: Vec<_> = plans.iter().map(|p| p.bounds).collect();
-    let tree = BoxTree::new(&bounds);
-    for (plan, number) in plans.iter().zip(0u32..).skip(1) {
-        let parent = smallest_around(&tree, plans, &plan.bounds, plan.class);
-        inner[parent as usize].push(number);
-    }
-    let numbers: Vec<usize> = (0..plans.len()).collect();
-    let push = |grids: &mut LooseGrids<S, u32>, &number: &usize| {
-        let (plan, ids, inner) = (&plans[number], &primitives[number], &inner[number]);
+    let push = |grids: &mut LooseGrids<S, u32>, plan: &PlannedGrid<S>| {
+        let PlannedGrid { ids, inner, .. } = plan;
         let id_boxes: Vec<_> = ids.iter().map(|&i| boxes[i as usize]).collect();
-        let inner_boxes: Vec<_> = inner.iter().map(|&g| bounds[g as usize]).collect();
+        let inner_boxes: Vec<_> = inner.iter().map(|&g| plans[g as usize].bounds).collect();
         let frame = if historical {
             historical_frame(plan.bounds, plan.own, HISTORICAL_ROUNDING, &rules.room)?
         } else {
@@ -326,7 +323,7 @@ fn fill<S: Scalar>(
         grids.push(frame, (ids, &id_boxes), (inner, &inner_boxes), &rules)
     };
     let mut grids = NestedGrids::new();
-    grids.push_all(&numbers, &rules, push, &mut |inner| inner)?;
+    grids.push_all(plans, &rules, push, &mut |inner| inner)?;
     Ok(grids)
 }
 

@@ -20,7 +20,7 @@ use std::ops::ControlFlow;
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
+use crate::geometry::scalar::Scalar;
 use crate::historical::bounds_rule::BoundsRule;
 use crate::params::config::Settings;
 use crate::primitives::Primitives;
@@ -78,7 +78,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
         let mut waiting = 0;
         let mut cell = 0;
         loop {
-            let node = self.cells.nodes[cell as usize];
+            let node = self.cells.links[cell as usize];
             let axis = node.link & 3;
             if axis != Node::<S>::LEAF {
                 sink.inner_step();
@@ -123,7 +123,7 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
     }
 
     fn stats(&self) -> StructureStats {
-        let (nodes, lists) = (self.cells.nodes.as_slice(), self.cells.lists.stats());
+        let (nodes, lists) = (self.cells.links.as_slice(), self.cells.lists.stats());
         let inner_cells = nodes.len() as u64 - lists.cells;
         StructureStats { inner_cells, bytes: size_of_val(nodes) as u64 + lists.bytes, ..lists }
     }
@@ -131,17 +131,14 @@ impl<S: Scalar> Structure<S> for KdTree<S> {
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
         let mut waiting = vec![(0, self.bounds, 0)];
         while let Some((cell, bounds, depth)) = waiting.pop() {
-            let node = self.cells.nodes[cell as usize];
+            let node = self.cells.links[cell as usize];
             let (axis, link) = ((node.link & 3) as usize, node.link >> 2);
             if axis == Node::<S>::LEAF as usize {
                 each(Cell::elementary(bounds, depth, self.cells.lists.at(link as usize)));
                 continue;
             }
             each(Cell::inner(bounds, depth));
-            let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
-            (lo[axis], hi[axis]) = (node.plane, node.plane);
-            let upper = Aabb { min: Vec3::<S>::from_array(lo), ..bounds };
-            let lower = Aabb { max: Vec3::<S>::from_array(hi), ..bounds };
+            let [lower, upper] = bounds.cut(axis, node.plane);
             waiting.extend([(link + 1, upper, depth + 1), (link, lower, depth + 1)]);
         }
         Ok(())
@@ -163,7 +160,7 @@ impl FrustumTraversal for KdTree<f64> {
         // cells that wait, each with the least depth of itself and of those below it
         let mut stack = vec![(0u32, root, frustum.least_depth(&root))];
         while let Some((index, bounds, depth)) = stack.pop() {
-            let node = self.cells.nodes[index as usize];
+            let node = self.cells.links[index as usize];
             let axis = (node.link & 3) as usize;
             if node.link & 3 == Node::<f64>::LEAF {
                 let ids = self.cells.lists.at((node.link >> 2) as usize);

@@ -12,8 +12,6 @@ pub mod frustum_queries;
 pub mod hashed_grid;
 pub mod hug;
 pub mod instanced;
-pub mod instanced_bvh;
-pub mod instanced_grid;
 pub mod irregular_grid;
 pub mod kay_kajiya;
 pub mod kd_tree;
@@ -59,8 +57,8 @@ pub static REGISTRY: &[Entry] = &[
     entry!(bounding_volumes::BoundingVolumes, bounding_volumes::INFO),
     entry!(kay_kajiya::KayKajiya, kay_kajiya::INFO),
     entry!(WideBvh, bvh::INFO, prepare_tested, true),
-    entry!(instanced_grid::InstancedGrid, instanced_grid::INFO),
-    entry!(instanced_bvh::InstancedBvh, instanced_bvh::INFO),
+    entry!(instanced::InstancedGrid, instanced::GRID_INFO),
+    entry!(instanced::InstancedBvh, instanced::BVH_INFO),
     entry!(obvhs::bvh2::ObvhsBvh2, obvhs::bvh2::INFO, prepare_compiled, false),
     entry!(obvhs::cwbvh::ObvhsCwBvh, obvhs::cwbvh::INFO, prepare_compiled, true),
 ];

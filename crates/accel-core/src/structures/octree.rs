@@ -35,7 +35,7 @@ use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use crate::tree::ray_planes::RayPlanes;
-use subdivide::{Cells, Content};
+use subdivide::{Cells, Content, octant_of};
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Glassner 1984; Samet 1989; Gargantini, Atkinson 1993; Whang et al. 1995 (adaptive)",
@@ -102,11 +102,7 @@ impl<S: Scalar> Structure<S> for Octree<S> {
         settings: &Settings<OctreeConfig>,
     ) -> Result<Self, BuildError> {
         let historical = settings.historical;
-        let rule = if historical {
-            BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
-        } else {
-            BoundsRule::Padded
-        };
+        let rule = BoundsRule::of(historical, HISTORICAL_CONE_MARGIN);
         let boxes = bounds_of(prims, rule, settings.structure())?;
         let bounds = if historical { boxes.scene() } else { without_thin_axes(boxes.scene()) };
         let all = boxes.all();
@@ -147,8 +143,8 @@ impl<S: Scalar> Structure<S> for Octree<S> {
     fn stats(&self) -> StructureStats {
         let c = &self.cells;
         let lists = c.lists.stats();
-        let bytes = (size_of_val(c.links.as_slice()) + size_of_val(c.planes.as_slice())) as u64;
-        StructureStats { inner_cells: c.planes.len() as u64, bytes: bytes + lists.bytes, ..lists }
+        let bytes = (size_of_val(c.links.as_slice()) + size_of_val(c.cuts.as_slice())) as u64;
+        StructureStats { inner_cells: c.cuts.len() as u64, bytes: bytes + lists.bytes, ..lists }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -162,15 +158,9 @@ impl<S: Scalar> Structure<S> for Octree<S> {
                 Content::Inner(planes, first) => (planes, first),
             };
             each(Cell::inner(bounds, depth));
-            for child in (0..8).rev() {
-                let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
-                for (k, plane) in planes.iter().enumerate() {
-                    let side = if child >> k & 1 == 1 { &mut lo } else { &mut hi };
-                    side[k] = *plane;
-                }
-                let [min, max] = [lo, hi].map(Vec3::<S>::from_array);
-                waiting.push((first + child, Aabb { min, max }, depth + 1));
-            }
+            waiting.extend((0..8).rev().map(|child| {
+                (first + child, octant_of(&bounds, planes, child as usize), depth + 1)
+            }));
         }
         Ok(())
     }

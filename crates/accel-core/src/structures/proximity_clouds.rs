@@ -11,6 +11,7 @@
 //! The direction-aware variant keeps eight distances a voxel, each to the nearest occupied voxel in
 //! one octant of directions; it is ours, after the paper's remark on directional clouds.
 
+use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
 use crate::grid::cell_lists::CellLists;
@@ -19,13 +20,30 @@ use crate::grid::distance_field::{Metric, distances};
 use crate::grid::regular_grid::{GridConfig, grid_params, stored};
 use crate::grid::voxel_traversal::{GridFrame, VoxelTraversal};
 use crate::parallel::collect;
-use crate::params::config::{Config, Settings};
+use crate::params::ParamSpec;
+use crate::params::config::Settings;
 use crate::params::specs;
-use crate::params::{ParamSpec, Params};
 use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
+
+config! {
+    /// The distances.
+    pub struct CloudsConfig {
+        /// how distances between voxels are measured
+        metric: Metric = ParamSpec::choice(
+            "metric", "chessboard", &["city-block", "chessboard", "euclidean"]
+        ) => |metric| match metric {
+            "city-block" => Metric::CityBlock,
+            "euclidean" => Metric::Euclidean,
+            _ => Metric::Chessboard,
+        },
+        /// one distance a voxel, or one for each octant of directions
+        clouds: usize = ParamSpec::choice("directions", "all", &["all", "octants"])
+            => |directions| if directions == "octants" { 8 } else { 1 },
+    }
+}
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Cohen, Sheffer 1994",
@@ -33,12 +51,7 @@ pub static INFO: StructureInfo = StructureInfo {
     params: grid_params!(
         specs::MAX_CELLS,
         specs::MAX_REFERENCES,
-        [
-            ParamSpec::choice("metric", "chessboard", &["city-block", "chessboard", "euclidean"])
-                .about("how distances between voxels are measured"),
-            ParamSpec::choice("directions", "all", &["all", "octants"])
-                .about("one distance a voxel, or one for each octant of directions")
-        ],
+        [CloudsConfig::PARAMS[0], CloudsConfig::PARAMS[1]],
         []
     ),
     variants: &["density=20"],
@@ -56,26 +69,6 @@ pub static INFO: StructureInfo = StructureInfo {
     )
 };
 
-/// The grid and its distances.
-#[derive(Debug, Clone)]
-pub struct CloudsConfig {
-    grid: GridConfig<()>,
-    metric: Metric,
-    clouds: usize,
-}
-
-impl Config for CloudsConfig {
-    fn of(params: &Params) -> Self {
-        let metric = match params.text("metric") {
-            "city-block" => Metric::CityBlock,
-            "euclidean" => Metric::Euclidean,
-            _ => Metric::Chessboard,
-        };
-        let clouds = if params.text("directions") == "octants" { 8 } else { 1 };
-        Self { grid: Config::of(params), metric, clouds }
-    }
-}
-
 /// A grid with distances.
 pub struct ProximityClouds<S: Scalar> {
     frame: GridFrame<S>,
@@ -91,15 +84,14 @@ pub struct ProximityClouds<S: Scalar> {
 impl<S: Scalar> Structure<S> for ProximityClouds<S> {
     const HAS_LISTS: bool = true;
 
-    type Config = CloudsConfig;
+    type Config = GridConfig<CloudsConfig>;
 
     fn build(
         prims: &dyn Primitives<S>,
-        settings: &Settings<CloudsConfig>,
+        settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
-        let CloudsConfig { grid, metric, clouds } = &**settings;
-        let (metric, clouds) = (*metric, *clouds);
-        let (contents, lists) = stored::<S, CellLists>(prims, settings.limits(), grid)?;
+        let CloudsConfig { metric, clouds } = settings.own;
+        let (contents, lists) = stored::<S, CellLists, _>(prims, settings.limits(), settings, &())?;
         let frame = contents.frame;
         let cells = frame.cells() as u128;
         // a start, the distances, and while they are found: whether it is occupied, a measure
@@ -113,7 +105,7 @@ impl<S: Scalar> Structure<S> for ProximityClouds<S> {
                 all[i * clouds + octant] = d;
             }
         }
-        let from_origin = grid.historical;
+        let from_origin = settings.historical;
         Ok(Self { frame, lists, distances: all, clouds, metric, from_origin })
     }
 

@@ -14,11 +14,11 @@
 //! first voxel that of the point 0.01 beyond its entry.
 
 mod budget;
+mod config;
 mod levels;
 
 use std::ops::ControlFlow;
 
-use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
@@ -26,50 +26,14 @@ use crate::grid::nested_grids::build::room_of;
 use crate::grid::voxel_traversal::inverse_direction;
 use crate::historical::bounds_rule::BoundsRule;
 use crate::parallel::collect;
-use crate::params::ParamSpec;
 use crate::params::config::Settings;
-use crate::params::specs;
 use crate::primitives::Primitives;
 use crate::query::cells::{CellVisitor, NoCells};
-use crate::query::kernel;
-use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats, bounds_of};
 use budget::Budget;
-use levels::{Child, Content, Division, Grid, LevelRule, MAX_PRIMITIVES, Voxel};
-
-config! {
-    /// How grids within grids are built.
-    pub struct RecursiveGridConfig {
-        /// levels of grids, the outermost included
-        max_depth: u32 = ParamSpec::integer("max-depth", "4", 1, MAX_DEPTH),
-        /// rule for the voxels of every grid
-        rule: LevelRule = ParamSpec::choice(
-            "resolution", "density", &["density", "heterogeneous", "cube-root"]
-        ) => |rule| match rule {
-            "heterogeneous" => LevelRule::Heterogeneous,
-            "cube-root" => LevelRule::CubeRoot,
-            _ => LevelRule::Density,
-        },
-        /// voxels per primitive of the outermost grid
-        top_density: f64 = ParamSpec::real("top-density", "1", 1e-6, 1e6),
-        /// voxels per reference of the grids inside
-        density: f64 = ParamSpec { default: "1", ..specs::DENSITY },
-        /// voxels with more references are divided
-        threshold: usize = ParamSpec::integer("threshold", "8", 1, 1 << 31),
-        /// a voxel stays undivided if its grid held more times its references
-        max_growth: f64 = ParamSpec::real("max-growth", "16", 1.0, 1e9),
-        /// all grids at once, or deep ones when a ray enters their voxel
-        is_lazy: bool = ParamSpec::choice("build", "eager", &["eager", "lazy"]) => |build| build == "lazy",
-        /// levels that build=lazy makes at once
-        lazy_levels: u32 = ParamSpec::integer("lazy-levels", "1", 1, MAX_DEPTH),
-        historical: bool = specs::BOXES => specs::is_historical,
-        max_cells: u64 = specs::MAX_CELLS,
-        max_references: u64 = specs::MAX_REFERENCES,
-        has_joined_lists: bool = kernel::PARAM => |kernel| kernel == "block",
-    }
-    and mailbox::PARAM, mailbox::SLOTS_PARAM
-}
+use config::RecursiveGridConfig;
+use levels::{Child, Content, Division, Grid, MAX_PRIMITIVES, Voxel};
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Jevans, Wyvill 1989",
@@ -91,9 +55,6 @@ pub static INFO: StructureInfo = StructureInfo {
     )
 };
 
-/// The traversal recurses once a level.
-const MAX_DEPTH: u64 = 8;
-
 /// Box margin of cones and cylinders in Havran and Sixta's recursive grid, as fitted.
 const HISTORICAL_CONE_MARGIN: f64 = 0.001;
 
@@ -104,8 +65,6 @@ const HISTORICAL_PAD: f64 = 0.01;
 pub struct RecursiveGrid<S: Scalar> {
     root: Grid<S>,
     division: Division<S>,
-    /// Grids may still be waiting to be built.
-    lazy: bool,
     /// How far beyond its entry a grid's first voxel is looked up.
     advance: S,
     /// Traversals start at the ray's origin even if hits only count from `t_min` on, as in 1999.
@@ -131,24 +90,13 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
             });
         }
         let historical = settings.historical;
-        let (rule, pad) = if historical {
-            let rule = BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN };
-            (rule, S::from_f64(HISTORICAL_PAD))
-        } else {
-            (BoundsRule::Padded, S::ZERO)
-        };
+        let rule = BoundsRule::of(historical, HISTORICAL_CONE_MARGIN);
+        let pad = if historical { S::from_f64(HISTORICAL_PAD) } else { S::ZERO };
         let bounds = bounds_of(prims, rule, structure)?;
         let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
-        let (lazy, max_depth) = (settings.is_lazy, settings.max_depth);
         let mut division = Division {
             boxes: collect(prims.len(), |id| bounds.of(id as u32).expanded(pad)),
-            rule: settings.rule,
-            densities: [settings.top_density, settings.density],
-            threshold: settings.threshold,
-            max_depth,
-            eager_depth: if lazy { settings.lazy_levels } else { max_depth },
-            max_growth: settings.max_growth,
-            by_division: historical,
+            config: RecursiveGridConfig::clone(settings),
             narrowest: Division::narrowest_in(bounds.scene())
                 .greater(S::from_f64(bounds.smallest_cell())),
             padding: bounds.padding(),
@@ -159,11 +107,10 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
         if settings.has_joined_lists {
             root.join_lists();
         }
-        if !lazy {
+        if !settings.is_lazy {
             division.boxes = Vec::new();
         }
-        let advance = if historical { pad } else { S::ZERO };
-        Ok(Self { root, division, lazy, advance, from_origin: historical })
+        Ok(Self { root, division, advance: pad, from_origin: historical })
     }
 
     #[inline(always)]
@@ -182,7 +129,7 @@ impl<S: Scalar> Structure<S> for RecursiveGrid<S> {
     fn stats(&self) -> StructureStats {
         let mut stats = StructureStats {
             bytes: (size_of::<Self>() + size_of_val(self.division.boxes.as_slice())) as u64,
-            pending_cells: self.lazy.then_some(0),
+            pending_cells: self.division.config.is_lazy.then_some(0),
             ..StructureStats::default()
         };
         add_grid(&self.root, &mut stats);

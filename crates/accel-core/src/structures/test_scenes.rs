@@ -2,13 +2,10 @@
 
 use glam::DVec3;
 
-use crate::geometry::ray::{Hit, Ray};
+use crate::geometry::ray::Ray;
 use crate::geometry::scalar::{Scalar, Vector};
-use crate::primitives::PrimsRef;
 use crate::primitives::{Cone, MixedSet, MixedSetBuilder, Primitives};
 use crate::query::tracer::Tracer;
-use crate::registry::Buildable;
-use crate::structures::Entry;
 
 /// A small generator of test numbers.
 pub(crate) struct Random(pub u64);
@@ -114,20 +111,6 @@ pub(crate) fn rays<S: Scalar>(set: &MixedSet<S>, n: usize, seed: u64) -> Vec<Ray
     out
 }
 
-/// Stands where no hit was written: not even equal to itself.
-#[allow(dead_code, reason = "unit tests do not use it; those in tests/ do")]
-pub(crate) fn unwritten<S: Scalar>() -> Hit<S> {
-    Hit { t: S::from_f64(f64::NAN), id: 0 }
-}
-
-/// The closest hits, with nothing in their places before that could be one.
-#[allow(dead_code, reason = "unit tests do not use it; those in tests/ do")]
-pub(crate) fn closest_hits<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let mut hits = vec![unwritten(); rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    hits
-}
-
 /// Returns which rays are blocked.
 pub(crate) fn occlusions<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> Vec<bool> {
     written(rays.len(), |blocked| tracer.occlusions(rays, blocked))
@@ -142,17 +125,6 @@ pub(crate) fn written(n: usize, mut ask: impl FnMut(&mut [bool])) -> Vec<bool> {
     });
     assert!(free == blocked, "answers are left out");
     free
-}
-
-/// Builds with settings written as in a variant.
-pub(crate) fn built<'a, S: Buildable>(
-    entry: &Entry,
-    set: &'a MixedSet<S>,
-    settings: &str,
-) -> Box<dyn Tracer<S> + 'a> {
-    let pairs = settings.split_whitespace().filter_map(|s| s.split_once('='));
-    let params = entry.params(pairs).unwrap();
-    entry.build(PrimsRef::Mixed(set), &params).unwrap()
 }
 
 /// Scenes that are hard for grids, by name.

@@ -17,16 +17,17 @@ mod leaf_cells;
 
 use std::ops::ControlFlow;
 
+use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
 use crate::grid::cell_lists::CellLists;
 use crate::grid::cell_traversal::{CellPosition, CellTraversal};
 use crate::grid::nested_grids::build::room_of;
-use crate::grid::regular_grid::{CellStorage, GridConfig, contents_of, stored};
+use crate::grid::regular_grid::{CellStorage, Contents, GridConfig, contents_of, stored};
 use crate::grid::voxel_traversal::{CellDivision, GridFrame, VoxelTraversal, inverse_direction};
-use crate::params::config::{Config, Settings};
+use crate::params::ParamSpec;
+use crate::params::config::Settings;
 use crate::params::specs;
-use crate::params::{ParamSpec, Params};
 use crate::primitives::Primitives;
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::kernel;
@@ -34,7 +35,7 @@ use crate::query::mailbox;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
 use crate::update::{Change, INCREMENTAL, is_worth_changing};
-use leaf_cells::{LeafCells, LeafRules, UpperCell};
+use leaf_cells::{LeafCells, UpperCell, UpperCells};
 
 pub static INFO: StructureInfo = StructureInfo {
     paper: "Kalojanov, Billeter, Slusallek 2011",
@@ -46,7 +47,7 @@ pub static INFO: StructureInfo = StructureInfo {
             default: "0.12",
             ..specs::DENSITY
         },
-        LEAF_DENSITY,
+        LeafConfig::PARAMS[0],
         specs::max_cells(specs::MAX_CELLS.default, (1 << 32) - 2),
         specs::MAX_REFERENCES,
         kernel::PARAM,
@@ -66,21 +67,16 @@ pub static INFO: StructureInfo = StructureInfo {
     )
 };
 
-const LEAF_DENSITY: ParamSpec = ParamSpec::real("leaf-density", "2.4", 1e-6, 1e6)
-    .about("leaf cells per primitive of an upper cell");
-
-/// The upper grid and those within.
-#[derive(Debug, Clone)]
-pub struct TwoLevelConfig {
-    upper: GridConfig<()>,
-    leaf_density: f64,
-}
-
-impl Config for TwoLevelConfig {
-    fn of(params: &Params) -> Self {
-        Self { upper: Config::of(params), leaf_density: params.real(LEAF_DENSITY.name) }
+config! {
+    /// The grids within the upper one.
+    pub struct LeafConfig {
+        /// leaf cells per primitive of an upper cell
+        leaf_density: f64 = ParamSpec::real("leaf-density", "2.4", 1e-6, 1e6),
     }
 }
+
+/// The upper grid and those within.
+type TwoLevelConfig = GridConfig<LeafConfig>;
 
 /// Two levels of grids.
 pub struct TwoLevelGrid<S: Scalar> {
@@ -92,10 +88,15 @@ pub struct TwoLevelGrid<S: Scalar> {
     lists: Option<CellLists>,
 }
 
-fn rules(settings: &Settings<TwoLevelConfig>) -> LeafRules {
-    let GridConfig { max_cells, max_references, .. } = settings.upper;
-    let room = room_of(settings.limits(), max_cells, max_references);
-    LeafRules { density: settings.leaf_density, room }
+/// The upper cells of these contents, with their lists.
+fn upper_cells<'a, 'p, S: Scalar>(
+    settings: &Settings<TwoLevelConfig>,
+    contents: &'a Contents<'p, S>,
+    division: &'a CellDivision<S>,
+    lists: &'a CellLists,
+) -> UpperCells<'a, 'p, S> {
+    let room = room_of(settings.limits(), settings.max_cells, settings.max_references);
+    UpperCells { contents, division, lists, density: settings.own.leaf_density, room }
 }
 
 impl<S: Scalar> TwoLevelGrid<S> {
@@ -108,16 +109,14 @@ impl<S: Scalar> TwoLevelGrid<S> {
         moved: &[u32],
     ) -> Result<bool, BuildError> {
         let Some(lists) = &mut self.lists else { return Ok(false) };
-        let contents = contents_of(prims, settings.limits(), &settings.upper)?;
+        let contents = contents_of(prims, settings.limits(), settings)?;
         if contents.frame != self.upper {
             return Ok(false);
         }
         let Some(changed) = CellStorage::change(lists, &contents, moved) else { return Ok(false) };
+        let upper = upper_cells(settings, &contents, &self.division, lists);
         let before = (self.cells.as_slice(), &self.leaves);
-        let (division, changed) = (&self.division, &changed.changed);
-        let divided =
-            leaf_cells::redivide(&contents, division, lists, &rules(settings), before, changed)?;
-        (self.cells, self.leaves) = divided;
+        (self.cells, self.leaves) = upper.redivide(before, &changed.changed)?;
         Ok(true)
     }
 }
@@ -131,10 +130,10 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         prims: &dyn Primitives<S>,
         settings: &Settings<TwoLevelConfig>,
     ) -> Result<Self, BuildError> {
-        let (contents, lists) = stored::<S, CellLists>(prims, settings.limits(), &settings.upper)?;
+        let (contents, lists) = stored::<S, CellLists, _>(prims, settings.limits(), settings, &())?;
         let division = CellDivision::new(&contents.frame, contents.padding());
-        let (cells, leaves) = leaf_cells::divide(&contents, &division, &lists, &rules(settings))?;
-        let lists = settings.upper.is_incremental.then_some(lists);
+        let (cells, leaves) = upper_cells(settings, &contents, &division, &lists).divide()?;
+        let lists = settings.is_incremental.then_some(lists);
         Ok(Self { upper: contents.frame, division, cells, leaves, lists })
     }
 
@@ -144,7 +143,7 @@ impl<S: Scalar> Structure<S> for TwoLevelGrid<S> {
         settings: &Settings<TwoLevelConfig>,
         moved: &[u32],
     ) -> Result<Change, BuildError> {
-        if settings.upper.is_incremental
+        if settings.is_incremental
             && is_worth_changing(moved.len(), prims.len())
             && self.change(prims, settings, moved)?
         {

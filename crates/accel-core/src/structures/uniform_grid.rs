@@ -19,7 +19,7 @@ use crate::grid::changed_cells::NewCells;
 use crate::grid::regular_grid::{CellStorage, Contents, QUERY_PARAM, RegularGrid, grid_params};
 use crate::params::Params;
 use crate::params::specs;
-use crate::structure::StructureInfo;
+use crate::structure::{StructureInfo, StructureStats};
 use crate::update::{ChangedLists, INCREMENTAL};
 use crate::variants::chosen_tests::{SPHERE_TEST, TRIANGLE_TEST};
 
@@ -97,15 +97,8 @@ impl CellStorage for CellLists {
         self.lists().for_each(each);
     }
 
-    fn occupied_cells(&self) -> u64 {
-        (self.cells() - self.empty_cells()) as u64
-    }
-
-    fn references(&self) -> u64 {
-        self.references() as u64
-    }
-
-    fn bytes(&self) -> u64 {
-        self.bytes() as u64
+    fn stats(&self) -> StructureStats {
+        let all = self.stats();
+        StructureStats { cells: all.cells - all.empty_cells, ..all }
     }
 }

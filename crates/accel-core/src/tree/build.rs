@@ -12,15 +12,13 @@ use crate::structure::BuildError;
 /// Chooses how cells are cut, and which become leaves.
 pub(crate) trait Division<S: Scalar>: Sync {
     /// How cells are kept.
-    type Cells: CellStore<Cut = Self::Cut>;
+    type Link: Link<S, Cut = Self::Cut>;
     /// How a cell is cut.
     type Cut: Copy + Send + Sync;
     /// Statistics of the cuts on the path to a cell.
     type Descent: Copy + Sync;
     /// Memory that is used again for each cell.
     type Scratch;
-    /// Number of children of an inner cell.
-    const CHILDREN: usize;
 
     fn scratch(&self) -> Self::Scratch;
 
@@ -48,35 +46,95 @@ pub(crate) trait Division<S: Scalar>: Sync {
     fn room(&self) -> &CapacityLimits;
 }
 
-/// The cells of a tree.
-pub(crate) trait CellStore: Send {
+/// What is kept of a cell: which leaf it is, or which inner cell, and how that is cut.
+pub(crate) trait Link<S>: Copy + Send + Sync {
     /// How a cell is cut.
-    type Cut: Send;
+    type Cut;
+    /// What of a cut stands in a list of its own, by the number of the inner cell.
+    type Record: Copy + Send + Sync;
+    /// Number of children of an inner cell.
+    const CHILDREN: usize;
 
+    fn leaf(number: u32) -> Self;
+
+    fn inner(cut: &Self::Cut, number: u32) -> Self;
+
+    fn record(cut: Self::Cut) -> Self::Record;
+
+    /// The same behind so many other inner cells and leaves.
+    fn moved(self, by: [u32; 2]) -> Self;
+}
+
+/// The cells of a tree. Cell 0 is the root; the children of inner cell number `i` stand from
+/// `1 + CHILDREN * i` on.
+pub(crate) struct Cells<S, L: Link<S>> {
+    pub(crate) links: Vec<L>,
+    /// For each inner cell.
+    pub(crate) cuts: Vec<L::Record>,
+    /// The references of leaves.
+    pub(crate) lists: CellLists,
+}
+
+impl<S, L: Link<S>> Cells<S, L> {
     /// A first cell without anything yet.
-    fn begun() -> Self;
-
-    /// Numbers of cells and references.
-    fn counts(&self) -> [usize; 2];
+    fn begun() -> Self {
+        Self { links: vec![L::leaf(0)], cuts: Vec::new(), lists: CellLists::none() }
+    }
 
     /// Cuts a cell; the number of its first child, behind which the others stand.
-    fn divide(&mut self, cell: usize, cut: Self::Cut) -> usize;
+    fn divide(&mut self, cell: usize, cut: L::Cut) -> usize {
+        let first = self.links.len();
+        self.links[cell] = L::inner(&cut, self.cuts.len() as u32);
+        self.cuts.push(L::record(cut));
+        self.links.resize(first + L::CHILDREN, L::leaf(0));
+        first
+    }
 
     /// Makes a cell a leaf that lists these.
-    fn leaf(&mut self, cell: usize, ids: &[u32]);
+    fn leaf(&mut self, cell: usize, ids: &[u32]) {
+        self.links[cell] = L::leaf(self.lists.cells() as u32);
+        self.lists.push(ids);
+    }
 
-    /// Puts stores together, on all threads.
-    fn joined(steps: &[Step<Self>]) -> Self
-    where
-        Self: Sized;
+    /// The cells that these steps make, on all threads.
+    fn joined(steps: &[Step<S, L>]) -> Self {
+        let leaves = vec![L::leaf(0); L::CHILDREN];
+        let (mut links, mut cuts) = (vec![(&leaves[..1], [0; 2])], Vec::new());
+        let (mut starts, mut ids, mut references) = (vec![(&[0][..], 0)], Vec::new(), 0);
+        // the links that stand for children, and the numbers of the next inner cell and leaf
+        let (mut firsts, mut by) = (Vec::new(), [0; 2]);
+        for step in steps {
+            match step {
+                Step::Divide(cell, link, cut) => {
+                    firsts.push((*cell, link.moved(by)));
+                    links.push((&leaves, [0; 2]));
+                    cuts.push((std::slice::from_ref(cut), ()));
+                    by[0] += 1;
+                }
+                Step::Below(cell, Self { links: below, cuts: own, lists }) => {
+                    firsts.push((*cell, below[0].moved(by)));
+                    links.push((&below[1..], by));
+                    cuts.push((own, ()));
+                    by = [by[0] + own.len() as u32, by[1] + lists.cells() as u32];
+                    starts.push((&lists.starts()[1..], references));
+                    ids.push((lists.ids(), ()));
+                    references += lists.references() as u32;
+                }
+            }
+        }
+        let mut links = concat(&links, &L::moved);
+        firsts.into_iter().for_each(|(cell, link)| links[cell] = link);
+        let (starts, ids) = (concat(&starts, &|start, by| start + by), concat(&ids, &|id, ()| id));
+        Self { links, cuts: concat(&cuts, &|cut, ()| cut), lists: CellLists::of_parts(starts, ids) }
+    }
 }
 
 /// Next step of a build that starts with one cell.
-pub(crate) enum Step<C: CellStore> {
+enum Step<S, L: Link<S>> {
     /// This cell is cut.
-    Divide(usize, C::Cut),
-    /// This cell becomes the first one of another store, whose others stand behind all before.
-    Below(usize, C),
+    Divide(usize, L, L::Record),
+    /// This cell becomes the first one of others, the rest of which stand behind all before.
+    Below(usize, Cells<S, L>),
 }
 
 /// A cell that is to be divided.
@@ -93,7 +151,7 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
     division: &D,
     root: Cell<S, D::Descent>,
     ids: Vec<u32>,
-) -> Result<D::Cells, BuildError> {
+) -> Result<CellsOf<S, D>, BuildError> {
     if !should_parallelize(ids.len()) {
         return alone(division, root, ids);
     }
@@ -103,72 +161,50 @@ pub(crate) fn cells<S: Scalar, D: Division<S>>(
     forked(division, root, begun, large)
         .and_then(|tree| {
             let (mut steps, mut counts) = (Vec::new(), [1, 0]);
-            tree.steps(0, D::CHILDREN, &mut steps, &mut counts);
+            tree.steps(0, &mut steps, &mut counts);
             division.room().check(counts)?;
-            Ok(D::Cells::joined(&steps))
+            Ok(Cells::joined(&steps))
         })
         .or_else(|_| alone(division, root, ids))
 }
 
 /// Cells that several threads built.
-enum ForkedCells<C: CellStore> {
-    Cut(C::Cut, Vec<Self>),
-    Built(C),
+enum ForkedCells<S, L: Link<S>> {
+    Cut(L::Cut, Vec<Self>),
+    Built(Cells<S, L>),
 }
 
-impl<C: CellStore> Step<C> {
-    /// The store that is put behind all before.
-    fn below(&self) -> Option<&C> {
-        match self {
-            Self::Below(_, cells) => Some(cells),
-            Self::Divide(..) => None,
-        }
-    }
-}
-
-/// Joins the lists of the leaves of all stores.
-pub(crate) fn joined_lists<C: CellStore>(
-    steps: &[Step<C>],
-    lists: impl Fn(&C) -> &CellLists,
-) -> CellLists {
-    let (mut starts, mut ids, mut references) = (vec![(&[0][..], 0)], Vec::new(), 0);
-    for lists in steps.iter().filter_map(Step::below).map(lists) {
-        starts.push((&lists.starts()[1..], references));
-        ids.push((lists.ids(), ()));
-        references += lists.references() as u32;
-    }
-    CellLists::of_parts(concat(&starts, &|start, by| start + by), concat(&ids, &|id, ()| id))
-}
-
-impl<C: CellStore> ForkedCells<C> {
-    /// Selects from `steps` those that make these cells, from `cell` on; `counts` cells and
-    /// references.
-    fn steps(self, cell: usize, children: usize, steps: &mut Vec<Step<C>>, counts: &mut [u64; 2]) {
+impl<S, L: Link<S>> ForkedCells<S, L> {
+    /// Adds the steps that make these cells, from `cell` on; `counts` cells and references.
+    fn steps(self, cell: usize, steps: &mut Vec<Step<S, L>>, counts: &mut [u64; 2]) {
         match self {
             Self::Cut(cut, below) => {
-                steps.push(Step::Divide(cell, cut));
+                steps.push(Step::Divide(cell, L::inner(&cut, 0), L::record(cut)));
                 let first = counts[0] as usize;
-                counts[0] += children as u64;
+                counts[0] += L::CHILDREN as u64;
                 for (child, below) in below.into_iter().enumerate() {
-                    below.steps(first + child, children, steps, counts);
+                    below.steps(first + child, steps, counts);
                 }
             }
             Self::Built(cells) => {
-                let [more, references] = cells.counts().map(|n| n as u64);
-                *counts = [counts[0] + more - 1, counts[1] + references];
+                counts[0] += cells.links.len() as u64 - 1;
+                counts[1] += cells.lists.references() as u64;
                 steps.push(Step::Below(cell, cells));
             }
         }
     }
 }
 
+/// The cells that a division makes.
+type CellsOf<S, D> = Cells<S, <D as Division<S>>::Link>;
+
 /// The cells below a cell, on this thread.
 fn alone<S: Scalar, D: Division<S>>(
     division: &D,
     root: Cell<S, D::Descent>,
     ids: Vec<u32>,
-) -> Result<D::Cells, BuildError> {
-    let (scratch, cells) = (division.scratch(), D::Cells::begun());
+) -> Result<CellsOf<S, D>, BuildError> {
+    let (scratch, cells) = (division.scratch(), Cells::begun());
     let mut builder = Builder { division, scratch, cells, waiting: ids };
     builder.cell(0, root, 0)?;
     Ok(builder.cells)
@@ -180,7 +216,7 @@ fn forked<S: Scalar, D: Division<S>>(
     cell: Cell<S, D::Descent>,
     ids: Vec<u32>,
     large: usize,
-) -> Result<ForkedCells<D::Cells>, BuildError> {
+) -> Result<ForkedCells<S, D::Link>, BuildError> {
     let cut = if ids.len() > large && should_parallelize(ids.len()) {
         division.cut(&mut division.scratch(), &ids, &cell)
     } else {
@@ -198,14 +234,14 @@ fn forked<S: Scalar, D: Division<S>>(
         let bounds = D::child(&cell.bounds, &cut, child);
         forked(division, Cell { bounds, depth: cell.depth + 1, descent }, own, large)
     };
-    let below = map(0..D::CHILDREN, &below).into_iter().collect::<Result<_, _>>()?;
+    let below = map(0..D::Link::CHILDREN, &below).into_iter().collect::<Result<_, _>>()?;
     Ok(ForkedCells::Cut(cut, below))
 }
 
 struct Builder<'a, S: Scalar, D: Division<S>> {
     division: &'a D,
     scratch: D::Scratch,
-    cells: D::Cells,
+    cells: CellsOf<S, D>,
     /// References of the cells on the way from the first, one list after the other.
     waiting: Vec<u32>,
 }
@@ -219,7 +255,7 @@ impl<S: Scalar, D: Division<S>> Builder<'_, S, D> {
         from: usize,
     ) -> Result<(), BuildError> {
         let end = self.waiting.len();
-        let [cells, references] = self.cells.counts();
+        let (cells, references) = (self.cells.links.len(), self.cells.lists.references());
         let ids = &self.waiting[from..];
         let Some((cut, descent)) = self.division.cut(&mut self.scratch, ids, &cell) else {
             self.division.room().check([cells as u64, (references + ids.len()) as u64])?;
@@ -227,9 +263,9 @@ impl<S: Scalar, D: Division<S>> Builder<'_, S, D> {
             self.waiting.truncate(from);
             return Ok(());
         };
-        self.division.room().check([(cells + D::CHILDREN) as u64, references as u64])?;
+        self.division.room().check([(cells + D::Link::CHILDREN) as u64, references as u64])?;
         let first = self.cells.divide(number, cut);
-        for child in 0..D::CHILDREN {
+        for child in 0..D::Link::CHILDREN {
             for i in from..end {
                 let i = if self.division.alternates() { from + end - 1 - i } else { i };
                 let id = self.waiting[i];

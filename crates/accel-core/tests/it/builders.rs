@@ -8,6 +8,8 @@ use accel_core::structures::REGISTRY;
 use accel_core::{Hit, Ray, Vec3, Vector};
 use glam::{DAffine3, DMat3, DVec3, dvec3};
 
+use crate::common::build;
+
 /// Numbers that are none, and the smallest and largest that are.
 const SPECIAL: [f64; 10] =
     [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -1e-300, -0.0, 5e-324, 1e-45, 3e38, 1.7e308];
@@ -22,9 +24,7 @@ fn all_answer<S: Buildable>(set: &MixedSet<S>) {
     ];
     for entry in REGISTRY {
         for variant in entry.info.variants {
-            let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
-            let params = entry.params(settings).unwrap();
-            if let Ok(tracer) = entry.build(PrimsRef::Mixed(set), &params) {
+            if let Ok(tracer) = build(PrimsRef::Mixed(set), entry.info.name, variant) {
                 tracer.closest_hits(&rays, &mut [Hit::NONE; 3]);
                 tracer.occlusions(&rays, &mut [false; 3]);
             }

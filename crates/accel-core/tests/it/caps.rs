@@ -3,7 +3,7 @@
 //! error which limit it would break. None takes the machine down. Numbers that are not finite, or
 //! whose products are not, are refused.
 
-use crate::common::planted_entry;
+use crate::common::{self, Corners, planted_entry, relief, squares};
 use accel_core::params::config::Settings;
 use accel_core::primitives::{PrimitiveError, Primitives, PrimsRef, TriangleSet, Watertight};
 use accel_core::query::sink::Sink;
@@ -11,28 +11,9 @@ use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats
 use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Hit, Ray, Scalar};
 
-type Corners = [[f32; 3]; 3];
-
 /// The cap: so many bytes for a primitive, and so many for any scene.
 const BYTES_A_PRIMITIVE: u64 = 640;
 const BYTES_IN_ANY_CASE: u64 = 16 << 20;
-
-/// A relief of 2 * side * side triangles over the unit square, `height` high.
-fn relief(side: usize, height: f32, corner: [f32; 3], size: f32) -> Vec<Corners> {
-    let point = |x: usize, y: usize| {
-        let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
-        let z = (u * 37.0).sin() * (v * 29.0).cos() * height;
-        [corner[0] + u * size, corner[1] + v * size, corner[2] + z * size]
-    };
-    let mut triangles = Vec::with_capacity(2 * side * side);
-    for y in 0..side {
-        for x in 0..side {
-            let [a, b, c, d] = [point(x, y), point(x + 1, y), point(x, y + 1), point(x + 1, y + 1)];
-            triangles.extend([[a, b, c], [b, d, c]]);
-        }
-    }
-    triangles
-}
 
 fn set(triangles: Vec<Corners>) -> TriangleSet<f32, Watertight> {
     TriangleSet::new(triangles, |_| false).unwrap()
@@ -168,9 +149,7 @@ fn wing(around: usize, along: usize) -> Vec<Corners> {
         let thickness = 0.6 * half * turn.sin().signum();
         [x * chord + 0.3 * s, thickness * chord + 0.05 * s, s].map(|c| c as f32)
     };
-    let pairs = (0..around * along).map(|k| (k % around, k / around));
-    let quad = |(i, j)| [point(i, j), point(i + 1, j), point(i, j + 1), point(i + 1, j + 1)];
-    pairs.map(quad).flat_map(|[a, b, c, d]| [[a, b, d], [a, d, c]]).collect()
+    squares(around, along, point)
 }
 
 #[test]
@@ -192,21 +171,19 @@ fn slivers() {
 
 #[test]
 fn cuts_that_separate_nothing_are_limited() {
-    let references = |triangles: &[Corners], settings: &[(&str, &str)]| {
+    let references = |triangles: &[Corners], settings: &str| {
         let set = set(triangles.to_vec());
-        let entry = find("octree").unwrap();
-        let params = entry.params(settings.iter().copied()).unwrap();
-        let tracer = entry.build(PrimsRef::Watertight(&set), &params)?;
+        let tracer = common::build(PrimsRef::Watertight(&set), "octree", settings)?;
         Ok::<_, BuildError>(tracer.stats().references as f64 / set.len() as f64)
     };
     for scene in [blocks(12), wing(3997, 2), wing(999, 8)] {
-        for (growth, limit) in [("1", 1.0), ("16", 16.0), ("256", 256.0)] {
-            let found = references(&scene, &[("max-growth", growth)]).unwrap();
+        for limit in [1.0, 16.0, 256.0] {
+            let found = references(&scene, &format!("max-growth={limit}")).unwrap();
             assert!(found <= limit, "{found} references per primitive, at most {limit}");
         }
         // without that rule: planted
-        let unlimited = [("max-growth", "1e9"), ("max-references", "3000000")];
-        let refused = references(&scene, &unlimited).unwrap_err();
+        let unlimited = "max-growth=1e9 max-references=3000000";
+        let refused = references(&scene, unlimited).unwrap_err();
         assert!(matches!(refused, BuildError::TooLarge { .. }), "{refused}");
     }
 }

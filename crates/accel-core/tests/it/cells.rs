@@ -1,7 +1,7 @@
 //! Every structure shows its cells: as many as its counts say, all space that primitives fill, and
 //! the way of a ray through them that the counted pass counts.
 
-use crate::common::{Random, Set, all_scenes, rays_for};
+use crate::common::{Random, Set, all_scenes, build, rays_for};
 use accel_core::primitives::{Ball, PrimSet, TriangleSet, Watertight};
 use accel_core::query::cells::{CellKind, NoCells};
 use accel_core::query::entered::{cells_entered, crossed};
@@ -134,13 +134,8 @@ fn settings(entry: &Entry) -> impl Iterator<Item = &'static str> {
     entry.info.variants.iter().chain(entry.info.also_tested).copied()
 }
 
-fn built<'a, S: Buildable>(
-    entry: &Entry,
-    set: &'a Set<S>,
-    settings: &str,
-) -> Box<dyn Tracer<S> + 'a> {
-    let settings = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
-    entry.build(set.prims(), &entry.params(settings).unwrap()).unwrap()
+fn built<'a, S: Buildable>(entry: &Entry, set: &'a Set<S>, text: &str) -> Box<dyn Tracer<S> + 'a> {
+    build(set.prims(), entry.info.name, text).unwrap()
 }
 
 fn all_cells<S: Buildable>() {

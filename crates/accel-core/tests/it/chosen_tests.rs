@@ -14,8 +14,9 @@ use accel_core::variants::chosen_tests::{
 };
 use accel_core::{Hit, Ray};
 
-use crate::common::{Set, all_scenes, build};
-use crate::test_scenes::{closest_hits, mixed_scene, occlusions, rays};
+use crate::agreement::closest_hits;
+use crate::common::{Set, all_scenes, build, settings};
+use crate::test_scenes::{mixed_scene, occlusions, rays};
 
 /// The structures that offer the choice, primitives one by one and in blocks.
 const STRUCTURES: [(&str, &str); 3] =
@@ -65,13 +66,9 @@ fn answers_of_all<P: PrimSet<f32>, A: Answer<f32>>(
     rays.iter().map(answer).collect()
 }
 
-fn expected(
-    prims: PrimsRef<'_, f32>,
-    settings: &str,
-    rays: &[Ray<f32>],
-) -> (Vec<Hit<f32>>, Vec<bool>) {
-    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
-    let choice = Choice::of(&find("wide-bvh").unwrap().params(settings).unwrap()).unwrap();
+fn expected(prims: PrimsRef<'_, f32>, text: &str, rays: &[Ray<f32>]) -> (Vec<Hit<f32>>, Vec<bool>) {
+    let params = find("wide-bvh").unwrap().params(settings(text)).unwrap();
+    let choice = Choice::of(&params).unwrap();
     visit_tested(prims, choice, Oracle(rays)).unwrap()
 }
 

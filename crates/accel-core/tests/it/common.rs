@@ -5,7 +5,7 @@ use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, TriangleSet, Water
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use accel_core::structures::find;
+use accel_core::structures::{Entry, REGISTRY, find};
 use accel_core::{Ray, Scalar, Vec3, Vector};
 use glam::{DQuat, DVec3, dvec3};
 
@@ -71,6 +71,16 @@ fn triangles<S: Buildable>(list: &[[DVec3; 3]], transmissive: impl Fn(u32) -> bo
     Set::Triangles(triangle_set(list.iter().copied(), transmissive))
 }
 
+/// Two triangles for each of `m * n` squares between these corners.
+pub fn squares<P: Copy>(m: usize, n: usize, corner: impl Fn(usize, usize) -> P) -> Vec<[P; 3]> {
+    let square = |k: usize| {
+        let (i, j) = (k % m, k / m);
+        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)];
+        [[a, b, d], [a, d, c]]
+    };
+    (0..m * n).flat_map(square).collect()
+}
+
 /// A name, the set and its bounds.
 pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
     let mut r = Random::new(42);
@@ -81,13 +91,7 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
             [p, p + r.signed() * 0.15, p + r.signed() * 0.15]
         })
         .collect();
-    let lattice: Vec<[DVec3; 3]> = (0..12)
-        .flat_map(|y| (0..12).map(move |x| (f64::from(x), f64::from(y))))
-        .flat_map(|(x, y)| {
-            let p = |dx: f64, dy: f64| dvec3((x + dx) / 12.0, 0.5, (y + dy) / 12.0);
-            [[p(0.0, 0.0), p(1.0, 0.0), p(1.0, 1.0)], [p(0.0, 0.0), p(1.0, 1.0), p(0.0, 1.0)]]
-        })
-        .collect();
+    let lattice = squares(12, 12, |x, y| dvec3(x as f64 / 12.0, 0.5, y as f64 / 12.0));
     // twins in the same place, in the middle of others: the lowest id must win
     let mut twins = soup[..60].to_vec();
     twins.extend_from_slice(&soup[..60]);
@@ -128,7 +132,6 @@ pub fn all_scenes<S: Buildable>() -> Vec<Named<S>> {
 }
 
 /// So many triangles of all sizes within the unit cube, half of them in a corner of it.
-#[allow(dead_code, reason = "not every test target needs them")]
 pub fn many_triangles(n: usize) -> TriangleSet<f32, Watertight> {
     let mut r = Random::new(5);
     let list = (0..n).map(|i| {
@@ -138,6 +141,26 @@ pub fn many_triangles(n: usize) -> TriangleSet<f32, Watertight> {
         corners.map(|p| p.clamp(DVec3::ZERO, DVec3::ONE).as_vec3().to_array())
     });
     TriangleSet::new(list.collect(), |_| false).unwrap()
+}
+
+/// A triangle in f32.
+pub type Corners = [[f32; 3]; 3];
+
+/// A relief of 2 * side * side triangles over the unit square, `height` high.
+pub fn relief(side: usize, height: f32, corner: [f32; 3], size: f32) -> Vec<Corners> {
+    let point = |x: usize, y: usize| {
+        let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
+        let z = (u * 37.0).sin() * (v * 29.0).cos() * height;
+        [corner[0] + u * size, corner[1] + v * size, corner[2] + z * size]
+    };
+    let mut triangles = Vec::with_capacity(2 * side * side);
+    for y in 0..side {
+        for x in 0..side {
+            let [a, b, c, d] = [point(x, y), point(x + 1, y), point(x, y + 1), point(x + 1, y + 1)];
+            triangles.extend([[a, b, c], [b, d, c]]);
+        }
+    }
+    triangles
 }
 
 /// Primitives of all kinds; two thirds of them move, if any do.
@@ -240,15 +263,29 @@ pub fn rays_for<S: Buildable>(bounds: (DVec3, DVec3), r: &mut Random) -> Vec<Ray
     rays
 }
 
-/// The structure of that name, by settings like `leaf-size=3 group=8`.
+/// Settings written as in a variant: `leaf-size=3 group=8`.
+pub fn settings(text: &str) -> impl Iterator<Item = (&str, &str)> + Clone {
+    text.split_whitespace().map(|word| word.split_once('=').unwrap())
+}
+
+/// The structure of that name, by settings written so.
 pub fn build<'a, S: Buildable>(
     prims: PrimsRef<'a, S>,
     name: &str,
-    settings: &str,
+    text: &str,
 ) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
     let entry = find(name).unwrap();
-    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
-    entry.build(prims, &entry.params(settings).unwrap())
+    entry.build(prims, &entry.params(settings(text)).unwrap())
+}
+
+/// Every structure, by name, in every variant that is measured and has no known defect.
+pub fn right_variants() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let all =
+        REGISTRY.iter().flat_map(|entry| entry.info.variants.iter().map(move |v| (entry, *v)));
+    let is_right = |(entry, variant): &(&Entry, &str)| {
+        (entry.info.known_defect)(&entry.params(settings(variant)).unwrap()).is_none()
+    };
+    all.filter(is_right).map(|(entry, variant)| (entry.info.name, variant))
 }
 
 /// An entry for a structure with a planted fault. Its queries are called, not compiled into its

@@ -1,13 +1,13 @@
 //! Primitives that no cell and no plane can separate: all in one place, or all about one centre.
 //! What a structure makes of them stays near-linear in their number.
 
+use accel_core::Ray;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSet, MixedSetBuilder};
-use accel_core::structures::{Entry, REGISTRY, find};
-use accel_core::{Hit, Ray};
 use glam::{DVec3, dvec3};
 
-use crate::common::Random;
+use crate::agreement::closest_hits;
+use crate::common::{Random, build, right_variants};
 
 const N: usize = 100_000;
 
@@ -43,38 +43,24 @@ fn most_references(n: usize) -> u64 {
 }
 
 /// Number of references of a structure; its answers must be those of brute force.
-fn references(set: &MixedSet<f32>, entry: &Entry, settings: &str) -> u64 {
-    let settings = settings.split_whitespace().map(|s| s.split_once('=').unwrap());
-    let tracer = entry.build(PrimsRef::Mixed(set), &entry.params(settings).unwrap()).unwrap();
+fn references(set: &MixedSet<f32>, name: &str, text: &str) -> u64 {
+    let tracer = build(PrimsRef::Mixed(set), name, text).unwrap();
     let rays = [[0.45, 0.4, -9.0], [0.1, 0.1, -9.0], [3.0, 3.0, -9.0]]
         .map(|o| Ray::<f32>::new(o.into(), [0.0, 0.0, 1.0].into()));
-    let mut right = [Hit::NONE; 3];
-    let oracle = find("brute-force").unwrap();
-    let oracle = oracle.build(PrimsRef::Mixed(set), &oracle.params([]).unwrap()).unwrap();
-    oracle.closest_hits(&rays, &mut right);
-    let mut hits = [Hit { t: f32::NAN, id: 0 }; 3];
-    tracer.closest_hits(&rays, &mut hits);
-    assert_eq!(hits, right, "{}", entry.info.name);
+    let right = closest_hits(&*build(PrimsRef::Mixed(set), "brute-force", "").unwrap(), &rays);
+    assert_eq!(closest_hits(&*tracer, &rays), right, "{name} {text}");
     tracer.stats().references
 }
 
 #[test]
 fn building_over_inseparable_primitives_is_near_linear() {
     for (scene, set) in scenes(N) {
-        let rows = REGISTRY.iter().flat_map(|e| e.info.variants.iter().map(move |v| (e, *v)));
-        let robust = REGISTRY.iter().find(|entry| entry.info.name == "obvhs-cwbvh");
-        let robust = robust.map(|entry| (entry, "adapter=robust"));
-        for (entry, variant) in rows.chain(robust) {
-            let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
-            // obvhs as its authors use it is quadratic
-            if (entry.info.known_defect)(&entry.params(settings).unwrap()).is_some() {
-                continue;
-            }
+        // obvhs as its authors use it is quadratic
+        for (name, variant) in right_variants().chain([("obvhs-cwbvh", "adapter=robust")]) {
             let start = std::time::Instant::now();
-            let found = references(&set, entry, variant);
+            let found = references(&set, name, variant);
             // shown with --nocapture: which structure takes long
             let seconds = start.elapsed().as_secs_f64();
-            let name = entry.info.name;
             println!("{scene}: {name} {variant}: {found} references, {seconds:.2} s");
             assert!(found <= most_references(N), "{scene}: {name} {variant}: {found} references");
         }
@@ -85,8 +71,7 @@ fn building_over_inseparable_primitives_is_near_linear() {
 fn unlimited_growth_is_caught() {
     let n = 4000;
     let [_, (_, triangles), ..] = scenes(n);
-    let entry = find("irregular-grid").unwrap();
-    let found = |settings| references(&triangles, entry, settings);
+    let found = |settings| references(&triangles, "irregular-grid", settings);
     assert!(found("") <= most_references(n));
     let unlimited = found("max-growth=1e9 step-cost=0 longest-list=1");
     assert!(unlimited > most_references(n), "{unlimited}");

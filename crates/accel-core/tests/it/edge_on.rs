@@ -5,12 +5,12 @@
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{PrimSet, Primitives, TriangleSet, Watertight};
 use accel_core::registry::Buildable;
-use accel_core::structures::{REGISTRY, find};
 use accel_core::variants::triangle_tests::WatertightFallback;
 use accel_core::{Hit, Ray, Scalar, Vector};
 use glam::{DVec3, dvec3};
 
-use crate::common::{Random, triangle_set};
+use crate::agreement::{Answers, agreed};
+use crate::common::{Random, right_variants, squares, triangle_set};
 
 fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
     triangle_set(triangles.iter().copied(), |_| false)
@@ -18,55 +18,20 @@ fn set<S: Scalar>(triangles: &[[DVec3; 3]]) -> TriangleSet<S, Watertight> {
 
 /// A lattice of 2 n n triangles over the square from 0 to n in x and z, at y = 0.
 fn lattice(n: usize) -> Vec<[DVec3; 3]> {
-    let at = |x: usize, z: usize| dvec3(x as f64, 0.0, z as f64);
-    (0..n * n)
-        .map(|i| (i % n, i / n))
-        .flat_map(|(x, z)| {
-            let q = [at(x, z), at(x + 1, z), at(x + 1, z + 1), at(x, z + 1)];
-            [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
-        })
-        .collect()
-}
-
-/// Closest hits; occlusion and counted hits must say the same.
-fn hits<S: Buildable>(prims: PrimsRef<S>, name: &str, text: &str, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let entry = find(name).unwrap();
-    let settings = text.split_whitespace().map(|s| s.split_once('=').unwrap());
-    let tracer = entry.build(prims, &entry.params(settings).unwrap()).unwrap();
-    let mut hits = vec![Hit::NONE; rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    let mut counted = hits.clone();
-    tracer.count_closest_hits(rays, &mut counted);
-    let mut blocked = vec![false; rays.len()];
-    tracer.occlusions(rays, &mut blocked);
-    for i in 0..rays.len() {
-        let is_same = counted[i] == hits[i] && blocked[i] == hits[i].is_hit();
-        assert!(is_same, "{name} {text} {:?}: {:?} {:?}", rays[i], hits[i], counted[i]);
-    }
-    hits
+    squares(n, n, |x, z| dvec3(x as f64, 0.0, z as f64))
 }
 
 /// The answers of brute force, after all structures were compared with them.
-fn agreed<S: Buildable>(set: &TriangleSet<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
-    let prims = PrimsRef::Watertight(set);
-    let right = hits(prims, "brute-force", "", rays);
-    let mut wrong = Vec::new();
-    let variants = REGISTRY.iter().flat_map(|e| e.info.variants.iter().map(move |v| (e, *v)));
-    for (entry, variant) in variants.chain([(find("irregular-grid").unwrap(), "query=batch")]) {
-        let settings = variant.split_whitespace().map(|s| s.split_once('=').unwrap());
-        if (entry.info.known_defect)(&entry.params(settings).unwrap()).is_some() {
-            continue;
-        }
-        let got = hits(prims, entry.info.name, variant, rays);
-        let differing: Vec<_> = (0..rays.len()).filter(|&i| got[i] != right[i]).collect();
-        if let Some(&i) = differing.first() {
-            let n = differing.len();
-            let first = format!("{:?}: {:?}, not {:?}", rays[i], got[i], right[i]);
-            wrong.push(format!("{} {variant}: {n} of {}: {first}", entry.info.name, rays.len()));
-        }
-    }
-    assert!(wrong.is_empty(), "{} {wrong:#?}", S::NAME);
-    right
+fn agreed_by_all<S: Buildable>(set: &TriangleSet<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    let tested: Vec<_> = right_variants().chain([("irregular-grid", "query=batch")]).collect();
+    let Answers { hits, blocked } =
+        agreed("", PrimsRef::Watertight(set), rays, 2 * rays.len(), &tested);
+    assert!(hits.iter().map(Hit::is_hit).eq(blocked));
+    hits
+}
+
+fn brute_force<S: Buildable>(set: &TriangleSet<S>, rays: &[Ray<S>]) -> Vec<Hit<S>> {
+    Answers::expected(PrimsRef::Watertight(set), rays).hits
 }
 
 /// By how much the point of a hit lies outside of its triangle's box, in epsilons of the set's
@@ -150,7 +115,7 @@ fn no_hit_lies_outside<S: Buildable>() {
         } else {
             within_a_plane::<S>(&mut random)
         };
-        agreed(&set, &rays);
+        agreed_by_all(&set, &rays);
         let of_round = counted(&set, &set, &rays);
         // planted fault: a test whose weights are rounding where a triangle is seen edge-on
         let of_planted = counted(&set, set.tested_by::<WatertightFallback>(), &rays);
@@ -203,11 +168,10 @@ fn flat_scenes_are_hit_where_they_are_left<S: Buildable>(components: &[f64]) {
         }
         rays.push(Ray::<S>::from_dvec3(o, d));
     }
-    agreed(&set, &rays);
+    agreed_by_all(&set, &rays);
     // behind the origin, too: zero is rounded to either side
     rays.iter_mut().for_each(|ray| ray.t_min = S::from_f64(-20.0));
-    let prims = PrimsRef::Watertight(&set);
-    let found = hits(prims, "brute-force", "", &rays);
+    let found = brute_force(&set, &rays);
     let mut at_origin = 0;
     for (ray, hit) in rays.iter().zip(&found) {
         let o = ray.origin.to_dvec3();
@@ -284,8 +248,8 @@ fn components_of_any_size_find_what_the_same_ray_finds_in_f64() {
     for sizes in [&[1e30, 1e35, 3e38][..], &[1e-45, 1e-42, 1e-38, 1e-30]] {
         let rays = extreme_rays(&mut random, sizes, sizes[0] > 1.0);
         let (ours, theirs): (Vec<_>, Vec<_>) = rays.into_iter().unzip();
-        let found = agreed(&narrow, &ours);
-        let right = hits(PrimsRef::Watertight(&wide), "brute-force", "", &theirs);
+        let found = agreed_by_all(&narrow, &ours);
+        let right = brute_force(&wide, &theirs);
         let hit = right.iter().filter(|h| h.is_hit()).count();
         assert!(hit > ours.len() / 8, "{hit} of {}", ours.len());
         let mut other = 0;

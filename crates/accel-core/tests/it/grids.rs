@@ -1,48 +1,17 @@
 //! Grids of one level against brute force and one another.
 
-use accel_core::geometry::ray::{Hit, Ray};
-use accel_core::geometry::scalar::Scalar;
-use accel_core::primitives::MixedSetBuilder;
-use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
+use accel_core::primitives::{MixedSetBuilder, PrimsRef};
 use accel_core::registry::Buildable;
-use accel_core::structures::find;
 
-use crate::test_scenes::{
-    Random, built, closest_hits, hard_scenes, mixed_scene, occlusions, rays, unwritten,
-};
-
-/// Results of a tracer: hits, blocked, counters of both kinds of query.
-pub(crate) type AnswersAndWork<S> = (Vec<Hit<S>>, Vec<bool>, WorkCounters, WorkCounters);
-
-/// Runs every query of a tracer; counted and timed answers must agree.
-pub(crate) fn work<S: Scalar>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> AnswersAndWork<S> {
-    let hits = closest_hits(tracer, rays);
-    let mut counted_hits = vec![unwritten(); rays.len()];
-    let blocked = occlusions(tracer, rays);
-    let preset = |blocked: &bool| ShadowCount { blocked: !blocked, glass: 0 };
-    let mut answers: Vec<_> = blocked.iter().map(preset).collect();
-    let closest = tracer.count_closest_hits(rays, &mut counted_hits);
-    let shadow = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut answers);
-    assert_eq!(hits, counted_hits);
-    assert!(answers.iter().map(|a| a.blocked).eq(blocked.iter().copied()));
-    (hits, blocked, closest, shadow)
-}
+use crate::agreement::{agreed, work};
+use crate::common::build;
+use crate::test_scenes::{Random, hard_scenes, mixed_scene, rays};
 
 /// Every setting must give brute force's hits, bit for bit.
-pub(crate) fn agrees_with_brute_force<S: Buildable>(name: &str, settings: &[&str]) {
-    let entry = find(name).unwrap();
+fn agree_with_brute_force<S: Buildable>(tested: &[(&str, impl AsRef<str>)]) {
     for (scene, set) in hard_scenes::<S>() {
         let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 99);
-        let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
-        assert!(right.0.iter().filter(|h| h.is_hit()).count() * 20 > rays.len(), "{scene}");
-        for settings in settings {
-            let got = work(built(entry, &set, settings).as_ref(), &rays);
-            for (i, ray) in rays.iter().enumerate() {
-                assert_eq!(got.0[i], right.0[i], "{name} {settings} {scene} {ray:?}");
-                assert_eq!(got.1[i], right.1[i], "{name} {settings} {scene} {ray:?}");
-            }
-        }
+        agreed(scene, PrimsRef::Mixed(&set), &rays, 20, tested);
     }
 }
 
@@ -57,8 +26,9 @@ fn grids_agree_with_brute_force() {
             "resolution=cubic",
             "resolution=auto",
         ];
-        agrees_with_brute_force::<f32>(name, &settings);
-        agrees_with_brute_force::<f64>(name, &settings);
+        let tested = settings.map(|settings| (name, settings));
+        agree_with_brute_force::<f32>(&tested);
+        agree_with_brute_force::<f64>(&tested);
     }
 }
 
@@ -67,10 +37,10 @@ fn storages_have_the_same_cells_and_do_the_same_work() {
     for (scene, set) in hard_scenes::<f64>() {
         let rays = rays(&set, if scene == "duplicates" { 60 } else { 1500 }, 5);
         for settings in ["", "density=9 order=reverse", "boxes=historical traversal=driving-axis"] {
-            let dense = built(find("uniform-grid").unwrap(), &set, settings);
+            let dense = build(PrimsRef::Mixed(&set), "uniform-grid", settings).unwrap();
             let expected = work(dense.as_ref(), &rays);
             for name in ["hashed-grid", "bricked-grid"] {
-                let other = built(find(name).unwrap(), &set, settings);
+                let other = build(PrimsRef::Mixed(&set), name, settings).unwrap();
                 assert!(work(other.as_ref(), &rays) == expected, "{name} {settings} {scene}");
                 let (mut a, mut b) = (dense.stats(), other.stats());
                 (a.bytes, b.bytes) = (0, 0);
@@ -91,12 +61,12 @@ fn a_virtual_grid_of_2048_cubed_works() {
     }
     let set = set.finish();
     let rays = rays(&set, 600, 12);
-    let right = work(built(find("brute-force").unwrap(), &set, "").as_ref(), &rays);
+    let right = work(build(PrimsRef::Mixed(&set), "brute-force", "").unwrap().as_ref(), &rays);
     for traversal in ["t-next", "driving-axis"] {
         let settings = format!("resolution=2048x2048x2048 traversal={traversal}");
-        let grid = built(find("hashed-grid").unwrap(), &set, &settings);
+        let grid = build(PrimsRef::Mixed(&set), "hashed-grid", &settings).unwrap();
         let got = work(grid.as_ref(), &rays);
-        assert!(got.0 == right.0 && got.1 == right.1);
+        assert!(got.0 == right.0);
         let stats = grid.stats();
         assert_eq!(stats.cells, 1 << 33);
         assert!(stats.bytes < 1 << 27, "{stats:?}");
@@ -107,27 +77,29 @@ const METRICS: [&str; 3] = ["city-block", "chessboard", "euclidean"];
 
 #[test]
 fn proximity_clouds_agree_with_brute_force() {
-    let all: Vec<String> = METRICS
-        .iter()
-        .flat_map(|m| ["all", "octants"].map(|d| format!("metric={m} directions={d} density=15")))
-        .collect();
-    let all: Vec<&str> = all.iter().map(String::as_str).collect();
-    agrees_with_brute_force::<f32>("proximity-clouds", &all);
-    agrees_with_brute_force::<f64>("proximity-clouds", &all);
+    let settings = |metric: &&str| {
+        ["all", "octants"].map(|directions| {
+            let settings = format!("metric={metric} directions={directions} density=15");
+            ("proximity-clouds", settings)
+        })
+    };
+    let tested: Vec<_> = METRICS.iter().flat_map(settings).collect();
+    agree_with_brute_force::<f32>(&tested);
+    agree_with_brute_force::<f64>(&tested);
 }
 
 #[test]
 fn jumps_save_steps() {
     let set = mixed_scene::<f32>(100, 31, [1.0; 3]);
     let rays = rays(&set, 1000, 32);
-    let grid = built(find("uniform-grid").unwrap(), &set, "density=100");
-    let plain = work(grid.as_ref(), &rays).2;
+    let grid = build(PrimsRef::Mixed(&set), "uniform-grid", "density=100").unwrap();
+    let plain = work(grid.as_ref(), &rays).1[0];
     for metric in METRICS {
         let mut steps = plain.traversal_steps;
         for directions in ["all", "octants"] {
             let settings = format!("density=100 metric={metric} directions={directions}");
-            let clouds = built(find("proximity-clouds").unwrap(), &set, &settings);
-            let counters = work(clouds.as_ref(), &rays).2;
+            let clouds = build(PrimsRef::Mixed(&set), "proximity-clouds", &settings).unwrap();
+            let counters = work(clouds.as_ref(), &rays).1[0];
             assert!(counters.traversal_steps < steps, "{settings}");
             steps = counters.traversal_steps;
         }

@@ -41,4 +41,4 @@ mod time_segments;
 mod volumes;
 mod voxel_traversals;
 
-use accel_core::{geometry, primitives, query, registry, structures};
+use accel_core::{geometry, primitives, query};

@@ -6,20 +6,12 @@ use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::structure::{BuildError, StructureStats};
 use accel_core::structures::{Entry, REGISTRY, find};
 
+use crate::common;
+
 type Set = TriangleSet<f32, Watertight>;
 
-/// A relief of 2 * side * side triangles.
-fn relief(side: u32) -> Set {
-    let point = |x: u32, y: u32| {
-        let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
-        [u, v, (u * 37.0).sin() * (v * 29.0).cos() * 0.1]
-    };
-    let quad = |i: u32| {
-        let (x, y) = (i % side, i / side);
-        let [a, b, c, d] = [point(x, y), point(x + 1, y), point(x, y + 1), point(x + 1, y + 1)];
-        [[a, b, c], [b, d, c]]
-    };
-    Set::new((0..side * side).flat_map(quad).collect(), |_| false).unwrap()
+fn relief(side: usize) -> Set {
+    Set::new(common::relief(side, 0.1, [0.0; 3], 1.0), |_| false).unwrap()
 }
 
 fn built(
@@ -35,7 +27,7 @@ fn built(
 /// The variants of a structure, as settings.
 fn variants(entry: &'static Entry) -> impl Iterator<Item = Vec<(&'static str, &'static str)>> {
     let settings = entry.info.variants.iter().chain(entry.info.also_tested);
-    settings.map(|v| v.split_whitespace().map(|s| s.split_once('=').unwrap()).collect())
+    settings.map(|variant| common::settings(variant).collect())
 }
 
 /// Faults of a structure with little memory.

@@ -1,61 +1,48 @@
 //! HUG and the adaptive grid give the oracle's answers, bit for bit, and survive hard scenes.
 
-use crate::agreement::Answers;
-use crate::common::triangle_set;
+use crate::agreement::agreed;
+use crate::common::{Random, build, squares, triangle_set};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{
     Cone, MixedSet, MixedSetBuilder, Primitives, TriangleSet, Watertight,
 };
 use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
-use accel_core::structures::find;
 use accel_core::{Hit, Ray, Scalar};
 use glam::{DVec3, dvec3};
 
 /// Every structure and setting under test.
-const SETTINGS: &[(&str, &[(&str, &str)])] = &[
-    ("hug", &[]),
-    ("hug", &[("size-classes", "1")]),
-    ("hug", &[("size-classes", "2"), ("gap", "0.1"), ("density", "8")]),
-    ("hug", &[("size-classes", "16"), ("min-objects", "1")]),
-    ("hug", &[("size-classes", "6"), ("gap", "-0.05"), ("min-objects", "2")]),
-    ("adaptive-grid", &[]),
-    ("adaptive-grid", &[("m", "0.01"), ("split", "2"), ("levels", "8")]),
-    ("adaptive-grid", &[("m", "0.1"), ("orphan-grid", "on"), ("levels", "0")]),
-    ("adaptive-grid", &[("f", "1"), ("exact-clusters", "16"), ("density", "6"), ("split", "3")]),
-    ("adaptive-grid", &[("f", "0"), ("m", "0")]),
+const SETTINGS: &[(&str, &str)] = &[
+    ("hug", ""),
+    ("hug", "size-classes=1"),
+    ("hug", "size-classes=2 gap=0.1 density=8"),
+    ("hug", "size-classes=16 min-objects=1"),
+    ("hug", "size-classes=6 gap=-0.05 min-objects=2"),
+    ("adaptive-grid", ""),
+    ("adaptive-grid", "m=0.01 split=2 levels=8"),
+    ("adaptive-grid", "m=0.1 orphan-grid=on levels=0"),
+    ("adaptive-grid", "f=1 exact-clusters=16 density=6 split=3"),
+    ("adaptive-grid", "f=0 m=0"),
 ];
 
-/// A small generator of numbers in [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 33) as f64 / (1u64 << 31) as f64
-    }
-    fn point(&mut self) -> DVec3 {
-        dvec3(self.next(), self.next(), self.next())
-    }
-    /// In [-1, 1) on each axis, mostly small numbers of 1/4 so that ties occur.
-    fn direction(&mut self) -> DVec3 {
-        let d = 2.0 * self.point() - 1.0;
-        match (self.next() * 6.0) as u32 {
-            0 => (d * 1.99).trunc(),
-            1 => (d * 4.0).round() / 4.0,
-            2 => dvec3(d.x, 0.0, d.z),
-            3 => dvec3(-0.0, -1.0, 0.0) * d.y.signum(),
-            _ => d,
-        }
+/// In [-1, 1) on each axis, mostly small numbers of 1/4 so that ties occur.
+fn direction(random: &mut Random) -> DVec3 {
+    let d = random.signed();
+    match (random.unit() * 6.0) as u32 {
+        0 => (d * 1.99).trunc(),
+        1 => (d * 4.0).round() / 4.0,
+        2 => dvec3(d.x, 0.0, d.z),
+        3 => dvec3(-0.0, -1.0, 0.0) * d.y.signum(),
+        _ => d,
     }
 }
 
 fn rays<S: Scalar>(lo: DVec3, hi: DVec3, count: usize, seed: u64) -> Vec<Ray<S>> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let size = hi - lo;
     (0..count)
         .map(|i| {
-            let direction = random.direction();
+            let direction = direction(&mut random);
             let target = lo + size * random.point();
             let origin = match i % 3 {
                 0 => target,
@@ -65,40 +52,28 @@ fn rays<S: Scalar>(lo: DVec3, hi: DVec3, count: usize, seed: u64) -> Vec<Ray<S>>
             let mut ray = Ray::<S>::from_dvec3(origin, direction);
             if i % 5 == 0 {
                 ray.t_min = S::from_f64(0.1);
-                ray.t_max = S::from_f64(random.next() * size.length());
+                ray.t_max = S::from_f64(random.unit() * size.length());
             }
             ray
         })
         .collect()
 }
 
-/// Compares closest hits and occlusions of all settings with brute force.
-fn agree<'a, S: Buildable>(scene: &str, prims: PrimsRef<'a, S>, rays: &[Ray<S>]) {
-    let expected = Answers::expected(prims, rays);
-    assert!(expected.hits.iter().any(Hit::is_hit), "{scene}: no ray hits");
-    for &(name, settings) in SETTINGS {
-        let entry = find(name).unwrap();
-        let params = entry.params(settings.iter().copied()).unwrap();
-        let tracer = entry.build(prims, &params).unwrap();
-        let answers = Answers::of(&*tracer, rays, &expected);
-        if let Some(&i) = answers.differing(&expected).first() {
-            let [is, ought] = [&answers, &expected].map(|a| (a.hits[i], a.blocked[i]));
-            panic!("{scene}: {name} {params}: {:?}: {is:?}, not {ought:?}", rays[i]);
-        }
-    }
+fn agree<S: Buildable>(scene: &str, prims: PrimsRef<S>, rays: &[Ray<S>]) {
+    agreed(scene, prims, rays, 2 * rays.len(), SETTINGS);
 }
 
 /// Spheres, triangles, quads and cones of very different sizes, some twice, some glass.
 fn mixed<S: Scalar>(count: usize, seed: u64) -> MixedSet<S> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut set = MixedSetBuilder::<S>::default();
     for i in 0..count {
         let p = random.point() * 8.0;
-        let side = 0.02 * 100f64.powf(random.next());
+        let side = 0.02 * 100f64.powf(random.unit());
         match i % 4 {
             0 => set.sphere(p, side).unwrap(),
             1 => {
-                let v = [p, p + random.direction() * side, p + random.direction() * side];
+                let v = [p, p + direction(&mut random) * side, p + direction(&mut random) * side];
                 set.triangle(v).unwrap();
                 set.triangle(v).unwrap();
             }
@@ -108,7 +83,7 @@ fn mixed<S: Scalar>(count: usize, seed: u64) -> MixedSet<S> {
                 set.polygon(&[p, p + a, p + a + b, p + b]).unwrap();
             }
             _ => {
-                let top = p + (2.0 * random.point() - 1.0) * side;
+                let top = p + random.signed() * side;
                 set.cone(Cone::new(p, 0.2 * side, top, 0.1 * side)).unwrap();
             }
         }
@@ -141,13 +116,7 @@ fn field(n: usize, size: f64, height: impl Fn(f64, f64) -> f64) -> Vec<[DVec3; 3
         let (x, z) = (i as f64 / n as f64 * size, j as f64 / n as f64 * size);
         dvec3(x, height(x, z), z)
     };
-    (0..n * n)
-        .flat_map(|k| {
-            let (i, j) = (k % n, k / n);
-            let q = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-            [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]
-        })
-        .collect()
+    squares(n, n, at)
 }
 
 #[test]
@@ -171,8 +140,7 @@ fn a_teapot_in_a_stadium_agrees_with_brute_force() {
     agree("stadium", PrimsRef::Watertight(&set), &rays);
     // few rays may test more than a few of the teapot's 3,200 triangles
     for name in ["hug", "adaptive-grid"] {
-        let entry = find(name).unwrap();
-        let tracer = entry.build(PrimsRef::Watertight(&set), &entry.params([]).unwrap()).unwrap();
+        let tracer = build(PrimsRef::Watertight(&set), name, "").unwrap();
         let work = tracer.count_closest_hits(&rays, &mut vec![Hit::NONE; rays.len()]);
         let tests = work.intersection_tests as f64 / rays.len() as f64;
         assert!(tests < 60.0, "{name}: {tests} tests per ray");
@@ -185,11 +153,8 @@ fn ten_thousand_copies_of_a_triangle_stay_within_memory() {
     let rays = rays(DVec3::ZERO, DVec3::ONE, 20, 8);
     agree("copies", PrimsRef::Watertight(&set), &rays);
     for &(name, settings) in SETTINGS {
-        let entry = find(name).unwrap();
-        let params = entry.params(settings.iter().copied()).unwrap();
-        let tracer = entry.build(PrimsRef::Watertight(&set), &params).unwrap();
-        let bytes = tracer.stats().bytes;
-        assert!(bytes < 16 << 20, "{name} {params}: {bytes} bytes");
+        let bytes = build(PrimsRef::Watertight(&set), name, settings).unwrap().stats().bytes;
+        assert!(bytes < 16 << 20, "{name} {settings}: {bytes} bytes");
     }
 }
 
@@ -198,9 +163,8 @@ fn limits_are_typed_errors() {
     let set = mixed::<f64>(1000, 9);
     for name in ["hug", "adaptive-grid"] {
         for limit in ["max-cells", "max-references"] {
-            let entry = find(name).unwrap();
-            let params = entry.params([(limit, "20"), ("boxes", "historical")]).unwrap();
-            let error = entry.build(PrimsRef::Mixed(&set), &params).err();
+            let settings = format!("{limit}=20 boxes=historical");
+            let error = build(PrimsRef::Mixed(&set), name, &settings).err();
             assert!(matches!(error, Some(BuildError::TooLarge { .. })), "{name} {limit}");
         }
     }

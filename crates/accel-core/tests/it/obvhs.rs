@@ -2,8 +2,8 @@
 //! intervals at negative t, rays within planes of triangles, and scenes whose trees are deep. The
 //! answers are those of brute force.
 
-use crate::agreement::Answers;
-use crate::common::{Random, triangle_set};
+use crate::agreement::{Answers, agreed};
+use crate::common::{Random, squares, triangle_set};
 use accel_core::Ray;
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
@@ -12,8 +12,7 @@ use accel_core::structures::find;
 use glam::{DQuat, DVec3, dvec3};
 
 /// Rows over such trees.
-const ROWS: [(&str, &[(&str, &str)]); 2] =
-    [("wide-bvh", &[]), ("obvhs-cwbvh", &[("adapter", "robust")])];
+const ROWS: [(&str, &str); 2] = [("wide-bvh", ""), ("obvhs-cwbvh", "adapter=robust")];
 const PRESETS: [&str; 6] = ["fastest", "very-fast", "fast", "medium", "slow", "very-slow"];
 
 type Corners = [DVec3; 3];
@@ -22,36 +21,13 @@ fn set<S: Buildable>(triangles: &[Corners]) -> TriangleSet<S, Watertight> {
     triangle_set(triangles.iter().copied(), |id| id % 5 == 0)
 }
 
-/// Rays to which a row gives another answer than brute force.
-fn wrong<S: Buildable>(
-    name: &str,
-    settings: &[(&str, &str)],
-    set: &TriangleSet<S, Watertight>,
-    rays: &[Ray<S>],
-    expected: &Answers<S>,
-) -> usize {
-    let entry = find(name).unwrap();
-    let params = entry.params(settings.iter().copied()).unwrap();
-    let tracer = entry.build(PrimsRef::Watertight(set), &params).unwrap();
-    let wrong = Answers::of(&*tracer, rays, expected).differing(expected).len();
-    wrong.max(Answers::counted(&*tracer, rays, expected).differing(expected).len())
-}
-
-/// All presets of both rows; panics with the number of wrong answers of each.
+/// All presets of both rows.
 fn all_right<S: Buildable>(what: &str, triangles: &[Corners], rays: &[Ray<S>]) {
-    let set = set::<S>(triangles);
-    let expected = Answers::expected(PrimsRef::Watertight(&set), rays);
-    let hits = expected.hits.iter().filter(|h| h.is_hit()).count();
-    assert!(hits > rays.len() / 50, "{what}: {hits} hits of {} rays", rays.len());
-    let mut all = Vec::new();
-    for (name, settings) in ROWS {
-        for preset in PRESETS {
-            let settings = [settings, &[("preset", preset)]].concat();
-            all.push((name, preset, wrong(name, &settings, &set, rays, &expected)));
-        }
-    }
-    println!("{what} {}: {hits} hits of {} rays, wrong {all:?}", S::NAME, rays.len());
-    assert!(all.iter().all(|(_, _, n)| *n == 0), "{what} {}: wrong {all:?}", S::NAME);
+    let of = |(name, settings): (&'static str, &str)| {
+        PRESETS.map(|preset| (name, format!("{settings} preset={preset}")))
+    };
+    let tested: Vec<_> = ROWS.into_iter().flat_map(of).collect();
+    agreed(what, PrimsRef::Watertight(&set::<S>(triangles)), rays, 50, &tested);
 }
 
 /// A sphere of radius 1 around `centre`: an icosahedron whose triangles are divided into four
@@ -150,7 +126,8 @@ fn wrong_hits_of_unmodified_obvhs_in_negative_intervals_are_caught() {
     for name in ["obvhs-bvh2", "obvhs-cwbvh"] {
         let entry = find(name).unwrap();
         assert!((entry.info.known_defect)(&entry.defaults()).is_some());
-        let n = wrong(name, &[], &set, &rays, &expected);
+        let tracer = entry.build(PrimsRef::Watertight(&set), &entry.defaults()).unwrap();
+        let n = Answers::of(&*tracer, &rays, &expected).differing(&expected).len();
         assert!(n > 100, "{name}: {n}");
     }
 }
@@ -199,12 +176,7 @@ fn in_plane<S: Buildable>(n: usize, random: &mut Random) -> (Vec<Corners>, Vec<R
     let turn = DQuat::from_axis_angle(axis, random.unit() * 6.0);
     let place = |x: f64, y: f64| turn * dvec3(x - 0.5, y - 0.5, 0.3);
     let corner = |i: usize, j: usize| place(i as f64 / n as f64, j as f64 / n as f64);
-    let square = |k: usize| {
-        let (i, j) = (k % n, k / n);
-        let [a, b, c, d] = [corner(i, j), corner(i + 1, j), corner(i, j + 1), corner(i + 1, j + 1)];
-        [[a, b, d], [a, d, c]]
-    };
-    let triangles = (0..n * n).flat_map(square).collect();
+    let triangles = squares(n, n, corner);
     let rays = (0..2000).map(|i| {
         let whole = |x: f64| (x * n as f64).round() / n as f64;
         let (mut x, mut y) = (3.0 * random.unit() - 1.0, 3.0 * random.unit() - 1.0);

@@ -7,7 +7,6 @@ use accel_core::primitives::{MixedSetBuilder, PrimsRef, TriangleSet, Watertight}
 use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::{Batches, BuildError};
-use accel_core::structures::find;
 use accel_core::{Hit, Ray};
 use glam::{DVec3, Vec3A};
 use obvhs::BvhBuildParams as Preset;
@@ -16,7 +15,9 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::ray::{Ray as ObvhsRay, RayHit};
 use obvhs::triangle::Triangle;
 
-use crate::common::{Random, triangle_set};
+use crate::agreement::closest_hits;
+use crate::common::{Random, build, triangle_set};
+use crate::test_scenes::occlusions;
 
 const ROWS: [&str; 2] = ["obvhs-bvh2", "obvhs-cwbvh"];
 
@@ -50,22 +51,8 @@ fn rays<S: Buildable>(n: usize) -> Vec<Ray<S>> {
     (0..n).map(ray).collect()
 }
 
-fn tracer<'a, S: Buildable>(
-    name: &str,
-    settings: &str,
-    prims: PrimsRef<'a, S>,
-) -> Result<Box<dyn Tracer<S> + 'a>, BuildError> {
-    let entry = find(name).unwrap();
-    let settings = settings.split_whitespace().map(|word| word.split_once('=').unwrap());
-    entry.build(prims, &entry.params(settings).unwrap())
-}
-
 fn asked<S: Buildable>(tracer: &dyn Tracer<S>, rays: &[Ray<S>]) -> (Vec<Hit<S>>, Vec<bool>) {
-    let mut hits = vec![Hit { t: S::from_f64(f64::NAN), id: 0 }; rays.len()];
-    tracer.closest_hits(rays, &mut hits);
-    let mut blocked = vec![false; rays.len()];
-    tracer.occlusions(rays, &mut blocked);
-    (hits, blocked)
+    (closest_hits(tracer, rays), occlusions(tracer, rays))
 }
 
 fn in_bits(hits: Vec<Hit<f32>>, blocked: Vec<bool>) -> (Vec<(u32, u32)>, Vec<bool>) {
@@ -126,7 +113,7 @@ fn answers_equal_those_of_plain_obvhs() {
     for name in ROWS {
         for (preset, theirs) in presets {
             let settings = format!("preset={preset}");
-            let tracer = tracer(name, &settings, PrimsRef::Watertight(&set)).unwrap();
+            let tracer = build(PrimsRef::Watertight(&set), name, &settings).unwrap();
             assert_eq!(tracer.batches(), Batches::Library);
             let (hits, blocked) = asked(&*tracer, &rays);
             let number = hits.iter().filter(|hit| hit.is_hit()).count();
@@ -144,13 +131,13 @@ fn answers_of_another_test_or_occlusion_differ() {
     // planted faults: our own test in the same traversal, and triangles that let no ray pass
     let (set, rays) = (soup::<f32>(3000), rays::<f32>(3000));
     let expected = without_us(&set, true, Preset::medium_build(), &rays);
-    let robust = tracer("obvhs-cwbvh", "adapter=robust", PrimsRef::Watertight(&set)).unwrap();
+    let robust = build(PrimsRef::Watertight(&set), "obvhs-cwbvh", "adapter=robust").unwrap();
     let (hits, _) = asked(&*robust, &rays);
     assert_eq!(robust.batches(), Batches::RayByRay);
     let differ = |(a, b): (&Hit<f32>, &(f32, u32))| a.t.to_bits() != b.0.to_bits();
     assert!(hits.iter().zip(&expected.0).filter(|pair| differ(*pair)).count() > 100);
     let opaque = TriangleSet::new(set.triangles().to_vec(), |_| false).unwrap();
-    let opaque = tracer("obvhs-cwbvh", "", PrimsRef::Watertight(&opaque)).unwrap();
+    let opaque = build(PrimsRef::Watertight(&opaque), "obvhs-cwbvh", "").unwrap();
     let (_, blocked) = asked(&*opaque, &rays);
     assert!(blocked.iter().zip(&expected.1).filter(|(a, b)| a != b).count() > 100);
 }
@@ -166,9 +153,9 @@ fn mixed_and_double_sets_use_our_primitive_tests() {
     let mixed = builder.finish();
     fn check<S: Buildable>(prims: PrimsRef<'_, S>) {
         let rays = rays::<S>(2000);
-        let expected = asked(&*tracer("brute-force", "", prims).unwrap(), &rays);
+        let expected = asked(&*build(prims, "brute-force", "").unwrap(), &rays);
         for name in ROWS {
-            let direct = tracer(name, "", prims).unwrap();
+            let direct = build(prims, name, "").unwrap();
             assert_eq!(direct.batches(), Batches::RayByRay);
             let found = asked(&*direct, &rays);
             let equal = found.0.iter().zip(&expected.0).filter(|(a, b)| a == b && a.is_hit());
@@ -189,11 +176,11 @@ fn trees_that_obvhs_cannot_traverse_are_refused() {
     for n in [1500, 6000] {
         let set = TriangleSet::<f32, Watertight>::new((0..n).map(nested).collect(), |_| false);
         let set = set.unwrap();
-        let wide = tracer("obvhs-cwbvh", "preset=fastest", PrimsRef::Watertight(&set));
+        let wide = build(PrimsRef::Watertight(&set), "obvhs-cwbvh", "preset=fastest");
         assert!(matches!(wide.err(), Some(BuildError::TooLarge { .. })), "{n}");
         for preset in ["fastest", "medium"] {
             let settings = format!("preset={preset}");
-            let deep = tracer("obvhs-bvh2", &settings, PrimsRef::Watertight(&set)).unwrap();
+            let deep = build(PrimsRef::Watertight(&set), "obvhs-bvh2", &settings).unwrap();
             let ray = Ray::new([0.3, 0.2, 5.0].into(), [0.0, 0.0, -1.0].into());
             assert!(asked(&*deep, &[ray]).0[0].is_hit(), "{n} {preset}");
         }
@@ -214,7 +201,7 @@ fn invalid_rays_hit_nothing() {
         ray([-4.0, 0.0, 0.0], [1.0, 0.0, 0.0], -1.0),
     ];
     for name in ROWS {
-        let tracer = tracer(name, "", PrimsRef::Watertight(&set)).unwrap();
+        let tracer = build(PrimsRef::Watertight(&set), name, "").unwrap();
         let (hits, blocked) = asked(&*tracer, &none);
         assert!(hits.iter().all(|hit| !hit.is_hit()) && blocked == [false; 4], "{name}");
     }

@@ -3,12 +3,11 @@
 
 use accel_core::primitives::{PrimsRef, TriangleSet, Watertight};
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::{ShadowCount, ShadowRule};
-use accel_core::structures::find;
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Ray, Vec3, Vector};
 use glam::{DVec3, dvec3};
 
-use crate::common::{Random, triangle_set};
+use crate::agreement::{Answers, work};
+use crate::common::{Random, build, triangle_set};
 
 /// Small triangles in the unit cube.
 fn triangles(random: &mut Random) -> TriangleSet<f32, Watertight> {
@@ -34,26 +33,13 @@ fn rays(are_alike: bool) -> Vec<Ray<f32>> {
     (0..4096).map(ray).collect()
 }
 
-type Counted = (Vec<Hit<f32>>, Vec<bool>, [WorkCounters; 2]);
-
-fn counted(set: &TriangleSet<f32, Watertight>, query: &str, rays: &[Ray<f32>]) -> Counted {
-    let entry = find("wide-bvh").unwrap();
-    let params = entry.params([("query", query)]).unwrap();
-    let tracer = entry.build(PrimsRef::Watertight(set), &params).unwrap();
-    let mut hits = vec![Hit::NONE; rays.len()];
-    let closest = tracer.count_closest_hits(rays, &mut hits);
-    let mut timed = vec![Hit { t: f32::NAN, id: 0 }; rays.len()];
-    tracer.closest_hits(rays, &mut timed);
-    assert_eq!(hits, timed);
-    // what is not written is wrong
-    let mut shadows: Vec<ShadowCount> =
-        hits.iter().map(|hit| ShadowCount { blocked: !hit.is_hit(), glass: 0 }).collect();
-    let any = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut shadows);
-    let blocked: Vec<bool> = shadows.iter().map(|shadow| shadow.blocked).collect();
-    let mut timed: Vec<bool> = hits.iter().map(|hit| !hit.is_hit()).collect();
-    tracer.occlusions(rays, &mut timed);
-    assert_eq!(blocked, timed);
-    (hits, blocked, [closest, any])
+fn counted(
+    set: &TriangleSet<f32, Watertight>,
+    query: &str,
+    rays: &[Ray<f32>],
+) -> (Answers<f32>, [WorkCounters; 2]) {
+    let settings = format!("query={query}");
+    work(&*build(PrimsRef::Watertight(set), "wide-bvh", &settings).unwrap(), rays)
 }
 
 #[test]
@@ -61,9 +47,9 @@ fn steps_that_rays_share_count_once() {
     let set = triangles(&mut Random::new(4));
     let alike = rays(true);
     let (one, packets) = (counted(&set, "one", &alike), counted(&set, "packets", &alike));
-    assert_eq!((&one.0, &one.1), (&packets.0, &packets.1));
-    assert!(one.0.iter().filter(|hit| hit.is_hit()).count() > 1000);
-    for (one, packets) in one.2.into_iter().zip(packets.2) {
+    assert_eq!(one.0, packets.0);
+    assert!(one.0.hits.iter().filter(|hit| hit.is_hit()).count() > 1000);
+    for (one, packets) in one.1.into_iter().zip(packets.1) {
         let inner = |work: WorkCounters| work.traversal_steps - work.elementary_steps;
         assert!(inner(packets) * 3 < inner(one), "{packets:?} {one:?}");
         // each ray visits the lists that it meets, in an order that it has in common with others
@@ -87,9 +73,9 @@ fn rays_in_no_order_share_steps_as_well() {
     let alike = rays(true);
     let mixed: Vec<Ray<f32>> = (0..4096).map(|i| alike[i * 1031 % 4096]).collect();
     let (one, packets) = (counted(&set, "one", &mixed), counted(&set, "packets", &mixed));
-    assert_eq!((&one.0, &one.1), (&packets.0, &packets.1));
+    assert_eq!(one.0, packets.0);
     let inner = |work: WorkCounters| work.traversal_steps - work.elementary_steps;
-    for (one, packets) in one.2.into_iter().zip(packets.2) {
+    for (one, packets) in one.1.into_iter().zip(packets.1) {
         assert!(inner(packets) * 3 < inner(one), "{packets:?} {one:?}");
     }
 }

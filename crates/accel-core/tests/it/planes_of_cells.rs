@@ -2,25 +2,13 @@
 //! whatever cells a structure makes, and rays along those planes with components so small that two
 //! roundings of one plane lie on either side of the whole scene.
 
-use crate::agreement::Answers as Written;
-use crate::common::triangle_set;
+use crate::agreement::agreed;
+use crate::common::{Random, right_variants, triangle_set};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{TriangleSet, Watertight};
 use accel_core::registry::Buildable;
-use accel_core::structures::{REGISTRY, find};
-use accel_core::{Hit, Ray, Vec3, Vector};
+use accel_core::{Ray, Vec3, Vector};
 use glam::DVec3;
-
-/// A small seeded generator (an LCG with the multiplier of D. Knuth, TAOCP 2, 3.3.4).
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (self.0 >> 11) as f64 / (1u64 << 53) as f64
-    }
-}
 
 /// The smallest component that is not zero.
 const SMALLEST: f64 = 1e-45;
@@ -83,42 +71,11 @@ fn rays<S: Buildable>(
     (0..count).map(&mut ray).collect()
 }
 
-/// Settings written as in a variant.
-fn settings(text: &str) -> impl Iterator<Item = (&str, &str)> {
-    text.split_whitespace().map(|setting| setting.split_once('=').unwrap())
-}
-
-/// Answers of a structure: closest hits, occlusions, and closest hits while counting, for which
-/// some have a separate traversal.
-type Answers<S> = (Vec<Hit<S>>, Vec<bool>, Vec<Hit<S>>);
-
-fn answers<S: Buildable>(
-    prims: PrimsRef<S>,
-    name: &str,
-    variant: &str,
-    rays: &[Ray<S>],
-) -> Answers<S> {
-    let entry = find(name).unwrap();
-    let tracer = entry.build(prims, &entry.params(settings(variant)).unwrap()).unwrap();
-    let Written { hits, blocked } = Written::written(&*tracer, rays);
-    // what is not written is no hit
-    let mut counted = vec![Hit { t: S::from_f64(f64::NAN), id: 0 }; rays.len()];
-    tracer.count_closest_hits(rays, &mut counted);
-    (hits, blocked, counted)
-}
-
 /// Every structure in every variant; more of those whose traversals or levels differ.
 fn tested() -> impl Iterator<Item = (&'static str, &'static str)> {
-    let variants = REGISTRY.iter().flat_map(|entry| {
-        // an octree cuts aligned faces for ever
-        let is_octree = entry.info.name == "octree";
-        let variants = if is_octree { &["max-depth=6"] } else { entry.info.variants };
-        let is_right = move |v: &&&str| {
-            (entry.info.known_defect)(&entry.params(settings(v)).unwrap()).is_none()
-        };
-        variants.iter().filter(is_right).map(|variant| (entry.info.name, *variant))
-    });
-    variants.chain([
+    // an octree cuts aligned faces for ever
+    right_variants().filter(|(name, _)| *name != "octree").chain([
+        ("octree", "max-depth=6"),
         ("recursive-grid", "max-depth=8 threshold=2"),
         ("two-level-grid", "density=0.01 leaf-density=20"),
         ("hug", "size-classes=4 min-objects=2"),
@@ -129,36 +86,16 @@ fn tested() -> impl Iterator<Item = (&'static str, &'static str)> {
     ])
 }
 
-/// Number of wrong answers, and the first of them.
-fn wrong<S: Buildable>(
-    got: &Answers<S>,
-    right: &Answers<S>,
-    rays: &[Ray<S>],
-) -> Option<(usize, String)> {
-    let of = |answers: &Answers<S>, i: usize| (answers.0[i], answers.1[i], answers.2[i]);
-    let differing: Vec<usize> = (0..rays.len()).filter(|&i| of(got, i) != of(right, i)).collect();
-    let &i = differing.first()?;
-    Some((differing.len(), format!("{:?}: {:?}, not {:?}", rays[i], of(got, i), of(right, i))))
-}
-
 fn blocks_agree<S: Buildable>() {
-    let mut random = Random(18);
-    let mut found = Vec::new();
+    let mut random = Random::new(18);
+    let tested: Vec<_> = tested().collect();
     let sizes = [[12; 3], [16; 3], [2; 3], [24, 3, 10], [5, 24, 7], [9, 4, 24], [8; 3]];
     for (i, n) in sizes.into_iter().enumerate() {
         let set = block::<S>(n, i == 3);
-        let prims = PrimsRef::Watertight(&set);
         let count = (8_000_000 / set.triangles().len()).min(2000);
         let rays = rays(n, SMALLEST, count, &mut random);
-        let right = answers(prims, "brute-force", "", &rays);
-        assert!(right.0.iter().filter(|hit| hit.is_hit()).count() * 10 > count);
-        for (name, settings) in tested() {
-            if let Some(wrong) = wrong(&answers(prims, name, settings, &rays), &right, &rays) {
-                found.push(format!("{n:?} {name} {settings} of {count}: {wrong:?}"));
-            }
-        }
+        agreed(&format!("{n:?}"), PrimsRef::Watertight(&set), &rays, 10, &tested);
     }
-    assert!(found.is_empty(), "{} {found:#?}", S::NAME);
 }
 
 #[test]

@@ -1,8 +1,7 @@
 use glam::{DVec3, dvec3};
 
-use crate::common::build;
-use crate::test_scenes::closest_hits as hits;
-use crate::test_scenes::occlusions as blocked;
+use crate::agreement::{agreed, closest_hits as hits};
+use crate::common::{Random, build};
 use accel_core::Vector;
 use accel_core::geometry::aabb::Aabb;
 use accel_core::geometry::ray::{Hit, Ray};
@@ -16,26 +15,9 @@ use accel_core::registry::Buildable;
 use accel_core::structure::BuildError;
 use accel_core::structures::find;
 
-/// splitmix64, to [0, 1).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn point(&mut self) -> DVec3 {
-        dvec3(self.next(), self.next(), self.next())
-    }
-}
-
 /// Primitives of all kinds in the unit cube, most of them crowded in a corner.
 fn mixed<S: Buildable>(n: usize, seed: u64) -> MixedSet<S> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut builder = MixedSetBuilder::default();
     for i in 0..n {
         let crowded = i % 8 != 0;
@@ -56,7 +38,7 @@ fn mixed<S: Buildable>(n: usize, seed: u64) -> MixedSet<S> {
 
 /// Rays of all sorts: through the scene, axis-parallel, in planes of the cells, from within.
 fn rays<S: Buildable>(n: usize, seed: u64) -> Vec<Ray<S>> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     (0..n)
         .map(|i| {
             let target = random.point() * if i % 3 == 0 { 1.0 } else { 0.06 };
@@ -97,16 +79,7 @@ const SETTINGS: [&str; 9] = [
 ];
 
 fn same_as_oracle<S: Buildable>(prims: PrimsRef<S>, rays: &[Ray<S>]) {
-    let oracle = build(prims, "brute-force", "").unwrap();
-    let (expected, shadowed) = (hits(oracle.as_ref(), rays), blocked(oracle.as_ref(), rays));
-    assert!(expected.iter().filter(|h| h.is_hit()).count() > rays.len() / 20);
-    for settings in SETTINGS {
-        let grid = build(prims, "recursive-grid", settings).unwrap();
-        for (i, (ours, right)) in hits(grid.as_ref(), rays).iter().zip(&expected).enumerate() {
-            assert_eq!(ours, right, "{settings}: ray {i} {:?}", rays[i]);
-        }
-        assert_eq!(blocked(grid.as_ref(), rays), shadowed, "{settings}");
-    }
+    agreed("", prims, rays, 20, &SETTINGS.map(|settings| ("recursive-grid", settings)));
 }
 
 #[test]
@@ -143,7 +116,7 @@ fn same_answers_in_flat_scenes_and_on_ties() {
 
 #[test]
 fn far_from_the_origin_of_coordinates() {
-    let mut random = Random(5);
+    let mut random = Random::new(5);
     let shift = dvec3(1000.0, -2000.0, 500.0);
     let mut builder = MixedSetBuilder::<f32>::default();
     for _ in 0..500 {
@@ -208,7 +181,7 @@ fn a_lazy_grid_whose_limit_is_reached_stays_right() {
 
 /// Triangles in the unit cube, most of them crowded in a corner.
 fn triangles(n: usize, seed: u64) -> TriangleSet<f32, Watertight> {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let triangle = |i: usize| {
         let scale = if i.is_multiple_of(8) { 1.0 } else { 0.05 };
         let at = random.point() * scale;
@@ -280,7 +253,7 @@ fn lazy_builds_what_rays_ask_for_and_counts_the_same() {
     let after = lazy.stats();
     assert!(after.inner_cells > 1 && after.inner_cells < eager.stats().inner_cells);
     // rays along all axes through every corner of the crowd build nearly all of it
-    let mut random = Random(23);
+    let mut random = Random::new(23);
     for _ in 0..40 {
         let rays: Vec<_> = (0..100)
             .map(|i| {

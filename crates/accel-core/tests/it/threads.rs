@@ -1,28 +1,24 @@
 //! A build on several threads gives what one thread gives: the same cells and references, the same
 //! work for every query, the same answers.
 
+use accel_core::Ray;
 use accel_core::primitives::PrimsRef;
 use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::ShadowRule;
 use accel_core::structure::StructureStats;
 use accel_core::structures::{Entry, REGISTRY, find};
-use accel_core::{Hit, Ray};
 
-use crate::common::{Random, many_triangles, rays_for};
+use crate::agreement::Answers;
+use crate::common::{Random, build, many_triangles, rays_for};
 use crate::test_scenes::on_threads as on;
 
 /// Observable behaviour of a structure. The tests of an occlusion query end at the first that
 /// blocks, so they depend on the order within each list.
-type Seen = (StructureStats, [WorkCounters; 2], Vec<Hit<f32>>);
+type Seen = (StructureStats, (Answers<f32>, [WorkCounters; 2]));
 
 fn seen(entry: &Entry, setting: &str, prims: PrimsRef<f32>, rays: &[Ray<f32>]) -> Seen {
-    let words = setting.split_whitespace().filter_map(|word| word.split_once('='));
-    let tracer = entry.build(prims, &entry.params(words).unwrap()).unwrap();
-    let mut hits = vec![Hit::NONE; rays.len()];
-    let closest = tracer.count_closest_hits(rays, &mut hits);
-    let mut blocked = vec![Default::default(); rays.len()];
-    let shadows = tracer.count_occlusions(rays, ShadowRule::OpaqueBlocks, &mut blocked);
-    (tracer.stats(), [closest, shadows], hits)
+    let tracer = build(prims, entry.info.name, setting).unwrap();
+    let free = Answers { hits: Vec::new(), blocked: vec![false; rays.len()] };
+    (tracer.stats(), Answers::counted(&*tracer, rays, &free))
 }
 
 #[test]
@@ -103,6 +99,6 @@ fn lists_in_another_order_or_grid_are_caught() {
     for fault in ["order=reverse", "density=3"] {
         let wrong = seen(entry, fault, prims, &rays);
         assert!(right != wrong, "{fault} is not seen");
-        assert_eq!(right.2, wrong.2);
+        assert_eq!(right.1.0.hits, wrong.1.0.hits);
     }
 }

@@ -6,12 +6,12 @@ use accel_core::primitives::{Cone, MixedSet, MixedSetBuilder, Primitives, PrimsR
 use accel_core::query::sink::Sink;
 use accel_core::registry::Buildable;
 use accel_core::structure::{BuildError, Structure, StructureInfo, StructureStats};
-use accel_core::structures::{REGISTRY, find};
+use accel_core::structures::REGISTRY;
 use accel_core::{Aabb, Hit, Ray, Scalar};
 use glam::{DVec3, dvec3};
 
 use crate::agreement::{Answers, mismatches_under};
-use crate::common::{Random, planted_entry, rays_for};
+use crate::common::{Random, build, planted_entry, rays_for};
 
 /// Settings that are tested, as many segments each.
 const SEGMENTS: [usize; 4] = [1, 2, 3, 8];
@@ -146,9 +146,8 @@ fn bounds_that_miss_the_end_of_a_motion_are_caught() {
 #[test]
 fn memory_is_the_sum_of_segments_and_a_scene_at_rest_has_one() {
     let built = |set: &MixedSet<f32>, segments: &str| {
-        let entry = find("kd-tree").unwrap();
-        let params = entry.params([("time-segments", segments)]).unwrap();
-        let tracer = entry.build(PrimsRef::Mixed(set), &params).unwrap();
+        let segments = format!("time-segments={segments}");
+        let tracer = build(PrimsRef::Mixed(set), "kd-tree", &segments).unwrap();
         let mut cells = 0;
         tracer.cells(&mut |_| cells += 1).unwrap();
         let stats = tracer.stats();
@@ -169,9 +168,7 @@ fn before_and_after_the_exposure_all_stands_still() {
     set.sphere(DVec3::ZERO, 1.0).unwrap();
     set.last_moves(DVec3::X * 8.0, 0.5).unwrap();
     let set = set.finish();
-    let entry = find("wide-bvh").unwrap();
-    let params = entry.params([("time-segments", "8")]).unwrap();
-    let tracer = entry.build(PrimsRef::Mixed(&set), &params).unwrap();
+    let tracer = build(PrimsRef::Mixed(&set), "wide-bvh", "time-segments=8").unwrap();
     for (time, x) in [(-3.0, 0.0), (f64::NAN, 0.0), (0.25, 2.0), (0.5, 4.0), (7.0, 4.0)] {
         let ray = Ray::<f64> { time, ..Ray::new(dvec3(x, 0.0, 5.0), DVec3::NEG_Z) };
         let mut hit = [Hit::NONE];

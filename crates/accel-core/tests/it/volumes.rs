@@ -1,12 +1,10 @@
 //! Bounding volumes and their hierarchy, in more settings than are measured, against brute force:
 //! the same hits to the bit.
 
-use crate::agreement::Answers;
+use crate::agreement::agreed;
 use crate::common::{Random, Set, all_scenes, build, rays_for};
 use accel_core::primitives::PrimsRef;
 use accel_core::primitives::{MixedSetBuilder, TriangleSet, Watertight};
-use accel_core::query::counters::WorkCounters;
-use accel_core::query::tracer::Tracer;
 use accel_core::registry::Buildable;
 use accel_core::structure::StructureStats;
 use accel_core::{Hit, Ray, Vec3, Vector};
@@ -28,30 +26,8 @@ const SETTINGS: &[(&str, &str)] = &[
     ("kay-kajiya", "branching=8 leaf-size=1000000"),
 ];
 
-/// Hits, what is blocked, and the work that the hits took.
-fn answers<S: Buildable>(
-    tracer: &dyn Tracer<S>,
-    rays: &[Ray<S>],
-) -> (Vec<Hit<S>>, Vec<bool>, WorkCounters) {
-    let Answers { hits, blocked } = Answers::written(tracer, rays);
-    // what is not written is no hit
-    let mut counted = vec![Hit { t: S::from_f64(f64::NAN), id: 0 }; rays.len()];
-    let work = tracer.count_closest_hits(rays, &mut counted);
-    assert_eq!(hits, counted);
-    (hits, blocked, work)
-}
-
 fn compare<S: Buildable>(prims: PrimsRef<S>, rays: &[Ray<S>], scene: &str) {
-    let right = answers(build(prims, "brute-force", "").unwrap().as_ref(), rays);
-    assert!(right.0.iter().filter(|h| h.is_hit()).count() > rays.len() / 100, "{scene}: no hits");
-    for (name, settings) in SETTINGS {
-        let ours = answers(build(prims, name, settings).unwrap().as_ref(), rays);
-        for (i, ray) in rays.iter().enumerate() {
-            let what = || format!("{scene} {} {name} {settings} {ray:?}", S::NAME);
-            assert_eq!(ours.0[i], right.0[i], "{}", what());
-            assert_eq!(ours.1[i], right.1[i], "{}", what());
-        }
-    }
+    agreed(scene, prims, rays, 100, SETTINGS);
 }
 
 fn random_scenes<S: Buildable>() {
@@ -173,17 +149,19 @@ fn counters_say_what_was_tested() {
         set.sphere(DVec3::X * f64::from(i) * 3.0, 1.0).unwrap();
     }
     let set = set.finish();
+    let work = |ray, name, settings| {
+        let tracer = build(PrimsRef::Mixed(&set), name, settings).unwrap();
+        tracer.count_closest_hits(&[ray], &mut [Hit::NONE])
+    };
     // past the first five spheres, down onto the sixth
-    let ray = [Ray::from_dvec3(dvec3(15.0, 0.0, 9.0), -DVec3::Z)];
+    let ray = Ray::from_dvec3(dvec3(15.0, 0.0, 9.0), -DVec3::Z);
     for settings in ["", "volume=sphere", "volume=slabs"] {
-        let tracer = build(PrimsRef::Mixed(&set), "bounding-volumes", settings).unwrap();
-        let work = answers(tracer.as_ref(), &ray).2;
+        let work = work(ray, "bounding-volumes", settings);
         let steps = (work.traversal_steps, work.elementary_steps, work.empty_elementary_steps);
         assert_eq!((steps, work.intersection_tests), ((10, 1, 0), 1), "{settings}");
     }
     // from the end: the nearest sphere is reached and no other
-    let ray = [Ray::from_dvec3(dvec3(-9.0, 0.0, 0.0), DVec3::X)];
-    let tracer = build(PrimsRef::Mixed(&set), "kay-kajiya", "").unwrap();
-    let work = answers(tracer.as_ref(), &ray).2;
+    let ray = Ray::from_dvec3(dvec3(-9.0, 0.0, 0.0), DVec3::X);
+    let work = work(ray, "kay-kajiya", "");
     assert_eq!((work.elementary_steps, work.intersection_tests), (1, 1));
 }

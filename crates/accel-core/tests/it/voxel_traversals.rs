@@ -253,65 +253,6 @@ fn both_traversals_visit_what_is_crossed_in_f64() {
     agrees::<f64>();
 }
 
-/// A traversal that adds up parameters, as the paper does.
-struct Accumulating {
-    cell: [i32; 3],
-    n: i32,
-    step: [i32; 3],
-    next: [f32; 3],
-    delta: [f32; 3],
-}
-
-impl Accumulating {
-    fn start(frame: &GridFrame<f32>, ray: &Ray<f32>) -> Option<Self> {
-        let cell = frame.traversal(ray)?.coords();
-        let (o, d) = (ray.origin.to_array(), ray.direction.to_array());
-        let step = d.map(|x| if x == 0.0 { 0 } else { x.signum() as i32 });
-        let plane = |k: usize| (cell[k] + i32::from(step[k] > 0)) as f32;
-        let parameter = |k: usize| match step[k] {
-            0 => f32::INFINITY,
-            _ => (plane(k) - o[k]) / d[k],
-        };
-        let n = frame.resolution()[0] as i32;
-        Some(Self {
-            cell,
-            n,
-            step,
-            next: std::array::from_fn(parameter),
-            delta: d.map(|x| (1.0 / x).abs()),
-        })
-    }
-
-    fn axis(&self) -> usize {
-        (0..3).min_by(|&a, &b| self.next[a].total_cmp(&self.next[b])).unwrap()
-    }
-}
-
-impl CellPosition for Accumulating {
-    fn index(&self) -> usize {
-        ((self.cell[2] * self.n + self.cell[1]) * self.n + self.cell[0]) as usize
-    }
-    fn coords(&self) -> [i32; 3] {
-        self.cell
-    }
-}
-
-impl CellTraversal<f32> for Accumulating {
-    fn t_exit(&self) -> f32 {
-        self.next[self.axis()]
-    }
-    fn advance(&mut self) -> bool {
-        let k = self.axis();
-        let next = self.cell[k] + self.step[k];
-        if !(0..self.n).contains(&next) {
-            return false;
-        }
-        self.cell[k] = next;
-        self.next[k] += self.delta[k];
-        true
-    }
-}
-
 /// The real traversal, but for one of its cells.
 struct Hasty<W>(W, u32);
 
@@ -336,7 +277,8 @@ impl<W: CellTraversal<f32>> CellTraversal<f32> for Hasty<W> {
 
 #[test]
 fn planted_traversals_that_drift_or_skip_are_found() {
-    let drifts = wrong::<f32, _>(lattice_rays, 150, Accumulating::start);
+    let accumulates = |f: &GridFrame<f32>, r: &Ray<f32>| f.accumulating_traversal_from(r, 0.0);
+    let drifts = wrong::<f32, _>(lattice_rays, 150, accumulates);
     let is_lost = |what: &&String| what.contains("missed") || what.contains("not within");
     assert!(drifts.iter().any(|what| is_lost(&what)) && drifts.len() < 7 * 150);
     let skips = |f: &GridFrame<f32>, r: &Ray<f32>| f.traversal(r).map(|w| Hasty(w, 0));

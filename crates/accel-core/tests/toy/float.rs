@@ -10,7 +10,7 @@ use std::ops::{Add, AddAssign, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 use wide::{i32x4, i32x8};
 
-use crate::geometry::lanes::{Eight, Four, Lanes};
+use crate::geometry::lanes::{Eight, Four, Lanes, inlined};
 use crate::geometry::scalar::{Scalar, Vector};
 
 /// Digits of f64.
@@ -98,47 +98,21 @@ impl<const P: u32> Scalar for Toy<P> {
     const LEAST_SLOPE: Self = Self(1e-220);
     const LEAST_DETERMINANT: Self = Self(1e-290);
 
-    #[inline(always)]
-    fn from_f64(x: f64) -> Self {
-        Self::rounded(x)
-    }
-    #[inline(always)]
-    fn to_f64(self) -> f64 {
-        self.0
-    }
-    fn sqrt(self) -> Self {
-        Self::rounded(self.0.sqrt())
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        Self(self.0.abs())
-    }
-    fn floor(self) -> Self {
-        Self::rounded(self.0.floor())
-    }
-    fn to_i32(self) -> i32 {
-        self.0 as i32
-    }
-    fn to_index(self, most: i32) -> i32 {
-        self.0.to_index(most)
-    }
-    fn from_i32(i: i32) -> Self {
-        Self::rounded(f64::from(i))
-    }
-    fn fused_mul_add(self, a: Self, b: Self) -> Self {
-        Self::rounded(self.0.mul_add(a.0, b.0))
-    }
-    fn is_finite(self) -> bool {
-        self.0.is_finite()
-    }
-    fn next_up(self) -> Self {
-        if self.0 == 0.0 { Self(f64::MIN_POSITIVE) } else { self.moved(self.0.signum() as i64) }
-    }
-    fn next_down(self) -> Self {
-        -(-self).next_up()
-    }
-    fn to_unit_size(self) -> Self {
-        Self(self.0.to_unit_size())
+    inlined! {
+        fn from_f64(x: f64) -> Self = Self::rounded(x);
+        fn to_f64(self) -> f64 = self.0;
+        fn sqrt(self) -> Self = Self::rounded(self.0.sqrt());
+        fn abs(self) -> Self = Self(self.0.abs());
+        fn floor(self) -> Self = Self::rounded(self.0.floor());
+        fn to_i32(self) -> i32 = self.0 as i32;
+        fn to_index(self, most: i32) -> i32 = self.0.to_index(most);
+        fn from_i32(i: i32) -> Self = Self::rounded(f64::from(i));
+        fn fused_mul_add(self, a: Self, b: Self) -> Self = Self::rounded(self.0.mul_add(a.0, b.0));
+        fn is_finite(self) -> bool = self.0.is_finite();
+        fn next_up(self) -> Self =
+            if self.0 == 0.0 { Self(f64::MIN_POSITIVE) } else { self.moved(self.0.signum() as i64) };
+        fn next_down(self) -> Self = -(-self).next_up();
+        fn to_unit_size(self) -> Self = Self(self.0.to_unit_size());
     }
 }
 
@@ -181,12 +155,16 @@ impl<const P: u32> Neg for ToyVec<P> {
 }
 
 impl<const P: u32> Vector<Toy<P>> for ToyVec<P> {
-    fn new(x: Toy<P>, y: Toy<P>, z: Toy<P>) -> Self {
-        Self([x, y, z])
+    inlined! {
+        fn new(x: Toy<P>, y: Toy<P>, z: Toy<P>) -> Self = Self([x, y, z]);
+        fn to_array(self) -> [Toy<P>; 3] = self.0;
+        fn min(self, other: Self) -> Self = self.zip(other, Scalar::lesser);
+        fn max(self, other: Self) -> Self = self.zip(other, Scalar::greater);
+        fn from_dvec3(v: glam::DVec3) -> Self = Self(v.to_array().map(Toy::rounded));
+        fn to_dvec3(self) -> glam::DVec3 = self.0.map(|x| x.0).into();
+        fn is_finite(self) -> bool = self.0.iter().all(|x| x.0.is_finite());
     }
-    fn to_array(self) -> [Toy<P>; 3] {
-        self.0
-    }
+
     fn dot(self, other: Self) -> Toy<P> {
         let Self([x, y, z]) = self.zip(other, |a, b| a * b);
         x + y + z
@@ -194,21 +172,6 @@ impl<const P: u32> Vector<Toy<P>> for ToyVec<P> {
     fn cross(self, other: Self) -> Self {
         let (Self([a, b, c]), Self([x, y, z])) = (self, other);
         Self([b * z - y * c, c * x - z * a, a * y - x * b])
-    }
-    fn min(self, other: Self) -> Self {
-        self.zip(other, Scalar::lesser)
-    }
-    fn max(self, other: Self) -> Self {
-        self.zip(other, Scalar::greater)
-    }
-    fn from_dvec3(v: glam::DVec3) -> Self {
-        Self(v.to_array().map(Toy::rounded))
-    }
-    fn to_dvec3(self) -> glam::DVec3 {
-        self.0.map(|x| x.0).into()
-    }
-    fn is_finite(self) -> bool {
-        self.0.iter().all(|x| x.0.is_finite())
     }
 }
 
@@ -234,33 +197,24 @@ impl<const P: u32, const N: usize> ToyLanes<P, N> {
 impl<const P: u32, const N: usize> Lanes for ToyLanes<P, N> {
     type Scalar = Toy<P>;
     type Array = [Toy<P>; N];
-    fn new(lanes: [Toy<P>; N]) -> Self {
-        Self(lanes)
-    }
-    fn splat(x: Toy<P>) -> Self {
-        Self([x; N])
-    }
-    fn to_array(self) -> [Toy<P>; N] {
-        self.0
-    }
-    fn lesser(self, other: Self) -> Self {
-        self.zip(other, Scalar::lesser)
-    }
-    fn greater(self, other: Self) -> Self {
-        self.zip(other, Scalar::greater)
+
+    inlined! {
+        fn new(lanes: [Toy<P>; N]) -> Self = Self(lanes);
+        fn splat(x: Toy<P>) -> Self = Self([x; N]);
+        fn to_array(self) -> [Toy<P>; N] = self.0;
+        fn lesser(self, other: Self) -> Self = self.zip(other, Scalar::lesser);
+        fn greater(self, other: Self) -> Self = self.zip(other, Scalar::greater);
     }
 }
 
 impl<const P: u32> Four for ToyLanes<P, 4> {
-    fn from_i32(i: i32x4) -> Self {
-        Self(i.to_array().map(Toy::from_i32))
+    inlined! {
+        fn from_i32(i: i32x4) -> Self = Self(i.to_array().map(Toy::from_i32));
+        fn truncate(self) -> i32x4 = i32x4::new(self.0.map(Toy::to_i32));
+        fn at_most(self, other: Self) -> i32x4 =
+            i32x4::new(std::array::from_fn(|k| -i32::from(self.0[k] <= other.0[k])));
     }
-    fn truncate(self) -> i32x4 {
-        i32x4::new(self.0.map(Toy::to_i32))
-    }
-    fn at_most(self, other: Self) -> i32x4 {
-        i32x4::new(std::array::from_fn(|k| -i32::from(self.0[k] <= other.0[k])))
-    }
+
     fn where_set(self, mask: i32x4, other: Self) -> Self {
         let mask = mask.to_array();
         Self(std::array::from_fn(|k| if mask[k] != 0 { self.0[k] } else { other.0[k] }))
@@ -282,36 +236,23 @@ impl<const P: u32> BitOr for ToyLanes<P, 8> {
 }
 
 impl<const P: u32> Eight for ToyLanes<P, 8> {
-    fn equal(self, other: Self) -> Self {
-        self.compare(other, |a, b| a == b)
+    inlined! {
+        fn equal(self, other: Self) -> Self = self.compare(other, |a, b| a == b);
+        fn at_most(self, other: Self) -> Self = self.compare(other, |a, b| a <= b);
+        fn below(self, other: Self) -> Self = self.compare(other, |a, b| a < b);
+        fn absolute(self) -> Self = Self(self.0.map(Toy::abs));
+        fn transposed(rows: [Self; 8]) -> [Self; 8] =
+            std::array::from_fn(|i| Self(std::array::from_fn(|k| rows[k].0[i])));
+        fn high_bits(self) -> u32 =
+            (0..8).map(|k| ((self.0[k].0.to_bits() >> 63) as u32) << k).sum();
+        fn from_i32(i: i32x8) -> Self = Self(i.to_array().map(Toy::from_i32));
+        fn truncate(self) -> i32x8 = i32x8::new(self.0.map(Toy::to_i32));
+        fn to_mask(self) -> i32x8 = i32x8::new(self.0.map(|x| (x.0.to_bits() >> 32) as i32));
     }
-    fn at_most(self, other: Self) -> Self {
-        self.compare(other, |a, b| a <= b)
-    }
-    fn below(self, other: Self) -> Self {
-        self.compare(other, |a, b| a < b)
-    }
-    fn absolute(self) -> Self {
-        Self(self.0.map(Toy::abs))
-    }
+
     fn where_set(self, mask: Self, other: Self) -> Self {
         let is_set = |k: usize| mask.0[k].0.to_bits() != 0;
         Self(std::array::from_fn(|k| if is_set(k) { self.0[k] } else { other.0[k] }))
-    }
-    fn transposed(rows: [Self; 8]) -> [Self; 8] {
-        std::array::from_fn(|i| Self(std::array::from_fn(|k| rows[k].0[i])))
-    }
-    fn high_bits(self) -> u32 {
-        (0..8).map(|k| ((self.0[k].0.to_bits() >> 63) as u32) << k).sum()
-    }
-    fn from_i32(i: i32x8) -> Self {
-        Self(i.to_array().map(Toy::from_i32))
-    }
-    fn truncate(self) -> i32x8 {
-        i32x8::new(self.0.map(Toy::to_i32))
-    }
-    fn to_mask(self) -> i32x8 {
-        i32x8::new(self.0.map(|x| (x.0.to_bits() >> 32) as i32))
     }
 }
 

@@ -78,10 +78,7 @@ struct GridTotals {
 /// Grids that are not among the others yet, so many of which were there before; `I` says what grids
 /// are in their cells.
 pub(crate) struct LooseGrids<S: Scalar, I> {
-    grids: Vec<Grid<S>>,
-    starts: Vec<CellStart>,
-    ids: Vec<u32>,
-    inner: Vec<I>,
+    made: NestedGrids<S, I>,
     before: GridTotals,
     /// The most references, while a grid was made.
     peak: u64,
@@ -91,22 +88,16 @@ pub(crate) struct LooseGrids<S: Scalar, I> {
 
 impl<S: Scalar, I> LooseGrids<S, I> {
     fn beside(before: GridTotals) -> Self {
-        let (grids, starts, ids, inner, lists) = Default::default();
-        Self { grids, starts, ids, inner, before, peak: 0, lists }
-    }
-
-    /// Cells and ids of these alone.
-    fn lengths(&self) -> [u64; 2] {
-        [self.starts.len(), self.ids.len()].map(|n| n as u64)
+        Self { made: NestedGrids::new(), before, peak: 0, lists: CellLists::default() }
     }
 
     /// Totals after adding a grid of this many cells.
     fn used_with(&self, cells: usize, rules: &BuildRules) -> Result<GridTotals, BuildError> {
-        let Self { starts, ids, inner, before, .. } = self;
+        let (own, before) = (self.made.used(), self.before);
         let used = GridTotals {
-            cells: before.cells + (starts.len() + cells) as u64,
-            ids: before.ids + ids.len() as u64,
-            inner: before.inner + inner.len() as u64,
+            cells: before.cells + own.cells + cells as u64,
+            ids: before.ids + own.ids,
+            inner: before.inner + own.inner,
         };
         rules.room.check([used.cells, used.ids])?;
         Ok(used)
@@ -120,12 +111,12 @@ impl<S: Scalar, I> LooseGrids<S, I> {
         references: usize,
         mut cell: impl FnMut(usize, &mut Vec<u32>, &mut Vec<I>),
     ) {
-        self.peak = self.peak.max((self.ids.len() + references) as u64);
-        self.grids.push(Grid { frame, first_cell: self.starts.len() as u32 });
+        let NestedGrids { grids, starts, ids, inner } = &mut self.made;
+        self.peak = self.peak.max((ids.len() + references) as u64);
+        grids.push(Grid { frame, first_cell: starts.len() as u32 - 1 });
         for number in 0..frame.cells() {
-            cell(number, &mut self.ids, &mut self.inner);
-            let [ids, grids] = [self.ids.len(), self.inner.len()].map(|n| n as u32);
-            self.starts.push(CellStart { ids, grids });
+            cell(number, ids, inner);
+            starts.push(CellStart { ids: ids.len() as u32, grids: inner.len() as u32 });
         }
     }
 
@@ -192,6 +183,19 @@ impl<S: Scalar> LooseGrids<S, u32> {
 /// So many grids at most are made by one thread before they stand among the others.
 const AT_A_TIME: usize = 64;
 
+impl<S: Scalar, I> NestedGrids<S, I> {
+    pub(crate) fn new() -> Self {
+        let starts = vec![CellStart { ids: 0, grids: 0 }];
+        Self { grids: Vec::new(), starts, ids: Vec::new(), inner: Vec::new() }
+    }
+
+    fn used(&self) -> GridTotals {
+        let [cells, ids, inner] =
+            [self.starts.len() - 1, self.ids.len(), self.inner.len()].map(|n| n as u64);
+        GridTotals { cells, ids, inner }
+    }
+}
+
 impl<S: Scalar> NestedGrids<S> {
     /// Adds the grid that `push` makes of each item, in their order, on all threads; `number` gives
     /// the grids in its cells their numbers. The number of a grid is its place.
@@ -214,11 +218,11 @@ impl<S: Scalar> NestedGrids<S> {
             let made_at_once = |part: &&[T]| -> Result<LooseGrids<S, I>, BuildError> {
                 let mut grids = LooseGrids::beside(before);
                 for item in *part {
-                    let [cells, ids] = grids.lengths();
+                    let own = grids.made.used();
                     push(&mut grids, item)?;
                     let mut all = all.lock().unwrap_or_else(PoisonError::into_inner);
-                    let [more_cells, more_ids] = grids.lengths();
-                    *all = [all[0] + more_cells - cells, all[1] + more_ids - ids];
+                    let more = grids.made.used();
+                    *all = [all[0] + more.cells - own.cells, all[1] + more.ids - own.ids];
                     rules.room.check([before.cells + all[0], before.ids + all[1]])?;
                 }
                 Ok(grids)
@@ -231,32 +235,26 @@ impl<S: Scalar> NestedGrids<S> {
                     part.iter().try_for_each(|item| push(&mut grids, item)).map(|()| grids)
                 };
                 let grids = fits.map_or_else(one_by_one, Ok)?;
-                self.append(grids, number);
+                self.append(grids.made, number);
             }
         }
         Ok(())
     }
 
-    fn used(&self) -> GridTotals {
-        let [cells, ids, inner] =
-            [self.starts.len() - 1, self.ids.len(), self.inner.len()].map(|n| n as u64);
-        GridTotals { cells, ids, inner }
-    }
-
     /// Returns whether these grids would also have been built after those that exist now.
     fn has_room_for<I>(&self, grids: &LooseGrids<S, I>, rules: &BuildRules) -> bool {
-        let used = self.used();
-        let references = (used.ids + grids.peak).max(used.inner + grids.inner.len() as u64);
-        rules.room.check([used.cells + grids.starts.len() as u64, references]).is_ok()
+        let (used, own) = (self.used(), grids.made.used());
+        let references = (used.ids + grids.peak).max(used.inner + own.inner);
+        rules.room.check([used.cells + own.cells, references]).is_ok()
     }
 
-    fn append<I>(&mut self, grids: LooseGrids<S, I>, number: &mut dyn FnMut(I) -> u32) {
-        let [cells, ids, inner] =
-            [self.starts.len() - 1, self.ids.len(), self.inner.len()].map(|n| n as u32);
-        let moved = |grid: Grid<S>| Grid { first_cell: cells + grid.first_cell, ..grid };
+    fn append<I>(&mut self, grids: NestedGrids<S, I>, number: &mut dyn FnMut(I) -> u32) {
+        let GridTotals { cells, ids, inner } = self.used();
+        let moved = |grid: Grid<S>| Grid { first_cell: cells as u32 + grid.first_cell, ..grid };
         self.grids.extend(grids.grids.into_iter().map(moved));
-        let moved = |at: CellStart| CellStart { ids: ids + at.ids, grids: inner + at.grids };
-        self.starts.extend(grids.starts.into_iter().map(moved));
+        let moved =
+            |at: CellStart| CellStart { ids: ids as u32 + at.ids, grids: inner as u32 + at.grids };
+        self.starts.extend(grids.starts.into_iter().skip(1).map(moved));
         self.ids.extend_from_slice(&grids.ids);
         self.inner.extend(grids.inner.into_iter().map(number));
     }

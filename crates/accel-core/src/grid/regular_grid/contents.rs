@@ -154,8 +154,8 @@ impl<S: Scalar> BlockPlacement for Contents<'_, S> {
 /// Box margin of cones in Havran and Sixta's uniform grid, as fitted to their counters.
 const HISTORICAL_CONE_MARGIN: f64 = 0.0006;
 
-/// The settings of [`crate::params::specs`] and of storage: what a structure does not list has its
-/// default.
+/// The settings of [`crate::params::specs`], and those of a structure's own: what a structure does
+/// not list has its default.
 #[derive(Debug, Clone)]
 pub struct GridConfig<C> {
     pub(super) resolution: ResolutionRule,
@@ -168,7 +168,7 @@ pub struct GridConfig<C> {
     pub(super) traversal: Traversal,
     pub(crate) is_incremental: bool,
     pub(super) is_batch: bool,
-    pub(super) storage: C,
+    pub(crate) own: C,
 }
 
 impl<C: Config> Config for GridConfig<C> {
@@ -185,7 +185,7 @@ impl<C: Config> Config for GridConfig<C> {
             traversal: Traversal::of(params),
             is_incremental: is_incremental(params),
             is_batch: params.get(specs::QUERY.name) == Some("batch"),
-            storage: C::of(params),
+            own: C::of(params),
         }
     }
 }
@@ -197,11 +197,7 @@ pub(crate) fn contents_of<'a, S: Scalar, C>(
     config: &GridConfig<C>,
 ) -> Result<Contents<'a, S>, BuildError> {
     let &GridConfig { order, max_references, historical, insertion, .. } = config;
-    let rule = if historical {
-        BoundsRule::Historical { cone_margin: HISTORICAL_CONE_MARGIN }
-    } else {
-        BoundsRule::Padded
-    };
+    let rule = BoundsRule::of(historical, HISTORICAL_CONE_MARGIN);
     let boxes = bounds_of(prims, rule, limits.structure)?;
     let frame = frame_of(prims, &boxes, limits.structure, config)?;
     let primitives = prims.len();

@@ -71,11 +71,8 @@ pub trait CellStorage: Sized + Send + Sync + 'static {
     /// Calls `each` with every list, in the order in which they stand; those that hold no ids may
     /// be left out.
     fn lists<'a>(&'a self, each: &mut dyn FnMut(&'a [u32]));
-    /// Cells that hold ids.
-    fn occupied_cells(&self) -> u64;
-    /// Ids in all cells together.
-    fn references(&self) -> u64;
-    fn bytes(&self) -> u64;
+    /// The number of cells that hold ids, the ids in all of them, and bytes.
+    fn stats(&self) -> StructureStats;
 }
 
 /// The parameter of how rays of a batch are answered.
@@ -151,7 +148,8 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
         prims: &dyn Primitives<S>,
         settings: &Settings<Self::Config>,
     ) -> Result<Self, BuildError> {
-        let (contents, storage) = stored::<S, G>(prims, settings.limits(), settings)?;
+        let (contents, storage) =
+            stored::<S, G, _>(prims, settings.limits(), settings, &settings.own)?;
         let (frame, from_origin) = (contents.frame, settings.historical);
         let (wide_frame, traversal) = (frame.in_double(), settings.traversal);
         let is_batch =
@@ -235,15 +233,9 @@ impl<S: Scalar, G: CellStorage> Structure<S> for RegularGrid<S, G> {
     }
 
     fn stats(&self) -> StructureStats {
-        let cells = self.frame.cells() as u64;
-        StructureStats {
-            cells,
-            empty_cells: cells - self.storage.occupied_cells(),
-            references: self.storage.references(),
-            resolution: Some(self.frame.resolution()),
-            bytes: self.storage.bytes(),
-            ..StructureStats::default()
-        }
+        let (cells, resolution) = (self.frame.cells() as u64, Some(self.frame.resolution()));
+        let occupied = self.storage.stats();
+        StructureStats { cells, empty_cells: cells - occupied.cells, resolution, ..occupied }
     }
 
     fn cells(&self, each: &mut CellVisitor<'_>) -> Result<(), NoCells> {
@@ -296,10 +288,11 @@ fn soft_limit<S: Scalar>(prims: &dyn Primitives<S>) -> u64 {
 ///
 /// # Errors
 /// [`BuildError`] when the scene is too large for the scalar or the grid for its limits.
-pub fn stored<'a, S: Scalar, G: CellStorage>(
+pub fn stored<'a, S: Scalar, G: CellStorage, C>(
     prims: &'a dyn Primitives<S>,
     limits: Limits,
-    config: &GridConfig<G::Config>,
+    config: &GridConfig<C>,
+    own: &G::Config,
 ) -> Result<(Contents<'a, S>, G), BuildError> {
     let mut contents = contents_of(prims, limits, config)?;
     let hard_limit = contents.max_references;
@@ -311,7 +304,7 @@ pub fn stored<'a, S: Scalar, G: CellStorage>(
         let allowed = if is_final { hard_limit } else { hard_limit.min(soft_limit) };
         contents.max_references = limits.most(&references, allowed);
         limits.fits(G::cell_bytes(contents.frame.cells() as u128))?;
-        match G::build(&contents, &config.storage) {
+        match G::build(&contents, own) {
             Ok(storage) => return Ok((contents, storage)),
             // memory alone is no reason for another resolution
             Err(TooManyReferences(n)) if is_final || n <= allowed => {

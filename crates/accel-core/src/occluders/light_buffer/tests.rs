@@ -10,7 +10,7 @@ use crate::params::config::Settings;
 use crate::primitives::{MixedSet, MixedSetBuilder, Primitives};
 use crate::query::counters::NoCounters;
 use crate::structures::test_scenes::{
-    Random, built, hard_scenes, mixed_scene, occlusions, on_threads, rays,
+    Random, hard_scenes, mixed_scene, occlusions, on_threads, rays,
 };
 
 fn settings() -> impl Iterator<Item = &'static str> {
@@ -32,7 +32,7 @@ fn buffer<'a, S: Buildable>(
 
 fn brute_force<S: Buildable>(set: &MixedSet<S>, rays: &[Ray<S>]) -> Vec<bool> {
     let entry = crate::structures::find("brute-force").unwrap();
-    occlusions(&*built(entry, set, ""), rays)
+    occlusions(&*entry.build(PrimsRef::Mixed(set), &entry.defaults()).unwrap(), rays)
 }
 
 /// What an occluder says, where `right` is right: what it does not write is wrong.

@@ -18,25 +18,83 @@ mod frames;
 mod object;
 mod sinks;
 
+use crate::bvh::{self, WideBvh};
 use crate::geometry::aabb::Aabb;
 use crate::geometry::ray::Ray;
 use crate::geometry::scalar::Scalar;
-use crate::params::Params;
 use crate::params::config::{Config, Settings};
+use crate::params::{ParamSpec, Params, specs};
 use crate::primitives::instances::{self, ConfirmedCopy};
 use crate::primitives::{Instance, Primitives};
 use crate::query::cells::{Cell, CellVisitor, NoCells};
 use crate::query::sink::{ErasedSink, Sink};
-use crate::structure::{BuildError, Structure, StructureStats};
-use crate::update::{Change, is_by_instances};
+use crate::structure::{BuildError, Structure, StructureInfo, StructureStats};
+use crate::structures::obvhs::PRESET;
+use crate::structures::uniform_grid::{self, UniformGrid};
+use crate::update::{Change, INSTANCES, is_by_instances};
 use frames::{FirstCopy, Frames, ROOM_FOR_FRAMES};
 use object::{Boxes, Copy, Members, Object, margin, padding_of};
 use sinks::WorldSink;
+
+const PAPERS: &str = "Rubin, Whitted 1980; Wald, Benthin, Slusallek 2003";
+
+pub static GRID_INFO: StructureInfo = StructureInfo {
+    paper: PAPERS,
+    deviations: "objects in the space of their first copy; primitives are tested in the world",
+    params: &[specs::DENSITY, OF_COPIES, specs::MAX_CELLS, specs::MAX_REFERENCES, INSTANCES],
+    variants: &[],
+    also_tested: &["", "density=8 top-density=0.5"],
+    ..StructureInfo::new(
+        "instanced-grid",
+        "a grid over copies of objects, which have grids of their own",
+    )
+};
+
+pub static BVH_INFO: StructureInfo = StructureInfo {
+    paper: PAPERS,
+    deviations: "objects in the space of their first copy; primitives are tested in the world, one by one",
+    params: &[PRESET, INSTANCES],
+    variants: &[],
+    also_tested: &["", "preset=fastest"],
+    ..StructureInfo::new(
+        "instanced-bvh",
+        "a BVH over copies of objects, which have BVHs of their own",
+    )
+};
+
+const OF_COPIES: ParamSpec =
+    ParamSpec { name: "top-density", summary: "voxels per copy of an object", ..specs::DENSITY };
+
+/// Grids over grids.
+pub type InstancedGrid<S> = InstancedStructure<S, UniformGrid<S>>;
+
+/// A BVH over BVHs.
+pub type InstancedBvh<S> = InstancedStructure<S, WideBvh<S>>;
 
 /// Chooses the structure of both levels.
 pub trait Levels<S: Scalar>: Structure<S> {
     /// The settings of the structure over copies, and of those over objects.
     fn settings(params: &Params) -> [Params; 2];
+}
+
+impl<S: Scalar> Levels<S> for UniformGrid<S> {
+    fn settings(params: &Params) -> [Params; 2] {
+        let limits = [specs::MAX_CELLS.name, specs::MAX_REFERENCES.name];
+        [OF_COPIES.name, specs::DENSITY.name].map(|density| {
+            let own = limits.map(|name| (name, params.text(name)));
+            let own = own.into_iter().chain([(specs::DENSITY.name, params.text(density))]);
+            uniform_grid::INFO.defaults().taken(own)
+        })
+    }
+}
+
+impl<S: Scalar> Levels<S> for WideBvh<S> {
+    fn settings(params: &Params) -> [Params; 2] {
+        ["1", "4"].map(|leaf| {
+            let own = [(PRESET.name, params.text(PRESET.name)), ("max-leaf", leaf)];
+            bvh::INFO.defaults().taken(own)
+        })
+    }
 }
 
 /// A structure over copies of objects that have structures of the same kind.

@@ -4,6 +4,7 @@
 use crate::geometry::scalar::Scalar;
 use crate::primitives::{Primitives, blocks};
 use crate::query::lists::Lists;
+use crate::structure::BuildError;
 
 /// An entry of the tree that is divided: this bit, three times two bits with the logarithms of the
 /// parts on each axis, and the number of the first part's entry. Any other is a cell's number.
@@ -21,8 +22,10 @@ pub(super) struct Cell {
 }
 
 /// The cells and how to find them.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(super) struct Cells {
+    /// For errors.
+    structure: &'static str,
     /// The top grid's entries, then those of parts.
     pub(super) entries: Vec<u32>,
     pub(super) cells: Vec<Cell>,
@@ -35,17 +38,29 @@ pub(super) struct Cells {
 }
 
 impl Cells {
+    /// Without cells yet, but with entries for so many.
+    pub(super) fn new(structure: &'static str, entries: usize) -> Self {
+        let (entries, cells, lists) = (vec![0; entries], Vec::new(), vec![0]);
+        Self { structure, entries, cells, lists, references: 0, divided: 0 }
+    }
+
     /// Checks that its numbers still fit.
-    pub(super) fn check(&self) -> Result<(), TooLarge> {
-        let (needed, limit) = (self.entries.len() as u64, u64::from(FIRST_PART));
+    pub(super) fn check(&self) -> Result<(), BuildError> {
+        let (needed, limit) = (self.entries.len() as u128, u128::from(FIRST_PART));
         if needed > limit {
-            return Err(TooLarge { what: "number of cells", needed, limit });
+            let (structure, what) = (self.structure, "number of cells");
+            return Err(BuildError::TooLarge { structure, what, needed, limit });
         }
         Ok(())
     }
 
     /// Takes in the cells of others; their first `roots` entries come to those from `at` on.
-    pub(super) fn absorb(&mut self, other: Self, at: usize, roots: usize) -> Result<(), TooLarge> {
+    pub(super) fn absorb(
+        &mut self,
+        other: Self,
+        at: usize,
+        roots: usize,
+    ) -> Result<(), BuildError> {
         let (entries, cells) = (self.entries.len() as u32, self.cells.len() as u32);
         // both begin with the empty list
         let lists = self.lists.len() as u32 - 1;
@@ -79,17 +94,6 @@ impl Cells {
             None => &[],
         }
     }
-}
-
-/// Name of the limited quantity in errors.
-pub(super) const REFERENCES: &str = "references in cells";
-
-/// Something would be larger than it may.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TooLarge {
-    pub(super) what: &'static str,
-    pub(super) needed: u64,
-    pub(super) limit: u64,
 }
 
 /// The lists of all cells, which get their numbers. Blocks where all primitives are triangles

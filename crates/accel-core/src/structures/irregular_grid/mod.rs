@@ -29,17 +29,13 @@ mod voxels;
 
 use std::ops::ControlFlow;
 
-use glam::DVec3;
-
 use crate::config;
 use crate::geometry::ray::Ray;
 use crate::geometry::ray_lanes::RayLanes;
-use crate::geometry::scalar::{Scalar, Vector};
-use crate::grid::cell_overlap;
+use crate::geometry::scalar::Scalar;
 use crate::grid::copies::{MOST_REFERENCES_A_COPY, are_copies};
 use crate::grid::resolution::resolve_by_density;
-use crate::historical::bounds_rule::{BoundsOf, BoundsRule};
-use crate::memory::CountedItem;
+use crate::historical::bounds_rule::BoundsRule;
 use crate::params::ParamSpec;
 use crate::params::{config, specs};
 use crate::primitives::{PrimSet, Primitives};
@@ -52,13 +48,13 @@ use crate::query::mailbox;
 use crate::query::side_by_side::{LaneDriver, LaneTraversal, RAYS};
 use crate::query::sink::Sink;
 use crate::structure::{
-    Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats, bounds_of, too_many,
+    Batches, BuildError, RayBatch, Structure, StructureInfo, StructureStats, bounds_of,
 };
-use cells::{FIRST_PART, TooLarge};
+use cells::FIRST_PART;
 use course::{LatticeFrame, LatticeRayState};
 use course_lanes::{Courses, StartStates};
 use lattice::Lattice;
-use place::{Placement, Source};
+use place::Placement;
 use subdivide::{Settings, subdivide};
 use voxels::Voxels;
 
@@ -115,8 +111,6 @@ struct BuildEffort {
     most_neighbours: usize,
 }
 
-const REFERENCES: CountedItem = CountedItem::references(cells::REFERENCES);
-
 const FAST: BuildEffort = BuildEffort { longest_list: 64, density: 0.125, most_neighbours: 2 };
 const QUALITY: BuildEffort = BuildEffort { longest_list: 32, density: 0.125, most_neighbours: 24 };
 
@@ -142,8 +136,8 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         prims: &dyn Primitives<S>,
         config: &config::Settings<IrregularGridConfig>,
     ) -> Result<Self, BuildError> {
-        let (structure, limits) = (config.structure(), config.limits());
-        let boxes = bounds_of(prims, BoundsRule::Padded, structure)?;
+        let limits = config.limits();
+        let boxes = bounds_of(prims, BoundsRule::Padded, limits.structure)?;
         let effort = config.effort;
         let (scene, smallest) = (boxes.scene(), boxes.smallest_cell());
         let most = u64::from(FIRST_PART) / 8;
@@ -152,11 +146,9 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
         let are_copies = are_copies(prims);
         let top = if are_copies { [1; 3] } else { top };
         let most_growth = if are_copies { MOST_REFERENCES_A_COPY as f64 } else { f64::INFINITY };
-        let padded = PaddedBounds(&boxes);
         let whole = |top| Lattice::new(&scene, top, smallest);
         let mut lattice = whole(top);
-        while lattice.top != [1; 3]
-            && !(Placement { lattice: &lattice, source: &padded }).is_sparse()
+        while lattice.top != [1; 3] && !(Placement { lattice: &lattice, boxes: &boxes }).is_sparse()
         {
             lattice = whole(lattice.top.map(|n| n / 2));
         }
@@ -167,19 +159,11 @@ impl<S: Scalar> Structure<S> for IrregularGrid<S> {
             } as usize,
             density: effort.density,
             step_cost: config.step_cost,
-            max_references: limits.most(&REFERENCES, config.max_references),
+            limits,
+            max_references: config.max_references,
             max_growth: config.max_growth.min(most_growth),
         };
-        let mut cells = subdivide(&lattice, &padded, settings).map_err(
-            |TooLarge { what, needed, limit }| {
-                if what == cells::REFERENCES {
-                    too_many(limits, &REFERENCES, config.max_references, needed)
-                } else {
-                    let (needed, limit) = (needed.into(), limit.into());
-                    BuildError::TooLarge { structure, what, needed, limit }
-                }
-            },
-        )?;
+        let mut cells = subdivide(Placement { lattice: &lattice, boxes: &boxes }, settings)?;
         let mut voxels = Voxels::new(&cells, &lattice);
         expand::expand(&mut cells, &voxels, effort.most_neighbours);
         let empty = cells.cells.iter().filter(|cell| cell.list == 0).count();
@@ -292,31 +276,5 @@ impl<S: Scalar> LaneTraversal<S> for IrregularGrid<S> {
     #[inline(always)]
     fn leave(&self, state: &mut Courses<S>, t_max: &[S; RAYS]) -> u32 {
         state.leave(t_max, &self.place)
-    }
-}
-
-/// The primitives with padded boxes.
-struct PaddedBounds<'a, S: Scalar>(&'a BoundsOf<'a, S>);
-
-impl<S: Scalar> Source for PaddedBounds<'_, S> {
-    fn len(&self) -> u32 {
-        self.0.prims().len() as u32
-    }
-
-    fn bounds(&self, id: u32) -> (DVec3, DVec3) {
-        let b = self.0.of(id);
-        (b.min.to_dvec3(), b.max.to_dvec3())
-    }
-
-    fn triangle(&self, id: u32) -> Option<[DVec3; 3]> {
-        self.0.prims().corners(id).map(|corners| corners.map(|p| p.to_dvec3()))
-    }
-
-    fn overlaps(&self, id: u32, low: DVec3, high: DVec3) -> bool {
-        cell_overlap::overlaps(self.0.prims(), id, (low, high), &mut Vec::new())
-    }
-
-    fn margin(&self) -> f64 {
-        self.0.padding().to_f64()
     }
 }

@@ -1,25 +1,14 @@
 //! Assigns primitives to the parts of a division.
 
-use std::ops::Range;
-
 use glam::DVec3;
 
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vector};
+use crate::grid::cell_overlap;
+use crate::historical::bounds_rule::BoundsOf;
 use crate::parallel;
 use crate::structures::irregular_grid::lattice::{Division, Lattice};
 use crate::structures::irregular_grid::overlap::Overlap;
-
-/// The input of a build, independent of scalar and primitive set.
-pub(super) trait Source {
-    fn len(&self) -> u32;
-    /// The padded box of a primitive.
-    fn bounds(&self, id: u32) -> (DVec3, DVec3);
-    /// The corners of one that is a triangle at rest.
-    fn triangle(&self, id: u32) -> Option<[DVec3; 3]>;
-    /// Returns whether another touches the box between these corners.
-    fn overlaps(&self, id: u32, low: DVec3, high: DVec3) -> bool;
-    /// By how much boxes are padded.
-    fn margin(&self) -> f64;
-}
 
 /// Boxes that meet more cells of the top grid than this on average are nearly all in the same
 /// place.
@@ -30,14 +19,18 @@ pub(super) type Pair = (u32, u32);
 /// Number of ids placed at a time.
 const CHUNK: usize = 1 << 13;
 
-/// Primitives and the lattice that they are placed on.
+/// The padded boxes of primitives, and the lattice that they are placed on.
 #[derive(Clone, Copy)]
-pub(super) struct Placement<'a> {
+pub(super) struct Placement<'a, S: Scalar> {
     pub(super) lattice: &'a Lattice,
-    pub(super) source: &'a (dyn Source + Sync),
+    pub(super) boxes: &'a BoundsOf<'a, S>,
 }
 
-impl Placement<'_> {
+impl<S: Scalar> Placement<'_, S> {
+    pub(super) fn primitives(&self) -> usize {
+        self.boxes.prims().len()
+    }
+
     /// Returns whether the boxes of the primitives meet few cells of the top grid each, on average.
     pub(super) fn is_sparse(&self) -> bool {
         let whole = self.lattice.whole();
@@ -45,9 +38,8 @@ impl Placement<'_> {
             let (first, last) = self.met(id, &whole);
             (0..3).map(|k| f64::from(last[k] - first[k] + 1)).product::<f64>()
         };
-        let met =
-            parallel::map_parts(self.source.len() as usize, |ids| ids.map(cells).sum::<f64>());
-        met.iter().sum::<f64>() <= MOST_TOP_CELLS * f64::from(self.source.len())
+        let met = parallel::map_parts(self.primitives(), |ids| ids.map(cells).sum::<f64>());
+        met.iter().sum::<f64>() <= MOST_TOP_CELLS * self.primitives() as f64
     }
 
     /// The first and last part, on each axis, that the box of a primitive meets.
@@ -57,8 +49,8 @@ impl Placement<'_> {
             let at = (x - self.lattice.plane(k, division.first[k])) / side;
             at.clamp(0.0, f64::from(division.parts[k] - 1)) as u32
         };
-        let (low, high) = self.source.bounds(id);
-        (std::array::from_fn(|k| along(k, low[k])), std::array::from_fn(|k| along(k, high[k])))
+        let Aabb { min, max } = self.boxes.of(id).in_double();
+        (std::array::from_fn(|k| along(k, min[k])), std::array::from_fn(|k| along(k, max[k])))
     }
 
     /// The parts that each of these ids goes to, ids ascending.
@@ -73,7 +65,8 @@ impl Placement<'_> {
 
     /// Fills `pairs` with the parts that each of these ids goes to, ids ascending.
     pub(super) fn place(&self, ids: &[u32], division: &Division, pairs: &mut Vec<Pair>) {
-        let (lattice, margin) = (self.lattice, self.source.margin());
+        let (lattice, margin) = (self.lattice, self.boxes.padding().to_f64());
+        let prims = self.boxes.prims();
         let [nx, ny, _] = division.parts;
         let low = DVec3::from_array(std::array::from_fn(|k| {
             lattice.plane(k, division.first[k]) - margin
@@ -90,7 +83,8 @@ impl Placement<'_> {
                 pairs.push((index(first[0], first[1], first[2]), id));
                 continue;
             }
-            let overlap = self.source.triangle(id).map(|corners| {
+            let overlap = prims.corners(id).map(|corners| {
+                let corners = corners.map(|p| p.to_dvec3());
                 let far = DVec3::from_array(division.parts.map(f64::from)) * side + 2.0 * margin;
                 let reach = (low - corners[0]).abs().max((low + far - corners[0]).abs());
                 Overlap::new(corners, size, reach.max_element())
@@ -101,7 +95,9 @@ impl Placement<'_> {
                         let at = low + DVec3::new(x.into(), y.into(), z.into()) * side;
                         let touches = match &overlap {
                             Some(overlap) => overlap.touches(at),
-                            None => self.source.overlaps(id, at, at + size),
+                            None => {
+                                cell_overlap::overlaps(prims, id, (at, at + size), &mut Vec::new())
+                            }
                         };
                         if touches {
                             pairs.push((index(x, y, z), id));
@@ -110,40 +106,5 @@ impl Placement<'_> {
                 }
             }
         }
-    }
-}
-
-/// End of the ids of each part; ids are in the order of parts.
-pub(super) struct RangeEnds(Vec<usize>);
-
-impl RangeEnds {
-    /// Appends the ids of pairs in the order of their parts, those of a part in the order of the
-    /// pairs. Ends are counted from the first that is appended.
-    pub(super) fn sort<'p>(
-        parts: usize,
-        pairs: impl Iterator<Item = &'p Pair> + Clone,
-        ids: &mut Vec<u32>,
-    ) -> Self {
-        let mut ends = vec![0usize; parts + 1];
-        for &(part, _) in pairs.clone() {
-            ends[part as usize + 1] += 1;
-        }
-        for i in 0..parts {
-            ends[i + 1] += ends[i];
-        }
-        let base = ids.len();
-        ids.resize(base + ends[parts], 0);
-        for &(part, id) in pairs {
-            // the beginning of a part becomes its end
-            let at = &mut ends[part as usize];
-            ids[base + *at] = id;
-            *at += 1;
-        }
-        Self(ends)
-    }
-
-    /// Range of the ids of a part.
-    pub(super) fn of(&self, part: usize) -> Range<usize> {
-        part.checked_sub(1).map_or(0, |before| self.0[before])..self.0[part]
     }
 }

@@ -5,12 +5,15 @@ use std::hash::{BuildHasherDefault, Hasher};
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use crate::geometry::scalar::Scalar;
+use crate::grid::cell_lists::CellLists;
+use crate::memory::{CountedItem, Limits};
 use crate::parallel;
-use crate::structures::irregular_grid::cells::REFERENCES;
-use crate::structures::irregular_grid::cells::{Cell, Cells, DIVIDED, TooLarge};
+use crate::structure::{BuildError, too_many};
+use crate::structures::irregular_grid::cells::{Cell, Cells, DIVIDED};
 use crate::structures::irregular_grid::empty_boxes::EmptyBoxes;
-use crate::structures::irregular_grid::lattice::{Division, Lattice};
-use crate::structures::irregular_grid::place::{Pair, Placement, RangeEnds, Source};
+use crate::structures::irregular_grid::lattice::Division;
+use crate::structures::irregular_grid::place::{Pair, Placement};
 
 /// How cells are divided.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +24,8 @@ pub(super) struct Settings {
     pub(super) density: f64,
     /// Cost of a traversal step, in units of a primitive test.
     pub(super) step_cost: f64,
-    /// Limit for the references in all lists.
+    pub(super) limits: Limits,
+    /// Limit for the references in all lists, but for that of memory.
     pub(super) max_references: u64,
     /// Limit of the factor by which the divisions on a path multiply references, and so of the
     /// average number of references per primitive.
@@ -30,20 +34,19 @@ pub(super) struct Settings {
 
 /// Divides. Parts with many primitives are divided by all threads of the pool; how the work is
 /// shared out depends on the scene alone, so that any number of threads gives the same cells.
-pub(super) fn subdivide(
-    lattice: &Lattice,
-    source: &(dyn Source + Sync),
+pub(super) fn subdivide<S: Scalar>(
+    placement: Placement<'_, S>,
     settings: Settings,
-) -> Result<Cells, TooLarge> {
-    let whole = lattice.whole();
-    let stored = AtomicU64::new(0);
-    let placement = Placement { lattice, source };
-    let shared = SharedInput { placement, settings, stored: &stored };
-    let ids: Vec<u32> = (0..source.len()).collect();
-    let pairs = shared.placement.place_all(&ids, &whole);
+) -> Result<Cells, BuildError> {
+    let whole = placement.lattice.whole();
+    let ids: Vec<u32> = (0..placement.primitives() as u32).collect();
+    let pairs = placement.place_all(&ids, &whole);
     let growth = pairs.iter().map(Vec::len).sum::<usize>() as f64 / ids.len() as f64;
+    let shared = SharedInput { placement, settings, stored: &AtomicU64::new(0) };
     shared.divide_large(&whole, &pairs, growth)
 }
+
+const REFERENCES: CountedItem = CountedItem::references("references in cells");
 
 /// Divisions of more references than this are shared out.
 const LARGE: usize = 1 << 13;
@@ -57,14 +60,14 @@ const SAMPLE: usize = 1 << 6;
 
 /// Input shared by all threads.
 #[derive(Clone, Copy)]
-struct SharedInput<'a> {
-    placement: Placement<'a>,
+struct SharedInput<'a, S: Scalar> {
+    placement: Placement<'a, S>,
     settings: Settings,
     /// Ids stored by all together.
     stored: &'a AtomicU64,
 }
 
-impl<'a> SharedInput<'a> {
+impl<S: Scalar> SharedInput<'_, S> {
     /// Cells of the parts of a division, whose entries come first.
     /// `growth`: references to a primitive on average, this division included.
     fn divide_large(
@@ -72,35 +75,35 @@ impl<'a> SharedInput<'a> {
         division: &Division,
         pairs: &[Vec<Pair>],
         growth: f64,
-    ) -> Result<Cells, TooLarge> {
+    ) -> Result<Cells, BuildError> {
         let count = division.count();
-        let mut ids = Vec::new();
-        let ends = RangeEnds::sort(count, pairs.iter().flatten(), &mut ids);
-        let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
+        let lists = CellLists::of_pairs(count, pairs.iter().flatten());
+        let empty = EmptyBoxes::new(division.parts, |part| lists.at(part).is_empty());
         let mut groups: Vec<Range<usize>> = Vec::new();
-        let wanted = (ids.len() + count) / GROUPS + 1;
+        let wanted = (lists.references() + count) / GROUPS + 1;
         let (mut start, mut weight) = (0, 0);
         for part in 0..count {
-            weight += ends.of(part).len() + 1;
+            weight += lists.at(part).len() + 1;
             if weight >= wanted || part + 1 == count {
                 groups.push(start..part + 1);
                 (start, weight) = (part + 1, 0);
             }
         }
-        let divide = |group: &Range<usize>| {
-            let mut worker = Worker::new(*self);
-            worker.cells.entries.resize(group.len(), 0);
+        let divide = |group: &Range<usize>| -> Result<Cells, BuildError> {
+            let mut worker = Worker {
+                shared: *self,
+                cells: Cells::new(self.settings.limits.structure, group.len()),
+                pairs: Vec::new(),
+                known: HashMap::default(),
+            };
             for (i, part) in group.clone().enumerate() {
-                worker.ids.clear();
-                worker.ids.extend_from_slice(&ids[ends.of(part)]);
-                let n = worker.ids.len();
-                worker.cells.entries[i] = worker.part(0..n, part, division, &empty, growth)?;
+                let entry = worker.part(lists.at(part), part, division, &empty, growth)?;
+                worker.cells.entries[i] = entry;
             }
             Ok(worker.cells)
         };
         let divided = parallel::map(&groups, &divide);
-        let mut cells = Cells { lists: vec![0], ..Cells::default() };
-        cells.entries.resize(count, 0);
+        let mut cells = Cells::new(self.settings.limits.structure, count);
         cells.divided = 1;
         for (group, part) in groups.iter().zip(divided) {
             cells.absorb(part?, group.start, group.len())?;
@@ -110,44 +113,29 @@ impl<'a> SharedInput<'a> {
     }
 }
 
-struct Worker<'a> {
-    shared: SharedInput<'a>,
+struct Worker<'a, S: Scalar> {
+    shared: SharedInput<'a, S>,
     cells: Cells,
-    /// Lists of the cells on the way down, the innermost last.
-    ids: Vec<u32>,
     /// Pairs of the current division.
     pairs: Vec<Pair>,
     /// Lists that are stored, by their hash.
     known: HashMap<u64, u32, BuildHasherDefault<IdHasher>>,
 }
 
-impl<'a> Worker<'a> {
-    fn new(shared: SharedInput<'a>) -> Self {
-        Self {
-            shared,
-            cells: Cells { lists: vec![0], ..Cells::default() },
-            ids: Vec::new(),
-            pairs: Vec::new(),
-            known: HashMap::default(),
-        }
-    }
-
+impl<S: Scalar> Worker<'_, S> {
     /// Makes entries for the parts that `pairs` speaks of; the number of the first.
-    fn divide(&mut self, division: &Division, growth: f64) -> Result<u32, TooLarge> {
+    fn divide(&mut self, division: &Division, growth: f64) -> Result<u32, BuildError> {
         let (first_entry, count) = (self.cells.entries.len(), division.count());
         self.cells.entries.resize(first_entry + count, 0);
         self.cells.check()?;
         self.cells.divided += 1;
-        let base = self.ids.len();
-        let ends = RangeEnds::sort(count, self.pairs.iter(), &mut self.ids);
-        let empty = EmptyBoxes::new(division.parts, |part| ends.of(part).is_empty());
+        let lists = CellLists::of_pairs(count, self.pairs.iter());
+        let empty = EmptyBoxes::new(division.parts, |part| lists.at(part).is_empty());
         for part in 0..count {
-            let Range { start, end } = ends.of(part);
-            let entry = self.part(base + start..base + end, part, division, &empty, growth)?;
+            let entry = self.part(lists.at(part), part, division, &empty, growth)?;
             self.cells.entries[first_entry + part] = entry;
         }
         empty.share(&mut self.cells.entries[first_entry..first_entry + count]);
-        self.ids.truncate(base);
         Ok(first_entry as u32)
     }
 
@@ -155,12 +143,12 @@ impl<'a> Worker<'a> {
     /// entry stands for.
     fn part(
         &mut self,
-        ids: Range<usize>,
+        ids: &[u32],
         part: usize,
         division: &Division,
         empty: &EmptyBoxes,
         growth: f64,
-    ) -> Result<u32, TooLarge> {
+    ) -> Result<u32, BuildError> {
         let first = division.part(part);
         if !ids.is_empty() {
             return self.entry(ids, first, division.shift, growth);
@@ -170,30 +158,29 @@ impl<'a> Worker<'a> {
             return Ok(0);
         }
         let last = |k: usize| division.first[k] + ((last[k] + 1) << division.shift[k]) - 1;
-        self.cell(0..0, first, std::array::from_fn(last))
+        self.cell(&[], first, std::array::from_fn(last))
     }
 
     /// The entry of a cell with these ids: it is divided if that pays.
     fn entry(
         &mut self,
-        ids: Range<usize>,
+        ids: &[u32],
         first: [u32; 3],
         levels: [u32; 3],
         growth: f64,
-    ) -> Result<u32, TooLarge> {
+    ) -> Result<u32, BuildError> {
         let n = ids.len();
         let settings = self.shared.settings;
         if n > settings.longest_list
             && let Some(division) = self.division(n, first, levels)
-            && (n <= SAMPLED || self.may_pay(ids.clone(), &division, growth))
+            && (n <= SAMPLED || self.may_pay(ids, &division, growth))
         {
             let large = if n > LARGE {
-                let pairs = self.shared.placement.place_all(&self.ids[ids.clone()], &division);
+                let pairs = self.shared.placement.place_all(ids, &division);
                 self.pairs.clear();
                 self.pairs.extend(pairs.iter().flatten());
                 Some(pairs)
             } else {
-                let ids = &self.ids[ids.clone()];
                 self.shared.placement.place(ids, &division, &mut self.pairs);
                 None
             };
@@ -228,9 +215,9 @@ impl<'a> Worker<'a> {
 
     /// Returns whether a sample of the primitives suggests that a division pays; placing all of
     /// them in vain costs as much as that many parts.
-    fn may_pay(&mut self, ids: Range<usize>, division: &Division, growth: f64) -> bool {
+    fn may_pay(&mut self, ids: &[u32], division: &Division, growth: f64) -> bool {
         let every = ids.len() / SAMPLE;
-        let sample: Vec<u32> = self.ids[ids].iter().copied().step_by(every).collect();
+        let sample: Vec<u32> = ids.iter().copied().step_by(every).collect();
         self.shared.placement.place(&sample, division, &mut self.pairs);
         let predicted = growth * self.pairs.len() as f64 / sample.len() as f64;
         // twice: a sample may mislead
@@ -270,18 +257,13 @@ impl<'a> Worker<'a> {
         (shift != levels).then_some(Division { first, shift, parts })
     }
 
-    fn cell(
-        &mut self,
-        ids: Range<usize>,
-        first: [u32; 3],
-        last: [u32; 3],
-    ) -> Result<u32, TooLarge> {
+    fn cell(&mut self, ids: &[u32], first: [u32; 3], last: [u32; 3]) -> Result<u32, BuildError> {
         self.cells.references += ids.len() as u64;
         let stored = self.shared.stored.fetch_add(ids.len() as u64, Ordering::Relaxed);
         let list = self.list(ids);
-        let limit = self.shared.settings.max_references;
-        if stored > limit.min(u64::from(u32::MAX)) {
-            return Err(TooLarge { what: REFERENCES, needed: stored, limit });
+        let Settings { limits, max_references, .. } = self.shared.settings;
+        if stored > limits.most(&REFERENCES, max_references).min(u64::from(u32::MAX)) {
+            return Err(too_many(limits, &REFERENCES, max_references, stored));
         }
         let number = self.cells.cells.len() as u32;
         self.cells.cells.push(Cell {
@@ -293,8 +275,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Stores a list and returns its place; equal lists are stored once.
-    fn list(&mut self, ids: Range<usize>) -> u32 {
-        let ids = &self.ids[ids];
+    fn list(&mut self, ids: &[u32]) -> u32 {
         if ids.is_empty() {
             return 0;
         }

@@ -13,11 +13,11 @@ use crate::query::cells::{Cell, CellVisitor};
 use crate::query::kernel;
 use crate::query::sink::Sink;
 use crate::structure::{BuildError, StructureStats};
-use crate::structures::bounding_volumes::median_cut::Centres;
 use crate::structures::bounding_volumes::slabs::Slabs;
 use crate::structures::bounding_volumes::volume::Volume;
 use crate::structures::bounding_volumes::{DIRECTIONS, MAX_CELLS, check_cells};
 use crate::structures::kay_kajiya::entry_queue::EntryQueue;
+use crate::tree::median_cut::Centres;
 
 config! {
     /// How the hierarchy is built.

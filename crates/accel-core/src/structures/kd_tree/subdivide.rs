@@ -2,14 +2,12 @@
 
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::cell_lists::CellLists;
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::memory::CountedItem;
-use crate::parallel::concat;
 use crate::params::config::Settings;
 use crate::structure::BuildError;
 use crate::structures::kd_tree::surface_area::{CutPlane, DEEPEST, Heuristic, KdTreeConfig};
-use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
+use crate::tree::build::{self, Cell, Division, Link};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
@@ -39,13 +37,8 @@ pub(super) fn cells<S: Scalar>(
 static CELLS: CountedItem = CountedItem::cells("number of cells", 16);
 static REFERENCES: CountedItem = CountedItem::references("references in cells");
 
-/// The cells; cell 0 is the root.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Cells<S> {
-    pub(super) nodes: Vec<Node<S>>,
-    /// The references of leaves.
-    pub(super) lists: CellLists,
-}
+/// The cells.
+pub(super) type Cells<S> = build::Cells<S, Node<S>>;
 
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Node<S> {
@@ -56,21 +49,28 @@ pub(super) struct Node<S> {
     pub(super) link: u32,
 }
 
-impl<S: Scalar> Node<S> {
+impl<S> Node<S> {
     pub(super) const LEAF: u32 = 3;
+}
 
-    pub(super) fn leaf(number: usize) -> Self {
-        Self { plane: S::ZERO, link: (number as u32) << 2 | Self::LEAF }
+impl<S: Scalar> Link<S> for Node<S> {
+    type Cut = CutPlane<S>;
+    type Record = ();
+    const CHILDREN: usize = 2;
+
+    fn leaf(number: u32) -> Self {
+        Self { plane: S::ZERO, link: number << 2 | Self::LEAF }
     }
 
-    pub(super) fn inner(axis: usize, plane: S, lower: usize) -> Self {
-        Self { plane, link: (lower as u32) << 2 | axis as u32 }
+    fn inner(cut: &CutPlane<S>, number: u32) -> Self {
+        Self { plane: cut.plane, link: (1 + 2 * number) << 2 | cut.axis as u32 }
     }
 
-    /// The same after cells have moved by `cells`, and leaves have got numbers higher by `leaves`.
-    pub(super) fn moved(self, cells: usize, leaves: usize) -> Self {
-        let by = if self.link & 3 == Self::LEAF { leaves } else { cells };
-        Self { link: self.link + ((by as u32) << 2), ..self }
+    fn record(_: CutPlane<S>) {}
+
+    fn moved(self, [inner, leaves]: [u32; 2]) -> Self {
+        let by = if self.link & 3 == Self::LEAF { leaves } else { 2 * inner };
+        Self { link: self.link + (by << 2), ..self }
     }
 }
 
@@ -82,20 +82,19 @@ struct Rules<'a, S: Scalar> {
     room: CapacityLimits,
 }
 
-impl<S: Scalar> Division<S> for Rules<'_, S> {
-    type Cells = Cells<S>;
+impl<'a, S: Scalar> Division<S> for Rules<'a, S> {
+    type Link = Node<S>;
     type Cut = CutPlane<S>;
     type Descent = u64;
-    type Scratch = Heuristic<S>;
-    const CHILDREN: usize = 2;
+    type Scratch = Heuristic<'a, S>;
 
-    fn scratch(&self) -> Heuristic<S> {
+    fn scratch(&self) -> Heuristic<'a, S> {
         Heuristic::new(self.config)
     }
 
     fn cut(
         &self,
-        heuristic: &mut Heuristic<S>,
+        heuristic: &mut Heuristic<'a, S>,
         ids: &[u32],
         cell: &Cell<S, u64>,
     ) -> Option<(CutPlane<S>, u64)> {
@@ -118,67 +117,10 @@ impl<S: Scalar> Division<S> for Rules<'_, S> {
     }
 
     fn child(bounds: &Aabb<S>, cut: &CutPlane<S>, side: usize) -> Aabb<S> {
-        let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
-        if side == 0 {
-            hi[cut.axis] = cut.plane
-        } else {
-            lo[cut.axis] = cut.plane
-        }
-        Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+        bounds.cut(cut.axis, cut.plane)[side]
     }
 
     fn room(&self) -> &CapacityLimits {
         &self.room
-    }
-}
-
-impl<S: Scalar> CellStore for Cells<S> {
-    type Cut = CutPlane<S>;
-
-    fn begun() -> Self {
-        Self { nodes: vec![Node::leaf(0)], lists: CellLists::none() }
-    }
-
-    fn counts(&self) -> [usize; 2] {
-        [self.nodes.len(), self.lists.references()]
-    }
-
-    fn divide(&mut self, cell: usize, cut: CutPlane<S>) -> usize {
-        let lower = self.nodes.len();
-        self.nodes[cell] = Node::inner(cut.axis, cut.plane, lower);
-        self.nodes.resize(lower + 2, Node::leaf(0));
-        lower
-    }
-
-    fn leaf(&mut self, cell: usize, ids: &[u32]) {
-        self.nodes[cell] = Node::leaf(self.lists.cells());
-        self.lists.push(ids);
-    }
-
-    fn joined(steps: &[Step<Self>]) -> Self {
-        let moved = |node: Node<S>, by: [usize; 2]| node.moved(by[0], by[1]);
-        let leaf = [Node::leaf(0); 2];
-        let mut nodes = vec![(&leaf[..1], [0; 2])];
-        // the nodes that stand for children, and where the next nodes and leaves stand
-        let (mut firsts, mut next, mut leaves) = (Vec::new(), 1, 0);
-        for step in steps {
-            match step {
-                Step::Divide(cell, cut) => {
-                    firsts.push((*cell, Node::inner(cut.axis, cut.plane, next)));
-                    nodes.push((&leaf, [0; 2]));
-                    next += 2;
-                }
-                Step::Below(cell, below) => {
-                    let by = [next - 1, leaves];
-                    firsts.push((*cell, moved(below.nodes[0], by)));
-                    nodes.push((&below.nodes[1..], by));
-                    next += below.nodes.len() - 1;
-                    leaves += below.lists.cells();
-                }
-            }
-        }
-        let mut nodes = concat(&nodes, &moved);
-        firsts.into_iter().for_each(|(cell, node)| nodes[cell] = node);
-        Self { nodes, lists: joined_lists(steps, |cells| &cells.lists) }
     }
 }

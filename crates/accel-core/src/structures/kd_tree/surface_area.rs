@@ -50,23 +50,15 @@ pub(super) struct CutPlane<S> {
 const BINS: usize = 32;
 
 /// The settings, and memory that is used again for each cell.
-pub(super) struct Heuristic<S> {
-    traversal_cost: f64,
-    empty_bonus: f64,
-    exact_below: usize,
+pub(super) struct Heuristic<'a, S> {
+    config: &'a KdTreeConfig,
     lower_sides: Vec<S>,
     upper_sides: Vec<S>,
 }
 
-impl<S: Scalar> Heuristic<S> {
-    pub(super) fn new(config: &KdTreeConfig) -> Self {
-        Self {
-            traversal_cost: config.traversal_cost,
-            empty_bonus: config.empty_bonus,
-            exact_below: config.exact_below,
-            lower_sides: Vec::new(),
-            upper_sides: Vec::new(),
-        }
+impl<'a, S: Scalar> Heuristic<'a, S> {
+    pub(super) fn new(config: &'a KdTreeConfig) -> Self {
+        Self { config, lower_sides: Vec::new(), upper_sides: Vec::new() }
     }
 
     /// The cut of least cost strictly within the cell; of equal ones the first.
@@ -78,8 +70,8 @@ impl<S: Scalar> Heuristic<S> {
     ) -> Option<CutPlane<S>> {
         let mut best = None;
         for axis in 0..3 {
-            let mut trial = Trial::new(self, cell, axis, &mut best);
-            if ids.len() <= self.exact_below {
+            let mut trial = Trial::new(self.config, cell, axis, &mut best);
+            if ids.len() <= self.config.exact_below {
                 self.sweep(boxes, ids, &mut trial);
             } else {
                 bins(boxes, ids, &mut trial);
@@ -179,14 +171,13 @@ struct Trial<'a, S> {
     girth: f64,
     /// One over the cell's surface.
     scale: f64,
-    traversal_cost: f64,
-    empty_bonus: f64,
+    config: &'a KdTreeConfig,
     best: &'a mut Option<CutPlane<S>>,
 }
 
 impl<'a, S: Scalar> Trial<'a, S> {
     fn new(
-        heuristic: &Heuristic<S>,
+        config: &'a KdTreeConfig,
         cell: &Aabb<S>,
         axis: usize,
         best: &'a mut Option<CutPlane<S>>,
@@ -201,8 +192,7 @@ impl<'a, S: Scalar> Trial<'a, S> {
             caps,
             girth,
             scale: 1.0 / (caps + girth * size[axis]).max(f64::MIN_POSITIVE),
-            traversal_cost: heuristic.traversal_cost,
-            empty_bonus: heuristic.empty_bonus,
+            config,
             best,
         }
     }
@@ -216,8 +206,8 @@ impl<'a, S: Scalar> Trial<'a, S> {
         let surface = |length: S| self.caps + self.girth * length.to_f64();
         let tests =
             surface(plane - self.lo) * below as f64 + surface(self.hi - plane) * above as f64;
-        let bonus = if below == 0 || above == 0 { 1.0 - self.empty_bonus } else { 1.0 };
-        let cost = bonus * (self.traversal_cost + tests * self.scale);
+        let bonus = if below == 0 || above == 0 { 1.0 - self.config.empty_bonus } else { 1.0 };
+        let cost = bonus * (self.config.traversal_cost + tests * self.scale);
         if self.best.is_none_or(|b| cost < b.cost) {
             *self.best = Some(CutPlane { axis: self.axis, plane, cost });
         }

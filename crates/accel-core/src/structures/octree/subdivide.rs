@@ -2,14 +2,12 @@
 
 use crate::capacity::CapacityLimits;
 use crate::geometry::aabb::Aabb;
-use crate::geometry::scalar::{Scalar, Vec3, Vector};
-use crate::grid::cell_lists::CellLists;
+use crate::geometry::scalar::{Scalar, Vector};
 use crate::memory::CountedItem;
-use crate::parallel::concat;
 use crate::params::config::Settings;
 use crate::structure::BuildError;
 use crate::structures::octree::config::OctreeConfig;
-use crate::tree::build::{self, Cell, CellStore, Division, Step, joined_lists};
+use crate::tree::build::{self, Cell, Division, Link};
 
 /// Builds the cells over boxes of primitives, on all threads of the current rayon pool; the same
 /// cells in the same places for any number of threads.
@@ -39,17 +37,12 @@ pub(super) fn cells<S: Scalar>(
 static CELLS: CountedItem = CountedItem::cells("number of cells", 8);
 static REFERENCES: CountedItem = CountedItem::references("references in cells");
 
-/// The cells. Cell 0 is the root; the children of inner cell number `i` are the cells
-/// `1 + 8 i ..= 8 + 8 i`, with bit k of the offset set on the upper side of axis k.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Cells<S> {
-    /// For each cell the number of its leaf with [`LEAF`] set, or its number among inner cells.
-    pub(super) links: Vec<u32>,
-    /// For each inner cell, the planes that cut it.
-    pub(super) planes: Vec<[S; 3]>,
-    /// The references of leaves.
-    pub(super) lists: CellLists,
-}
+/// The cells, with bit k of a child's place set on the upper side of axis k.
+pub(super) type Cells<S> = build::Cells<S, OctantLink>;
+
+/// The number of a leaf with [`LEAF`] set, or that of an inner cell, of which the planes are kept.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct OctantLink(u32);
 
 /// Set in the link of a leaf.
 const LEAF: u32 = 1 << 31;
@@ -64,10 +57,10 @@ pub(super) enum Content<'a, S> {
 impl<S: Scalar> Cells<S> {
     #[inline(always)]
     pub(super) fn content(&self, cell: u32) -> Content<'_, S> {
-        let link = self.links[cell as usize];
+        let OctantLink(link) = self.links[cell as usize];
         let number = (link & !LEAF) as usize;
         if link & LEAF == 0 {
-            Content::Inner(&self.planes[number], 1 + 8 * link)
+            Content::Inner(&self.cuts[number], 1 + 8 * link)
         } else {
             Content::Leaf(self.lists.at(number))
         }
@@ -94,66 +87,33 @@ struct Descent {
     growth: f64,
 }
 
-impl<S: Scalar> CellStore for Cells<S> {
+impl<S: Scalar> Link<S> for OctantLink {
     type Cut = [S; 3];
+    type Record = [S; 3];
+    const CHILDREN: usize = 8;
 
-    fn begun() -> Self {
-        Self { links: vec![LEAF], planes: Vec::new(), lists: CellLists::none() }
+    fn leaf(number: u32) -> Self {
+        Self(LEAF | number)
     }
 
-    fn counts(&self) -> [usize; 2] {
-        [self.links.len(), self.lists.references()]
+    fn inner(_: &[S; 3], number: u32) -> Self {
+        Self(number)
     }
 
-    fn divide(&mut self, cell: usize, planes: [S; 3]) -> usize {
-        let first = self.links.len();
-        self.links[cell] = self.planes.len() as u32;
-        self.planes.push(planes);
-        self.links.resize(first + 8, LEAF);
-        first
+    fn record(planes: [S; 3]) -> [S; 3] {
+        planes
     }
 
-    fn leaf(&mut self, cell: usize, ids: &[u32]) {
-        self.links[cell] = LEAF | self.lists.cells() as u32;
-        self.lists.push(ids);
-    }
-
-    fn joined(steps: &[Step<Self>]) -> Self {
-        let moved = |link: u32, by: [u32; 2]| link + by[usize::from(link & LEAF != 0)];
-        let leaf = [LEAF; 8];
-        let (mut links, mut planes) = (vec![(&leaf[..1], [0; 2])], Vec::new());
-        // the links that stand for children, and the numbers of the next inner cell and leaf
-        let (mut firsts, mut by) = (Vec::new(), [0; 2]);
-        for step in steps {
-            match step {
-                Step::Divide(cell, cut) => {
-                    firsts.push((*cell, by[0]));
-                    links.push((&leaf, [0; 2]));
-                    planes.push((std::slice::from_ref(cut), ()));
-                    by[0] += 1;
-                }
-                Step::Below(cell, below) => {
-                    firsts.push((*cell, moved(below.links[0], by)));
-                    links.push((&below.links[1..], by));
-                    planes.push((&below.planes[..], ()));
-                    let [inner, leaves] = [below.planes.len(), below.lists.cells()];
-                    by = [by[0] + inner as u32, by[1] + leaves as u32];
-                }
-            }
-        }
-        let mut links = concat(&links, &moved);
-        firsts.into_iter().for_each(|(cell, link)| links[cell] = link);
-        let lists = joined_lists(steps, |cells| &cells.lists);
-        Self { links, planes: concat(&planes, &|planes, ()| planes), lists }
+    fn moved(self, by: [u32; 2]) -> Self {
+        Self(self.0 + by[usize::from(self.0 & LEAF != 0)])
     }
 }
 
 impl<S: Scalar> Division<S> for Rules<'_, S> {
-    type Cells = Cells<S>;
+    type Link = OctantLink;
     type Cut = [S; 3];
     type Descent = Descent;
     type Scratch = ();
-    const CHILDREN: usize = 8;
 
     fn scratch(&self) {}
 
@@ -291,10 +251,7 @@ fn touches<S: Scalar>(b: &Aabb<S>, planes: &[S; 3], octant: usize) -> bool {
     reaches(0) & reaches(1) & reaches(2)
 }
 
-fn octant_of<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aabb<S> {
-    let (mut lo, mut hi) = (bounds.min.to_array(), bounds.max.to_array());
-    for k in 0..3 {
-        if octant >> k & 1 == 1 { lo[k] = planes[k] } else { hi[k] = planes[k] }
-    }
-    Aabb { min: Vec3::<S>::from_array(lo), max: Vec3::<S>::from_array(hi) }
+/// The box of a child.
+pub(super) fn octant_of<S: Scalar>(bounds: &Aabb<S>, planes: &[S; 3], octant: usize) -> Aabb<S> {
+    (0..3).fold(*bounds, |part, k| part.cut(k, planes[k])[octant >> k & 1])
 }

@@ -13,6 +13,7 @@ use crate::grid::voxel_traversal::GridFrame;
 use crate::parallel::{map, should_parallelize};
 use crate::query::cells::{Cell, CellVisitor};
 use crate::structures::recursive_grid::budget::{Budget, ExcessCounts};
+use crate::structures::recursive_grid::config::{LevelRule, RecursiveGridConfig};
 
 /// Marks an entry of a list that is the index of a child, not of a primitive.
 const CHILD: u32 = 1 << 31;
@@ -166,35 +167,13 @@ impl<S: Scalar> Child<S> {
     }
 }
 
-/// How the voxels of a level are counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum LevelRule {
-    /// Cubes, D a reference, flat voxels included.
-    Density,
-    /// s_i (D n / V)^(1/3), rounded as in 1999.
-    Heterogeneous,
-    /// n^(1/3) on every axis, rounded up.
-    CubeRoot,
-}
-
 /// All that is needed to divide a voxel.
 #[derive(Debug)]
 pub(super) struct Division<S: Scalar> {
     /// Boxes of all primitives, as they are inserted.
     pub(super) boxes: Vec<Aabb<S>>,
-    pub(super) rule: LevelRule,
-    /// Voxels a reference: of the root, and of all other grids.
-    pub(super) densities: [f64; 2],
-    /// Voxels with more references than this are divided.
-    pub(super) threshold: usize,
-    /// Depth of the deepest grids; the root has depth 1.
-    pub(super) max_depth: u32,
-    /// Grids down to this depth are built with the structure, deeper ones on demand.
-    pub(super) eager_depth: u32,
-    /// A voxel is not divided if that would multiply its references by more than this.
-    pub(super) max_growth: f64,
-    /// Cell indices by division, as in 1999.
-    pub(super) by_division: bool,
+    /// With `boxes=historical`, cell indices are found by division.
+    pub(super) config: RecursiveGridConfig,
     /// No voxel is narrower.
     pub(super) narrowest: S,
     /// By so much the grid of a voxel reaches beyond it on every side; see `voxel_traversal.rs`.
@@ -206,6 +185,12 @@ impl<S: Scalar> Division<S> {
     /// The smallest width of a voxel in a scene with this box.
     pub(super) fn narrowest_in(scene: Aabb<S>) -> S {
         S::EPSILON * scene.magnitude() * S::from_f64(NARROWEST_VOXEL_ULPS)
+    }
+
+    /// Grids down to this depth, the root's being 1, are built with the structure, deeper ones on
+    /// demand.
+    fn eager_depth(&self) -> u32 {
+        if self.config.is_lazy { self.config.lazy_levels } else { self.config.max_depth }
     }
 
     /// The outermost grid, over all primitives; coarser than asked for where that would multiply
@@ -227,7 +212,7 @@ impl<S: Scalar> Division<S> {
     }
 
     fn outermost(&self, bounds: Aabb<S>) -> Result<Grid<S>, ExcessCounts> {
-        let mut density = self.densities[0];
+        let mut density = self.config.top_density;
         loop {
             let primitives = self.boxes.len();
             let frame = GridFrame::new(bounds, self.resolution(primitives, bounds, density));
@@ -251,7 +236,7 @@ impl<S: Scalar> Division<S> {
         bounds: Aabb<S>,
         depth: u32,
     ) -> Result<Option<Grid<S>>, ExcessCounts> {
-        let n = self.resolution(ids.len(), bounds, self.densities[1]);
+        let n = self.resolution(ids.len(), bounds, self.config.density);
         if n == [1; 3] {
             return Ok(None);
         }
@@ -271,9 +256,10 @@ impl<S: Scalar> Division<S> {
     ) -> Result<Option<Grid<S>>, ExcessCounts> {
         let cells = frame.cells() as u64;
         self.budget.take([cells, 0])?;
-        let allowed = self.max_growth * primitives as f64;
+        let allowed = self.config.max_growth * primitives as f64;
         let left = self.budget.references_left();
-        let placement = BoxPlacement { frame, boxes: &self.boxes, by_division: self.by_division };
+        let by_division = self.config.historical;
+        let placement = BoxPlacement { frame, boxes: &self.boxes, by_division };
         let lists = match lists(left.min(allowed as u64), &placement) {
             Ok(lists) => lists,
             Err(needed) => {
@@ -284,10 +270,10 @@ impl<S: Scalar> Division<S> {
         };
         self.budget.take([0, lists.references() as u64])?;
         let mut children = Vec::new();
-        let lists = if depth < self.max_depth {
+        let lists = if depth < self.config.max_depth {
             let mut made = self.children_at_once(&lists, &frame, depth)?.map(Vec::into_iter);
             lists.replaced(|cell, list| {
-                if list.len() <= self.threshold {
+                if list.len() <= self.config.threshold {
                     return Ok(None);
                 }
                 let child = match &mut made {
@@ -314,11 +300,11 @@ impl<S: Scalar> Division<S> {
         frame: &GridFrame<S>,
         depth: u32,
     ) -> Result<Option<Vec<Option<Child<S>>>>, ExcessCounts> {
-        let pays = depth < self.eager_depth && should_parallelize(lists.references());
+        let pays = depth < self.eager_depth() && should_parallelize(lists.references());
         if !(pays && self.budget.is_in_any_order()) {
             return Ok(None);
         }
-        let is_crowded = |&cell: &usize| lists.list(cell).len() > self.threshold;
+        let is_crowded = |&cell: &usize| lists.list(cell).len() > self.config.threshold;
         let crowded: Vec<usize> = (0..frame.cells()).filter(is_crowded).collect();
         let child = |&cell: &usize| self.child(frame, cell, lists.list(cell), depth);
         map(&crowded, &child).into_iter().collect::<Result<_, _>>().map(Some)
@@ -332,7 +318,7 @@ impl<S: Scalar> Division<S> {
         list: &[u32],
         depth: u32,
     ) -> Result<Option<Child<S>>, ExcessCounts> {
-        if depth >= self.eager_depth {
+        if depth >= self.eager_depth() {
             return Ok(Some(Child::later(list)));
         }
         let Some(grid) = self.grid(list, frame.cell_bounds(cell), depth + 1)? else {
@@ -346,7 +332,7 @@ impl<S: Scalar> Division<S> {
     fn resolution(&self, n: usize, bounds: Aabb<S>, density: f64) -> [u32; 3] {
         let size = bounds.size().to_array();
         let wanted = n as f64 * density;
-        let mut voxels = match self.rule {
+        let mut voxels = match self.config.rule {
             LevelRule::CubeRoot => [(wanted.cbrt() - 1e-6).ceil().max(1.0) as u32; 3],
             LevelRule::Heterogeneous => heterogeneous(size.map(|s| s.to_f64()), wanted),
             LevelRule::Density => {

@@ -2,6 +2,7 @@
 
 use crate::geometry::aabb::Aabb;
 use crate::geometry::scalar::{Scalar, Vector};
+use crate::tree::median_cut::Centres;
 
 /// Boxes a leaf holds at most.
 const LEAF: usize = 4;
@@ -51,48 +52,24 @@ impl<'a, S: Scalar> BoxTree<'a, S> {
         let order = (0..boxes.len() as u32).collect();
         let mut tree = Self { boxes, order, nodes: Vec::new() };
         if !boxes.is_empty() {
-            tree.build(0, boxes.len());
+            tree.build(&Centres::of_boxes(boxes), 0, boxes.len());
         }
         tree
     }
 
-    fn build(&mut self, first: usize, last: usize) {
+    fn build(&mut self, centres: &Centres<S>, first: usize, last: usize) {
         let node = self.nodes.len();
-        let boxes = self.boxes;
-        let centre = |i: u32, k: usize| {
-            let b = &boxes[i as usize];
-            // half each, so that the sum cannot overflow
-            let half = S::from_f64(0.5);
-            b.min.to_array()[k] * half + b.max.to_array()[k] * half
-        };
         let items = &mut self.order[first..last];
-        let bounds = items.iter().fold(Aabb::empty(), |all, &i| all.union(boxes[i as usize]));
+        let bounds = items.iter().fold(Aabb::empty(), |all, &i| all.union(self.boxes[i as usize]));
         self.nodes.push(Node { bounds, live: (last - first) as u32, right: 0 });
         if last - first <= LEAF {
             return;
         }
-        let mut lo = [S::INFINITY; 3];
-        let mut hi = [-S::INFINITY; 3];
-        for &i in items.iter() {
-            for k in 0..3 {
-                lo[k] = lo[k].lesser(centre(i, k));
-                hi[k] = hi[k].greater(centre(i, k));
-            }
-        }
-        let mut axis = 0;
-        for k in 1..3 {
-            if hi[k] - lo[k] > hi[axis] - lo[axis] {
-                axis = k;
-            }
-        }
         let middle = (last - first) / 2;
-        items.select_nth_unstable_by(middle, |&a, &b| {
-            let order = centre(a, axis).partial_cmp(&centre(b, axis));
-            order.unwrap_or(std::cmp::Ordering::Equal).then(a.cmp(&b))
-        });
-        self.build(first, first + middle);
+        centres.cut(items, middle);
+        self.build(centres, first, first + middle);
         self.nodes[node].right = self.nodes.len() as u32;
-        self.build(first + middle, last);
+        self.build(centres, first + middle, last);
     }
 
     /// Takes out every box near `query` and appends it to `taken`.

@@ -36,8 +36,7 @@ fn in_halves<S: Scalar>(
         return flooded(boxes, near, &ids);
     }
     let around = |ids: &[u32]| ids.iter().fold(Aabb::empty(), |b, &i| boxes[i as usize].union(b));
-    let size = around(&ids).size().to_array();
-    let axis = (1..3).fold(0, |widest, k| if size[k] > size[widest] { k } else { widest });
+    let axis = around(&ids).longest_axis();
     let low = |i: u32| boxes[i as usize].min.to_array()[axis];
     let middle = ids.len() / 2;
     ids.select_nth_unstable_by(middle, |&a, &b| {

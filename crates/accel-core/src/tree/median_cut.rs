@@ -1,31 +1,33 @@
 //! Neighbouring primitives: sets of them, halved at the median of their centres.
 
-use crate::geometry::scalar::{Scalar, Vector};
+use crate::geometry::aabb::Aabb;
+use crate::geometry::scalar::{Scalar, Vec3, Vector};
 use crate::parallel::{collect, should_parallelize};
 use crate::primitives::Primitives;
 
-/// The centres of the boxes of all primitives.
-pub(crate) struct Centres<S>(Vec<[S; 3]>);
+/// The centres of boxes.
+pub(crate) struct Centres<S: Scalar>(Vec<Vec3<S>>);
 
 impl<S: Scalar> Centres<S> {
-    /// Looks at all primitives once.
+    /// Those of all primitives.
     pub(crate) fn of(prims: &dyn Primitives<S>) -> Self {
-        let half = S::from_f64(0.5);
-        let centre = |id| {
-            let b = prims.bounds(id);
-            (b.min * half + b.max * half).to_array()
-        };
-        Self(collect(prims.len(), |id| centre(id as u32)))
+        Self(collect(prims.len(), |id| centre(&prims.bounds(id as u32))))
+    }
+
+    pub(crate) fn of_boxes(boxes: &[Aabb<S>]) -> Self {
+        Self(boxes.iter().map(centre).collect())
     }
 
     /// Brings the `lower` ids with the lowest centres to the front, on the axis on which the
     /// centres spread most; equal centres are taken in the order of ids.
-    fn cut(&self, ids: &mut [u32], lower: usize) {
+    pub(crate) fn cut(&self, ids: &mut [u32], lower: usize) {
         if lower >= ids.len() {
             return;
         }
-        let axis = self.widest_axis(ids);
-        let centre = |id: u32| self.0[id as usize][axis].to_f64();
+        let at = |id: u32| self.0[id as usize];
+        let centres = ids.iter().map(|&id| Aabb::<S> { min: at(id), max: at(id) });
+        let axis = centres.fold(Aabb::empty(), Aabb::union).longest_axis();
+        let centre = |id: u32| at(id).to_array()[axis].to_f64();
         ids.select_nth_unstable_by(lower, |&a, &b| {
             centre(a).total_cmp(&centre(b)).then_with(|| a.cmp(&b))
         });
@@ -33,7 +35,7 @@ impl<S: Scalar> Centres<S> {
 
     /// Puts neighbours next to each other: every `size` ids in a row are a group, the last one
     /// what is left. Ids are halved, by whole groups, until a group remains.
-    pub(super) fn group(&self, ids: &mut [u32], size: usize) {
+    pub(crate) fn group(&self, ids: &mut [u32], size: usize) {
         self.cut_again(ids, &|n| {
             let groups = n.div_ceil(size);
             (groups > 1).then(|| groups.div_ceil(2) * size)
@@ -58,29 +60,24 @@ impl<S: Scalar> Centres<S> {
             self.cut_again(back, lower);
         }
     }
+}
 
-    fn widest_axis(&self, ids: &[u32]) -> usize {
-        let (mut lo, mut hi) = ([S::INFINITY; 3], [-S::INFINITY; 3]);
-        for &id in ids {
-            let centre = self.0[id as usize];
-            for k in 0..3 {
-                lo[k] = centre[k].lesser(lo[k]);
-                hi[k] = centre[k].greater(hi[k]);
-            }
-        }
-        let spread = |k: usize| hi[k] - lo[k];
-        (1..3).fold(0, |widest, k| if spread(k) > spread(widest) { k } else { widest })
-    }
+/// Half each, so that the sum cannot overflow.
+fn centre<S: Scalar>(b: &Aabb<S>) -> Vec3<S> {
+    let half = S::from_f64(0.5);
+    b.min * half + b.max * half
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec3;
 
     #[test]
     fn groups_are_full_and_next_to_each_other() {
         // 100 centres on a line, in a scrambled order
-        let centres = Centres((0..100).map(|i| [f64::from(i * 37 % 100), 0.0, 0.0]).collect());
+        let centres =
+            Centres::<f64>((0..100).map(|i| DVec3::X * f64::from(i * 37 % 100)).collect());
         for size in [1, 3, 7, 64, 100, 1000] {
             let mut ids: Vec<u32> = (0..100).collect();
             centres.group(&mut ids, size);
@@ -97,7 +94,7 @@ mod tests {
 
     #[test]
     fn equal_centres_are_cut_by_id() {
-        let centres = Centres(vec![[1.0f32; 3]; 9]);
+        let centres = Centres::<f32>(vec![glam::Vec3::ONE; 9]);
         let mut ids: Vec<u32> = (0..9).rev().collect();
         centres.cut(&mut ids, 4);
         assert!(ids[..4].iter().all(|&id| id < 4), "{ids:?}");
