@@ -2,7 +2,6 @@
 
 use serde::Serialize;
 
-use crate::comparison::differences::other_reference;
 use crate::comparison::entry::{ComparisonOutcome, ComparisonSettings, exact_ratio};
 use crate::comparison::pairing::RowPair;
 use measurement::record::RowRecord;
@@ -25,15 +24,15 @@ pub struct Mean {
     pub outcome: ComparisonOutcome,
 }
 
-/// Geometric means over the scenes, by row and metric.
+/// Geometric means over the scenes, by row and metric, of what is compared.
 pub fn means(
-    pairs: &[RowPair<'_>],
+    compared: &[(&'static Metric, RowPair<'_>)],
     metrics: &[&'static Metric],
     choice: &ComparisonSettings,
     rule: &Rule,
 ) -> Vec<Mean> {
     let mut rows: Vec<&RowRecord> = Vec::new();
-    for RowPair { rows: [_, row], .. } in pairs {
+    for (_, RowPair { rows: [_, row], .. }) in compared {
         if !rows.iter().any(|r| r.is_same(row)) {
             rows.push(row);
         }
@@ -41,17 +40,11 @@ pub fn means(
     // exact ones are decided at once, changes when all are there
     let mut found: Vec<(Mean, Option<Change>)> = Vec::new();
     for row in rows {
+        let of_row: Vec<_> =
+            compared.iter().filter(|(_, pair)| pair.rows[1].is_same(row)).collect();
         for metric in metrics {
-            let of_row = pairs.iter().filter(|RowPair { scenes, rows: [old, new] }| {
-                let is_own = metric.is_to_reference() && old.is_reference && new.is_reference;
-                let has_ratios = choice.is_forced || other_reference(*scenes).is_none();
-                new.is_same(row)
-                    && !is_own
-                    && (has_ratios || !metric.is_to_reference())
-                    && (choice.is_forced || metric.rays(old) == metric.rays(new))
-                    && choice.finds(&scenes[0].name, &row.label(), metric.name)
-            });
-            found.extend(mean(metric, row, of_row));
+            let own = of_row.iter().filter(|(own, _)| own.name == metric.name);
+            found.extend(mean(metric, row, own.map(|(_, pair)| pair)));
         }
     }
     correct(found.iter_mut().filter_map(|(_, change)| change.as_mut()));

@@ -139,14 +139,14 @@ pub fn compare(
         equal: 0,
         below_threshold: 0,
     };
-    let mut pairs = Vec::new();
+    let mut compared = Vec::new();
     for pair in &pairing.scenes {
-        comparison.add_scene(pair, &metrics, choice, [old.letter, new.letter], &mut pairs);
+        comparison.add_scene(pair, &metrics, choice, [old.letter, new.letter], &mut compared);
     }
     let is_empty = comparison.scenes.iter().all(SceneComparison::is_empty);
     let rule = rule([old.run, new.run], choice.margin);
     comparison.decide(&rule, choice);
-    comparison.means = means(&pairs, &metrics, choice, &rule);
+    comparison.means = means(&compared, &metrics, choice, &rule);
     if let (true, Some(filter)) = (is_empty, &choice.filter) {
         let filter = filter.as_str().to_owned();
         return Err(CompareError::NothingMatches { filter, among: names() });
@@ -192,14 +192,14 @@ fn metrics(
 
 impl Comparison {
     /// Compares the rows of a scene, all their metrics; those that can be compared are appended to
-    /// `pairs`.
+    /// `compared`.
     fn add_scene<'r>(
         &mut self,
         pair: &ScenePair<'r>,
         metrics: &[&'static Metric],
         choice: &ComparisonSettings,
         letters: [&str; 2],
-        pairs: &mut Vec<RowPair<'r>>,
+        compared: &mut Vec<(&'static Metric, RowPair<'r>)>,
     ) {
         let name = &pair.scenes[0].name;
         let mut out =
@@ -212,7 +212,7 @@ impl Comparison {
                 .map(|(row, letter)| format!("{} in {letter}", row.verdict.name()))
                 .collect();
             if bad.is_empty() {
-                self.add_row(pair, metrics, choice, letters, &mut out, pairs);
+                self.add_row(pair, metrics, choice, letters, &mut out, compared);
             } else {
                 out.leave_out(pair.rows[1], bad.join(", "));
             }
@@ -233,7 +233,7 @@ impl Comparison {
         choice: &ComparisonSettings,
         letters: [&str; 2],
         out: &mut SceneComparison,
-        pairs: &mut Vec<RowPair<'r>>,
+        compared: &mut Vec<(&'static Metric, RowPair<'r>)>,
     ) {
         let RowPair { scenes, rows: [before, after] } = *pair;
         let name = &scenes[0].name;
@@ -247,7 +247,6 @@ impl Comparison {
         }
         let has_ratios = choice.is_forced || other_reference(scenes).is_none();
         let mut other_rays = Vec::new();
-        let mut is_paired = false;
         let is_asked = |metric: &&&'static Metric| {
             (has_ratios || !metric.is_to_reference())
                 && choice.finds(name, &after.label(), metric.name)
@@ -263,16 +262,13 @@ impl Comparison {
             if metric.is_to_reference() && before.is_reference && after.is_reference {
                 continue;
             }
-            is_paired = true;
+            compared.push((metric, *pair));
             out.entries.extend(Entry::of(metric, pair));
         }
         if !other_rays.is_empty() {
             let names = other_rays.join(", ");
             let what = if choice.is_forced { "compared by --force" } else { "not compared" };
             out.leave_out(after, format!("{names} over other rays, {what}"));
-        }
-        if is_paired {
-            pairs.push(*pair);
         }
     }
 

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::comparison::pairing::{Pairing, RowPair};
-use crate::gate::contest::PairedTimes;
+use crate::gate::contest::{Key, PairedTimes};
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
 use measurement::record::{FloorRecord, RowRecord, RunRecord};
@@ -80,6 +80,10 @@ impl Finding {
             outcome,
             note: note.into(),
         }
+    }
+
+    pub fn key(&self) -> Key {
+        Key { scene: self.scene.clone(), row: self.row.clone(), quantity: self.quantity }
     }
 
     /// The row with its scene.

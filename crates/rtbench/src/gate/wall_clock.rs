@@ -189,7 +189,7 @@ fn paired(own: &PairedTimes, shortest: f64, seed: u64) -> Result<Change, SkipRea
 /// Undecided quantities of programs that are measured in turns.
 pub fn undecided(evidence: &Evidence<'_>) -> BTreeSet<Key> {
     let of_stage = judge(evidence).into_iter().filter(|f| f.outcome == GateOutcome::Inconclusive);
-    of_stage.map(|f| Key { scene: f.scene, row: f.row, quantity: f.quantity }).collect()
+    of_stage.map(|f| f.key()).collect()
 }
 
 /// True where times say that something is a regression: that is measured a second time.
@@ -229,10 +229,8 @@ pub fn too_few_rounds(
 /// certain. Whatever made only one of two measurements slow, it was not the code.
 pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
     for finding in findings.iter_mut().filter(|f| is_suspect(f)) {
-        let again = second.iter().find(|s| {
-            let same = s.scene == finding.scene && s.row == finding.row;
-            s.stage == finding.stage && same && s.quantity == finding.quantity
-        });
+        let (stage, key) = (finding.stage, finding.key());
+        let again = second.iter().find(|s| s.stage == stage && s.key() == key);
         let seen = again.and_then(|s| s.change);
         let seen = seen.map_or_else(|| "no time".to_owned(), |e| presentation::numbers::ratio(&e));
         let not = if again.is_some_and(is_suspect) { "" } else { "not " };
