@@ -15,7 +15,7 @@ use crate::gate::against::{Contest, Program, own_program};
 use crate::gate::contest::PairedTimes;
 use crate::gate::report::Report;
 use crate::gate::{Evidence, Instructions, Times, refuse, wall_clock};
-use crate::replan::{self, ReplanError, Restriction};
+use crate::replan::{self, ReplanError};
 use measurement::callgrind;
 use measurement::plan::{Plan, Rounds};
 use measurement::system::progress::Progress;
@@ -104,9 +104,9 @@ impl Check<'_> {
     ) -> Result<Plan<'c>, Error> {
         let mut plan = match baseline {
             Some(baseline) => {
-                let like = replan::restrict(&baseline.record, &self.restriction())?;
+                let like = self.restricted(&baseline.record)?;
                 let like = replan::restrict_to_known_rows(&like, context);
-                replan::plan(&like, &Restriction::default(), context)?
+                replan::plan(&like, None, None, context)?
             }
             None => {
                 let mut settings = self.args.settings();
