@@ -9,6 +9,7 @@ use accel_core::structures::Entry;
 use crate::args::Color;
 use crate::outputs::{OutputError, OutputFile, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
+use measurement::journal::lines::Manifest;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::child_process::{CopyError, ProgramCopy};
 use measurement::system::clock::Clock;
@@ -36,6 +37,8 @@ pub struct Context<'a> {
     pub command_line: Vec<String>,
     /// Which outputs are terminals, their width, and colours by the environment.
     pub terminal: Terminal,
+    /// When standard output gets colours.
+    pub color: Color,
     /// Verbosity on standard error.
     pub verbosity: Verbosity,
     /// Files and results that are there may be replaced.
@@ -121,11 +124,6 @@ impl Terminal {
         self.found_width.unwrap_or(DEFAULT_WIDTH).max(LEAST_WIDTH)
     }
 
-    /// Standard output, as tables are printed on it.
-    pub fn screen(self, choice: Color) -> Screen {
-        Screen { width: self.width(), colors: self.colors(choice), is_wide: false }
-    }
-
     /// Returns whether standard output gets colours.
     pub fn colors(self, choice: Color) -> bool {
         match choice {
@@ -165,6 +163,7 @@ impl<'a> Context<'a> {
             err,
             command_line: vec!["rtbench".into()],
             terminal: Terminal::default(),
+            color: Color::Auto,
             verbosity: Verbosity::Normal,
             overwrite: false,
             environment: Environment::default(),
@@ -187,6 +186,7 @@ impl Context<'_> {
             err: &mut *self.err,
             command_line: self.command_line.clone(),
             terminal: self.terminal,
+            color: self.color,
             verbosity: self.verbosity,
             overwrite: self.overwrite,
             environment: self.environment.clone(),
@@ -195,9 +195,31 @@ impl Context<'_> {
         }
     }
 
+    /// Standard output, as tables are printed on it.
+    pub fn screen(&self) -> Screen {
+        let colors = self.terminal.colors(self.color);
+        Screen { width: self.terminal.width(), colors, is_wide: false }
+    }
+
+    /// The same without colours.
+    pub fn plain_screen(&self) -> Screen {
+        Screen { colors: false, ..self.screen() }
+    }
+
+    /// Refuses a folder that holds other results in files of these names, the record's first, unless
+    /// output may be replaced.
+    pub fn refuse_occupied(
+        &self,
+        folder: &Path,
+        names: &[&str],
+        manifest: Option<&Manifest>,
+    ) -> Result<(), OutputError> {
+        let (command_line, overwrite) = (&*self.command_line, self.overwrite);
+        PlannedOutput { names, command_line, manifest, overwrite }.check(folder)
+    }
+
     /// Creates the folder of `-o`, if one is named, and in it files of these names, the record's
-    /// first. A folder is refused that holds other results in them, unless output may be replaced.
-    /// What is still empty in the end is taken back.
+    /// first, unless it is refused. What is still empty in the end is taken back.
     pub fn created_folder(
         &self,
         folder: Option<&PathBuf>,
@@ -205,8 +227,7 @@ impl Context<'_> {
     ) -> Result<CreatedFiles, OutputError> {
         let mut created = CreatedFiles::default();
         if let Some(folder) = folder {
-            let (command_line, overwrite) = (&*self.command_line, self.overwrite);
-            PlannedOutput { names, command_line, manifest: None, overwrite }.check(folder)?;
+            self.refuse_occupied(folder, names, None)?;
             created.folder(folder)?;
             for name in names {
                 created.file(&folder.join(name))?;

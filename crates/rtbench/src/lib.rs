@@ -49,7 +49,7 @@ use accel_core::query::batch::AVX512_VARIABLE;
 use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
-use crate::args::{Cli, Command, GeneratedText, RaysAction};
+use crate::args::{Cli, Command, RaysAction};
 use crate::command_line::{GivenView, files_of_folder, files_read, named_files, recorded, usage};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS};
@@ -182,6 +182,7 @@ fn run_guarded(
     let mut own = Context {
         scenes: &scenes,
         command_line: recorded(&command_line, folder),
+        color: cli.color,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
@@ -228,46 +229,37 @@ fn with_plugins(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     code
 }
 
-/// Does what the command line says.
+/// Does what the command line says. What a command printed is out when it has ended.
 fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
-    match &cli.command {
-        Command::Run(args) => commands::run::run(context, args, cli.color),
-        Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
-        Command::Animate(args) => {
-            commands::animate::run(context, args, cli.color, &cli.view.options())
-        }
-        Command::Explain(args) => commands::explain::run(context, args, cli.color),
-        Command::Compare(args) => commands::compare::run(context, args, cli.color),
-        Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
-        Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Show(args) => commands::show::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
+    let code = match &cli.command {
+        Command::Run(args) => commands::run::run(context, args),
+        Command::Sweep(args) => commands::sweep::run(context, args),
+        Command::Animate(args) => commands::animate::run(context, args, &cli.view.options()),
+        Command::Explain(args) => commands::explain::run(context, args),
+        Command::Compare(args) => commands::compare::run(context, args),
+        Command::List(args) => commands::list::run(context, args),
+        Command::Render(args) => commands::render::run(context, args),
+        Command::Show(args) => commands::show::run(context, args),
+        Command::Cost(args) => commands::cost::run(context, args),
+        Command::CompareTracers(args) => commands::compare_tracers::run(context, args),
         Command::Scenes(args) => commands::scenes::run(context, args),
-        Command::Rays(action) => match action {
-            RaysAction::Export(args) => commands::rays::export(context, args).map(|()| SUCCESS),
-            RaysAction::Trace(args) => commands::rays::trace_rays(context, args).map(|()| SUCCESS),
-            RaysAction::Check(args) => commands::rays::check_hits(context, args, cli.color),
-        },
-        Command::Verify(args) => commands::verify::run(context, args, cli.color),
-        Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
-        Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
-        Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
+        Command::Rays(RaysAction::Export(args)) => commands::rays::export(context, args),
+        Command::Rays(RaysAction::Trace(args)) => commands::rays::trace_rays(context, args),
+        Command::Rays(RaysAction::Check(args)) => commands::rays::check_hits(context, args),
+        Command::Verify(args) => commands::verify::run(context, args),
+        Command::Accuracy(args) => commands::accuracy::run(context, args),
+        Command::Report(args) => commands::report::run(context, args),
+        Command::History(args) => commands::history::run(context, args),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
-        Command::Check(args) => commands::check::run(context, args, cli.color),
-        Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
+        Command::Check(args) => commands::check::run(context, args),
+        Command::Baseline(args) => commands::baseline::run(context, args),
         Command::Child(args) => commands::child::run(context, args),
-        Command::Merge(args) => commands::merge::run(context, args, cli.color),
-        Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Generate(text) => match text {
-            GeneratedText::Schema { what } => commands::generate::schema(context, *what),
-            GeneratedText::Completions { shell } => {
-                commands::generate::completions(context, *shell)
-            }
-            GeneratedText::Man(args) => commands::generate::man(context, args),
-        }
-        .map(|()| SUCCESS),
-    }
+        Command::Merge(args) => commands::merge::run(context, args),
+        Command::Doctor(args) => commands::doctor::run(context, args),
+        Command::Generate(text) => commands::generate::run(context, text),
+    }?;
+    context.out.flush()?;
+    Ok(code)
 }
 
 /// Says why a command ended early; returns the exit code.

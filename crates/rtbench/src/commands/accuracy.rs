@@ -7,7 +7,7 @@ use std::process::Command;
 
 use renderer::RaySettings;
 
-use crate::args::{AccuracyArgs, Color};
+use crate::args::AccuracyArgs;
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::gate::against::own_program;
@@ -41,7 +41,7 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 const FIRST: [&str; 3] = ["ratio [95%]", "error", "stands"];
 
 /// Measures and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
     let names = ["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"];
     let _created = context.created_folder(args.output.as_ref(), &names)?;
@@ -57,7 +57,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         processes: args.processes,
         ..AccuracyRecord::default()
     };
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     let start = context.clock.now();
     // of several processes this one says how wrong the variants are, and tries each
     let is_alone = args.processes == 1;
@@ -68,7 +68,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             for table in [report::table(of_axis, scene)].into_iter().chain(steps) {
                 screen.write_fitted(context.out, &table, &FIRST)?;
             }
-            Ok(context.out.flush()?)
+            Ok(())
         };
         let mut of_axis = study.measured(context, axis, |context, of_axis, scene| {
             if is_alone { show(context, of_axis, scene) } else { Ok(()) }
@@ -98,7 +98,6 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     screen.write_notes(context.out, report::GLOSSARY)?;
     screen.write_table(context.out, &summary::advice(&record))?;
     writeln!(context.out, "The whole took {}.", report::took(record.took_s))?;
-    context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
     Ok(if study.failures > 0 || has_faults { FAILURE } else { SUCCESS })
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::args::HistoryArgs;
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use crate::history::{History, site, visits};
 use crate::outputs::refuse_files;
 use crate::report::is_page;
@@ -16,7 +16,7 @@ use statistics::change_points::Sensitivity;
 const SITE_SEED: u64 = 1;
 
 /// Reads what is there, writes every page, and says what changed.
-pub fn run(context: &mut Context<'_>, args: &HistoryArgs) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &HistoryArgs) -> Result<u8, Error> {
     let visits = visits(&args.folders, args.repository.as_deref())?;
     let index = args.output.join("index.html");
     // an earlier site is replaced, nothing else is
@@ -37,5 +37,5 @@ pub fn run(context: &mut Context<'_>, args: &HistoryArgs) -> Result<(), Error> {
     let pages = files.len();
     let what = format_args!("{pages} pages of {runs} runs; {changes} changes found");
     context.wrote(&args.output, what);
-    Ok(())
+    Ok(SUCCESS)
 }

@@ -10,15 +10,15 @@ use renderer::tracers::{TRACERS, TracerInfo};
 use scene_loading::animation::ANIMATED;
 use serde_json::{Value, json};
 
-use crate::args::{Color, Format, ListArgs, ListSubject};
+use crate::args::{Format, ListArgs, ListSubject};
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::plan::error::PlanError;
 use presentation::json;
 use presentation::text::Screen;
 use studies::accuracy::axes::AXES;
 
-pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<u8, Error> {
     let value = match args.what {
         ListSubject::Structures => {
             context.registry.iter().map(|e| structure(e.info, COMMON)).collect::<Vec<_>>()
@@ -62,7 +62,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
     };
     let value = named(value, args)?;
     let is_asked = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
-    let screen = context.terminal.screen(Color::Never);
+    let screen = context.plain_screen();
     let out = &mut *context.out;
     match args.format {
         Format::Json => out.write_all(json::written(&value)?.as_bytes())?,
@@ -84,7 +84,7 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             _ => write_names(out, screen, &value)?,
         },
     }
-    Ok(out.flush()?)
+    Ok(SUCCESS)
 }
 
 /// Items requested by name; all without names.

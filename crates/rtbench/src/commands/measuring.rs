@@ -3,6 +3,7 @@
 //! Whatever goes wrong with a scene costs that scene only. What is finished is in the journal, if
 //! there is one, before anything else is done with it.
 
+use std::io::{self, Write};
 use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration;
 
@@ -46,33 +47,30 @@ pub fn measure_scenes(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
-    show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
+    show: impl FnMut(&mut dyn Write, &RunRecord, &SceneRecord) -> io::Result<()>,
 ) -> Result<PlanResults, Error> {
     let record = begin(context.world, &context.command_line, plan);
     measure_rest(context, plan, outputs, RunState::default(), record, show)
 }
 
-/// [`measure_scenes`] that prints what goes wrong in a scene, and no tables.
+/// [`measure_scenes`] that prints no tables.
 pub fn measure_quietly(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
 ) -> Result<PlanResults, Error> {
-    measure_scenes(context, plan, outputs, |context, _, scene| {
-        warn_of(context, scene);
-        Ok(())
-    })
+    measure_scenes(context, plan, outputs, |_, _, _| Ok(()))
 }
 
-/// Measures the scenes of the plan that are not finished. After each, the outputs are written anew
-/// and `show` prints it; finished ones are shown in their place.
+/// Measures the scenes of the plan that are not finished. After each, the outputs are written anew,
+/// its warnings are printed and `show` prints it; finished ones are shown in their place.
 pub fn measure_rest(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
     outputs: &mut Outputs<'_>,
     kept: RunState,
     record: RunRecord,
-    mut show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
+    mut show: impl FnMut(&mut dyn Write, &RunRecord, &SceneRecord) -> io::Result<()>,
 ) -> Result<PlanResults, Error> {
     outputs.write(&record, false)?;
     let mut run = RunInProgress::new(context, plan, kept, record)?;
@@ -99,7 +97,11 @@ pub fn measure_rest(
         run.progress.reach(run.steps);
         if let Some(scene) = run.record.scenes.last() {
             // What the disk does not take is shown at least.
-            run.progress.suspend(|| show(context, &run.record, scene))?;
+            run.progress.suspend(|| {
+                warn_of(context, scene);
+                show(context.out, &run.record, scene)?;
+                context.out.flush()
+            })?;
         }
         let was_gone = run.progress.suspend(|| saved(context, kept_well, outputs, &run.record))?;
         run.disturbed |= was_gone;

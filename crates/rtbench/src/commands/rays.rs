@@ -7,9 +7,7 @@ use accel_core::{Hit, MISS, Ray, Scalar, Vector};
 use renderer::{Geometry, RayKind};
 use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::args::{
-    CheckRaysArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs, settings_of,
-};
+use crate::args::{CheckRaysArgs, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs, settings_of};
 use crate::commands::render::one_scene;
 use crate::commands::run_outputs;
 use crate::context::Context;
@@ -32,7 +30,7 @@ use presentation::outside::line;
 use presentation::table::{Cell, Style, Table};
 
 /// Writes rays and triangles.
-pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Error> {
+pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<u8, Error> {
     let settings = settings_of(&args.scene, args.kind.clone(), args.size, args.seed, args.lights);
     let (plan, loaded, geometry) = prepared(context, &settings)?;
     let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
@@ -83,15 +81,11 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
         }
         write(path, &bytes)?;
     }
-    Ok(())
+    Ok(SUCCESS)
 }
 
 /// Compares answers with ours; returns the exit code.
-pub fn check_hits(
-    context: &mut Context<'_>,
-    args: &CheckRaysArgs,
-    color: Color,
-) -> Result<u8, Error> {
+pub fn check_hits(context: &mut Context<'_>, args: &CheckRaysArgs) -> Result<u8, Error> {
     let read = |source| plugins::PluginError::Read { file: args.file.clone(), source };
     let bytes = std::fs::read(&args.file).map_err(read)?;
     let about = FileSubject::read(&args.file, &bytes, Content::Hits)?;
@@ -153,9 +147,8 @@ pub fn check_hits(
     let rows = rows.collect();
     let header = vec!["rays", "answers", "wrong", "at edges", "verdict"];
     let title = format!("{}: {}", args.scene, file_name(args));
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     screen.write_table(context.out, &Table { title, header, rows, notes })?;
-    context.out.flush()?;
     if let (Some(folder), Some(name), Some(ms)) = (&args.into, &args.name, args.time_ms) {
         let seconds = [Some(ms), args.build_ms].map(|ms| ms.map(|ms| ms / 1e3));
         let row = foreign_row(name, sha256_of_bytes(&bytes), seconds, &judged);
@@ -205,7 +198,7 @@ pub(super) fn digest(hexadecimal: &str) -> [u8; 32] {
 type AskedRays = Vec<(RayKind, Vec<Ray<f64>>)>;
 
 /// Traces the rays, and prints the hits or writes them.
-pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Error> {
+pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<u8, Error> {
     let mut structures = args.structures.clone();
     if structures.is_empty() {
         structures = context.plugins.names();
@@ -220,9 +213,10 @@ pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Err
     let scene = one_scene(context.scenes, &args.scene)?;
     let loaded = context.load(&*scene)?;
     match args.precision {
-        Precision::F32 => traced::<f32>(context, args, &rows, &loaded),
-        Precision::F64 => traced::<f64>(context, args, &rows, &loaded),
+        Precision::F32 => traced::<f32>(context, args, &rows, &loaded)?,
+        Precision::F64 => traced::<f64>(context, args, &rows, &loaded)?,
     }
+    Ok(SUCCESS)
 }
 
 fn traced<S: Buildable>(
@@ -252,7 +246,6 @@ fn traced<S: Buildable>(
             }
         }
     }
-    context.out.flush()?;
     match &args.output {
         Some(path) => write(path, &file),
         None => Ok(()),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::args::ReportArgs;
 use crate::commands::render::scene_pictures;
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use crate::outputs::refuse_files;
 use crate::report::material::Material;
 use crate::report::{is_page, page};
@@ -21,7 +21,7 @@ const PAGE_NAME: &str = "report.html";
 const PAGE_BEGINNING: u64 = 1024;
 
 /// Reads what is there and writes the page and, where asked for, its plots.
-pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<u8, Error> {
     let read = |folder: &PathBuf| Material::read(&file::path_of(folder));
     let mut runs = args.folders.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let folder = if let [run] = &runs[..] { Some(run.folder.clone()) } else { None };
@@ -44,7 +44,6 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let page = page(&runs, is_beside, progress);
     if is_stdout {
         context.out.write_all(page.html.as_bytes())?;
-        context.out.flush()?;
     } else {
         write_text(output, &page.html)?;
         let scenes: usize = runs.iter().map(|run| run.run.scenes.len()).sum();
@@ -60,7 +59,7 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         }
         context.wrote(folder, format_args!("{} plots", page.plots.len()));
     }
-    Ok(())
+    Ok(SUCCESS)
 }
 
 /// Returns whether an earlier report is there: it may be replaced.

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicUsize;
 
 use scene_loading::source_names::name_of_path;
 
-use crate::args::{Color, ExportArgs, RunArgs, TableArgs};
-use crate::commands::measuring::{begin, exit_code, measure_rest, warn_of};
+use crate::args::{ExportArgs, RunArgs, TableArgs};
+use crate::commands::measuring::{begin, exit_code, measure_rest};
 use crate::commands::run_outputs;
 use crate::commands::run_state::RunState;
 use crate::context::Context;
@@ -24,10 +24,10 @@ use studies::run::output;
 use studies::run::view::View;
 
 /// Runs and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &RunArgs) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
-        return resume(context, folder, &exports, &args.tables, color);
+        return resume(context, folder, &exports, &args.tables);
     }
     let settings = args.settings();
     let plan = plan_of(context, &settings)?;
@@ -38,7 +38,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
         exports: names(&args.exports),
         ..manifest(context, &plan, &record)
     };
-    run_outputs::refuse_unselected(&args.exports, &plan)?;
+    run_outputs::refuse_unselected(&args.exports, || run_outputs::series_of(&plan))?;
     run_outputs::refuse_occupied(context, &args.exports, Some(&manifest))?;
     // the outputs first: where one of them is refused, no run has begun
     let outputs = run_outputs::of_run(&args.exports)?;
@@ -46,7 +46,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(context, &kept, args.exports.output.as_deref(), plan.scenes.len())?;
-    let view = args.tables.view(context.terminal.screen(color));
+    let view = args.tables.view(context.screen());
     measure(context, &view, &plan, outputs, kept, record)
 }
 
@@ -57,7 +57,6 @@ fn resume(
     folder: &Path,
     exports: &ExportArgs,
     tables: &TableArgs,
-    color: Color,
 ) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
     let differs =
@@ -88,7 +87,7 @@ fn resume(
     }
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
-    measure(context, &tables.view(context.terminal.screen(color)), &plan, outputs, kept, record)
+    measure(context, &tables.view(context.screen()), &plan, outputs, kept, record)
 }
 
 /// The files that a run is begun with, beside those in its folder.
@@ -119,14 +118,11 @@ fn measure(
 ) -> Result<u8, Error> {
     context.warn_of_instructions();
     let measured =
-        measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
-            warn_of(context, scene);
-            output::write_scene(context.out, record, scene, view)?;
-            Ok(context.out.flush()?)
+        measure_rest(context, plan, &mut outputs, kept, record, |out, record, scene| {
+            output::write_scene(out, record, scene, view)
         })?;
     if !measured.record.summary.is_empty() {
         output::write_end(context.out, &measured.record, view)?;
-        context.out.flush()?;
     }
     Ok(exit_code(&measured))
 }

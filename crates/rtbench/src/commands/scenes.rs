@@ -4,7 +4,7 @@ use accel_core::primitives::Instances;
 use scene_loading::Warning;
 use scene_loading::info::SceneInfo;
 
-use crate::args::{Color, SceneNames, ScenesAction};
+use crate::args::{SceneNames, ScenesAction};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::scenes::{KnownScene, LoadError, LoadedScene};
@@ -30,7 +30,7 @@ fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownS
 fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     for_each_scene(context, names, |context, scene| {
         let loaded = context.load(scene)?;
-        let screen = context.terminal.screen(Color::Never);
+        let screen = context.plain_screen();
         let out = &mut *context.out;
         writeln!(out, "{}", line(scene.name()))?;
         for text in SceneInfo::of(&loaded.scene).to_string().lines() {
@@ -65,7 +65,7 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
             let text = format!("{} of {instances} instances are not copies", instances - copies);
             warnings.push(Warning(text));
         }
-        let screen = context.terminal.screen(Color::Never);
+        let screen = context.plain_screen();
         match warnings.len() {
             0 => writeln!(context.out, "{}: ok", line(scene.name()))?,
             n => writeln!(context.out, "{}: can be used, {n} warning(s)", line(scene.name()))?,
@@ -110,6 +110,5 @@ fn for_each_scene(
             }
         }
     }
-    context.out.flush()?;
     Ok(code)
 }
