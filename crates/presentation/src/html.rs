@@ -68,6 +68,12 @@ impl Html {
         self.element("h2", &[("id", &heading)], title);
     }
 
+    /// A part that is folded until its summary is clicked, opened.
+    pub fn open_details(&mut self, attributes: &[Attribute<'_>], summary: &str) {
+        self.open("details", attributes);
+        self.element("summary", &[], summary);
+    }
+
     pub fn paragraph(&mut self, text: &str) {
         self.element("p", &[], text);
         self.out.push('\n');

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::svg_plot::Figure;
 use crate::svg_plot::pen::{
     Font, Format, GREY, GRID, INK, LETTER, MARK, PAPER, PLAIN, Pen, document_of, style_of,
 };
@@ -123,52 +124,54 @@ fn fitting(text: &str, width: f64) -> Font {
     Font { size: size.min(PLAIN.size), ..PLAIN }
 }
 
-pub fn chart(chart: &BarChart, format: Format) -> String {
-    let mut pen = Pen::default();
-    let from = if format == Format::Wide { 8.0 } else { 0.0 };
-    let head = format.head(&mut pen, from, &chart.title, &chart.subtitle);
-    let layout = Layout::new(chart, format, head);
-    let width = (format.width() - layout.left) / chart.columns.len().max(1) as f64;
-    let bottom = layout.top + layout.step * chart.rows.len() as f64;
-    // beside bars their guides are behind all, above bars names are before the grid
-    let names = |pen: &mut Pen| {
-        chart.rows.iter().enumerate().for_each(|(i, row)| layout.name(pen, i, &row.name));
-    };
-    if format == Format::Wide {
-        names(&mut pen);
-    }
-    for (i, column) in chart.columns.iter().enumerate() {
-        let bars = || chart.rows.iter().map(move |row| (row.color, row.bars.get(i)));
-        let best = bars().find_map(|(_, bar)| match bar {
-            Some(Bar::Of(e, _, Ring::Best)) => Some(e.median),
-            _ => None,
-        });
-        let best = best.unwrap_or(column.base);
-        let is_kept = |e: &Estimate| {
-            column.axis.scale != Scale::Log || (best / CUT..=best * CUT).contains(&e.median)
+impl Figure for BarChart {
+    fn svg(&self, format: Format) -> String {
+        let mut pen = Pen::default();
+        let from = if format == Format::Wide { 8.0 } else { 0.0 };
+        let head = format.head(&mut pen, from, &self.title, &self.subtitle);
+        let layout = Layout::new(self, format, head);
+        let width = (format.width() - layout.left) / self.columns.len().max(1) as f64;
+        let bottom = layout.top + layout.step * self.rows.len() as f64;
+        // beside bars their guides are behind all, above bars names are before the grid
+        let names = |pen: &mut Pen| {
+            self.rows.iter().enumerate().for_each(|(i, row)| layout.name(pen, i, &row.name));
         };
-        let values = bars().flat_map(|(_, bar)| match bar {
-            Some(Bar::Of(e, ..)) if is_kept(e) => vec![e.median, e.low, e.high],
-            _ => Vec::new(),
-        });
-        let from = layout.left + width * i as f64;
-        let place = BarPlace {
-            axis: FittedAxis::new(&column.axis.scale, values.chain([column.base])),
-            left: from + 6.0,
-            right: from + width - layout.numbers,
-            top: layout.top - 4.0,
-            bottom,
-        };
-        place.frame(&mut pen, column);
-        for (j, (color, bar)) in bars().enumerate() {
-            place.bar(&mut pen, column.base, layout.middle(j), style_of(color).0, bar);
+        if format == Format::Wide {
+            names(&mut pen);
         }
+        for (i, column) in self.columns.iter().enumerate() {
+            let bars = || self.rows.iter().map(move |row| (row.color, row.bars.get(i)));
+            let best = bars().find_map(|(_, bar)| match bar {
+                Some(Bar::Of(e, _, Ring::Best)) => Some(e.median),
+                _ => None,
+            });
+            let best = best.unwrap_or(column.base);
+            let is_kept = |e: &Estimate| {
+                column.axis.scale != Scale::Log || (best / CUT..=best * CUT).contains(&e.median)
+            };
+            let values = bars().flat_map(|(_, bar)| match bar {
+                Some(Bar::Of(e, ..)) if is_kept(e) => vec![e.median, e.low, e.high],
+                _ => Vec::new(),
+            });
+            let from = layout.left + width * i as f64;
+            let place = BarPlace {
+                axis: FittedAxis::new(&column.axis.scale, values.chain([column.base])),
+                left: from + 6.0,
+                right: from + width - layout.numbers,
+                top: layout.top - 4.0,
+                bottom,
+            };
+            place.frame(&mut pen, column);
+            for (j, (color, bar)) in bars().enumerate() {
+                place.bar(&mut pen, column.base, layout.middle(j), style_of(color).0, bar);
+            }
+        }
+        if format == Format::Narrow {
+            names(&mut pen);
+        }
+        let alternative = format!("{}. {}", self.title, self.subtitle);
+        document_of(&pen.out, [format.width(), bottom + FOOT], &alternative)
     }
-    if format == Format::Narrow {
-        names(&mut pen);
-    }
-    let alternative = format!("{}. {}", chart.title, chart.subtitle);
-    document_of(&pen.out, [format.width(), bottom + FOOT], &alternative)
 }
 
 struct BarPlace {
@@ -271,7 +274,7 @@ mod tests {
 
     #[test]
     fn bars_are_as_long_as_their_values_and_texts_are_escaped() {
-        let svg = chart(&sample(Scale::Log, &[1.0, 2.0, 4.0, 100.0]), Format::Wide);
+        let svg = sample(Scale::Log, &[1.0, 2.0, 4.0, 100.0]).svg(Format::Wide);
         let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
         let bars = tree.descendants().filter(|n| n.attribute("height") == Some("10"));
         let widths: Vec<f64> =
@@ -293,7 +296,7 @@ mod tests {
         for scale in [Scale::Log, Scale::FromZero, Scale::Linear] {
             for values in [&[f64::NAN, f64::INFINITY, -1.0, 0.0][..], &[]] {
                 for format in [Format::Wide, Format::Narrow] {
-                    let svg = chart(&sample(scale.clone(), values), format);
+                    let svg = sample(scale.clone(), values).svg(format);
                     assert!(roxmltree::Document::parse(&svg).is_ok());
                     assert!(!svg.contains("\"NaN") && !svg.contains("\"inf"), "{svg}");
                 }

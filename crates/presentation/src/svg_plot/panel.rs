@@ -17,20 +17,18 @@ const LEGEND_STEP: f64 = 18.0;
 /// Height of the bend between a flag's line and its label.
 const BEND: f64 = 14.0;
 
-pub struct DrawnPanel {
-    pub elements: String,
-    pub height: f64,
-}
-
-/// Draws a panel with its upper left corner at the origin.
-pub fn draw(plot: &Plot, format: Format) -> DrawnPanel {
-    match format {
-        Format::Wide => drawn(plot, format, &[]),
-        Format::Narrow => {
-            let (plot, keys) = with_keys(plot);
-            drawn(&plot, format, &keys)
-        }
-    }
+/// The elements of a panel with its upper left corner at the origin, and its height.
+pub fn draw(plot: &Plot, format: Format) -> (String, f64) {
+    let mut plot = plot.clone();
+    let keys = if format == Format::Narrow { shorten_labels(&mut plot) } else { Vec::new() };
+    let mut canvas = Canvas::new(&plot, format);
+    canvas.grid(&plot);
+    canvas.levels(&plot);
+    canvas.flags(&plot);
+    canvas.series(&plot);
+    canvas.marks(&plot);
+    let more = canvas.legend(&plot, &keys);
+    (canvas.pen.out, canvas.bottom + BOTTOM + more)
 }
 
 /// Labels of more letters do not stand at their flags on a phone.
@@ -38,9 +36,8 @@ const LONGEST_LABEL: usize = 4;
 /// Flags beside one another on a phone; of more, only those of what is best.
 const MOST_FLAGS: usize = 12;
 
-/// The plot with short labels for long ones, and what those stand for.
-fn with_keys(plot: &Plot) -> (Plot, Vec<String>) {
-    let mut plot = plot.clone();
+/// Gives a plot short labels for long ones; returns what those stand for.
+fn shorten_labels(plot: &mut Plot) -> Vec<String> {
     let mut keys = Vec::new();
     let are_too_many = plot.marks.iter().filter(|m| !m.label.is_empty()).count() > MOST_FLAGS;
     for mark in &mut plot.marks {
@@ -52,24 +49,13 @@ fn with_keys(plot: &Plot) -> (Plot, Vec<String>) {
             mark.label = key;
         }
     }
-    (plot, keys)
+    keys
 }
 
 /// a, b, ... z, a1, b1, ...
 fn key(place: usize) -> String {
     let letter = char::from(b'a' + (place % 26) as u8);
     if place < 26 { letter.to_string() } else { format!("{letter}{}", place / 26) }
-}
-
-fn drawn(plot: &Plot, format: Format, keys: &[String]) -> DrawnPanel {
-    let mut canvas = Canvas::new(plot, format);
-    canvas.grid(plot);
-    canvas.levels(plot);
-    canvas.flags(plot);
-    canvas.series(plot);
-    canvas.marks(plot);
-    let more = canvas.legend(plot, keys);
-    DrawnPanel { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
 }
 
 /// The frame's place and axes, and what is drawn so far.

@@ -119,32 +119,23 @@ pub struct Tick {
 impl FittedAxis {
     /// The axis that shows all the numbers that have a place on it.
     pub fn new(scale: &Scale, numbers: impl Iterator<Item = f64>) -> Self {
-        match scale {
-            Scale::Linear | Scale::FromZero => {
-                let (low, high) = ends(numbers.filter(|x| x.abs() < 1e300)).unwrap_or((0.0, 1.0));
-                let (low, high) = if low < high { (low, high) } else { (low - 0.5, high + 0.5) };
-                let room = PADDING * (high - low);
-                let starts_at_zero = *scale == Scale::FromZero && low >= 0.0;
-                let low = if starts_at_zero { 0.0 } else { low - room };
-                let high = high + room;
-                Self { low, high, is_log: false, ticks: linear_ticks(low, high) }
-            }
-            Scale::Log => {
-                let positive = numbers.filter(|x| *x > 0.0 && *x < 1e300).map(f64::log10);
-                let (low, high) = ends(positive).unwrap_or((0.0, 1.0));
-                let (low, high) = if low < high { (low, high) } else { (low - 0.3, high + 0.3) };
-                let room = PADDING * (high - low);
-                let (low, high) = (low - room, high + room);
-                Self { low, high, is_log: true, ticks: log_ticks(low, high) }
-            }
-            Scale::Words(words) => {
-                let ticks = words.iter().enumerate();
-                let tick =
-                    |(i, word): (usize, &String)| Tick { at: i as f64, label: Some(word.clone()) };
-                let high = words.len().max(1) as f64 - 0.5;
-                Self { low: -0.5, high, is_log: false, ticks: ticks.map(tick).collect() }
-            }
+        if let Scale::Words(words) = scale {
+            let tick =
+                |(i, word): (usize, &String)| Tick { at: i as f64, label: Some(word.clone()) };
+            let ticks = words.iter().enumerate().map(tick).collect();
+            return Self { low: -0.5, high: words.len().max(1) as f64 - 0.5, is_log: false, ticks };
         }
+        let is_log = *scale == Scale::Log;
+        let has_place = |x: &f64| x.abs() < 1e300 && (*x > 0.0 || !is_log);
+        let places = numbers.filter(has_place).map(|x| if is_log { x.log10() } else { x });
+        let (low, high) = ends(places).unwrap_or((0.0, 1.0));
+        let around = if is_log { 0.3 } else { 0.5 };
+        let (low, high) = if low < high { (low, high) } else { (low - around, high + around) };
+        let room = PADDING * (high - low);
+        let starts_at_zero = *scale == Scale::FromZero && low >= 0.0;
+        let (low, high) = (if starts_at_zero { 0.0 } else { low - room }, high + room);
+        let ticks = if is_log { log_ticks(low, high) } else { linear_ticks(low, high) };
+        Self { low, high, is_log, ticks }
     }
 
     /// Position of the number between the ends, 0 to 1; `None` if it has none.

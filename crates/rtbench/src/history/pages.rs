@@ -184,7 +184,7 @@ pub fn row_page(history: &History, names: &Names, own: &PageKey) -> String {
     for (key, lines) in rows {
         html.open_section(&anchor(&key.settings), &label(structure, &key.settings));
         row_changes(&mut html, history, lines);
-        figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
+        figure(&mut html, "ratio over commits", &plot(history, key, lines));
         let (table, links) = points(history, lines);
         write_table(&mut html, &table, TableStyle { links: &links, ..TableStyle::default() });
         html.close();
