@@ -7,23 +7,22 @@ use accel_core::{Hit, MISS, Ray, Scalar, Vector};
 use renderer::{Geometry, RayKind};
 use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::args::{CheckRaysArgs, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs, settings_of};
+use crate::args::{CheckRaysArgs, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs};
 use crate::commands::render::one_scene;
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::foreign_row::{check, foreign_row, merged, rays};
-use measurement::plan::Plan;
+use crate::foreign_row::{SceneRays, foreign_row, merged};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Row};
 use measurement::rays::batches::{Answers, trace, trace_chunked};
 use measurement::rays::text::{self, hexadecimal};
 use measurement::rounds::MeasureError;
 use measurement::scenes::LoadedScene;
-use measurement::settings::{Lights, Precision, RunSettings};
+use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};
 use measurement::system::files::{WriteError, put};
 use measurement::system::machine;
-use measurement::system::pools::{Pools, deep_pool};
+use measurement::system::pools::deep_pool;
 use plugins::abi;
 use plugins::files::{self, Content, FileError, FileSubject, hits, ray_record, triangle_record};
 use presentation::outside::line;
@@ -32,10 +31,9 @@ use presentation::table::{Cell, Style, Table};
 /// Writes rays and triangles.
 pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<u8, Error> {
     let settings = settings_of(&args.scene, args.kind.clone(), args.size, args.seed, args.lights);
-    let (plan, loaded, geometry) = prepared(context, &settings)?;
-    let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
-    let pools = Pools::new(machine::threads())?;
-    let by_kind = rays(&plan, &loaded, &geometry, &pools)?;
+    let scene = SceneRays::load(context, &settings)?;
+    let (set, loaded) = (scene.triangles()?, &scene.loaded);
+    let by_kind = scene.rays()?;
     let count = |kind: RayKind| {
         let own = by_kind.iter().find(|(own, _)| *own == kind);
         own.map_or(0, |(_, rays)| rays.len() as u64)
@@ -97,12 +95,13 @@ pub fn check_hits(context: &mut Context<'_>, args: &CheckRaysArgs) -> Result<u8,
     }
     let lights = if about.first_light { Lights::First } else { Lights::Each };
     let settings = settings_of(&args.scene, kinds, about.size, about.seed, lights);
-    let (plan, loaded, geometry) = prepared(context, &settings)?;
+    let scene = SceneRays::load(context, &settings)?;
+    let loaded = &scene.loaded;
     if about.scene != digest(&loaded.sha256) {
         let what = format!("its rays belong to another scene than {}", args.scene);
         return Err(wrong(80, what).into());
     }
-    let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
+    let set = scene.triangles()?;
     let mut all = hits(&about, &bytes);
     let mut by_kind = Vec::new();
     let mut place = about.header_bytes();
@@ -121,8 +120,7 @@ pub fn check_hits(context: &mut Context<'_>, args: &CheckRaysArgs) -> Result<u8,
         }
         by_kind.push((kind, own));
     }
-    let pools = Pools::new(machine::threads())?;
-    let judged = check(&plan, &loaded, &geometry, &pools, &by_kind)?;
+    let judged = scene.check(&by_kind)?;
     for ((kind, n), place) in asked().zip(0..) {
         let is = judged.iter().find(|(own, _)| *own == kind).map_or(0, |(_, j)| j.compared as u64);
         if is != n {
@@ -160,23 +158,20 @@ pub fn check_hits(context: &mut Context<'_>, args: &CheckRaysArgs) -> Result<u8,
     Ok(if judged.iter().any(|(_, judged)| judged.wrong > 0) { WRONG_HITS } else { SUCCESS })
 }
 
-/// The plan of a run with these rays, its one scene and that one's geometry.
-fn prepared<'c>(
-    context: &Context<'c>,
-    settings: &RunSettings,
-) -> Result<(Plan<'c>, LoadedScene, Geometry<f32>), Error> {
-    let plan = Plan::new(settings, context.registry, context.occluders, context.scenes)?;
-    let scene = plan.scenes.first().ok_or(PlanError::NoRows)?;
-    let loaded = context.load(&**scene)?;
-    let geometry = Geometry::<f32>::of(&loaded.scene)?;
-    Ok((plan, loaded, geometry))
+/// Settings of a run with these rays.
+fn settings_of(
+    scene: &str,
+    kinds: Vec<String>,
+    size: u32,
+    seed: u64,
+    lights: Lights,
+) -> RunSettings {
+    let (rays, size) = (kinds, Some(size));
+    let measuring = MeasuringSettings { rays, size, seed, lights, ..MeasuringSettings::default() };
+    RunSettings { scenes: vec![scene.to_owned()], measuring, ..RunSettings::default() }
 }
 
-fn no_triangles(loaded: &LoadedScene) -> Error {
-    Error::NotOfTriangles { scene: loaded.scene.name.clone() }
-}
-
-pub(super) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
     put(path, bytes).map_err(|source| WriteError { path: path.into(), source }.into())
 }
 
@@ -185,7 +180,7 @@ fn file_name(args: &CheckRaysArgs) -> String {
 }
 
 /// The bytes of a SHA-256 in hexadecimal.
-pub(super) fn digest(hexadecimal: &str) -> [u8; 32] {
+fn digest(hexadecimal: &str) -> [u8; 32] {
     let mut bytes = [0; 32];
     for (byte, i) in bytes.iter_mut().zip((0..).step_by(2)) {
         let digits = hexadecimal.get(i..i + 2).unwrap_or_default();
