@@ -1,12 +1,15 @@
 //! Context of a command: the parts of the outside world that tests replace.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
+use crate::gate::against::Program;
 use crate::outputs::{OutputError, OutputFile, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
 use measurement::journal::lines::Manifest;
@@ -46,7 +49,7 @@ pub struct Context<'a> {
     /// Environment variables of the process.
     pub environment: Environment,
     /// Annotations for a CI job, printed when the command has ended.
-    pub annotations: Vec<Annotation>,
+    pub annotations: Rc<RefCell<Vec<Annotation>>>,
     /// Structures that come from plugins.
     pub plugins: Plugins,
 }
@@ -167,14 +170,14 @@ impl<'a> Context<'a> {
             verbosity: Verbosity::Normal,
             overwrite: false,
             environment: Environment::default(),
-            annotations: Vec::new(),
+            annotations: Rc::default(),
             plugins: Plugins::default(),
         }
     }
 }
 
 impl Context<'_> {
-    /// The same context for a while, with no annotations.
+    /// The same context for a while.
     pub fn reborrowed(&mut self) -> Context<'_> {
         Context {
             registry: self.registry,
@@ -190,7 +193,7 @@ impl Context<'_> {
             verbosity: self.verbosity,
             overwrite: self.overwrite,
             environment: self.environment.clone(),
-            annotations: Vec::new(),
+            annotations: Rc::clone(&self.annotations),
             plugins: self.plugins.clone(),
         }
     }
@@ -248,6 +251,13 @@ impl Context<'_> {
             outputs.add_in_folder(name, format)?;
         }
         Ok(outputs)
+    }
+
+    /// A file of this program, as it is started with the plugins and the rights of this process.
+    pub fn program(&self, path: &Path) -> Program {
+        let (plugins, allow_outside) =
+            (self.plugins.arguments().to_vec(), self.scenes.allows_outside());
+        Program { path: path.to_owned(), plugins, allow_outside }
     }
 
     /// Warns of what a scene loses in single precision.

@@ -150,7 +150,7 @@ pub fn run_in(
     let (out, err) = (&mut Guard::new(own.out), &mut Guard::new(own.err));
     let mut guarded = Context { out, err, ..own };
     let code = run_guarded(&mut guarded, arguments, folder);
-    for annotation in guarded.annotations {
+    for annotation in context.annotations.take() {
         let _ = writeln!(context.err, "{annotation}");
     }
     code
@@ -195,10 +195,7 @@ fn run_guarded(
         Ok(()) => with_plugins(&mut own, &cli),
         Err(error) => Err(error),
     };
-    let code = ended.unwrap_or_else(|error| failed(&mut own, &cli, &error));
-    let annotations = own.annotations;
-    context.annotations = annotations;
-    code
+    ended.unwrap_or_else(|error| failed(&mut own, &cli, &error))
 }
 
 /// Refuses to write two outputs to one file, or over what is there unless that is asked for.
@@ -223,10 +220,7 @@ fn with_plugins(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     let restarts = matches!(cli.command, Command::Verify(_));
     let (plugins, registry) = Plugins::load(args, context.registry, occluders, program, restarts)?;
     let mut within = Context { registry: &registry, plugins, ..context.reborrowed() };
-    let code = dispatched(&mut within, cli);
-    let annotations = within.annotations;
-    context.annotations = annotations;
-    code
+    dispatched(&mut within, cli)
 }
 
 /// Does what the command line says. What a command printed is out when it has ended.
@@ -235,7 +229,7 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Run(args) => commands::run::run(context, args),
         Command::Sweep(args) => commands::sweep::run(context, args),
         Command::Animate(args) => commands::animate::run(context, args, &cli.view.options()),
-        Command::Explain(args) => commands::explain::run(context, args),
+        Command::Explain(args) => commands::sweep::explain(context, args),
         Command::Compare(args) => commands::compare::run(context, args),
         Command::List(args) => commands::list::run(context, args),
         Command::Render(args) => commands::render::run(context, args),
@@ -249,12 +243,12 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
         Command::Verify(args) => commands::verify::run(context, args),
         Command::Accuracy(args) => commands::accuracy::run(context, args),
         Command::Report(args) => commands::report::run(context, args),
-        Command::History(args) => commands::history::run(context, args),
+        Command::History(args) => commands::report::history(context, args),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
         Command::Check(args) => commands::check::run(context, args),
         Command::Baseline(args) => commands::baseline::run(context, args),
         Command::Child(args) => commands::child::run(context, args),
-        Command::Merge(args) => commands::merge::run(context, args),
+        Command::Merge(args) => commands::run::merge(context, args),
         Command::Doctor(args) => commands::doctor::run(context, args),
         Command::Generate(text) => commands::generate::run(context, text),
     }?;

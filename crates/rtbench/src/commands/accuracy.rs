@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::Path;
-use std::process::Command;
 
 use renderer::RaySettings;
 
@@ -12,7 +11,7 @@ use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::gate::against::own_program;
 use measurement::scenes::KnownScene;
-use measurement::system::child_process::{answer, arguments};
+use measurement::system::child_process::answer;
 use measurement::system::files::write_text;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
@@ -108,12 +107,10 @@ fn in_processes(
     args: &AccuracyArgs,
     axis: &mut AxisRecord,
 ) -> Result<(), Error> {
-    let program = own_program(context.environment.program.as_ref())?;
+    let program = context.program(own_program(context.environment.program.as_ref())?);
     let asked = AccuracyArgs { axes: vec![axis.axis.clone()], output: None, ..args.clone() };
     for process in 0..args.processes {
-        let mut command = Command::new(program);
-        command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
-        let answered: Vec<AxisRecord> = answer(&mut command, &asked)?;
+        let answered: Vec<AxisRecord> = answer(&mut program.child("accuracy"), &asked)?;
         for other in &answered {
             join(axis, other, process, args.seed)?;
         }

@@ -84,9 +84,9 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     plan.has_copy = true;
     run_outputs::refuse_unselected(&args.run.exports, || run_outputs::series_of(&plan))?;
     run_outputs::refuse_occupied(context, &args.run.exports, None)?;
-    let mut outputs = run_outputs::of_run(&args.run.exports)?;
+    let outputs = run_outputs::of_run(&args.run.exports)?;
     let watch = PressureWatch::begin(context.environment.cpu_pressure.as_deref());
-    let measured = measure_quietly(context, &plan, &mut outputs)?;
+    let measured = measure_quietly(context, &plan, outputs)?;
     if let Some(floor) = &measured.record.floor {
         context.say(floor.in_words());
     }

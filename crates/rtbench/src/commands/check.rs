@@ -157,7 +157,7 @@ impl Check<'_> {
         let findings = confirmed(context, &first, |context, suspects| {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
             plan.has_copy = false;
-            let again = measure_quietly(context, &plan, &mut Outputs::default())?.record;
+            let again = measure_quietly(context, &plan, Outputs::default())?.record;
             Ok((wall_clock::STAGE.judge)(&Evidence { now: &again, ..first }))
         })?;
         let mut missing = Pairing::of(&whole, &now).missing();
@@ -195,7 +195,7 @@ impl Check<'_> {
         context: &mut Context<'_>,
         plan: &Plan<'_>,
     ) -> Result<PlanResults, Error> {
-        measure_quietly(context, plan, &mut run_outputs::of_run(&self.kept)?)
+        measure_quietly(context, plan, run_outputs::of_run(&self.kept)?)
     }
 
     /// Rows that a run without `-s` has now, where the baseline was one and lacks them.
@@ -285,7 +285,7 @@ pub(super) fn confirmed(
 /// Annotations and the job's summary, where there is a GitHub to read them.
 fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> {
     if context.environment.github_actions {
-        context.annotations = annotations(report);
+        context.annotations.replace(annotations(report));
     }
     let Some(path) = &context.environment.github_step_summary else { return Ok(()) };
     let append = || -> io::Result<()> {

@@ -47,7 +47,6 @@ impl Check<'_> {
             programs: self.programs(context, own, copied.path()),
             like: now.clone(),
             pace,
-            allow_outside,
             matches: self.matches.clone(),
             thresholds: self.thresholds.clone(),
         };
@@ -122,14 +121,12 @@ impl Check<'_> {
 
     /// The older program, the newer one, and a copy of the newer one.
     fn programs(&self, context: &Context<'_>, own: &Path, copy: &Path) -> [Program; 3] {
-        let (args, plugins) = (self.args, context.plugins.arguments().to_vec());
-        let old = match args.older_binary() {
-            Some(binary) => Program { path: binary.clone(), plugins: Vec::new() },
-            None => {
-                Program { path: own.to_owned(), plugins: args.plugins.arguments_for(&args.against) }
-            }
+        let args = self.args;
+        let (path, plugins) = match args.older_binary() {
+            Some(binary) => (binary.clone(), Vec::new()),
+            None => (own.to_owned(), args.plugins.arguments_for(&args.against)),
         };
-        let new = Program { path: own.to_owned(), plugins: plugins.clone() };
-        [old, new, Program { path: copy.to_owned(), plugins }]
+        let new = context.program(own);
+        [Program { path, plugins, ..new.clone() }, new, context.program(copy)]
     }
 }

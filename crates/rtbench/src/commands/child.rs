@@ -66,7 +66,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             if *lightly {
                 check_lightly(&mut plan, &record);
             }
-            let measured = measure_quietly(context, &plan, &mut Outputs::default())?;
+            let measured = measure_quietly(context, &plan, Outputs::default())?;
             (serde_json::to_string(&measured.record), measured.failures)
         }
         ChildAction::Laps => return laps(context).map(|()| SUCCESS),

@@ -107,9 +107,9 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
         let comparisons = comparisons(run, &published);
         column::csv(&columns(), comparisons.iter().flat_map(of_scene))
     };
-    let mut outputs = context.outputs_in(args.output.as_ref(), [(ZACHMANN, Box::new(rows))])?;
+    let outputs = context.outputs_in(args.output.as_ref(), [(ZACHMANN, Box::new(rows))])?;
     let screen = context.plain_screen();
-    let measured = measure_scenes(context, &plan, &mut outputs, |out, _, scene| {
+    let measured = measure_scenes(context, &plan, outputs, |out, _, scene| {
         let table = table(&Comparison::new(scene, &published));
         if args.as_published { Ok(()) } else { screen.write_fitted(out, &table, &["ours"]) }
     })?;
