@@ -44,7 +44,6 @@ impl Html {
         self.out.push_str(&escaped(text));
     }
 
-    /// An element that holds text alone.
     pub fn element(&mut self, name: &'static str, attributes: &[Attribute<'_>], text: &str) {
         self.tag(name, attributes);
         self.out.push('>');

@@ -29,7 +29,6 @@ pub struct Context<'a> {
     pub registry: &'a [Entry],
     pub occluders: &'a [occluders::Entry],
     pub scenes: &'a dyn SceneSource,
-    /// Clock that times are read from.
     pub clock: &'a dyn Clock,
     /// Source of machine and compiler facts in results.
     pub world: &'a dyn World,
@@ -42,11 +41,9 @@ pub struct Context<'a> {
     pub terminal: Terminal,
     /// When standard output gets colours.
     pub color: Color,
-    /// Verbosity on standard error.
     pub verbosity: Verbosity,
     /// Files and results that are there may be replaced.
     pub overwrite: bool,
-    /// Environment variables of the process.
     pub environment: Environment,
     /// Annotations for a CI job, printed when the command has ended.
     pub annotations: Rc<RefCell<Vec<Annotation>>>,
@@ -127,7 +124,6 @@ impl Terminal {
         self.found_width.unwrap_or(DEFAULT_WIDTH).max(LEAST_WIDTH)
     }
 
-    /// Returns whether standard output gets colours.
     pub fn colors(self, choice: Color) -> bool {
         match choice {
             Color::Always => true,
@@ -137,7 +133,6 @@ impl Terminal {
     }
 }
 
-/// Verbosity on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verbosity {
     Quiet,
@@ -308,7 +303,6 @@ impl Context<'_> {
         }
     }
 
-    /// Prints an error, whatever it holds.
     pub fn error(&mut self, message: impl std::fmt::Display) {
         self.write_err(&format!("error: {}", outside::message(&message.to_string())));
     }

@@ -41,7 +41,6 @@ pub struct SceneRays<'r> {
 }
 
 impl<'r> SceneRays<'r> {
-    /// Loads the one scene of a run.
     pub fn load(context: &Context<'r>, settings: &RunSettings) -> Result<Self, Error> {
         let plan = Plan::new(settings, context.registry, context.occluders, context.scenes)?;
         let scene = plan.scenes.first().ok_or(PlanError::NoRows)?;
@@ -135,7 +134,6 @@ pub fn foreign_row(
     }
 }
 
-/// Why results take no foreign row.
 #[derive(Debug, thiserror::Error)]
 pub enum ForeignRowError {
     #[error(transparent)]

@@ -15,7 +15,6 @@ use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, c
 use crate::args::overrides_in;
 use crate::context::Context;
 
-/// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplanError {
     #[error("the baseline has no {what} '{name}'{hint}; it has: {valid}")]

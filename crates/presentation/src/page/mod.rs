@@ -16,7 +16,6 @@ static STYLE: &str = include_str!("page.css");
 /// Sorts and filters tables.
 static SCRIPT: &str = include_str!("page.js");
 
-/// Beginning of every page.
 pub const BEGINNING: &str = "<!DOCTYPE html>\n";
 
 /// A page of that title, opened as far as its body: what comes next is its header.
@@ -69,14 +68,12 @@ pub fn figure(html: &mut Html, label: &str, drawing: &dyn Figure) -> String {
 /// Tables of more rows are folded: a click opens them, and printing does.
 const LONGEST: usize = 12;
 
-/// Format of a table.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct TableStyle<'a> {
     /// The numbers of its rows, in a column before them; empty where they have none.
     pub numbers: &'a [usize],
     /// Link targets of cells, row by row; empty for no link.
     pub links: &'a [Vec<String>],
-    /// Anchors of the rows.
     pub ids: &'a [String],
     /// It is not folded, however long it is.
     pub is_open: bool,

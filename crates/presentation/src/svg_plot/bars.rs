@@ -59,7 +59,6 @@ struct Layout {
     left: f64,
     /// Top edge of the rows.
     top: f64,
-    /// Height of a row.
     step: f64,
     /// Room right of a column's bars for their numbers.
     numbers: f64,

@@ -53,13 +53,9 @@ pub struct Series {
 /// A point with an error bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Place on the horizontal axis.
     pub x: f64,
-    /// Place on the vertical axis.
     pub y: f64,
-    /// Lower end of the error bar.
     pub low: f64,
-    /// Upper end of the error bar.
     pub high: f64,
 }
 
@@ -71,13 +67,11 @@ pub struct Mark {
     pub label: String,
     /// Shown while a pointer is over the point; may be empty.
     pub hover: String,
-    /// The ring around it.
     pub ring: Ring,
     /// The point is one of a series and drawn with it.
     pub is_in_series: bool,
 }
 
-/// A ring around a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ring {
     None,
@@ -88,7 +82,6 @@ pub enum Ring {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
-    /// Place on the vertical axis.
     pub y: f64,
     pub label: String,
 }

@@ -39,7 +39,6 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 /// Columns that stay where not all fit.
 const FIRST: [&str; 3] = ["ratio [95%]", "error", "stands"];
 
-/// Measures and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
     let names = ["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"];
@@ -140,7 +139,6 @@ fn timed_rays(size: u32, quick: bool) -> usize {
 
 struct Study {
     limits: Limits,
-    /// Width and height of the images.
     size: u32,
     named: Vec<String>,
     /// Scenes by their names; each is loaded once.

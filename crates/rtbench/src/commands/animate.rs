@@ -27,7 +27,6 @@ const NAMES: [&str; 5] = ["animation.json", "frames.csv", "animate.md", "animate
 /// Pictures in a strip at most, and pixels of a side of each.
 const PICTURES: (u32, u32) = (8, 160);
 
-/// Measures and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &AnimateArgs, view: &ViewOptions) -> Result<u8, Error> {
     let mut scene = animation::open(&args.scene)?;
     let name = scene.name().to_owned();
@@ -92,7 +91,6 @@ pub fn run(context: &mut Context<'_>, args: &AnimateArgs, view: &ViewOptions) ->
     Ok(if is_wrong { WRONG_HITS } else { SUCCESS })
 }
 
-/// The record before the first frame.
 fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
     AnimationRecord {
         tool: context.world.tool(),

@@ -19,7 +19,6 @@ use studies::run::conclusions::conclude;
 use studies::run::output;
 use studies::run::view::View;
 
-/// Does what was asked and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &BaselineArgs) -> Result<u8, Error> {
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
     let screen = context.screen();

@@ -33,7 +33,6 @@ use presentation::json;
 /// The files of `-o`, beside those of the run.
 pub const NAMES: [&str; 3] = ["check.json", "check.csv", "check.md"];
 
-/// Checks and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &CheckArgs) -> Result<u8, Error> {
     if args.older_binary().is_some() && args.against.len() > 1 {
         let text = "--against: expected one binary, or --plugin and older builds of it";
@@ -184,7 +183,6 @@ impl Check<'_> {
         Ok(self.report(context, &evidence, judge(&evidence), missing, failures))
     }
 
-    /// Times as ratios within each run.
     fn in_run(&self, cpu_pressure: Option<f64>) -> Times<'static> {
         Times::InRun { cpu_pressure, across_processors: self.args.across_processors }
     }

@@ -35,14 +35,12 @@ use serde::de::DeserializeOwned;
 /// With few checks: the fraction of the usual rays that is checked, one in this many.
 const LIGHTLY: usize = 16;
 
-/// Reads the request from standard input.
 fn read_request<T: DeserializeOwned>() -> Result<T, Error> {
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text)?;
     Ok(serde_json::from_slice(&text).map_err(FormatError::from)?)
 }
 
-/// Does what was asked and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = read_request::<RunRecord>;
     use ChildAction::{Accuracy, Laps, Measure};

@@ -38,7 +38,6 @@ const MAX_DEPTH: u32 = 5;
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const QUICK_SAMPLES: [u32; 5] = [1, 4, 16, 64, 256];
 
-/// Compares, and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &CompareTracersArgs) -> Result<u8, Error> {
     let row = structure(context.registry, None)?;
     let frusta = Row::parse(frustum_queries::REGISTRY, &args.through)?;

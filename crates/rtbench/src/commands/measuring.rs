@@ -337,7 +337,6 @@ pub fn exit_code(measured: &PlanResults) -> u8 {
     }
 }
 
-/// Says what went wrong in a scene.
 pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
     for warning in &scene.warnings {
         context.warn(format_args!("{}: {warning}", scene.name));
@@ -347,7 +346,6 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
     }
 }
 
-/// The record before the first scene.
 pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> RunRecord {
     RunRecord {
         schema_version: SCHEMA_VERSION,

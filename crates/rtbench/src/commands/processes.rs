@@ -21,7 +21,6 @@ const FEWEST_ROUNDS: usize = 5;
 /// Most rounds of a process within a time budget.
 const MOST_ROUNDS: usize = 10_000;
 
-/// Returns whether that process runs the copy.
 fn is_copy(process: u32) -> bool {
     process % 2 == 1
 }

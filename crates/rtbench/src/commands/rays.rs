@@ -28,7 +28,6 @@ use plugins::files::{self, Content, FileError, FileSubject, hits, ray_record, tr
 use presentation::outside::line;
 use presentation::table::{Cell, Style, Table};
 
-/// Writes rays and triangles.
 pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<u8, Error> {
     let settings = settings_of(&args.scene, args.kind.clone(), args.size, args.seed, args.lights);
     let scene = SceneRays::load(context, &settings)?;

@@ -36,7 +36,6 @@ use studies::error::UnsavedImage;
 use studies::images::plan_of;
 use studies::run::lines::seconds;
 
-/// Renders, or prints the plan, or both.
 pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<u8, Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;

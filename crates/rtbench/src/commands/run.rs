@@ -26,7 +26,6 @@ use studies::run::conclusions::conclude;
 use studies::run::output;
 use studies::run::view::View;
 
-/// Runs and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &RunArgs) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };

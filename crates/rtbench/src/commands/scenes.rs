@@ -10,7 +10,6 @@ use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::scenes::{KnownScene, LoadError, LoadedScene};
 use presentation::outside::line;
 
-/// Runs and returns the exit code.
 pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error> {
     match action {
         ScenesAction::Info(names) => info(context, names),

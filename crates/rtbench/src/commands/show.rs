@@ -127,7 +127,6 @@ fn row<'r>(context: &Context<'r>, text: &str) -> Result<Row<'r>, PlanError> {
     Row::parse(context.registry, text)
 }
 
-/// The ray that was asked for.
 fn ray_at(at: RayAt, scene: &Scene) -> Ray<f32> {
     let (origin, direction) = match at {
         RayAt::Pixel([x, y]) => {
@@ -156,7 +155,6 @@ fn title(args: &ShowArgs, scene: &Scene, plane: &Plane) -> String {
     }
 }
 
-/// Writes a drawing as SVG.
 pub fn save(drawing: &Drawing, path: &Path) -> Result<(), Error> {
     let svg = drawing.svg().map_err(|source| Error::Undrawn { path: path.to_owned(), source })?;
     std::fs::write(path, svg).map_err(|source| WriteError { path: path.to_owned(), source }.into())

@@ -15,7 +15,6 @@ use studies::sweep::sizes::Sizes;
 use studies::sweep::sizes::{self, SizeSweep};
 use studies::sweep::{Sweep, report};
 
-/// Sweeps and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &SweepArgs) -> Result<u8, Error> {
     let screen = context.screen();
     let measured = match &args.sizes {

@@ -112,7 +112,6 @@ fn checked(
     Ok(report)
 }
 
-/// Writes what is done so far.
 fn save(args: &VerifyArgs, report: &Report) -> Result<(), Error> {
     if let Some(folder) = &args.output {
         let [json_name, csv_name] = NAMES.map(|name| folder.join(name));

@@ -19,7 +19,6 @@ use measurement::record::{RowRecord, RunRecord, Verdict, label};
 use statistics::mann_whitney::{least_p, samples_needed};
 use statistics::verdict::{Rule, correct};
 
-/// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     #[error("cannot be compared ({names}): {}; compare anyway with --force", reasons.join("; "))]
@@ -54,7 +53,6 @@ pub struct Side {
     /// `A`, `B`, ...
     pub letter: String,
     pub path: String,
-    /// Commit of the program.
     pub git_revision: Option<String>,
     pub cpu: Option<String>,
 }
@@ -96,7 +94,6 @@ pub struct SkippedRow {
     pub why: String,
 }
 
-/// Compares a run with another.
 pub fn compare(
     old: NamedRun<'_>,
     new: NamedRun<'_>,

@@ -15,13 +15,11 @@ use presentation::text::Screen;
 use statistics::estimate::Estimate;
 use statistics::verdict::Change;
 
-/// Column heads of a scene's table.
 const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];
 
 /// Columns kept when not all fit.
 const FIRST: [&str; 5] = ["metric", "ratio [95%]", "outcome", "new", "old"];
 
-/// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
      95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
@@ -205,7 +203,6 @@ fn outcome(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> Cell {
     Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
 }
 
-/// The columns, in order.
 pub const COLUMNS: [&str; 14] = [
     "old_file",
     "new_file",

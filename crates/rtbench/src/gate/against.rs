@@ -18,7 +18,6 @@ use std::time::Duration;
 /// median is of those.
 const PASS_SECONDS: f64 = 0.001;
 
-/// Why two programs could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum AgainstError {
     #[error("older: {0}")]

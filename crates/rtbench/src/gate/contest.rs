@@ -44,7 +44,6 @@ pub struct Key {
 }
 
 impl Key {
-    /// Key of a row of two records.
     pub fn of(row: &RowPair<'_>, quantity: &'static str) -> Self {
         Self { scene: row.scenes[1].name.clone(), row: row.rows[1].label(), quantity }
     }
@@ -232,7 +231,6 @@ impl Runner {
         }
     }
 
-    /// Lets it end.
     pub fn end(mut self) -> Result<(), ChildError> {
         self.input = None;
         match self.child.wait() {

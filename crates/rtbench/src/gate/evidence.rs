@@ -21,7 +21,6 @@ pub enum GateOutcome {
     Inconclusive,
     /// Worse by more than the threshold.
     Regression,
-    /// A structure gave wrong hits.
     WrongHits,
 }
 
@@ -47,7 +46,6 @@ pub struct Finding {
     pub row: String,
     /// Quantity of the row: a metric, `build`, `trace`, `answers`.
     pub quantity: &'static str,
-    /// Its value in the baseline.
     pub baseline: Option<f64>,
     pub now: Option<f64>,
     /// Now over the baseline; with an interval where it is a measured one.

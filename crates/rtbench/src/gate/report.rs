@@ -26,7 +26,6 @@ use presentation::text::Screen;
 pub struct Report {
     pub tool: Tool,
     pub command_line: Vec<String>,
-    /// Description of the baseline.
     pub against: String,
     /// The program that the baseline is of; none where it is no rtbench.
     pub baseline_tool: Option<Tool>,
@@ -35,7 +34,6 @@ pub struct Report {
     pub thresholds: Thresholds,
     /// The worst of all that was judged.
     pub outcome: GateOutcome,
-    /// Everything that was judged.
     pub findings: Vec<Finding>,
     /// Rows that one side lacks and that are not allowed to be missing.
     pub missing: Vec<MissingRow>,
@@ -56,7 +54,6 @@ const MOST_IMPROVEMENTS: usize = 10;
 /// Columns of most weight: these stay where not all fit.
 const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
 
-/// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
      probability of such times without a difference, corrected for the number of tests (Holm \

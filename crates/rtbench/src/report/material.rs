@@ -21,7 +21,6 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// How the SVG files that this program writes begin.
 const SVG: &[u8] = b"<svg ";
 
-/// Why a page cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     #[error(transparent)]
@@ -208,7 +207,6 @@ fn text(part: Option<&std::ffi::OsStr>) -> String {
     part.unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The plots of sweeps: `sweep-*/sweep.svg`.
 fn sweeps(folder: &Path) -> Result<NamedImages, ReportError> {
     let mut plots = Vec::new();
     for sweep in folders(folder)? {

@@ -17,9 +17,7 @@ use presentation::html::Html;
 use presentation::page::{BEGINNING, finished, start_page};
 use studies::run::few::Few;
 
-/// A part of the page.
 pub struct Section {
-    /// Anchor of its links.
     pub id: &'static str,
     pub title: &'static str,
     /// The command that makes what it shows; `DIR` is the folder.

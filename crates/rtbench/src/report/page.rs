@@ -114,12 +114,10 @@ pub static MEANINGS: &[(&str, &str)] = &[
     ("k, M, G", "thousand, million, thousand million"),
 ];
 
-/// Explanation of a column's head.
 pub fn meaning(name: &str) -> Option<&'static str> {
     MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
 }
 
-/// The list, and the papers.
 pub fn glossary(_: &Material, page: &mut Page) {
     let html = &mut page.html;
     html.definitions(MEANINGS.iter().copied());

@@ -156,7 +156,6 @@ const NUMBERS: [&str; 12] = [
     "run 11", "run 12",
 ];
 
-/// Conclusions of each run.
 pub fn answers(runs: &[Material], page: &mut Page) {
     for (number, run) in (1..).zip(runs) {
         let html = &mut page.html;
@@ -192,12 +191,10 @@ pub fn side_by_side(runs: &[Material], page: &mut Page) {
     }
 }
 
-/// The very same scene in a run.
 fn same<'r>(run: &'r Material, scene: &SceneRecord) -> Option<&'r SceneRecord> {
     run.run.scenes.iter().find(|own| own.name == scene.name && own.sha256 == scene.sha256)
 }
 
-/// The same row in each run.
 fn in_runs<'r>(row: &RowRecord, of: &[Option<&'r SceneRecord>]) -> Vec<Option<&'r RowRecord>> {
     let find = |scene: &Option<&'r SceneRecord>| row_like((*scene)?, row);
     of.iter().map(find).collect()
