@@ -9,7 +9,7 @@ use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
-use crate::gate::against::Program;
+use crate::gate::against::{AgainstError, Program};
 use crate::outputs::{OutputError, OutputFile, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
 use measurement::journal::lines::Manifest;
@@ -248,11 +248,11 @@ impl Context<'_> {
         Ok(outputs)
     }
 
-    /// A file of this program, as it is started with the plugins and the rights of this process.
-    pub fn program(&self, path: &Path) -> Program {
-        let (plugins, allow_outside) =
-            (self.plugins.arguments().to_vec(), self.scenes.allows_outside());
-        Program { path: path.to_owned(), plugins, allow_outside }
+    /// This program, as it is started with the plugins and the rights of this process.
+    pub fn own_program(&self) -> Result<Program, AgainstError> {
+        let path = self.environment.program.clone().ok_or(AgainstError::NoProgram)?;
+        let plugins = self.plugins.arguments().to_vec();
+        Ok(Program { path, plugins, allow_outside: self.scenes.allows_outside() })
     }
 
     /// Warns of what a scene loses in single precision.

@@ -258,10 +258,10 @@ fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
 
 /// Says why a command ended early; returns the exit code.
 fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
-    if error.is_closed_pipe() && !cli.command.measures() {
-        return SUCCESS;
-    }
     if error.is_closed_pipe() {
+        if !cli.command.measures() {
+            return SUCCESS;
+        }
         context.error(
             "standard output was closed before the run finished; finished scenes are in the \
              output files",

@@ -9,7 +9,6 @@ use renderer::RaySettings;
 use crate::args::AccuracyArgs;
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
-use crate::gate::against::own_program;
 use measurement::scenes::KnownScene;
 use measurement::system::child_process::answer;
 use measurement::system::files::write_text;
@@ -106,7 +105,7 @@ fn in_processes(
     args: &AccuracyArgs,
     axis: &mut AxisRecord,
 ) -> Result<(), Error> {
-    let program = context.program(own_program(context.environment.program.as_ref())?);
+    let program = context.own_program()?;
     let asked = AccuracyArgs { axes: vec![axis.axis.clone()], output: None, ..args.clone() };
     for process in 0..args.processes {
         let answered: Vec<AxisRecord> = answer(&mut program.child("accuracy"), &asked)?;

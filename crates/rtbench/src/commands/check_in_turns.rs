@@ -11,7 +11,7 @@ use crate::comparison::pairing::Pairing;
 use crate::context::Context;
 use crate::error::Error;
 use crate::gate::against::TurnPlan;
-use crate::gate::against::{Contest, Program, own_program};
+use crate::gate::against::{Contest, Program};
 use crate::gate::contest::PairedTimes;
 use crate::gate::report::Report;
 use crate::gate::{Evidence, Instructions, Times, refuse, wall_clock};
@@ -33,9 +33,8 @@ impl Check<'_> {
         if now.scenes.is_empty() {
             return Err(ReplanError::NothingMeasured.into());
         }
-        let program = context.environment.program.clone();
-        let own = own_program(program.as_ref())?;
-        let copied = context.environment.copy_of(own)?;
+        let own = context.own_program()?;
+        let copied = context.environment.copy_of(&own.path)?;
         context.say(format_args!("measuring once with {}", args.against_in_words()));
         let allow_outside = context.scenes.allows_outside();
         let pace = TurnPlan {
@@ -44,7 +43,7 @@ impl Check<'_> {
             seed: now.settings.seed,
         };
         let mut contest = Contest {
-            programs: self.programs(context, own, copied.path()),
+            programs: self.programs(own, copied.path()),
             like: now.clone(),
             pace,
             matches: self.matches.clone(),
@@ -120,13 +119,14 @@ impl Check<'_> {
     }
 
     /// The older program, the newer one, and a copy of the newer one.
-    fn programs(&self, context: &Context<'_>, own: &Path, copy: &Path) -> [Program; 3] {
+    fn programs(&self, own: Program, copy: &Path) -> [Program; 3] {
         let args = self.args;
         let (path, plugins) = match args.older_binary() {
             Some(binary) => (binary.clone(), Vec::new()),
-            None => (own.to_owned(), args.plugins.arguments_for(&args.against)),
+            None => (own.path.clone(), args.plugins.arguments_for(&args.against)),
         };
-        let new = context.program(own);
-        [Program { path, plugins, ..new.clone() }, new, context.program(copy)]
+        let old = Program { path, plugins, ..own };
+        let copy = Program { path: copy.to_owned(), ..own.clone() };
+        [old, own, copy]
     }
 }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::context::Context;
 use crate::error::Error;
-use crate::gate::against::{Program, own_program};
+use crate::gate::against::Program;
 use measurement::plan::Plan;
 use measurement::record::processes::{factors, join};
 use measurement::record::{FloorRecord, RunRecord, SceneRecord};
@@ -37,13 +37,13 @@ pub struct Processes {
 impl Processes {
     /// None where the plan has a single process.
     pub fn of(context: &Context<'_>, plan: &Plan<'_>) -> Result<Option<Self>, Error> {
-        let program = context.environment.program.as_ref();
-        if plan.processes < 2 && (!plan.has_copy || program.is_none()) {
+        let has_program = context.environment.program.is_some();
+        if plan.processes < 2 && !(plan.has_copy && has_program) {
             return Ok(None);
         }
-        let program = own_program(program)?;
-        let file = context.environment.copy_of(program)?;
-        let (program, copy) = (context.program(program), context.program(file.path()));
+        let program = context.own_program()?;
+        let file = context.environment.copy_of(&program.path)?;
+        let copy = Program { path: file.path().to_owned(), ..program.clone() };
         Ok(Some(Self { program, copy, _file: file, unkept: Vec::new() }))
     }
 

@@ -31,8 +31,8 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<u8, Error> {
     let usual = folder.as_deref().unwrap_or(Path::new("")).join(PAGE_NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
     let is_stdout = output == Path::new("-");
-    if !is_stdout && !context.overwrite && !is_page_of_ours(output) {
-        refuse_files([output.to_owned()])?;
+    if !is_stdout {
+        refuse_other_pages(context, output)?;
     }
     if !args.no_pictures {
         for run in &mut runs {
@@ -71,12 +71,7 @@ const SITE_SEED: u64 = 1;
 /// `rtbench history`: writes every page of a site, and says what changed.
 pub fn history(context: &mut Context<'_>, args: &HistoryArgs) -> Result<u8, Error> {
     let visits = visits(&args.folders, args.repository.as_deref())?;
-    let index = args.output.join("index.html");
-    // an earlier site is replaced, nothing else is
-    let is_ours = fs::read_to_string(&index).is_ok_and(|text| is_page(&text));
-    if !context.overwrite && !is_ours {
-        refuse_files([index])?;
-    }
+    refuse_other_pages(context, &args.output.join("index.html"))?;
     let history = History::new(visits, &Sensitivity::default(), SITE_SEED);
     let files = site(&history);
     for (path, page) in &files {
@@ -93,13 +88,16 @@ pub fn history(context: &mut Context<'_>, args: &HistoryArgs) -> Result<u8, Erro
     Ok(SUCCESS)
 }
 
-/// Returns whether an earlier report is there: it may be replaced.
-fn is_page_of_ours(path: &Path) -> bool {
-    // a pipe would have to be waited for
-    let Some(Ok(file)) = path.is_file().then(|| fs::File::open(path)) else { return false };
-    let mut beginning = Vec::new();
-    let read = file.take(PAGE_BEGINNING).read_to_end(&mut beginning);
-    read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
+/// Refuses a file that is there, unless it may be replaced, as earlier pages of ours may.
+fn refuse_other_pages(context: &Context<'_>, path: &Path) -> Result<(), Error> {
+    let is_ours = || {
+        // a pipe would have to be waited for
+        let Some(Ok(file)) = path.is_file().then(|| fs::File::open(path)) else { return false };
+        let mut beginning = Vec::new();
+        let read = file.take(PAGE_BEGINNING).read_to_end(&mut beginning);
+        read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
+    };
+    if context.overwrite || is_ours() { Ok(()) } else { Ok(refuse_files([path.to_owned()])?) }
 }
 
 /// Returns whether the file lies in the folder, however both are named.

@@ -9,7 +9,7 @@ use measurement::record::RunRecord;
 use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
 
@@ -111,11 +111,6 @@ impl Contest {
         }
         like
     }
-}
-
-/// The file of this program, as the environment has it.
-pub fn own_program(program: Option<&PathBuf>) -> Result<&Path, AgainstError> {
-    program.map(PathBuf::as_path).ok_or(AgainstError::NoProgram)
 }
 
 /// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can
