@@ -153,10 +153,12 @@ impl Figure for BarChart {
                 _ => Vec::new(),
             });
             let from = layout.left + width * i as f64;
+            let (left, right) = (from + 6.0, from + width - layout.numbers);
+            let values = values.chain([column.base]);
             let place = BarPlace {
-                axis: FittedAxis::new(&column.axis.scale, values.chain([column.base])),
-                left: from + 6.0,
-                right: from + width - layout.numbers,
+                axis: FittedAxis::new(&column.axis.scale, [left, right], values),
+                left,
+                right,
                 top: layout.top - 4.0,
                 bottom,
             };
@@ -182,18 +184,11 @@ struct BarPlace {
 }
 
 impl BarPlace {
-    fn across(&self, x: f64) -> f64 {
-        self.left + self.axis.nearest_place(x) * (self.right - self.left)
-    }
-
     fn frame(&self, pen: &mut Pen, column: &Column) {
         let top = self.top;
         let mut used = f64::NEG_INFINITY;
         for tick in &self.axis.ticks {
-            if self.axis.place(tick.at).is_none() {
-                continue;
-            }
-            let x = self.across(tick.at);
+            let Some(x) = self.axis.place(tick.at) else { continue };
             if let Some(label) = &tick.label {
                 pen.path(&[(x, top), (x, self.bottom)], GRID, 1.0, "");
                 let half = label.chars().count() as f64 * LETTER / 2.0;
@@ -204,7 +199,7 @@ impl BarPlace {
                 }
             }
         }
-        let base = self.across(column.base);
+        let base = self.axis.nearest_place(column.base);
         pen.path(&[(base, top), (base, self.bottom + 4.0)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
         let ends = [(self.left, self.bottom), (self.right, self.bottom)];
         pen.path(&ends, INK, 1.0, "");
@@ -221,7 +216,7 @@ impl BarPlace {
             }
             Some(Bar::Of(estimate, number, ring)) => (estimate, number, *ring),
         };
-        let (from, to) = (self.across(base), self.across(estimate.median));
+        let (from, to) = (self.axis.nearest_place(base), self.axis.nearest_place(estimate.median));
         let (x, width) = (from.min(to), (from - to).abs());
         let _ = writeln!(
             pen.out,
@@ -232,7 +227,8 @@ impl BarPlace {
         if estimate.median.is_finite() && self.axis.place(estimate.median).is_none() {
             pen.arrow(to, y, estimate.median < base, color);
         } else {
-            let (low, high) = (self.across(estimate.low), self.across(estimate.high));
+            let (low, high) =
+                (self.axis.nearest_place(estimate.low), self.axis.nearest_place(estimate.high));
             pen.path(&[(low, y), (high, y)], color, 1.4, "");
             for end in [low, high] {
                 pen.path(&[(end, y - 4.0), (end, y + 4.0)], color, 1.4, "");
