@@ -132,6 +132,13 @@ impl DifferenceList {
     }
 }
 
+/// Reasons why `now` cannot be compared with `base`: all differences that make runs incomparable,
+/// except for seconds, which no stage uses, and references, which are compared by scene.
+pub fn refusals(base: &RunRecord, now: &RunRecord) -> Vec<String> {
+    let refuses = |d: &Difference| d.concerns == Everything;
+    differences(base, now).into_iter().filter(refuses).map(|d| d.what).collect()
+}
+
 /// Remarks that do not prevent a comparison.
 pub fn remarks(base: &RunRecord, now: &RunRecord) -> Vec<String> {
     let mut remarks = Vec::new();

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use crate::comparison::entry::{ComparisonOutcome, Entry};
+use crate::comparison::pairing::grouped;
 use crate::comparison::{Comparison, SceneComparison, Side};
 use measurement::record::label;
 use presentation::csv::{estimate, number, written};
@@ -126,14 +127,8 @@ fn scene_table(scene: &SceneComparison, sides: &str, indent: bool) -> Table {
 
 /// Rows that are not compared, by reason.
 fn left_out(scene: &SceneComparison) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-    for out in &scene.left_out {
-        match reasons.iter_mut().find(|(why, _)| *why == out.why) {
-            Some((_, rows)) => rows.push(out.label()),
-            None => reasons.push((&out.why, vec![out.label()])),
-        }
-    }
-    reasons.iter().map(|(why, rows)| format!("{why}: {}", rows.join(", "))).collect()
+    let by_reason = grouped(scene.left_out.iter().map(|out| (&*out.why, out.label())));
+    by_reason.into_iter().map(|(why, rows)| format!("{why}: {}", rows.join(", "))).collect()
 }
 
 fn mean_table(comparison: &Comparison, sides: &str, indent: bool) -> Table {

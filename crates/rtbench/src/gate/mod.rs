@@ -16,9 +16,8 @@ pub mod wall_clock;
 pub use against::ROUNDS;
 pub use evidence::{Evidence, Finding, GateOutcome, Instructions, Stage, Times};
 
-use crate::comparison::differences::differences;
+use crate::comparison::differences::refusals;
 use crate::error::Error;
-use measurement::record::metrics::DifferenceScope;
 use measurement::record::{RunRecord, Verdict};
 
 /// All stages, in the order in which they are printed: the surest first.
@@ -29,12 +28,9 @@ pub fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     STAGES.iter().flat_map(|stage| (stage.judge)(evidence)).collect()
 }
 
-/// Refuses runs that differ in more than seconds, which no stage uses, and references, which are
-/// compared by scene; wrong hits are said first, whatever the settings.
+/// Refuses what cannot be compared; wrong hits are said first, whatever the settings.
 pub fn refuse(base: &RunRecord, now: &RunRecord) -> Result<(), Error> {
-    let mut differing = differences(base, now);
-    differing.retain(|d| d.concerns == DifferenceScope::Everything);
-    let reasons: Vec<String> = differing.into_iter().map(|d| d.what).collect();
+    let reasons = refusals(base, now);
     let is_wrong = now.scenes.iter().flat_map(|s| &s.rows).any(|r| r.verdict == Verdict::Wrong);
     if reasons.is_empty() || is_wrong { Ok(()) } else { Err(Error::NotComparable(reasons)) }
 }

@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use crate::comparison::differences::remarks;
-use crate::comparison::pairing::{MissingRow, in_words};
+use crate::comparison::pairing::{MissingRow, grouped, in_words};
 use crate::error::{FAILURE, INCONCLUSIVE, NOTHING_COMPARED, REGRESSION, SUCCESS, WRONG_HITS};
 use crate::gate::contest::{self, PairedTimes};
 use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage, Times};
@@ -214,16 +214,11 @@ impl Report {
 
     /// Why things were not judged, each reason once with its number.
     fn reasons(&self, own: &[&Finding]) -> impl Iterator<Item = String> {
-        let mut reasons: Vec<(String, usize)> = Vec::new();
-        for finding in own.iter().filter(|f| f.outcome == GateOutcome::NotJudged) {
-            // `too short to time: 8.4 us` differs from row to row
-            let reason = finding.note.split(':').next().unwrap_or_default();
-            match reasons.iter_mut().find(|(known, _)| known == reason) {
-                Some((_, n)) => *n += 1,
-                None => reasons.push((reason.to_owned(), 1)),
-            }
-        }
-        reasons.into_iter().map(|(reason, n)| format!("{n} not judged: {reason}."))
+        let not_judged = own.iter().filter(|f| f.outcome == GateOutcome::NotJudged);
+        // `too short to time: 8.4 us` differs from row to row
+        let reasons = not_judged.map(|f| (f.note.split(':').next().unwrap_or_default(), f));
+        let line = |(reason, all): (&str, Vec<_>)| format!("{} not judged: {reason}.", all.len());
+        grouped(reasons).into_iter().map(line)
     }
 }
 
