@@ -251,7 +251,7 @@ impl Context<'_> {
     /// This program, as it is started with the plugins and the rights of this process.
     pub fn own_program(&self) -> Result<Program, AgainstError> {
         let path = self.environment.program.clone().ok_or(AgainstError::NoProgram)?;
-        let plugins = self.plugins.arguments().to_vec();
+        let plugins = self.plugins.arguments.clone();
         Ok(Program { path, plugins, allow_outside: self.scenes.allows_outside() })
     }
 

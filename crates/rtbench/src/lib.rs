@@ -167,7 +167,8 @@ fn run_guarded(
         Err(error) => return usage(context, error),
     };
     let mut command_line = context.command_line.clone();
-    let scenes = GivenView::new(context.scenes, cli.allow_outside, cli.view.options());
+    let (source, allow_outside) = (context.scenes, cli.allow_outside);
+    let scenes = GivenView { source, allow_outside, view: cli.view.options() };
     match added_by_set(&arguments, &scenes) {
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => {

@@ -72,7 +72,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<u8, Error> {
                     Box::new(ShadowPath::new(structure, shadows, &lights))
                 }
             };
-            let table = args.plan.then(|| of(&loaded.scene, &*tracer, &plan));
+            let table = args.plan.then(|| effect_table(&loaded.scene, &*tracer, &plan));
             progress.message(format!("{name}: rendering {width} x {height} pixels"));
             let row_done = || progress.step(Duration::ZERO);
             let image = || render_watched(&loaded.scene, &*tracer, &plan, &row_done).image;
@@ -155,7 +155,7 @@ fn shadows<'r>(
 const PROBE: u32 = 64;
 
 /// One row an effect, called for or not.
-pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
+fn effect_table(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
     let probe = RenderSettings { resolution: [PROBE; 2], ..*plan.settings() };
     let plan = EffectPlan::of(scene, &probe);
     let counted = |plan: &EffectPlan| render_plan(scene, tracer, plan).counts;
