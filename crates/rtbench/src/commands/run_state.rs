@@ -1,5 +1,5 @@
-//! What a run keeps while it goes on: its journal, its outputs, what the disk does not take, and how
-//! much of its time budget each scene has.
+//! What a run keeps while it goes on: its journal, what is finished, and how much of its time budget
+//! each scene has.
 //!
 //! The journal notes which row is begun. One that was begun too often without an end (it ended the
 //! program, out of memory say) is left out, so that a resumed run gets past it.
