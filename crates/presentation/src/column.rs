@@ -49,7 +49,6 @@ pub struct Column<R> {
     /// In tables; empty for what is in none.
     pub head: &'static str,
     pub unit: Unit,
-    /// Reads the value from a row.
     pub of: fn(&R) -> Value,
     /// Text that tables show instead of the value, if any.
     pub instead: fn(&R) -> Option<Cell>,
@@ -79,7 +78,6 @@ impl<R> Column<R> {
         Self { is_exact: true, ..self }
     }
 
-    /// The cell of a row.
     pub fn cell(&self, row: &R) -> Cell {
         (self.instead)(row).unwrap_or_else(|| self.value_cell(row))
     }
@@ -133,7 +131,6 @@ pub fn heads<R>(columns: &[Column<R>]) -> Vec<&'static str> {
     columns.iter().map(|column| column.head).filter(|head| !head.is_empty()).collect()
 }
 
-/// The column with that head.
 pub fn headed<'c, R>(columns: &'c [Column<R>], head: &str) -> Option<&'c Column<R>> {
     columns.iter().find(|column| column.head == head)
 }

@@ -44,7 +44,6 @@ impl Html {
         self.out.push_str(&escaped(text));
     }
 
-    /// An element that holds text alone.
     pub fn element(&mut self, name: &'static str, attributes: &[Attribute<'_>], text: &str) {
         self.tag(name, attributes);
         self.out.push('>');
@@ -66,6 +65,12 @@ impl Html {
         let heading = format!("{id}-title");
         self.open("section", &[("id", id), ("aria-labelledby", &heading)]);
         self.element("h2", &[("id", &heading)], title);
+    }
+
+    /// A part that is folded until its summary is clicked, opened.
+    pub fn open_details(&mut self, attributes: &[Attribute<'_>], summary: &str) {
+        self.open("details", attributes);
+        self.element("summary", &[], summary);
     }
 
     pub fn paragraph(&mut self, text: &str) {

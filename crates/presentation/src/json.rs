@@ -18,6 +18,5 @@ impl From<serde_json::Error> for FormatError {
 #[error("cannot write the results as {format}: {message}")]
 pub struct FormatError {
     pub format: &'static str,
-    /// Message of the library.
     pub message: String,
 }

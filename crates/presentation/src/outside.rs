@@ -77,7 +77,6 @@ pub struct Annotation {
     /// `error` or `warning`.
     pub level: &'static str,
     pub title: String,
-    /// Text of the message.
     pub text: String,
 }
 

@@ -6,7 +6,6 @@ use std::io::{self, Write};
 use crate::outside::{COLORS, line};
 use crate::table::{Cell, Style, Table};
 
-/// Target of printed text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Screen {
     /// Characters of a line.
@@ -20,7 +19,6 @@ impl Screen {
     /// Lines of any length, without colours.
     pub const UNLIMITED: Self = Self { width: 1 << 16, colors: false, is_wide: true };
 
-    /// Prints lines of little weight.
     pub fn write_notes(self, out: &mut dyn Write, lines: &[&str]) -> io::Result<()> {
         for text in lines {
             for part in wrapped(&line(text), self.width, 0) {
@@ -30,7 +28,6 @@ impl Screen {
         Ok(())
     }
 
-    /// Prints a line of words.
     pub fn write_line(self, out: &mut dyn Write, text: &str) -> io::Result<()> {
         self.write_item(out, text, 2)
     }

@@ -17,7 +17,6 @@ use measurement::system::files::put;
 use measurement::system::interrupt::undisturbed;
 
 const FOLDER: &str = ".rtbench/baselines";
-/// File name extension of baselines.
 const EXTENSION: &str = "json";
 const LONGEST: usize = 64;
 

@@ -165,15 +165,9 @@ pub fn files_read(command: &Command) -> Vec<PathBuf> {
 
 /// A source whose scenes get the view of the command line instead of their own.
 pub struct GivenView<'a> {
-    source: &'a dyn SceneSource,
-    allow_outside: bool,
-    view: ViewOptions,
-}
-
-impl<'a> GivenView<'a> {
-    pub fn new(source: &'a dyn SceneSource, allow_outside: bool, view: ViewOptions) -> Self {
-        Self { source, allow_outside, view }
-    }
+    pub source: &'a dyn SceneSource,
+    pub allow_outside: bool,
+    pub view: ViewOptions,
 }
 
 impl SceneSource for GivenView<'_> {

@@ -1,14 +1,18 @@
 //! Context of a command: the parts of the outside world that tests replace.
 
+use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use accel_core::occluders;
 use accel_core::structures::Entry;
 
 use crate::args::Color;
+use crate::gate::against::{AgainstError, Program};
 use crate::outputs::{OutputError, OutputFile, Outputs, PlannedOutput};
 use crate::plugin_rows::Plugins;
+use measurement::journal::lines::Manifest;
 use measurement::scenes::{KnownScene, LoadError, LoadedScene, SceneSource};
 use measurement::system::child_process::{CopyError, ProgramCopy};
 use measurement::system::clock::Clock;
@@ -25,7 +29,6 @@ pub struct Context<'a> {
     pub registry: &'a [Entry],
     pub occluders: &'a [occluders::Entry],
     pub scenes: &'a dyn SceneSource,
-    /// Clock that times are read from.
     pub clock: &'a dyn Clock,
     /// Source of machine and compiler facts in results.
     pub world: &'a dyn World,
@@ -36,14 +39,14 @@ pub struct Context<'a> {
     pub command_line: Vec<String>,
     /// Which outputs are terminals, their width, and colours by the environment.
     pub terminal: Terminal,
-    /// Verbosity on standard error.
+    /// When standard output gets colours.
+    pub color: Color,
     pub verbosity: Verbosity,
     /// Files and results that are there may be replaced.
     pub overwrite: bool,
-    /// Environment variables of the process.
     pub environment: Environment,
     /// Annotations for a CI job, printed when the command has ended.
-    pub annotations: Vec<Annotation>,
+    pub annotations: Rc<RefCell<Vec<Annotation>>>,
     /// Structures that come from plugins.
     pub plugins: Plugins,
 }
@@ -121,12 +124,6 @@ impl Terminal {
         self.found_width.unwrap_or(DEFAULT_WIDTH).max(LEAST_WIDTH)
     }
 
-    /// Standard output, as tables are printed on it.
-    pub fn screen(self, choice: Color) -> Screen {
-        Screen { width: self.width(), colors: self.colors(choice), is_wide: false }
-    }
-
-    /// Returns whether standard output gets colours.
     pub fn colors(self, choice: Color) -> bool {
         match choice {
             Color::Always => true,
@@ -136,7 +133,6 @@ impl Terminal {
     }
 }
 
-/// Verbosity on standard error.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verbosity {
     Quiet,
@@ -165,17 +161,18 @@ impl<'a> Context<'a> {
             err,
             command_line: vec!["rtbench".into()],
             terminal: Terminal::default(),
+            color: Color::Auto,
             verbosity: Verbosity::Normal,
             overwrite: false,
             environment: Environment::default(),
-            annotations: Vec::new(),
+            annotations: Rc::default(),
             plugins: Plugins::default(),
         }
     }
 }
 
 impl Context<'_> {
-    /// The same context for a while, with no annotations.
+    /// The same context for a while.
     pub fn reborrowed(&mut self) -> Context<'_> {
         Context {
             registry: self.registry,
@@ -187,17 +184,40 @@ impl Context<'_> {
             err: &mut *self.err,
             command_line: self.command_line.clone(),
             terminal: self.terminal,
+            color: self.color,
             verbosity: self.verbosity,
             overwrite: self.overwrite,
             environment: self.environment.clone(),
-            annotations: Vec::new(),
+            annotations: Rc::clone(&self.annotations),
             plugins: self.plugins.clone(),
         }
     }
 
+    /// Standard output, as tables are printed on it.
+    pub fn screen(&self) -> Screen {
+        let colors = self.terminal.colors(self.color);
+        Screen { width: self.terminal.width(), colors, is_wide: false }
+    }
+
+    /// The same without colours.
+    pub fn plain_screen(&self) -> Screen {
+        Screen { colors: false, ..self.screen() }
+    }
+
+    /// Refuses a folder that holds other results in files of these names, the record's first, unless
+    /// output may be replaced.
+    pub fn refuse_occupied(
+        &self,
+        folder: &Path,
+        names: &[&str],
+        manifest: Option<&Manifest>,
+    ) -> Result<(), OutputError> {
+        let (command_line, overwrite) = (&*self.command_line, self.overwrite);
+        PlannedOutput { names, command_line, manifest, overwrite }.check(folder)
+    }
+
     /// Creates the folder of `-o`, if one is named, and in it files of these names, the record's
-    /// first. A folder is refused that holds other results in them, unless output may be replaced.
-    /// What is still empty in the end is taken back.
+    /// first, unless it is refused. What is still empty in the end is taken back.
     pub fn created_folder(
         &self,
         folder: Option<&PathBuf>,
@@ -205,8 +225,7 @@ impl Context<'_> {
     ) -> Result<CreatedFiles, OutputError> {
         let mut created = CreatedFiles::default();
         if let Some(folder) = folder {
-            let (command_line, overwrite) = (&*self.command_line, self.overwrite);
-            PlannedOutput { names, command_line, manifest: None, overwrite }.check(folder)?;
+            self.refuse_occupied(folder, names, None)?;
             created.folder(folder)?;
             for name in names {
                 created.file(&folder.join(name))?;
@@ -227,6 +246,13 @@ impl Context<'_> {
             outputs.add_in_folder(name, format)?;
         }
         Ok(outputs)
+    }
+
+    /// This program, as it is started with the plugins and the rights of this process.
+    pub fn own_program(&self) -> Result<Program, AgainstError> {
+        let path = self.environment.program.clone().ok_or(AgainstError::NoProgram)?;
+        let plugins = self.plugins.arguments.clone();
+        Ok(Program { path, plugins, allow_outside: self.scenes.allows_outside() })
     }
 
     /// Warns of what a scene loses in single precision.
@@ -277,7 +303,6 @@ impl Context<'_> {
         }
     }
 
-    /// Prints an error, whatever it holds.
     pub fn error(&mut self, message: impl std::fmt::Display) {
         self.write_err(&format!("error: {}", outside::message(&message.to_string())));
     }

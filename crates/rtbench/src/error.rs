@@ -31,7 +31,6 @@ use presentation::json::FormatError;
 use studies::error::{StudyError, UnsavedImage};
 use studies::reproduce::ReproduceError;
 
-/// Why a command ended early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -130,7 +129,6 @@ impl From<ReplanError> for Error {
 }
 
 impl Error {
-    /// The exit code it stands for.
     pub fn exit_code(&self) -> u8 {
         use CompareError::{Filter, Match, NothingMatches};
         use OutputError::{IsRead, NothingSelected, SameFile, StandardOutput};
@@ -165,7 +163,6 @@ pub const FAILURE: u8 = 1;
 pub const USAGE: u8 = 2;
 /// Something got worse than a baseline.
 pub const REGRESSION: u8 = 3;
-/// A structure gave wrong hits.
 pub const WRONG_HITS: u8 = 4;
 /// Something was inconclusive, or a row was missing, and `--strict` was given; or `verify` ran out
 /// of time before it had asked everything.

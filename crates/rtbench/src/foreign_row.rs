@@ -3,12 +3,15 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::context::Context;
 use crate::error::Error;
+use accel_core::primitives::TriangleSet;
 use accel_core::{Hit, MISS, Ray};
 use measurement::answers::arbiter::Arbiter;
 use measurement::answers::judge::{BatchVerdict, judge};
 use measurement::answers::reference::{Reference, Stage};
 use measurement::plan::Plan;
+use measurement::plan::error::PlanError;
 use measurement::rays::batches::{Answers, BatchSet};
 use measurement::rays::exactness::Exactness;
 use measurement::rays::order::{distinct, kind_of};
@@ -17,7 +20,8 @@ use measurement::record::{ForeignRecord, RowRecord, RunRecord, SceneRecord, Verd
 use measurement::rounds::MeasureError;
 use measurement::rounds::scene_run::lights_asked;
 use measurement::scenes::LoadedScene;
-use measurement::settings::Lights;
+use measurement::settings::{Lights, RunSettings};
+use measurement::system::machine;
 use measurement::system::pools::Pools;
 use plugins::files::FileSubject;
 use renderer::{Geometry, RayKind};
@@ -28,44 +32,67 @@ pub type RaysByKind = Vec<(RayKind, Vec<Ray<f32>>)>;
 /// Answers by kind: the closest hit; for shadow rays any hit if blocked, else a miss.
 pub type HitsByKind = Vec<(RayKind, Vec<Hit<f32>>)>;
 
-/// The rays of a plan's kinds, as a run issues them.
-///
-/// # Errors
-/// [`Error`] for a scene without usable geometry, or one that no structure answers for.
-pub fn rays(
-    plan: &Plan<'_>,
-    loaded: &LoadedScene,
-    geometry: &Geometry<f32>,
-    pools: &Pools,
-) -> Result<RaysByKind, Error> {
-    with_reference(plan, loaded, geometry, pools, |reference, _| {
-        let of = |kind: &RayKind| (*kind, reference.rays.rays(*kind).to_vec());
-        plan.kinds.iter().map(of).collect()
-    })
+/// A scene, and the rays that a run issues in it.
+pub struct SceneRays<'r> {
+    plan: Plan<'r>,
+    pub loaded: LoadedScene,
+    geometry: Geometry<f32>,
+    pools: Pools,
 }
 
-/// Judges the answers to these rays as those of a plugin with its own triangle test; one
-/// [`BatchVerdict`] for each kind that has rays.
-///
-/// # Errors
-/// As [`rays`].
-pub fn check(
-    plan: &Plan<'_>,
-    loaded: &LoadedScene,
-    geometry: &Geometry<f32>,
-    pools: &Pools,
-    said: &HitsByKind,
-) -> Result<Vec<(RayKind, BatchVerdict)>, Error> {
-    with_reference(plan, loaded, geometry, pools, |Reference { rays, answers, .. }, stage| {
-        let all = BatchSet::new(&rays, answers, &lights_asked(stage.scene, &plan.settings));
-        let judged = all.batches.iter().map(|batch| {
-            let own = said.iter().find(|(kind, _)| *kind == batch.kind);
-            let hits = own.map(|(_, hits)| hits.as_slice()).unwrap_or_default();
-            let answers = answers_of(batch.kind, hits, &batch.rays);
-            (batch.kind, judge(stage, &all, batch, &answers, Exactness::OwnTest))
-        });
-        judged.collect()
-    })
+impl<'r> SceneRays<'r> {
+    pub fn load(context: &Context<'r>, settings: &RunSettings) -> Result<Self, Error> {
+        let plan = Plan::new(settings, context.registry, context.occluders, context.scenes)?;
+        let scene = plan.scenes.first().ok_or(PlanError::NoRows)?;
+        let loaded = context.load(&**scene)?;
+        let geometry = Geometry::of(&loaded.scene)?;
+        Ok(Self { plan, loaded, geometry, pools: Pools::new(machine::threads())? })
+    }
+
+    /// The triangles of the scene, which must have nothing else.
+    pub fn triangles(&self) -> Result<&TriangleSet<f32>, Error> {
+        match &self.geometry {
+            Geometry::Triangles(set) => Ok(set),
+            _ => Err(Error::NotOfTriangles { scene: self.loaded.scene.name.clone() }),
+        }
+    }
+
+    /// The rays of the plan's kinds, as a run issues them.
+    pub fn rays(&self) -> Result<RaysByKind, Error> {
+        self.with_reference(|reference, _| {
+            let of = |kind: &RayKind| (*kind, reference.rays.rays(*kind).to_vec());
+            self.plan.kinds.iter().map(of).collect()
+        })
+    }
+
+    /// Judges the answers to these rays as those of a plugin with its own triangle test; one
+    /// [`BatchVerdict`] for each kind that has rays.
+    pub fn check(&self, said: &HitsByKind) -> Result<Vec<(RayKind, BatchVerdict)>, Error> {
+        self.with_reference(|Reference { rays, answers, .. }, stage| {
+            let lights = lights_asked(stage.scene, &self.plan.settings);
+            let all = BatchSet::new(&rays, answers, &lights);
+            let judged = all.batches.iter().map(|batch| {
+                let own = said.iter().find(|(kind, _)| *kind == batch.kind);
+                let hits = own.map(|(_, hits)| hits.as_slice()).unwrap_or_default();
+                let answers = answers_of(batch.kind, hits, &batch.rays);
+                (batch.kind, judge(stage, &all, batch, &answers, Exactness::OwnTest))
+            });
+            judged.collect()
+        })
+    }
+
+    /// Applies `then` to the rays and their answers.
+    fn with_reference<T>(
+        &self,
+        then: impl FnOnce(Reference<f32>, &Stage<'_, f32>) -> T,
+    ) -> Result<T, Error> {
+        let (scene, geometry) = (&self.loaded.scene, &self.geometry);
+        let exact = Geometry::<f64>::of(scene)?;
+        let built = Arbiter::new(geometry, &exact);
+        let arbiter = built.map_err(MeasureError::of_build(&scene.name))?;
+        let stage = Stage { scene, geometry, arbiter: &arbiter };
+        Ok(then(stage.reference(&self.plan, &self.pools)?, &stage))
+    }
 }
 
 fn answers_of(kind: RayKind, hits: &[Hit<f32>], rays: &[Ray<f32>]) -> Answers<f32> {
@@ -107,24 +134,6 @@ pub fn foreign_row(
     }
 }
 
-/// Applies `then` to the rays and their answers.
-fn with_reference<T>(
-    plan: &Plan<'_>,
-    loaded: &LoadedScene,
-    geometry: &Geometry<f32>,
-    pools: &Pools,
-    then: impl FnOnce(Reference<f32>, &Stage<'_, f32>) -> T,
-) -> Result<T, Error> {
-    let scene = &loaded.scene;
-    let exact = Geometry::<f64>::of(scene)?;
-    let built = Arbiter::new(geometry, &exact);
-    let arbiter = built.map_err(MeasureError::of_build(&scene.name))?;
-    let stage = Stage { scene, geometry, arbiter: &arbiter };
-    let reference = stage.reference(plan, pools)?;
-    Ok(then(reference, &stage))
-}
-
-/// Why results take no foreign row.
 #[derive(Debug, thiserror::Error)]
 pub enum ForeignRowError {
     #[error(transparent)]

@@ -49,7 +49,7 @@ use accel_core::query::batch::AVX512_VARIABLE;
 use accel_core::structures::{Entry, REGISTRY};
 use clap::{CommandFactory, FromArgMatches};
 
-use crate::args::{Cli, Command, GeneratedText, RaysAction};
+use crate::args::{Cli, Command, RaysAction};
 use crate::command_line::{GivenView, files_of_folder, files_read, named_files, recorded, usage};
 use crate::context::{Context, Environment, Terminal, Verbosity};
 use crate::error::{Error, FAILURE, SUCCESS};
@@ -150,7 +150,7 @@ pub fn run_in(
     let (out, err) = (&mut Guard::new(own.out), &mut Guard::new(own.err));
     let mut guarded = Context { out, err, ..own };
     let code = run_guarded(&mut guarded, arguments, folder);
-    for annotation in guarded.annotations {
+    for annotation in context.annotations.take() {
         let _ = writeln!(context.err, "{annotation}");
     }
     code
@@ -167,7 +167,8 @@ fn run_guarded(
         Err(error) => return usage(context, error),
     };
     let mut command_line = context.command_line.clone();
-    let scenes = GivenView::new(context.scenes, cli.allow_outside, cli.view.options());
+    let (source, allow_outside) = (context.scenes, cli.allow_outside);
+    let scenes = GivenView { source, allow_outside, view: cli.view.options() };
     match added_by_set(&arguments, &scenes) {
         Err(error) => return failed(context, &cli, &error.into()),
         Ok(added) => {
@@ -182,6 +183,7 @@ fn run_guarded(
     let mut own = Context {
         scenes: &scenes,
         command_line: recorded(&command_line, folder),
+        color: cli.color,
         verbosity: match (cli.quiet, cli.verbose) {
             (true, _) => Verbosity::Quiet,
             (_, true) => Verbosity::Verbose,
@@ -194,10 +196,7 @@ fn run_guarded(
         Ok(()) => with_plugins(&mut own, &cli),
         Err(error) => Err(error),
     };
-    let code = ended.unwrap_or_else(|error| failed(&mut own, &cli, &error));
-    let annotations = own.annotations;
-    context.annotations = annotations;
-    code
+    ended.unwrap_or_else(|error| failed(&mut own, &cli, &error))
 }
 
 /// Refuses to write two outputs to one file, or over what is there unless that is asked for.
@@ -222,60 +221,48 @@ fn with_plugins(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
     let restarts = matches!(cli.command, Command::Verify(_));
     let (plugins, registry) = Plugins::load(args, context.registry, occluders, program, restarts)?;
     let mut within = Context { registry: &registry, plugins, ..context.reborrowed() };
-    let code = dispatched(&mut within, cli);
-    let annotations = within.annotations;
-    context.annotations = annotations;
-    code
+    dispatched(&mut within, cli)
 }
 
-/// Does what the command line says.
+/// Does what the command line says. What a command printed is out when it has ended.
 fn dispatched(context: &mut Context<'_>, cli: &Cli) -> Result<u8, Error> {
-    match &cli.command {
-        Command::Run(args) => commands::run::run(context, args, cli.color),
-        Command::Sweep(args) => commands::sweep::run(context, args, cli.color),
-        Command::Animate(args) => {
-            commands::animate::run(context, args, cli.color, &cli.view.options())
-        }
-        Command::Explain(args) => commands::explain::run(context, args, cli.color),
-        Command::Compare(args) => commands::compare::run(context, args, cli.color),
-        Command::List(args) => commands::list::run(context, args).map(|()| SUCCESS),
-        Command::Render(args) => commands::render::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Show(args) => commands::show::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Cost(args) => commands::cost::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::CompareTracers(args) => commands::compare_tracers::run(context, args, cli.color),
+    let code = match &cli.command {
+        Command::Run(args) => commands::run::run(context, args),
+        Command::Sweep(args) => commands::sweep::run(context, args),
+        Command::Animate(args) => commands::animate::run(context, args, &cli.view.options()),
+        Command::Explain(args) => commands::sweep::explain(context, args),
+        Command::Compare(args) => commands::compare::run(context, args),
+        Command::List(args) => commands::list::run(context, args),
+        Command::Render(args) => commands::render::run(context, args),
+        Command::Show(args) => commands::show::run(context, args),
+        Command::Cost(args) => commands::cost::run(context, args),
+        Command::CompareTracers(args) => commands::compare_tracers::run(context, args),
         Command::Scenes(args) => commands::scenes::run(context, args),
-        Command::Rays(action) => match action {
-            RaysAction::Export(args) => commands::rays::export(context, args).map(|()| SUCCESS),
-            RaysAction::Trace(args) => commands::rays::trace_rays(context, args).map(|()| SUCCESS),
-            RaysAction::Check(args) => commands::rays::check_hits(context, args, cli.color),
-        },
-        Command::Verify(args) => commands::verify::run(context, args, cli.color),
-        Command::Accuracy(args) => commands::accuracy::run(context, args, cli.color),
-        Command::Report(args) => commands::report::run(context, args).map(|()| SUCCESS),
-        Command::History(args) => commands::history::run(context, args).map(|()| SUCCESS),
+        Command::Rays(RaysAction::Export(args)) => commands::rays::export(context, args),
+        Command::Rays(RaysAction::Trace(args)) => commands::rays::trace_rays(context, args),
+        Command::Rays(RaysAction::Check(args)) => commands::rays::check_hits(context, args),
+        Command::Verify(args) => commands::verify::run(context, args),
+        Command::Accuracy(args) => commands::accuracy::run(context, args),
+        Command::Report(args) => commands::report::run(context, args),
+        Command::History(args) => commands::report::history(context, args),
         Command::Reproduce(args) => commands::reproduce::run(context, args),
-        Command::Check(args) => commands::check::run(context, args, cli.color),
-        Command::Baseline(args) => commands::baseline::run(context, args, cli.color),
+        Command::Check(args) => commands::check::run(context, args),
+        Command::Baseline(args) => commands::baseline::run(context, args),
         Command::Child(args) => commands::child::run(context, args),
-        Command::Merge(args) => commands::merge::run(context, args, cli.color),
-        Command::Doctor(args) => commands::doctor::run(context, args, cli.color).map(|()| SUCCESS),
-        Command::Generate(text) => match text {
-            GeneratedText::Schema { what } => commands::generate::schema(context, *what),
-            GeneratedText::Completions { shell } => {
-                commands::generate::completions(context, *shell)
-            }
-            GeneratedText::Man(args) => commands::generate::man(context, args),
-        }
-        .map(|()| SUCCESS),
-    }
+        Command::Merge(args) => commands::run::merge(context, args),
+        Command::Doctor(args) => commands::doctor::run(context, args),
+        Command::Generate(text) => commands::generate::run(context, text),
+    }?;
+    context.out.flush()?;
+    Ok(code)
 }
 
 /// Says why a command ended early; returns the exit code.
 fn failed(context: &mut Context<'_>, cli: &Cli, error: &Error) -> u8 {
-    if error.is_closed_pipe() && !cli.command.measures() {
-        return SUCCESS;
-    }
     if error.is_closed_pipe() {
+        if !cli.command.measures() {
+            return SUCCESS;
+        }
         context.error(
             "standard output was closed before the run finished; finished scenes are in the \
              output files",

@@ -21,7 +21,6 @@ use measurement::system::files::{self, CreatedFiles, WriteError, open, put, repl
 use measurement::system::interrupt::undisturbed;
 use presentation::json::{self, FormatError};
 
-/// Why results are not written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
@@ -237,7 +236,6 @@ pub struct PlannedOutput<'a> {
     pub command_line: &'a [String],
     /// Description of the run, if it keeps a journal.
     pub manifest: Option<&'a Manifest>,
-    /// Existing output may be replaced.
     pub overwrite: bool,
 }
 

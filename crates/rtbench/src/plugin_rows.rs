@@ -18,7 +18,8 @@ const OWN: &str = "/proc/self/exe";
 pub struct Plugins {
     /// Names, and the SHA-256 of their files.
     loaded: Vec<(&'static str, String)>,
-    arguments: Vec<OsString>,
+    /// Arguments that pass them to another process of this program.
+    pub arguments: Vec<OsString>,
 }
 
 impl Plugins {
@@ -58,11 +59,6 @@ impl Plugins {
 
     pub fn names(&self) -> Vec<String> {
         self.loaded.iter().map(|(name, _)| (*name).to_owned()).collect()
-    }
-
-    /// Arguments that pass them to another process of this program.
-    pub fn arguments(&self) -> &[OsString] {
-        &self.arguments
     }
 
     /// Adds each to the rows asked for, unless they name it.

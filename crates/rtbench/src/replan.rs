@@ -15,7 +15,6 @@ use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings, c
 use crate::args::overrides_in;
 use crate::context::Context;
 
-/// Why a record gives no plan.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplanError {
     #[error("the baseline has no {what} '{name}'{hint}; it has: {valid}")]
@@ -39,34 +38,28 @@ pub enum ReplanError {
     Plan(#[from] PlanError),
 }
 
-/// Parts of a record to measure, and for how long.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Restriction<'a> {
-    /// Scenes; none means all.
-    pub scenes: &'a [String],
-    /// Structures, or labels of rows; none means all.
-    pub structures: &'a [String],
-    pub rounds: Option<u32>,
-    pub time_budget: Option<Duration>,
-}
-
-/// The record without the scenes and rows that are not wanted. The reference always stays, and so
-/// do in all scenes the rows that took its place in any: the order of rows says which of them does.
-pub fn restrict(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunRecord, ReplanError> {
+/// The record of these scenes, and of these structures or labels of rows, alone; none means all. The
+/// reference always stays, and so do in all scenes the rows that took its place in any: the order of
+/// rows says which of them does.
+pub fn restrict(
+    record: &RunRecord,
+    wanted: &[String],
+    structures: &[String],
+) -> Result<RunRecord, ReplanError> {
     let mut record = record.clone();
     let names: Vec<&str> = record.scenes.iter().map(|s| &*s.name).collect();
     if names.is_empty() {
         return Err(ReplanError::Empty);
     }
-    for name in wanted.scenes {
+    for name in wanted {
         if !names.contains(&&**name) {
             return Err(unknown("scene", name, names));
         }
     }
-    let is_wanted = |s: &SceneRecord| wanted.scenes.is_empty() || wanted.scenes.contains(&s.name);
+    let is_wanted = |s: &SceneRecord| wanted.is_empty() || wanted.contains(&s.name);
     record.scenes.retain(is_wanted);
     record.planned.clear();
-    let asked: Vec<String> = wanted.structures.iter().map(|s| s.replace(':', " ")).collect();
+    let asked: Vec<String> = structures.iter().map(|s| s.replace(':', " ")).collect();
     let rows = || record.scenes.iter().flat_map(|s| &s.rows);
     for name in &asked {
         if !rows().any(|r| r.structure == *name || r.label() == *name) {
@@ -97,7 +90,8 @@ fn unknown(what: &'static str, name: &str, valid: Vec<&str>) -> ReplanError {
 /// The plan that measures a record's scenes and rows anew, on the same rays.
 pub fn plan<'r>(
     record: &RunRecord,
-    wanted: &Restriction<'_>,
+    rounds: Option<u32>,
+    time_budget: Option<Duration>,
     context: &Context<'r>,
 ) -> Result<Plan<'r>, ReplanError> {
     let is_there = |name: &str| context.registry.iter().any(|entry| entry.info.name == name);
@@ -107,7 +101,8 @@ pub fn plan<'r>(
             return Err(ReplanError::NoPlugin { row, file });
         }
     }
-    let settings = settings_of(record, wanted)?;
+    let mut settings = settings_of(record)?;
+    (settings.measuring.rounds, settings.measuring.time_budget) = (rounds, time_budget);
     let mut plan = Plan::of_run(&settings, context.registry, context.occluders, context.scenes)
         .or_else(|error| by_source(error, record, settings, context))?;
     context.plugins.judge_nothing(&mut plan);
@@ -161,7 +156,7 @@ fn labels_of(record: &RunRecord) -> Vec<String> {
 }
 
 /// Settings of a run that measures the record's scenes and rows.
-fn settings_of(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunSettings, ReplanError> {
+fn settings_of(record: &RunRecord) -> Result<RunSettings, ReplanError> {
     let of = &record.settings;
     let [width, height] = of.resolution;
     if width != height {
@@ -171,8 +166,6 @@ fn settings_of(record: &RunRecord, wanted: &Restriction<'_>) -> Result<RunSettin
         rays: of.rays.clone(),
         order: choice::<Orders>("order", &of.order)?,
         lights: choice::<Lights>("lights", &of.lights)?,
-        rounds: wanted.rounds,
-        time_budget: wanted.time_budget,
         quick: of.quick,
         threads: within("threads", of.threads as u64, MeasuringSettings::MOST_THREADS.into())?,
         seed: of.seed,

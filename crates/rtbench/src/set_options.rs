@@ -38,13 +38,6 @@ const NOT_IN_SETS: [&str; 11] = [
 /// Alternatives: one that is typed takes both from the set.
 const ALTERNATIVES: [&str; 2] = ["rounds", "time_budget"];
 
-/// An option of a set file, as it would have been typed.
-struct SetOption {
-    /// Clap's name of the option.
-    id: String,
-    arguments: Vec<OsString>,
-}
-
 /// The arguments that the set of a run adds to its command line: the one set that it is a run of,
 /// or that of `--as`.
 pub fn added_by_set(
@@ -53,16 +46,11 @@ pub fn added_by_set(
 ) -> Result<Vec<OsString>, PlanError> {
     let cli = Cli::command();
     let Ok(matches) = cli.clone().try_get_matches_from(arguments) else { return Ok(Vec::new()) };
-    let Some(run) = run_of(&matches) else { return Ok(Vec::new()) };
-    if is_typed(run, "resume") {
-        return Ok(Vec::new());
-    }
-    let named: Vec<&String> = run.get_many("scenes").into_iter().flatten().collect();
-    let set = match (run.get_one::<String>("as_set"), &named[..]) {
-        (Some(set), _) => set,
-        (None, [only]) => only,
-        _ => return Ok(Vec::new()),
-    };
+    let run = run_of(&matches).filter(|run| !is_typed(run, "resume"));
+    let Some(run) = run else { return Ok(Vec::new()) };
+    let named: Vec<String> = run.get_many("scenes").into_iter().flatten().cloned().collect();
+    let as_set = run.get_one::<String>("as_set").map(String::as_str);
+    let Some(set) = set_of(as_set, &named) else { return Ok(Vec::new()) };
     let own = scenes.set(set)?;
     let quick = own.iter().filter(|_| is_typed(run, "quick")).flat_map(|own| own.quick.clone());
     let mut options = own.as_ref().map(|own| own.run.clone()).unwrap_or_default();
@@ -74,13 +62,21 @@ pub fn added_by_set(
     let Some(known) = cli.find_subcommand("run") else { return Ok(Vec::new()) };
     let mut added = Vec::new();
     for (name, value) in &options {
-        let option = valid_option(&cli, known, name, value)
+        let (id, arguments) = option(&cli, known, name, value)
             .map_err(|why| PlanError::Invalid(format!("scenes/sets/{set}.json: run: {why}")))?;
-        if !is_given(run, &option.id) {
-            added.extend(option.arguments);
+        if !is_given(run, &id) {
+            added.extend(arguments);
         }
     }
     Ok(added)
+}
+
+/// The set whose defaults are taken: that of `--as`, or the only scene, if that is a set.
+fn set_of<'s>(as_set: Option<&'s str>, scenes: &'s [String]) -> Option<&'s str> {
+    match (as_set, scenes) {
+        (None, [only]) => Some(only),
+        (as_set, _) => as_set,
+    }
 }
 
 /// Puts arguments behind those that were typed, but before `--` and what follows it.
@@ -113,25 +109,26 @@ fn is_typed(matches: &ArgMatches, id: &str) -> bool {
     known && matches.value_source(id) == Some(ValueSource::CommandLine)
 }
 
-/// The option that a key with a value stands for, if the command line takes it.
-fn valid_option(
+/// The option that a key with a value stands for, if the command line takes it: clap's name of it, and
+/// what would have been typed.
+fn option(
     cli: &Command,
     run: &Command,
     name: &str,
     value: &Value,
-) -> Result<SetOption, String> {
-    let option = option(run, name, value)?;
-    let typed = ["rtbench", "run"].map(OsString::from).into_iter();
-    let alone = cli.clone().try_get_matches_from(typed.chain(option.arguments.clone()));
+) -> Result<(String, Vec<OsString>), String> {
+    let (id, arguments) = typed(run, name, value)?;
+    let words = ["rtbench", "run"].map(OsString::from).into_iter();
+    let alone = cli.clone().try_get_matches_from(words.chain(arguments.clone()));
     alone.map_err(|error| {
         let text = error.render().to_string();
         let first = text.lines().next().unwrap_or_default().trim_start_matches("error: ");
         format!("{name}: {first}")
     })?;
-    Ok(option)
+    Ok((id, arguments))
 }
 
-fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String> {
+fn typed(run: &Command, name: &str, value: &Value) -> Result<(String, Vec<OsString>), String> {
     let long_of = |a: &clap::Arg| a.get_long().unwrap_or(a.get_id().as_str()).to_owned();
     let Some(known) = run.get_arguments().find(|a| long_of(a) == name) else {
         let options = run.get_arguments().filter(|a| !NOT_IN_SETS.contains(&a.get_id().as_str()));
@@ -146,7 +143,7 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
     if !known.get_action().takes_values() {
         let is_set = value.as_bool().ok_or_else(|| format!("{name}: expected true or false"))?;
         let arguments = if is_set { vec![format!("--{name}").into()] } else { Vec::new() };
-        return Ok(SetOption { id, arguments });
+        return Ok((id, arguments));
     }
     let is_list = matches!(known.get_action(), clap::ArgAction::Append);
     let values = match value {
@@ -165,7 +162,7 @@ fn option(run: &Command, name: &str, value: &Value) -> Result<SetOption, String>
         };
         arguments.push(format!("--{name}={text}").into());
     }
-    Ok(SetOption { id, arguments })
+    Ok((id, arguments))
 }
 
 /// The error that a set lacks something, with the names of those that have it.
@@ -189,11 +186,7 @@ pub fn thresholds_of_check(
     as_set: Option<&str>,
     scenes: &[String],
 ) -> Result<Vec<RowThreshold>, PlanError> {
-    let set = match (as_set, scenes) {
-        (Some(set), _) => set,
-        (None, [only]) => only,
-        _ => return Ok(Vec::new()),
-    };
+    let Some(set) = set_of(as_set, scenes) else { return Ok(Vec::new()) };
     let entries = context.scenes.set(set)?.map(|set| set.check).unwrap_or_default();
     if entries.is_empty() && as_set.is_some() {
         let has = |set: &SceneSet| !set.check.is_empty();

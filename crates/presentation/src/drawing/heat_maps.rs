@@ -10,7 +10,6 @@ use crate::svg_plot::pen::{Font, GREY, PLAIN};
 
 /// Room around and between.
 const MARGIN: f64 = 16.0;
-/// Height of a line of text.
 const LINE: f64 = 16.0;
 /// Height of the legend's bar.
 const BAR: f64 = 12.0;
@@ -18,7 +17,6 @@ const BAR: f64 = 12.0;
 const LEAST: f64 = 160.0;
 /// Images of more pixels are drawn half as large.
 const LARGE: u32 = 512;
-/// Decades of the scale at most.
 const DECADES: i32 = 4;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -196,7 +194,6 @@ impl Classes {
         self.count
     }
 
-    /// The colour of a class.
     pub fn color(self, class: u32) -> Color {
         let last = self.count.saturating_sub(1).max(1);
         // the brightest would be lost on white, the darkest hides lines

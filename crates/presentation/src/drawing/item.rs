@@ -18,7 +18,6 @@ pub fn color(text: &str) -> Color {
     [r, g, b]
 }
 
-/// Drawing style of an item.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Paint {
     /// Colour of its inside, and how much of what lies below it hides: from 0 to 1.
@@ -27,7 +26,6 @@ pub struct Paint {
     pub stroke: Option<(Color, f64)>,
 }
 
-/// Something that is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Item {
     /// Boxes: left, top, width, height.
@@ -173,7 +171,6 @@ fn hex([r, g, b]: Color) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The attributes of a paint.
 fn painted(paint: &Paint) -> String {
     let mut out = String::new();
     match paint.fill {

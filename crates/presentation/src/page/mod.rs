@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 
 use crate::html::{Attribute, Html};
 use crate::svg_plot::pen::dark_rules;
-use crate::svg_plot::{Drawing, Format};
+use crate::svg_plot::{Figure, Format};
 use crate::table::{Cell, Style, Table};
 
 /// Style sheet of pages, except the colours of plots in dark mode.
@@ -16,7 +16,6 @@ static STYLE: &str = include_str!("page.css");
 /// Sorts and filters tables.
 static SCRIPT: &str = include_str!("page.js");
 
-/// Beginning of every page.
 pub const BEGINNING: &str = "<!DOCTYPE html>\n";
 
 /// A page of that title, opened as far as its body: what comes next is its header.
@@ -54,7 +53,7 @@ pub fn finished(mut html: Html) -> String {
 }
 
 /// A drawing as wide windows show it, and as narrow ones do; returns the former.
-pub fn figure(html: &mut Html, label: &str, drawing: &Drawing) -> String {
+pub fn figure(html: &mut Html, label: &str, drawing: &dyn Figure) -> String {
     html.open("figure", &[("aria-label", label)]);
     let wide = drawing.svg(Format::Wide);
     for (class, svg) in [("wide", &wide), ("narrow", &drawing.svg(Format::Narrow))] {
@@ -69,25 +68,17 @@ pub fn figure(html: &mut Html, label: &str, drawing: &Drawing) -> String {
 /// Tables of more rows are folded: a click opens them, and printing does.
 const LONGEST: usize = 12;
 
-/// Format of a table.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct TableStyle<'a> {
     /// The numbers of its rows, in a column before them; empty where they have none.
     pub numbers: &'a [usize],
     /// Link targets of cells, row by row; empty for no link.
     pub links: &'a [Vec<String>],
-    /// Anchors of the rows.
     pub ids: &'a [String],
     /// It is not folded, however long it is.
     pub is_open: bool,
     /// Explanation of a column's head, if needed.
-    pub meaning: fn(&str) -> Option<&'static str>,
-}
-
-impl Default for TableStyle<'_> {
-    fn default() -> Self {
-        Self { numbers: &[], links: &[], ids: &[], is_open: false, meaning: |_| None }
-    }
+    pub meaning: Option<fn(&str) -> Option<&'static str>>,
 }
 
 /// A table within a box of its own, so that it scrolls and not the page; its notes below. A long
@@ -95,12 +86,8 @@ impl Default for TableStyle<'_> {
 pub fn write_table(html: &mut Html, table: &Table, look: TableStyle<'_>) {
     let is_long = table.rows.len() > LONGEST && !look.is_open;
     if is_long {
-        html.open("details", &[]);
-        html.element(
-            "summary",
-            &[],
-            &format!("Table of {} rows: {}", table.rows.len(), table.title),
-        );
+        let summary = format!("Table of {} rows: {}", table.rows.len(), table.title);
+        html.open_details(&[], &summary);
     }
     html.open_scroll(&table.title);
     html.open("table", &[("class", "sorts")]);
@@ -149,7 +136,7 @@ fn heads(html: &mut Html, table: &Table, look: TableStyle<'_>, is_words: &dyn Fn
     for (column, name) in table.header.iter().enumerate() {
         let class: &[Attribute<'_>] = if is_words(column) { &[("class", "words")] } else { &[] };
         html.open("th", &[&[("scope", "col")], class].concat());
-        match (look.meaning)(name) {
+        match look.meaning.and_then(|meaning| meaning(name)) {
             Some(meaning) => html.element("abbr", &[("title", meaning)], name),
             None => html.text(name),
         }
@@ -228,7 +215,8 @@ mod tests {
         let short = of(LONGEST, TableStyle::default());
         assert!(!short.contains("<details>") && short.contains("&lt;1&gt;"));
         let numbers: Vec<usize> = (0..=LONGEST).rev().collect();
-        let meaning = |head: &str| (head == "x").then_some("what x means");
+        let meaning: fn(&str) -> _ = |head| (head == "x").then_some("what x means");
+        let meaning = Some(meaning);
         let links = [vec![String::new(), "a.html#b".to_owned()]];
         let ids = ["first".to_owned()];
         let look =

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::svg_plot::Figure;
 use crate::svg_plot::pen::{
     Font, Format, GREY, GRID, INK, LETTER, MARK, PAPER, PLAIN, Pen, document_of, style_of,
 };
@@ -58,7 +59,6 @@ struct Layout {
     left: f64,
     /// Top edge of the rows.
     top: f64,
-    /// Height of a row.
     step: f64,
     /// Room right of a column's bars for their numbers.
     numbers: f64,
@@ -123,52 +123,56 @@ fn fitting(text: &str, width: f64) -> Font {
     Font { size: size.min(PLAIN.size), ..PLAIN }
 }
 
-pub fn chart(chart: &BarChart, format: Format) -> String {
-    let mut pen = Pen::default();
-    let from = if format == Format::Wide { 8.0 } else { 0.0 };
-    let head = format.head(&mut pen, from, &chart.title, &chart.subtitle);
-    let layout = Layout::new(chart, format, head);
-    let width = (format.width() - layout.left) / chart.columns.len().max(1) as f64;
-    let bottom = layout.top + layout.step * chart.rows.len() as f64;
-    // beside bars their guides are behind all, above bars names are before the grid
-    let names = |pen: &mut Pen| {
-        chart.rows.iter().enumerate().for_each(|(i, row)| layout.name(pen, i, &row.name));
-    };
-    if format == Format::Wide {
-        names(&mut pen);
-    }
-    for (i, column) in chart.columns.iter().enumerate() {
-        let bars = || chart.rows.iter().map(move |row| (row.color, row.bars.get(i)));
-        let best = bars().find_map(|(_, bar)| match bar {
-            Some(Bar::Of(e, _, Ring::Best)) => Some(e.median),
-            _ => None,
-        });
-        let best = best.unwrap_or(column.base);
-        let is_kept = |e: &Estimate| {
-            column.axis.scale != Scale::Log || (best / CUT..=best * CUT).contains(&e.median)
+impl Figure for BarChart {
+    fn svg(&self, format: Format) -> String {
+        let mut pen = Pen::default();
+        let from = if format == Format::Wide { 8.0 } else { 0.0 };
+        let head = format.head(&mut pen, from, &self.title, &self.subtitle);
+        let layout = Layout::new(self, format, head);
+        let width = (format.width() - layout.left) / self.columns.len().max(1) as f64;
+        let bottom = layout.top + layout.step * self.rows.len() as f64;
+        // beside bars their guides are behind all, above bars names are before the grid
+        let names = |pen: &mut Pen| {
+            self.rows.iter().enumerate().for_each(|(i, row)| layout.name(pen, i, &row.name));
         };
-        let values = bars().flat_map(|(_, bar)| match bar {
-            Some(Bar::Of(e, ..)) if is_kept(e) => vec![e.median, e.low, e.high],
-            _ => Vec::new(),
-        });
-        let from = layout.left + width * i as f64;
-        let place = BarPlace {
-            axis: FittedAxis::new(&column.axis.scale, values.chain([column.base])),
-            left: from + 6.0,
-            right: from + width - layout.numbers,
-            top: layout.top - 4.0,
-            bottom,
-        };
-        place.frame(&mut pen, column);
-        for (j, (color, bar)) in bars().enumerate() {
-            place.bar(&mut pen, column.base, layout.middle(j), style_of(color).0, bar);
+        if format == Format::Wide {
+            names(&mut pen);
         }
+        for (i, column) in self.columns.iter().enumerate() {
+            let bars = || self.rows.iter().map(move |row| (row.color, row.bars.get(i)));
+            let best = bars().find_map(|(_, bar)| match bar {
+                Some(Bar::Of(e, _, Ring::Best)) => Some(e.median),
+                _ => None,
+            });
+            let best = best.unwrap_or(column.base);
+            let is_kept = |e: &Estimate| {
+                column.axis.scale != Scale::Log || (best / CUT..=best * CUT).contains(&e.median)
+            };
+            let values = bars().flat_map(|(_, bar)| match bar {
+                Some(Bar::Of(e, ..)) if is_kept(e) => vec![e.median, e.low, e.high],
+                _ => Vec::new(),
+            });
+            let from = layout.left + width * i as f64;
+            let (left, right) = (from + 6.0, from + width - layout.numbers);
+            let values = values.chain([column.base]);
+            let place = BarPlace {
+                axis: FittedAxis::new(&column.axis.scale, [left, right], values),
+                left,
+                right,
+                top: layout.top - 4.0,
+                bottom,
+            };
+            place.frame(&mut pen, column);
+            for (j, (color, bar)) in bars().enumerate() {
+                place.bar(&mut pen, column.base, layout.middle(j), style_of(color).0, bar);
+            }
+        }
+        if format == Format::Narrow {
+            names(&mut pen);
+        }
+        let alternative = format!("{}. {}", self.title, self.subtitle);
+        document_of(&pen.out, [format.width(), bottom + FOOT], &alternative)
     }
-    if format == Format::Narrow {
-        names(&mut pen);
-    }
-    let alternative = format!("{}. {}", chart.title, chart.subtitle);
-    document_of(&pen.out, [format.width(), bottom + FOOT], &alternative)
 }
 
 struct BarPlace {
@@ -180,18 +184,11 @@ struct BarPlace {
 }
 
 impl BarPlace {
-    fn across(&self, x: f64) -> f64 {
-        self.left + self.axis.nearest_place(x) * (self.right - self.left)
-    }
-
     fn frame(&self, pen: &mut Pen, column: &Column) {
         let top = self.top;
         let mut used = f64::NEG_INFINITY;
         for tick in &self.axis.ticks {
-            if self.axis.place(tick.at).is_none() {
-                continue;
-            }
-            let x = self.across(tick.at);
+            let Some(x) = self.axis.place(tick.at) else { continue };
             if let Some(label) = &tick.label {
                 pen.path(&[(x, top), (x, self.bottom)], GRID, 1.0, "");
                 let half = label.chars().count() as f64 * LETTER / 2.0;
@@ -202,7 +199,7 @@ impl BarPlace {
                 }
             }
         }
-        let base = self.across(column.base);
+        let base = self.axis.nearest_place(column.base);
         pen.path(&[(base, top), (base, self.bottom + 4.0)], GREY, 1.0, " stroke-dasharray=\"6 4\"");
         let ends = [(self.left, self.bottom), (self.right, self.bottom)];
         pen.path(&ends, INK, 1.0, "");
@@ -219,7 +216,7 @@ impl BarPlace {
             }
             Some(Bar::Of(estimate, number, ring)) => (estimate, number, *ring),
         };
-        let (from, to) = (self.across(base), self.across(estimate.median));
+        let (from, to) = (self.axis.nearest_place(base), self.axis.nearest_place(estimate.median));
         let (x, width) = (from.min(to), (from - to).abs());
         let _ = writeln!(
             pen.out,
@@ -230,7 +227,8 @@ impl BarPlace {
         if estimate.median.is_finite() && self.axis.place(estimate.median).is_none() {
             pen.arrow(to, y, estimate.median < base, color);
         } else {
-            let (low, high) = (self.across(estimate.low), self.across(estimate.high));
+            let (low, high) =
+                (self.axis.nearest_place(estimate.low), self.axis.nearest_place(estimate.high));
             pen.path(&[(low, y), (high, y)], color, 1.4, "");
             for end in [low, high] {
                 pen.path(&[(end, y - 4.0), (end, y + 4.0)], color, 1.4, "");
@@ -271,7 +269,7 @@ mod tests {
 
     #[test]
     fn bars_are_as_long_as_their_values_and_texts_are_escaped() {
-        let svg = chart(&sample(Scale::Log, &[1.0, 2.0, 4.0, 100.0]), Format::Wide);
+        let svg = sample(Scale::Log, &[1.0, 2.0, 4.0, 100.0]).svg(Format::Wide);
         let tree = roxmltree::Document::parse(&svg).expect("well-formed XML");
         let bars = tree.descendants().filter(|n| n.attribute("height") == Some("10"));
         let widths: Vec<f64> =
@@ -293,7 +291,7 @@ mod tests {
         for scale in [Scale::Log, Scale::FromZero, Scale::Linear] {
             for values in [&[f64::NAN, f64::INFINITY, -1.0, 0.0][..], &[]] {
                 for format in [Format::Wide, Format::Narrow] {
-                    let svg = chart(&sample(scale.clone(), values), format);
+                    let svg = sample(scale.clone(), values).svg(format);
                     assert!(roxmltree::Document::parse(&svg).is_ok());
                     assert!(!svg.contains("\"NaN") && !svg.contains("\"inf"), "{svg}");
                 }

@@ -14,34 +14,16 @@ use std::fmt::Write;
 pub use pen::Format;
 pub use plot::{Axis, Level, Mark, Plot, Point, Ring, Scale, Series};
 
-use bars::BarChart;
 use pen::document_of;
 
-/// Figures that can be drawn in every format.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Drawing {
-    Plot(Plot),
-    Bars(BarChart),
+/// A figure that can be drawn in every format.
+pub trait Figure {
+    fn svg(&self, format: Format) -> String;
 }
 
-impl From<Plot> for Drawing {
-    fn from(plot: Plot) -> Self {
-        Self::Plot(plot)
-    }
-}
-
-impl From<BarChart> for Drawing {
-    fn from(chart: BarChart) -> Self {
-        Self::Bars(chart)
-    }
-}
-
-impl Drawing {
-    pub fn svg(&self, format: Format) -> String {
-        match self {
-            Self::Plot(plot) => drawn(std::slice::from_ref(plot), format),
-            Self::Bars(chart) => bars::chart(chart, format),
-        }
+impl Figure for Plot {
+    fn svg(&self, format: Format) -> String {
+        drawn(std::slice::from_ref(self), format)
     }
 }
 
@@ -54,9 +36,9 @@ fn drawn(plots: &[Plot], format: Format) -> String {
     let mut body = String::new();
     let mut top = 0.0;
     for plot in plots {
-        let drawn = panel::draw(plot, format);
-        let _ = write!(body, "<g transform=\"translate(0 {top:.1})\">\n{}</g>\n", drawn.elements);
-        top += drawn.height;
+        let (elements, height) = panel::draw(plot, format);
+        let _ = write!(body, "<g transform=\"translate(0 {top:.1})\">\n{elements}</g>\n");
+        top += height;
     }
     let titles: Vec<&str> = plots.iter().map(|plot| plot.title.as_str()).collect();
     document_of(&body, [format.width(), top], &titles.join("; "))
@@ -202,7 +184,7 @@ mod tests {
         let mut long = plot(Scale::Linear, Scale::Log);
         long.marks[0].label = "wide-bvh with settings that are long".into();
         long.series[0].name = "a series of a name that is so long that it has to be broken".into();
-        let svg = Drawing::from(long).svg(Format::Narrow);
+        let svg = long.svg(Format::Narrow);
         let tree = roxmltree::Document::parse(&svg).unwrap();
         let width: f64 = tree.root_element().attribute("width").unwrap().parse().unwrap();
         assert_eq!(width, Format::Narrow.width());

@@ -17,20 +17,18 @@ const LEGEND_STEP: f64 = 18.0;
 /// Height of the bend between a flag's line and its label.
 const BEND: f64 = 14.0;
 
-pub struct DrawnPanel {
-    pub elements: String,
-    pub height: f64,
-}
-
-/// Draws a panel with its upper left corner at the origin.
-pub fn draw(plot: &Plot, format: Format) -> DrawnPanel {
-    match format {
-        Format::Wide => drawn(plot, format, &[]),
-        Format::Narrow => {
-            let (plot, keys) = with_keys(plot);
-            drawn(&plot, format, &keys)
-        }
-    }
+/// The elements of a panel with its upper left corner at the origin, and its height.
+pub fn draw(plot: &Plot, format: Format) -> (String, f64) {
+    let mut plot = plot.clone();
+    let keys = if format == Format::Narrow { shorten_labels(&mut plot) } else { Vec::new() };
+    let mut canvas = Canvas::new(&plot, format);
+    canvas.grid(&plot);
+    canvas.levels(&plot);
+    canvas.flags(&plot);
+    canvas.series(&plot);
+    canvas.marks(&plot);
+    let more = canvas.legend(&plot, &keys);
+    (canvas.pen.out, canvas.bottom + BOTTOM + more)
 }
 
 /// Labels of more letters do not stand at their flags on a phone.
@@ -38,9 +36,8 @@ const LONGEST_LABEL: usize = 4;
 /// Flags beside one another on a phone; of more, only those of what is best.
 const MOST_FLAGS: usize = 12;
 
-/// The plot with short labels for long ones, and what those stand for.
-fn with_keys(plot: &Plot) -> (Plot, Vec<String>) {
-    let mut plot = plot.clone();
+/// Gives a plot short labels for long ones; returns what those stand for.
+fn shorten_labels(plot: &mut Plot) -> Vec<String> {
     let mut keys = Vec::new();
     let are_too_many = plot.marks.iter().filter(|m| !m.label.is_empty()).count() > MOST_FLAGS;
     for mark in &mut plot.marks {
@@ -52,24 +49,13 @@ fn with_keys(plot: &Plot) -> (Plot, Vec<String>) {
             mark.label = key;
         }
     }
-    (plot, keys)
+    keys
 }
 
 /// a, b, ... z, a1, b1, ...
 fn key(place: usize) -> String {
     let letter = char::from(b'a' + (place % 26) as u8);
     if place < 26 { letter.to_string() } else { format!("{letter}{}", place / 26) }
-}
-
-fn drawn(plot: &Plot, format: Format, keys: &[String]) -> DrawnPanel {
-    let mut canvas = Canvas::new(plot, format);
-    canvas.grid(plot);
-    canvas.levels(plot);
-    canvas.flags(plot);
-    canvas.series(plot);
-    canvas.marks(plot);
-    let more = canvas.legend(plot, keys);
-    DrawnPanel { height: canvas.bottom + BOTTOM + more, elements: canvas.pen.out }
 }
 
 /// The frame's place and axes, and what is drawn so far.
@@ -112,47 +98,25 @@ impl Canvas {
             head += 16.0;
         }
         let top = head + if longest == 0.0 { 0.0 } else { flag + BEND + 8.0 };
-        Self {
-            pen,
-            format,
-            left,
-            x: FittedAxis::new(&plot.x.scale, points().map(|p| p.x)),
-            y: FittedAxis::new(&plot.y.scale, heights.chain(levels)),
-            top,
-            right: match format {
-                Format::Wide => {
-                    format.width() - f64::max(34.0, flag + 12.0).min(format.width() / 3.0)
-                }
-                Format::Narrow => format.width() - f64::max(10.0, flag),
-            },
-            bottom: top + height,
-        }
-    }
-
-    /// Horizontal position of a number, from the left.
-    fn across(&self, x: f64) -> Option<f64> {
-        Some(self.left + self.x.place(x)? * (self.right - self.left))
-    }
-
-    /// Vertical position of a number, from above.
-    fn down(&self, y: f64) -> Option<f64> {
-        Some(self.bottom - self.y.place(y)? * (self.bottom - self.top))
-    }
-
-    /// The end of an error bar, which ends at the frame at the latest.
-    fn down_within(&self, y: f64) -> f64 {
-        self.bottom - self.y.nearest_place(y) * (self.bottom - self.top)
+        let (width, bottom) = (format.width(), top + height);
+        let right = match format {
+            Format::Wide => width - f64::max(34.0, flag + 12.0).min(width / 3.0),
+            Format::Narrow => width - f64::max(10.0, flag),
+        };
+        let x = FittedAxis::new(&plot.x.scale, [left, right], points().map(|p| p.x));
+        let y = FittedAxis::new(&plot.y.scale, [bottom, top], heights.chain(levels));
+        Self { pen, format, x, y, left, top, right, bottom }
     }
 
     fn place(&self, point: &Point) -> Option<(f64, f64)> {
-        Some((self.across(point.x)?, self.down(point.y)?))
+        Some((self.x.place(point.x)?, self.y.place(point.y)?))
     }
 
     fn grid(&mut self, plot: &Plot) {
         let (top, right, bottom, left) = (self.top, self.right, self.bottom, self.left);
         let mut used = f64::NEG_INFINITY;
         for tick in self.x.ticks.clone() {
-            let Some(x) = self.across(tick.at) else { continue };
+            let Some(x) = self.x.place(tick.at) else { continue };
             if let Some(label) = &tick.label {
                 if !matches!(plot.x.scale, Scale::Words(_)) {
                     self.pen.path(&[(x, top), (x, bottom)], GRID, 1.0, "");
@@ -167,7 +131,7 @@ impl Canvas {
             self.pen.path(&[(x, bottom), (x, bottom + length)], INK, 1.0, "");
         }
         for tick in self.y.ticks.clone() {
-            let Some(y) = self.down(tick.at) else { continue };
+            let Some(y) = self.y.place(tick.at) else { continue };
             if let Some(label) = &tick.label {
                 self.pen.path(&[(left, y), (right, y)], GRID, 1.0, "");
                 self.pen.text(left - 10.0, y + 4.0, Font { anchor: "end", ..PLAIN }, label);
@@ -186,7 +150,7 @@ impl Canvas {
 
     fn levels(&mut self, plot: &Plot) {
         for level in &plot.levels {
-            let Some(y) = self.down(level.y) else { continue };
+            let Some(y) = self.y.place(level.y) else { continue };
             self.pen.path(
                 &[(self.left, y), (self.right, y)],
                 GREY,
@@ -240,7 +204,8 @@ impl Canvas {
         if point.low == point.high {
             return;
         }
-        let (low, high) = (self.down_within(point.low), self.down_within(point.high));
+        // it ends at the frame at the latest
+        let [low, high] = [point.low, point.high].map(|y| self.y.nearest_place(y));
         self.pen.path(&[(x, low), (x, high)], color, 1.2, "");
         for y in [low, high] {
             self.pen.path(&[(x - 4.0, y), (x + 4.0, y)], color, 1.2, "");

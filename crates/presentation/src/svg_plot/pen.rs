@@ -80,14 +80,12 @@ pub struct Font {
 pub const PLAIN: Font =
     Font { size: 12.0, anchor: "start", color: INK, is_bold: false, turned: 0.0 };
 
-/// The drawing so far.
 #[derive(Default)]
 pub struct Pen {
     pub out: String,
 }
 
 impl Pen {
-    /// Text at a place.
     pub fn text(&mut self, x: f64, y: f64, font: Font, text: &str) {
         let Font { size, anchor, color, is_bold, turned } = font;
         let weight = if is_bold { " font-weight=\"bold\"" } else { "" };
@@ -139,7 +137,6 @@ impl Pen {
         let _ = writeln!(self.out, "<path d=\"M{x:.1} {y:.1}l{back} -5l0 10z\" fill=\"{color}\"/>");
     }
 
-    /// A ring around a point.
     pub fn ring(&mut self, x: f64, y: f64, ring: Ring) {
         let style = match ring {
             Ring::None => return,

@@ -53,13 +53,9 @@ pub struct Series {
 /// A point with an error bar.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Point {
-    /// Place on the horizontal axis.
     pub x: f64,
-    /// Place on the vertical axis.
     pub y: f64,
-    /// Lower end of the error bar.
     pub low: f64,
-    /// Upper end of the error bar.
     pub high: f64,
 }
 
@@ -71,13 +67,11 @@ pub struct Mark {
     pub label: String,
     /// Shown while a pointer is over the point; may be empty.
     pub hover: String,
-    /// The ring around it.
     pub ring: Ring,
     /// The point is one of a series and drawn with it.
     pub is_in_series: bool,
 }
 
-/// A ring around a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ring {
     None,
@@ -88,7 +82,6 @@ pub enum Ring {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Level {
-    /// Place on the vertical axis.
     pub y: f64,
     pub label: String,
 }
@@ -105,6 +98,8 @@ pub struct FittedAxis {
     low: f64,
     high: f64,
     is_log: bool,
+    /// Places of the ends.
+    ends: [f64; 2],
     /// Ticks, those without a label being small.
     pub ticks: Vec<Tick>,
 }
@@ -117,41 +112,33 @@ pub struct Tick {
 }
 
 impl FittedAxis {
-    /// The axis that shows all the numbers that have a place on it.
-    pub fn new(scale: &Scale, numbers: impl Iterator<Item = f64>) -> Self {
-        match scale {
-            Scale::Linear | Scale::FromZero => {
-                let (low, high) = ends(numbers.filter(|x| x.abs() < 1e300)).unwrap_or((0.0, 1.0));
-                let (low, high) = if low < high { (low, high) } else { (low - 0.5, high + 0.5) };
-                let room = PADDING * (high - low);
-                let starts_at_zero = *scale == Scale::FromZero && low >= 0.0;
-                let low = if starts_at_zero { 0.0 } else { low - room };
-                let high = high + room;
-                Self { low, high, is_log: false, ticks: linear_ticks(low, high) }
-            }
-            Scale::Log => {
-                let positive = numbers.filter(|x| *x > 0.0 && *x < 1e300).map(f64::log10);
-                let (low, high) = ends(positive).unwrap_or((0.0, 1.0));
-                let (low, high) = if low < high { (low, high) } else { (low - 0.3, high + 0.3) };
-                let room = PADDING * (high - low);
-                let (low, high) = (low - room, high + room);
-                Self { low, high, is_log: true, ticks: log_ticks(low, high) }
-            }
-            Scale::Words(words) => {
-                let ticks = words.iter().enumerate();
-                let tick =
-                    |(i, word): (usize, &String)| Tick { at: i as f64, label: Some(word.clone()) };
-                let high = words.len().max(1) as f64 - 0.5;
-                Self { low: -0.5, high, is_log: false, ticks: ticks.map(tick).collect() }
-            }
+    /// The axis that shows, between these places, all the numbers that have a place on it.
+    pub fn new(scale: &Scale, ends: [f64; 2], numbers: impl Iterator<Item = f64>) -> Self {
+        if let Scale::Words(words) = scale {
+            let tick =
+                |(i, word): (usize, &String)| Tick { at: i as f64, label: Some(word.clone()) };
+            let ticks = words.iter().enumerate().map(tick).collect();
+            let high = words.len().max(1) as f64 - 0.5;
+            return Self { low: -0.5, high, is_log: false, ends, ticks };
         }
+        let is_log = *scale == Scale::Log;
+        let has_place = |x: &f64| x.abs() < 1e300 && (*x > 0.0 || !is_log);
+        let places = numbers.filter(has_place).map(|x| if is_log { x.log10() } else { x });
+        let (low, high) = range(places).unwrap_or((0.0, 1.0));
+        let around = if is_log { 0.3 } else { 0.5 };
+        let (low, high) = if low < high { (low, high) } else { (low - around, high + around) };
+        let room = PADDING * (high - low);
+        let starts_at_zero = *scale == Scale::FromZero && low >= 0.0;
+        let (low, high) = (if starts_at_zero { 0.0 } else { low - room }, high + room);
+        let ticks = if is_log { log_ticks(low, high) } else { linear_ticks(low, high) };
+        Self { low, high, is_log, ends, ticks }
     }
 
-    /// Position of the number between the ends, 0 to 1; `None` if it has none.
+    /// The place of a number between the ends, if it has one there.
     pub fn place(&self, x: f64) -> Option<f64> {
         let x = if self.is_log { x.log10() } else { x };
-        let place = (x - self.low) / (self.high - self.low);
-        (-1e-9..=1.0 + 1e-9).contains(&place).then_some(place)
+        let share = (x - self.low) / (self.high - self.low);
+        (-1e-9..=1.0 + 1e-9).contains(&share).then(|| self.at(share))
     }
 
     /// The same; what lies beyond an end is moved there.
@@ -163,12 +150,17 @@ impl FittedAxis {
         } else {
             x.log10()
         };
-        let place = (x - self.low) / (self.high - self.low);
-        if place.is_nan() { 0.0 } else { place.clamp(0.0, 1.0) }
+        let share = (x - self.low) / (self.high - self.low);
+        self.at(if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) })
+    }
+
+    fn at(&self, share: f64) -> f64 {
+        let [from, to] = self.ends;
+        from + share * (to - from)
     }
 }
 
-fn ends(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+fn range(numbers: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     numbers.filter(|x| x.is_finite()).fold(None, |ends, x| {
         let (low, high) = ends.unwrap_or((x, x));
         Some((f64::min(low, x), f64::max(high, x)))
@@ -232,7 +224,7 @@ mod tests {
     use super::*;
 
     fn labels(scale: &Scale, numbers: &[f64]) -> Vec<String> {
-        let axis = FittedAxis::new(scale, numbers.iter().copied());
+        let axis = FittedAxis::new(scale, [0.0, 1.0], numbers.iter().copied());
         axis.ticks.into_iter().filter_map(|t| t.label).collect()
     }
 
@@ -253,17 +245,21 @@ mod tests {
         assert_eq!(labels(&Scale::Log, &[1.0, 30.0]), ["1", "2", "5", "10", "20"]);
         assert_eq!(labels(&Scale::Log, &[1e-9, 1e-6, 1e6]).len(), 8, "every second power");
         assert!(labels(&Scale::Log, &[1.1, 1.9]).len() >= 4, "as on a linear axis");
-        let all = FittedAxis::new(&Scale::Log, [1.0, 1000.0].into_iter()).ticks;
+        let all = FittedAxis::new(&Scale::Log, [0.0, 1.0], [1.0, 1000.0].into_iter()).ticks;
         assert!(all.iter().any(|t| t.at == 300.0 && t.label.is_none()), "small ticks between");
     }
 
     #[test]
     fn places() {
-        let axis = FittedAxis::new(&Scale::Log, [1.0, 100.0].into_iter());
+        let axis = FittedAxis::new(&Scale::Log, [0.0, 1.0], [1.0, 100.0].into_iter());
         assert!((axis.place(10.0).unwrap() - 0.5).abs() < 1e-12);
         assert_eq!((axis.place(0.0), axis.place(-1.0), axis.place(1e9)), (None, None, None));
         assert_eq!((axis.nearest_place(-1.0), axis.nearest_place(1e9)), (0.0, 1.0));
-        let words = FittedAxis::new(&Scale::Words(vec!["a".into(), "b".into()]), [].into_iter());
+        let words = FittedAxis::new(
+            &Scale::Words(vec!["a".into(), "b".into()]),
+            [0.0, 1.0],
+            [].into_iter(),
+        );
         assert_eq!((words.place(0.0), words.place(1.0)), (Some(0.25), Some(0.75)));
     }
 
@@ -271,7 +267,7 @@ mod tests {
     fn axes_without_numbers_or_with_one_have_ends() {
         for scale in [Scale::Linear, Scale::FromZero, Scale::Log] {
             for numbers in [&[][..], &[5.0], &[f64::NAN, f64::INFINITY], &[0.0], &[-3.0]] {
-                let axis = FittedAxis::new(&scale, numbers.iter().copied());
+                let axis = FittedAxis::new(&scale, [0.0, 1.0], numbers.iter().copied());
                 assert!(axis.low < axis.high && axis.high.is_finite(), "{scale:?} {numbers:?}");
             }
         }

@@ -8,6 +8,7 @@ use crate::args::parsers::{choice, percent, scene_name, threads};
 use crate::args::results::FolderArgs;
 use crate::gate::thresholds::Thresholds;
 use clap::{Args, Subcommand};
+use measurement::plan::error::PlanError;
 use measurement::settings::quantity::duration;
 use measurement::settings::{MeasuringSettings, Precision, RunSettings};
 
@@ -111,16 +112,21 @@ pub struct ThresholdArgs {
 }
 
 impl ThresholdArgs {
-    /// Options override the configuration.
-    pub fn over(&self, configured: Thresholds) -> Thresholds {
-        Thresholds {
-            instructions: self.instruction_threshold.unwrap_or(configured.instructions),
-            time: self.time_threshold.unwrap_or(configured.time),
-            busiest: configured.busiest,
-            significance: self.significance.unwrap_or(configured.significance),
-            shortest: self.shortest.map_or(configured.shortest, |t| t.as_secs_f64()),
-            rows: configured.rows,
+    /// The options, and defaults of those that are not given.
+    pub fn over(&self, default: Thresholds) -> Result<Thresholds, PlanError> {
+        let significance = self.significance.unwrap_or(default.significance);
+        if !(significance > 0.0 && significance < 1.0) {
+            return Err(PlanError::Invalid(format!(
+                "significance: {significance} is out of range; expected between 0 and 1"
+            )));
         }
+        Ok(Thresholds {
+            instructions: self.instruction_threshold.unwrap_or(default.instructions),
+            time: self.time_threshold.unwrap_or(default.time),
+            significance,
+            shortest: self.shortest.map_or(default.shortest, |t| t.as_secs_f64()),
+            ..default
+        })
     }
 }
 
@@ -229,9 +235,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn options_override_the_configuration() {
+    fn options_override_defaults_and_nonsense_is_refused() {
         let args = ThresholdArgs { instruction_threshold: Some(0.02), ..ThresholdArgs::default() };
-        let thresholds = args.over(Thresholds::default());
+        let thresholds = args.over(Thresholds::default()).unwrap();
         assert_eq!((thresholds.instructions, thresholds.time), (0.02, 0.05));
+        for significance in [0.0, 1.0, f64::NAN] {
+            let args = ThresholdArgs { significance: Some(significance), ..args };
+            let error = args.over(Thresholds::default()).unwrap_err().to_string();
+            assert!(error.contains("between 0 and 1"), "{error}");
+        }
     }
 }

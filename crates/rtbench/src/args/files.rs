@@ -6,7 +6,7 @@ use crate::args::measuring::PluginArgs;
 use crate::args::parsers::{choice, scene_name};
 use clap::{Args, Subcommand};
 use measurement::settings::choice::Choice;
-use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};
+use measurement::settings::{Lights, MeasuringSettings, Precision};
 
 #[derive(Debug, Clone, Subcommand)]
 pub enum RaysAction {
@@ -94,27 +94,6 @@ fn milliseconds(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| "expected milliseconds, more than 0: 12.5".into())
 }
 
-/// Settings of a run with these rays.
-pub fn settings_of(
-    scene: &str,
-    kinds: Vec<String>,
-    size: u32,
-    seed: u64,
-    lights: Lights,
-) -> RunSettings {
-    RunSettings {
-        scenes: vec![scene.to_owned()],
-        measuring: MeasuringSettings {
-            rays: kinds,
-            size: Some(size),
-            seed,
-            lights,
-            ..MeasuringSettings::default()
-        },
-        ..RunSettings::default()
-    }
-}
-
 #[derive(Debug, Clone, Args)]
 pub struct TraceArgs {
     /// Scene to trace the rays in
@@ -125,14 +104,8 @@ pub struct TraceArgs {
     #[arg(long, value_name = "FILE")]
     pub rays: PathBuf,
     /// Structures as for `run`
-    #[arg(
-        short,
-        long,
-        alias = "structure",
-        value_name = "STRUCTURE",
-        value_delimiter = ',',
-        required_unless_present = "plugin"
-    )]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
+    #[arg(required_unless_present = "plugin")]
     pub structures: Vec<String>,
     /// Write the hits of one structure to a file as `rays check` reads it [default: print them]
     #[arg(short, long, value_name = "FILE")]

@@ -39,22 +39,6 @@ pub enum ListSubject {
     Axes,
 }
 
-impl ListSubject {
-    /// One of what is listed.
-    pub fn singular(self) -> &'static str {
-        match self {
-            Self::Structures => "structure",
-            Self::Occluders => "occluder",
-            Self::Tracers => "tracer",
-            Self::Scenes => "scene",
-            Self::Animations => "animation",
-            Self::Sets => "set",
-            Self::Rays => "kind of rays",
-            Self::Axes => "axis",
-        }
-    }
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Format {
     /// Plain text

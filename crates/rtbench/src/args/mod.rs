@@ -16,7 +16,7 @@ pub mod show;
 mod studies;
 
 pub use check::{CheckArgs, ChildAction, ChildArgs, ThresholdArgs, TrialArgs};
-pub use files::{CheckRaysArgs, ExportRaysArgs, RayFormat, RaysAction, TraceArgs, settings_of};
+pub use files::{CheckRaysArgs, ExportRaysArgs, RayFormat, RaysAction, TraceArgs};
 pub use list::{
     DoctorArgs, Format, GeneratedText, ListArgs, ListSubject, ManArgs, SceneNames, ScenesAction,
     SchemaOf,

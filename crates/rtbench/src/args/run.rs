@@ -111,26 +111,16 @@ pub struct SweepArgs {
     pub scenes: Vec<String>,
     /// Structure to vary, with its other settings if any: uniform-grid:resolution=woo; with
     /// --sizes, structures and occluders to measure [default: all, with their defaults]
-    #[arg(
-        short,
-        long,
-        alias = "structure",
-        value_name = "STRUCTURE",
-        value_delimiter = ',',
-        required_unless_present = "sizes"
-    )]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
+    #[arg(required_unless_present = "sizes")]
     pub structures: Vec<String>,
     /// Parameter to vary
     #[arg(short, long, value_name = "PARAM", required_unless_present = "sizes")]
     pub parameter: Option<String>,
     /// Values of the parameter: none,array,hash; or a range of nine numbers, equal ratios apart:
     /// 0.1..100; of 13: 0.1..100:13
-    #[arg(
-        long,
-        value_name = "A,B,...|A..B[:N]",
-        value_delimiter = ',',
-        required_unless_present = "sizes"
-    )]
+    #[arg(long, value_name = "A,B,...|A..B[:N]", value_delimiter = ',')]
+    #[arg(required_unless_present = "sizes")]
     pub values: Vec<String>,
     /// Vary the number of primitives instead of a parameter: 1e3..1e7, by factors of ten, or
     /// 1k,20k,1M; for each, the nearest size that the scene has

@@ -13,14 +13,8 @@ pub struct ShowArgs {
     #[arg(value_parser = scene_name())]
     pub scene: String,
     /// Structures, side by side on one scale: uniform-grid,kd-tree or uniform-grid:density=8
-    #[arg(
-        short,
-        long,
-        alias = "structure",
-        value_name = "STRUCTURE",
-        value_delimiter = ',',
-        required = true
-    )]
+    #[arg(short, long, alias = "structure", value_name = "STRUCTURE", value_delimiter = ',')]
+    #[arg(required = true)]
     pub structures: Vec<String>,
     /// SVG file to write
     #[arg(short, long, value_name = "FILE", required_unless_present = "ray")]

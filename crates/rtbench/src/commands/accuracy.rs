@@ -3,16 +3,14 @@
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 use std::path::Path;
-use std::process::Command;
 
 use renderer::RaySettings;
 
-use crate::args::{AccuracyArgs, Color};
+use crate::args::AccuracyArgs;
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
-use crate::gate::against::own_program;
 use measurement::scenes::KnownScene;
-use measurement::system::child_process::{answer, arguments};
+use measurement::system::child_process::answer;
 use measurement::system::files::write_text;
 use measurement::system::pools::pool;
 use presentation::json::FormatError;
@@ -40,8 +38,7 @@ fn pick<T>((full, first_look): (T, T), quick: bool) -> T {
 /// Columns that stay where not all fit.
 const FIRST: [&str; 3] = ["ratio [95%]", "error", "stands"];
 
-/// Measures and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &AccuracyArgs) -> Result<u8, Error> {
     let axes = select(&args.axes)?;
     let names = ["accuracy.json", "accuracy.csv", "accuracy.md", "summary.md"];
     let _created = context.created_folder(args.output.as_ref(), &names)?;
@@ -57,7 +54,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
         processes: args.processes,
         ..AccuracyRecord::default()
     };
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     let start = context.clock.now();
     // of several processes this one says how wrong the variants are, and tries each
     let is_alone = args.processes == 1;
@@ -68,7 +65,7 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
             for table in [report::table(of_axis, scene)].into_iter().chain(steps) {
                 screen.write_fitted(context.out, &table, &FIRST)?;
             }
-            Ok(context.out.flush()?)
+            Ok(())
         };
         let mut of_axis = study.measured(context, axis, |context, of_axis, scene| {
             if is_alone { show(context, of_axis, scene) } else { Ok(()) }
@@ -98,7 +95,6 @@ pub fn run(context: &mut Context<'_>, args: &AccuracyArgs, color: Color) -> Resu
     screen.write_notes(context.out, report::GLOSSARY)?;
     screen.write_table(context.out, &summary::advice(&record))?;
     writeln!(context.out, "The whole took {}.", report::took(record.took_s))?;
-    context.out.flush()?;
     let has_faults = record.axes.iter().flat_map(|a| &a.scenes).any(|s| !s.faults.is_empty());
     Ok(if study.failures > 0 || has_faults { FAILURE } else { SUCCESS })
 }
@@ -109,12 +105,10 @@ fn in_processes(
     args: &AccuracyArgs,
     axis: &mut AxisRecord,
 ) -> Result<(), Error> {
-    let program = own_program(context.environment.program.as_ref())?;
+    let program = context.own_program()?;
     let asked = AccuracyArgs { axes: vec![axis.axis.clone()], output: None, ..args.clone() };
     for process in 0..args.processes {
-        let mut command = Command::new(program);
-        command.args(arguments(context.scenes.allows_outside())).arg("accuracy");
-        let answered: Vec<AxisRecord> = answer(&mut command, &asked)?;
+        let answered: Vec<AxisRecord> = answer(&mut program.child("accuracy"), &asked)?;
         for other in &answered {
             join(axis, other, process, args.seed)?;
         }
@@ -144,7 +138,6 @@ fn timed_rays(size: u32, quick: bool) -> usize {
 
 struct Study {
     limits: Limits,
-    /// Width and height of the images.
     size: u32,
     named: Vec<String>,
     /// Scenes by their names; each is loaded once.

@@ -6,7 +6,7 @@ use std::path::Path;
 use renderer::Image;
 use scene_loading::{Scene, ViewOptions, animation};
 
-use crate::args::{AnimateArgs, Color};
+use crate::args::AnimateArgs;
 use crate::commands::render::{image_of, structure};
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
@@ -27,13 +27,7 @@ const NAMES: [&str; 5] = ["animation.json", "frames.csv", "animate.md", "animate
 /// Pictures in a strip at most, and pixels of a side of each.
 const PICTURES: (u32, u32) = (8, 160);
 
-/// Measures and returns the exit code.
-pub fn run(
-    context: &mut Context<'_>,
-    args: &AnimateArgs,
-    color: Color,
-    view: &ViewOptions,
-) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &AnimateArgs, view: &ViewOptions) -> Result<u8, Error> {
     let mut scene = animation::open(&args.scene)?;
     let name = scene.name().to_owned();
     let animate = Animate::new(&args.settings(), (&name, scene.frames()), context.registry)?;
@@ -75,14 +69,13 @@ pub fn run(
     }
     // what was finished is shown, whatever ended it
     record.complete = measured.is_ok();
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     if !record.frames.is_empty() {
         for table in report::tables(&record) {
             screen.write_fitted(context.out, &table, &report::FIRST)?;
             writeln!(context.out)?;
         }
         screen.write_notes(context.out, report::GLOSSARY)?;
-        context.out.flush()?;
     }
     if let Some(folder) = &args.output {
         unwritten = write_all(folder, &record).err().or(unwritten);
@@ -98,7 +91,6 @@ pub fn run(
     Ok(if is_wrong { WRONG_HITS } else { SUCCESS })
 }
 
-/// The record before the first frame.
 fn new_record(context: &Context<'_>, animate: &Animate<'_>) -> AnimationRecord {
     AnimationRecord {
         tool: context.world.tool(),

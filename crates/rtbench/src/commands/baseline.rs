@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::args::{BaselineAction, BaselineArgs, Color, SaveArgs};
+use crate::args::{BaselineAction, BaselineArgs, SaveArgs};
 use crate::baselines::{Baseline, BaselineError, Store, read};
 use crate::commands::measuring::{exit_code, measure_quietly};
 use crate::commands::run::plan_of;
@@ -19,15 +19,14 @@ use studies::run::conclusions::conclude;
 use studies::run::output;
 use studies::run::view::View;
 
-/// Does what was asked and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &BaselineArgs) -> Result<u8, Error> {
     let store = Store::new(args.folder.baselines.as_ref(), &context.environment);
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     match &args.action {
         BaselineAction::Save(args) => return save(context, args, &store),
         BaselineAction::List => list(context, &store, screen)?,
         BaselineAction::Show { name, tables } => {
-            show(context, &store, name, &tables.view(context.terminal.screen(color)))?;
+            show(context, &store, name, &tables.view(context.screen()))?;
         }
         BaselineAction::Promote { name, to } => {
             let baseline = read(&store.existing(name)?)?;
@@ -36,7 +35,6 @@ pub fn run(context: &mut Context<'_>, args: &BaselineArgs, color: Color) -> Resu
         }
         BaselineAction::Remove { name } => store.remove(name)?,
     }
-    context.out.flush()?;
     Ok(SUCCESS)
 }
 
@@ -83,11 +81,11 @@ fn measured(context: &mut Context<'_>, args: &SaveArgs) -> Result<(Baseline, u8)
     }
     let mut plan = plan_of(context, &settings)?;
     plan.has_copy = true;
-    run_outputs::refuse_unselected(&args.run.exports, &plan)?;
+    run_outputs::refuse_unselected(&args.run.exports, || run_outputs::series_of(&plan))?;
     run_outputs::refuse_occupied(context, &args.run.exports, None)?;
-    let mut outputs = run_outputs::of_run(&args.run.exports)?;
+    let outputs = run_outputs::of_run(&args.run.exports)?;
     let watch = PressureWatch::begin(context.environment.cpu_pressure.as_deref());
-    let measured = measure_quietly(context, &plan, &mut outputs)?;
+    let measured = measure_quietly(context, &plan, outputs)?;
     if let Some(floor) = &measured.record.floor {
         context.say(floor.in_words());
     }

@@ -5,7 +5,7 @@ use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::args::{CheckArgs, Color, ExportArgs, names_structures};
+use crate::args::{CheckArgs, ExportArgs, names_structures};
 use crate::baselines::{Baseline, Store};
 use crate::commands::baseline::{counted, rounds};
 use crate::commands::measuring::{PlanResults, measure_quietly};
@@ -18,7 +18,7 @@ use crate::gate::report::{Report, annotations, csv, markdown};
 use crate::gate::thresholds::{OF_TURNS, Thresholds};
 use crate::gate::{Evidence, Finding, Instructions, ROUNDS, Times, judge, refuse, wall_clock};
 use crate::outputs::Outputs;
-use crate::replan::{self, ReplanError, Restriction};
+use crate::replan::{self, ReplanError};
 use crate::set_options::thresholds_of_check;
 use measurement::callgrind::{self, CallgrindError, Counts};
 use measurement::plan::Plan;
@@ -33,8 +33,7 @@ use presentation::json;
 /// The files of `-o`, beside those of the run.
 pub const NAMES: [&str; 3] = ["check.json", "check.csv", "check.md"];
 
-/// Checks and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &CheckArgs) -> Result<u8, Error> {
     if args.older_binary().is_some() && args.against.len() > 1 {
         let text = "--against: expected one binary, or --plugin and older builds of it";
         return Err(PlanError::Invalid(text.into()).into());
@@ -44,7 +43,7 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         default.time = OF_TURNS;
     }
     default.rows = thresholds_of_check(context, args.as_set.as_deref(), &args.scenes)?;
-    let thresholds = args.thresholds.over(default).checked()?;
+    let thresholds = args.thresholds.over(default)?;
     let matches = matches(context, args)?;
     let baseline = open(context, args, &matches)?;
     let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
@@ -74,8 +73,8 @@ pub fn run(context: &mut Context<'_>, args: &CheckArgs, color: Color) -> Result<
         (false, Some(baseline), None) => check.against_baseline(context, &baseline)?,
         (false, None, _) => return Err(ReplanError::Empty.into()),
     };
-    report.write(context.out, context.terminal.screen(color), args.all)?;
-    context.out.flush()?;
+    let screen = context.screen();
+    report.write(context.out, screen, args.all)?;
     if let Some(folder) = &args.output {
         let [json_name, csv_name, markdown_name] = NAMES.map(|name| folder.join(name));
         write_text(&json_name, &json::written(&report)?)?;
@@ -125,22 +124,18 @@ impl Check<'_> {
         baseline: &Baseline,
     ) -> Result<Report, Error> {
         let args = self.args;
-        let whole = replan::restrict(&baseline.record, &self.restriction())?;
+        let whole = self.restricted(&baseline.record)?;
         let base = replan::restrict_to_known_rows(&whole, context);
         if base.scenes.is_empty() {
             let none = RunRecord { scenes: Vec::new(), ..base };
             return Err(Error::NothingCompared(Pairing::of(&whole, &none).missing()));
         }
         let of_base = u32::try_from(rounds(&base)).unwrap_or(u32::MAX).max(ROUNDS);
-        let wanted = Restriction {
-            rounds: args.rounds.or(args.time_budget.is_none().then_some(of_base)),
-            time_budget: args.time_budget,
-            ..Restriction::default()
-        };
-        let mut plan = replan::plan(&base, &wanted, context)?;
+        let asked = args.rounds.or(args.time_budget.is_none().then_some(of_base));
+        let mut plan = replan::plan(&base, asked, args.time_budget, context)?;
         plan.limits.render_pass = 0.0;
         plan.has_copy = true;
-        let few = wanted.rounds.and_then(|asked| {
+        let few = asked.and_then(|asked| {
             wall_clock::too_few_rounds(&self.thresholds, &base, [rounds(&base), asked as usize])
         });
         few.into_iter().for_each(|warning| context.warn(warning));
@@ -161,7 +156,7 @@ impl Check<'_> {
         let findings = confirmed(context, &first, |context, suspects| {
             plan.scenes.retain(|s| suspects.iter().any(|suspect| *suspect == s.name()));
             plan.has_copy = false;
-            let again = measure_quietly(context, &plan, &mut Outputs::default())?.record;
+            let again = measure_quietly(context, &plan, Outputs::default())?.record;
             Ok((wall_clock::STAGE.judge)(&Evidence { now: &again, ..first }))
         })?;
         let mut missing = Pairing::of(&whole, &now).missing();
@@ -176,8 +171,8 @@ impl Check<'_> {
         baseline: &Baseline,
         results: &Path,
     ) -> Result<Report, Error> {
-        let restricted = |record: &RunRecord| replan::restrict(record, &self.restriction());
-        let (base, now) = (restricted(&baseline.record)?, restricted(&file::read(results)?)?);
+        let base = self.restricted(&baseline.record)?;
+        let now = self.restricted(&file::read(results)?)?;
         refuse(&base, &now)?;
         let (thresholds, instructions) = (&self.thresholds, Instructions::NotAsked);
         let times = self.in_run(baseline.cpu_pressure);
@@ -188,7 +183,6 @@ impl Check<'_> {
         Ok(self.report(context, &evidence, judge(&evidence), missing, failures))
     }
 
-    /// Times as ratios within each run.
     fn in_run(&self, cpu_pressure: Option<f64>) -> Times<'static> {
         Times::InRun { cpu_pressure, across_processors: self.args.across_processors }
     }
@@ -199,7 +193,7 @@ impl Check<'_> {
         context: &mut Context<'_>,
         plan: &Plan<'_>,
     ) -> Result<PlanResults, Error> {
-        measure_quietly(context, plan, &mut run_outputs::of_run(&self.kept)?)
+        measure_quietly(context, plan, run_outputs::of_run(&self.kept)?)
     }
 
     /// Rows that a run without `-s` has now, where the baseline was one and lacks them.
@@ -221,9 +215,9 @@ impl Check<'_> {
         scenes.flat_map(of_scene).collect()
     }
 
-    pub(super) fn restriction(&self) -> Restriction<'_> {
-        let CheckArgs { scenes, structures, .. } = self.args;
-        Restriction { scenes, structures, ..Restriction::default() }
+    /// The scenes and rows of a record that are asked for.
+    pub(super) fn restricted(&self, record: &RunRecord) -> Result<RunRecord, ReplanError> {
+        replan::restrict(record, &self.args.scenes, &self.args.structures)
     }
 
     /// Instruction counts now, or why there are none: an error only where they were asked for.
@@ -289,7 +283,7 @@ pub(super) fn confirmed(
 /// Annotations and the job's summary, where there is a GitHub to read them.
 fn tell_github(context: &mut Context<'_>, report: &Report) -> Result<(), Error> {
     if context.environment.github_actions {
-        context.annotations = annotations(report);
+        context.annotations.replace(annotations(report));
     }
     let Some(path) = &context.environment.github_step_summary else { return Ok(()) };
     let append = || -> io::Result<()> {

@@ -11,11 +11,11 @@ use crate::comparison::pairing::Pairing;
 use crate::context::Context;
 use crate::error::Error;
 use crate::gate::against::TurnPlan;
-use crate::gate::against::{Contest, Program, own_program};
+use crate::gate::against::{Contest, Program};
 use crate::gate::contest::PairedTimes;
 use crate::gate::report::Report;
 use crate::gate::{Evidence, Instructions, Times, refuse, wall_clock};
-use crate::replan::{self, ReplanError, Restriction};
+use crate::replan::{self, ReplanError};
 use measurement::callgrind;
 use measurement::plan::{Plan, Rounds};
 use measurement::system::progress::Progress;
@@ -33,9 +33,8 @@ impl Check<'_> {
         if now.scenes.is_empty() {
             return Err(ReplanError::NothingMeasured.into());
         }
-        let program = context.environment.program.clone();
-        let own = own_program(program.as_ref())?;
-        let copied = context.environment.copy_of(own)?;
+        let own = context.own_program()?;
+        let copied = context.environment.copy_of(&own.path)?;
         context.say(format_args!("measuring once with {}", args.against_in_words()));
         let allow_outside = context.scenes.allows_outside();
         let pace = TurnPlan {
@@ -44,10 +43,9 @@ impl Check<'_> {
             seed: now.settings.seed,
         };
         let mut contest = Contest {
-            programs: self.programs(context, own, copied.path()),
+            programs: self.programs(own, copied.path()),
             like: now.clone(),
             pace,
-            allow_outside,
             matches: self.matches.clone(),
             thresholds: self.thresholds.clone(),
         };
@@ -104,9 +102,9 @@ impl Check<'_> {
     ) -> Result<Plan<'c>, Error> {
         let mut plan = match baseline {
             Some(baseline) => {
-                let like = replan::restrict(&baseline.record, &self.restriction())?;
+                let like = self.restricted(&baseline.record)?;
                 let like = replan::restrict_to_known_rows(&like, context);
-                replan::plan(&like, &Restriction::default(), context)?
+                replan::plan(&like, None, None, context)?
             }
             None => {
                 let mut settings = self.args.settings();
@@ -121,15 +119,14 @@ impl Check<'_> {
     }
 
     /// The older program, the newer one, and a copy of the newer one.
-    fn programs(&self, context: &Context<'_>, own: &Path, copy: &Path) -> [Program; 3] {
-        let (args, plugins) = (self.args, context.plugins.arguments().to_vec());
-        let old = match args.older_binary() {
-            Some(binary) => Program { path: binary.clone(), plugins: Vec::new() },
-            None => {
-                Program { path: own.to_owned(), plugins: args.plugins.arguments_for(&args.against) }
-            }
+    fn programs(&self, own: Program, copy: &Path) -> [Program; 3] {
+        let args = self.args;
+        let (path, plugins) = match args.older_binary() {
+            Some(binary) => (binary.clone(), Vec::new()),
+            None => (own.path.clone(), args.plugins.arguments_for(&args.against)),
         };
-        let new = Program { path: own.to_owned(), plugins: plugins.clone() };
-        [old, new, Program { path: copy.to_owned(), plugins }]
+        let old = Program { path, plugins, ..own };
+        let copy = Program { path: copy.to_owned(), ..own.clone() };
+        [old, own, copy]
     }
 }

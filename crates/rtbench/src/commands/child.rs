@@ -6,13 +6,13 @@ use std::io::{Read, Write};
 
 use crate::args::{ChildAction, ChildArgs, TrialArgs};
 use crate::commands::accuracy;
-use crate::commands::measuring::{measure_one, measure_scenes};
+use crate::commands::measuring::{measure_one, measure_quietly};
 use crate::commands::run_state::RowJournal;
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use crate::gate::contest::Lap;
 use crate::outputs::Outputs;
-use crate::replan::{self, Restriction};
+use crate::replan;
 use accel_core::registry::Buildable;
 use measurement::callgrind::counted::count_all;
 use measurement::plan::error::PlanError;
@@ -35,14 +35,12 @@ use serde::de::DeserializeOwned;
 /// With few checks: the fraction of the usual rays that is checked, one in this many.
 const LIGHTLY: usize = 16;
 
-/// Reads the request from standard input.
 fn read_request<T: DeserializeOwned>() -> Result<T, Error> {
     let mut text = Vec::new();
     std::io::stdin().lock().read_to_end(&mut text)?;
     Ok(serde_json::from_slice(&text).map_err(FormatError::from)?)
 }
 
-/// Does what was asked and returns the exit code.
 pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
     let record = read_request::<RunRecord>;
     use ChildAction::{Accuracy, Laps, Measure};
@@ -58,8 +56,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
         }
         ChildAction::Measure { rounds, lightly, process, first_round } => {
             let record = replan::restrict_to_known_rows(&record()?, context);
-            let wanted = Restriction { rounds: Some(*rounds), ..Restriction::default() };
-            let mut plan = replan::plan(&record, &wanted, context)?;
+            let mut plan = replan::plan(&record, Some(*rounds), None, context)?;
             // whole images are not compared
             plan.limits.render_pass = 0.0;
             plan.processes = 1;
@@ -67,8 +64,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             if *lightly {
                 check_lightly(&mut plan, &record);
             }
-            let measured =
-                measure_scenes(context, &plan, &mut Outputs::default(), |_, _, _| Ok(()))?;
+            let measured = measure_quietly(context, &plan, Outputs::default())?;
             (serde_json::to_string(&measured.record), measured.failures)
         }
         ChildAction::Laps => return laps(context).map(|()| SUCCESS),
@@ -76,7 +72,7 @@ pub fn run(context: &mut Context<'_>, args: &ChildArgs) -> Result<u8, Error> {
             (serde_json::to_string(&accuracy::times(context, &read_request()?)?), 0)
         }
         ChildAction::CountInstructions => {
-            let plan = replan::plan(&record()?, &Restriction::default(), context)?;
+            let plan = replan::plan(&record()?, None, None, context)?;
             (serde_json::to_string(&count_all(&plan)?), 0)
         }
     };
@@ -115,7 +111,7 @@ fn laps(context: &Context<'_>) -> Result<(), Error> {
     let mut line = String::new();
     std::io::stdin().read_line(&mut line)?;
     let record: RunRecord = serde_json::from_str(&line).map_err(FormatError::from)?;
-    let mut plan = replan::plan(&record, &Restriction::default(), context)?;
+    let mut plan = replan::plan(&record, None, None, context)?;
     plan.limits.render_pass = 0.0;
     plan.processes = 1;
     check_lightly(&mut plan, &record);

@@ -2,7 +2,7 @@
 
 use regex_lite::Regex;
 
-use crate::args::{Color, CompareArgs, CompareFormat};
+use crate::args::{CompareArgs, CompareFormat};
 use crate::comparison::{
     self, CompareError, Comparison, ComparisonSettings, NamedRun, default_metrics, renamed, tables,
 };
@@ -13,7 +13,7 @@ use measurement::record::metrics::{self, METRICS};
 use presentation::json;
 
 /// Prints. What changed is no failure: `rtbench check` is the gate.
-pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &CompareArgs) -> Result<u8, Error> {
     let choice = choice(args)?;
     let mut runs =
         args.results.iter().map(|path| file::read(path)).collect::<Result<Vec<_>, _>>()?;
@@ -38,15 +38,13 @@ pub fn run(context: &mut Context<'_>, args: &CompareArgs, color: Color) -> Resul
         warn_of_comparison(context, comparison);
         comparison.notes.extend(matched.iter().map(ToString::to_string));
     }
+    let screen = context.screen();
     match args.format {
-        CompareFormat::Text => {
-            tables::write(context.out, &comparisons, context.terminal.screen(color))?;
-        }
+        CompareFormat::Text => tables::write(context.out, &comparisons, screen)?,
         CompareFormat::Markdown => write!(context.out, "{}", tables::to_markdown(&comparisons))?,
         CompareFormat::Csv => write!(context.out, "{}", tables::to_csv(&comparisons)?)?,
         CompareFormat::Json => write!(context.out, "{}", json::written(&comparisons)?)?,
     }
-    context.out.flush()?;
     Ok(SUCCESS)
 }
 

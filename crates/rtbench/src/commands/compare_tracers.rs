@@ -13,7 +13,7 @@ use renderer::tracers::{Structures, TRACERS, whitted};
 use renderer::{Geometry, Image, RenderSettings};
 use scene_loading::Scene;
 
-use crate::args::{Color, CompareTracersArgs};
+use crate::args::CompareTracersArgs;
 use crate::commands::render::{one_scene, structure};
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
@@ -38,12 +38,7 @@ const MAX_DEPTH: u32 = 5;
 const SAMPLES: [u32; 11] = [1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 const QUICK_SAMPLES: [u32; 5] = [1, 4, 16, 64, 256];
 
-/// Compares, and returns the exit code.
-pub fn run(
-    context: &mut Context<'_>,
-    args: &CompareTracersArgs,
-    color: Color,
-) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &CompareTracersArgs) -> Result<u8, Error> {
     let row = structure(context.registry, None)?;
     let frusta = Row::parse(frustum_queries::REGISTRY, &args.through)?;
     let tracers = tracers(&args.tracers)?;
@@ -117,12 +112,11 @@ pub fn run(
     if let Some(folder) = &args.output {
         write_files(folder, &report)?;
     }
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     screen.write_table(context.out, &report.images())?;
     if let Some(table) = report.query_table() {
         screen.write_table(context.out, &table)?;
     }
-    context.out.flush()?;
     Ok(if report.is_failure() { WRONG_HITS } else { SUCCESS })
 }
 

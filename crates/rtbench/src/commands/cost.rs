@@ -5,11 +5,11 @@ use renderer::work::pixel_work;
 use renderer::{Geometry, RenderSettings, render_plan};
 use scene_loading::Scene;
 
-use crate::args::{Color, CostArgs};
+use crate::args::CostArgs;
 use crate::commands::render::{one_scene, settings, structure};
 use crate::commands::show::save;
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::plan::rows::Row;
 use measurement::rounds::MeasureError;
 use measurement::system::clock::Clock;
@@ -32,7 +32,7 @@ const CALIBRATION: [&str; 3] = ["lattice", "pavilion", "effect-mirror"];
 pub const MAPS: [&str; 3] = ["tests.svg", "steps.svg", "time.svg"];
 
 /// Prints the table and draws the maps.
-pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &CostArgs) -> Result<u8, Error> {
     let named = |text: &String| structure(context.registry, Some(text));
     let mut structures: Vec<Row<'_>> =
         args.structures.iter().map(named).collect::<Result<_, _>>()?;
@@ -89,7 +89,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
             Ok::<_, Error>(rows)
         })?;
         let table = table(scene.name(), &row.label(), &rows, &model, &calibration);
-        context.terminal.screen(color).write_table(context.out, &table)?;
+        context.screen().write_table(context.out, &table)?;
     }
     if let Some(folder) = &args.heat_maps {
         let units = ["tests", "steps", "microseconds"].map(|what| format!("{what} per pixel"));
@@ -100,7 +100,7 @@ pub fn run(context: &mut Context<'_>, args: &CostArgs, color: Color) -> Result<(
         }
         context.wrote(folder, format_args!("heat maps {}", MAPS.join(", ")));
     }
-    Ok(context.out.flush()?)
+    Ok(SUCCESS)
 }
 
 /// The work of a scene's images and their seconds.

@@ -9,9 +9,9 @@ use std::path::PathBuf;
 
 use serde::Serialize;
 
-use crate::args::{Color, DoctorArgs, Format};
+use crate::args::{DoctorArgs, Format};
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::system::machine::{boost, kibibytes, line, value};
 use measurement::system::memory::huge_pages_in;
 use measurement::system::noise::Noise;
@@ -20,7 +20,7 @@ use presentation::json;
 use presentation::table::Style;
 use presentation::text::{Screen, painted, wrapped};
 
-pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &DoctorArgs) -> Result<u8, Error> {
     let noise = Noise::measured(context.clock);
     let system = System {
         root: context.world.system_root(),
@@ -29,11 +29,12 @@ pub fn run(context: &mut Context<'_>, args: &DoctorArgs, color: Color) -> Result
         noise: noise.judged(),
     };
     let diagnosis = Diagnosis { noise, findings: system.findings() };
+    let screen = context.screen();
     match args.format {
         Format::Json => context.out.write_all(json::written(&diagnosis)?.as_bytes())?,
-        Format::Text => write(context.out, &diagnosis.findings, context.terminal.screen(color))?,
+        Format::Text => write(context.out, &diagnosis.findings, screen)?,
     }
-    Ok(context.out.flush()?)
+    Ok(SUCCESS)
 }
 
 fn write(out: &mut dyn Write, findings: &[Finding], screen: Screen) -> std::io::Result<()> {

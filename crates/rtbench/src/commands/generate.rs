@@ -6,17 +6,30 @@
 //! --lib generate` writes them anew. Those of the formats of others restate what these say of them.
 
 use clap::CommandFactory;
-use clap_complete::Shell;
 use clap_mangen::Man;
 
-use crate::args::{Cli, ManArgs, SchemaOf};
+use crate::args::{Cli, GeneratedText, ManArgs, SchemaOf};
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::plan::error::PlanError;
 use measurement::system::files::WriteError;
 
-pub fn schema(context: &mut Context<'_>, what: SchemaOf) -> Result<(), Error> {
-    let text = match what {
+pub fn run(context: &mut Context<'_>, text: &GeneratedText) -> Result<u8, Error> {
+    match text {
+        GeneratedText::Schema { what } => context.out.write_all(schema(*what).as_bytes())?,
+        GeneratedText::Completions { shell } => {
+            // the library takes no error of its writer
+            let mut text = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "rtbench", &mut text);
+            context.out.write_all(&text)?;
+        }
+        GeneratedText::Man(args) => man(context, args)?,
+    }
+    Ok(SUCCESS)
+}
+
+fn schema(what: SchemaOf) -> &'static str {
+    match what {
         SchemaOf::RunRecord => include_str!("../../schema/run-record.schema.json"),
         SchemaOf::GithubActionBenchmark => {
             include_str!("../../schema/github-action-benchmark.schema.json")
@@ -25,17 +38,7 @@ pub fn schema(context: &mut Context<'_>, what: SchemaOf) -> Result<(), Error> {
             include_str!("../../schema/bencher-metric-format.schema.json")
         }
         SchemaOf::Scene => include_str!("../../schema/scene.schema.json"),
-    };
-    context.out.write_all(text.as_bytes())?;
-    Ok(context.out.flush()?)
-}
-
-pub fn completions(context: &mut Context<'_>, shell: Shell) -> Result<(), Error> {
-    // the library takes no error of its writer
-    let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "rtbench", &mut text);
-    context.out.write_all(&text)?;
-    Ok(context.out.flush()?)
+    }
 }
 
 /// The command line with all that follows from what is declared.
@@ -59,7 +62,7 @@ pub fn page_names() -> Vec<String> {
 }
 
 /// Prints a manual page, or writes all of them.
-pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
+fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
     let cli = built();
     if let Some(folder) = &args.output {
         let write = || {
@@ -75,8 +78,7 @@ pub fn man(context: &mut Context<'_>, args: &ManArgs) -> Result<(), Error> {
             PlanError::unknown("command", name, names)
         })?,
     };
-    Man::new(page.clone()).render(context.out)?;
-    Ok(context.out.flush()?)
+    Ok(Man::new(page.clone()).render(context.out)?)
 }
 
 #[cfg(test)]

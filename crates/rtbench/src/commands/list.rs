@@ -10,59 +10,58 @@ use renderer::tracers::{TRACERS, TracerInfo};
 use scene_loading::animation::ANIMATED;
 use serde_json::{Value, json};
 
-use crate::args::{Color, Format, ListArgs, ListSubject};
+use crate::args::{Format, ListArgs, ListSubject};
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::plan::error::PlanError;
 use presentation::json;
 use presentation::text::Screen;
 use studies::accuracy::axes::AXES;
 
-pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
-    let value = match args.what {
+pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<u8, Error> {
+    let (singular, value): (_, Vec<Value>) = match args.what {
         ListSubject::Structures => {
-            context.registry.iter().map(|e| structure(e.info, COMMON)).collect::<Vec<_>>()
+            let all = context.registry.iter().map(|e| structure(e.info, COMMON));
+            ("structure", all.collect())
         }
         ListSubject::Occluders => {
-            context.occluders.iter().map(|e| structure(e.info, &[])).collect()
+            ("occluder", context.occluders.iter().map(|e| structure(e.info, &[])).collect())
         }
-        ListSubject::Tracers => TRACERS.iter().map(|t| tracer(t)).collect(),
+        ListSubject::Tracers => ("tracer", TRACERS.iter().map(|t| tracer(t)).collect()),
         ListSubject::Scenes => {
             let entry = |(name, summary)| json!({"name": name, "summary": summary});
-            context.scenes.scenes()?.into_iter().map(entry).collect()
+            ("scene", context.scenes.scenes()?.into_iter().map(entry).collect())
         }
-        ListSubject::Animations => ANIMATED
-            .iter()
-            .map(|e| {
+        ListSubject::Animations => {
+            let all = ANIMATED.iter().map(|e| {
                 json!({"name": e.name, "summary": e.summary, "frames": e.frames,
                        "default_size": e.default_size, "primitives": (e.count)(e.default_size)})
-            })
-            .collect(),
-        ListSubject::Sets => context
-            .scenes
-            .sets()?
-            .into_iter()
-            .map(|set| json!({"name": set.name, "scenes": set.scenes}))
-            .collect(),
-        ListSubject::Rays => RayKind::ALL
-            .iter()
-            .map(|k| {
+            });
+            ("animation", all.collect())
+        }
+        ListSubject::Sets => {
+            let all = context.scenes.sets()?.into_iter();
+            ("set", all.map(|set| json!({"name": set.name, "scenes": set.scenes})).collect())
+        }
+        ListSubject::Rays => {
+            let all = RayKind::ALL.iter().map(|k| {
                 let question = if k.is_occlusion() { "occlusion" } else { "closest hit" };
                 json!({"name": k.name(), "summary": k.summary(), "question": question})
-            })
-            .collect(),
-        ListSubject::Axes => AXES
-            .iter()
-            .map(|axis| {
+            });
+            ("kind of rays", all.collect())
+        }
+        ListSubject::Axes => {
+            let all = AXES.iter().map(|axis| {
                 json!({"name": axis.name, "summary": axis.summary, "paper": axis.paper,
                        "metric": axis.metric, "reference": axis.reference,
                        "setting": axis.setting, "default_scenes": axis.scenes})
-            })
-            .collect(),
+            });
+            ("axis", all.collect())
+        }
     };
-    let value = named(value, args)?;
+    let value = named(value, singular, &args.names)?;
     let is_asked = |name: &str| args.names.is_empty() || args.names.iter().any(|n| n == name);
-    let screen = context.terminal.screen(Color::Never);
+    let screen = context.plain_screen();
     let out = &mut *context.out;
     match args.format {
         Format::Json => out.write_all(json::written(&value)?.as_bytes())?,
@@ -84,19 +83,20 @@ pub fn run(context: &mut Context<'_>, args: &ListArgs) -> Result<(), Error> {
             _ => write_names(out, screen, &value)?,
         },
     }
-    Ok(out.flush()?)
+    Ok(SUCCESS)
 }
 
 /// Items requested by name; all without names.
-fn named(mut items: Vec<Value>, args: &ListArgs) -> Result<Vec<Value>, PlanError> {
+fn named(
+    mut items: Vec<Value>,
+    singular: &'static str,
+    names: &[String],
+) -> Result<Vec<Value>, PlanError> {
     let all: Vec<String> = items.iter().map(|item| text(item, "name")).collect();
-    if let Some(name) = args.names.iter().find(|name| !all.contains(name)) {
-        let names = all.iter().map(String::as_str);
-        return Err(PlanError::unknown(args.what.singular(), name, names));
+    if let Some(name) = names.iter().find(|name| !all.contains(name)) {
+        return Err(PlanError::unknown(singular, name, all.iter().map(String::as_str)));
     }
-    if !args.names.is_empty() {
-        items.retain(|item| args.names.contains(&text(item, "name")));
-    }
+    items.retain(|item| names.is_empty() || names.contains(&text(item, "name")));
     Ok(items)
 }
 

@@ -3,16 +3,17 @@
 //! Whatever goes wrong with a scene costs that scene only. What is finished is in the journal, if
 //! there is one, before anything else is done with it.
 
+use std::io::{self, Write};
 use std::sync::atomic::Ordering::SeqCst;
 use std::time::Duration;
 
 use crate::commands::processes::Processes;
 use crate::commands::run_state::{
-    Budget, RowJournal, RunState, is_due, refuse_deadly, saved, skip_deadly, steps_of, sum_up,
+    Budget, RowJournal, RunState, is_due, refuse_deadly, skip_deadly, steps_of, sum_up,
 };
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS, WRONG_HITS};
-use crate::outputs::Outputs;
+use crate::outputs::{Outputs, keep_elsewhere};
 use measurement::journal::lines::Line;
 use measurement::plan::Plan;
 use measurement::record::settings::{PROCESSOR_TIME, TIME_OF_DAY};
@@ -45,37 +46,34 @@ pub struct PlanResults {
 pub fn measure_scenes(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
-    outputs: &mut Outputs<'_>,
-    show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
+    outputs: Outputs<'_>,
+    show: impl FnMut(&mut dyn Write, &RunRecord, &SceneRecord) -> io::Result<()>,
 ) -> Result<PlanResults, Error> {
     let record = begin(context.world, &context.command_line, plan);
     measure_rest(context, plan, outputs, RunState::default(), record, show)
 }
 
-/// [`measure_scenes`] that prints what goes wrong in a scene, and no tables.
+/// [`measure_scenes`] that prints no tables.
 pub fn measure_quietly(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
-    outputs: &mut Outputs<'_>,
+    outputs: Outputs<'_>,
 ) -> Result<PlanResults, Error> {
-    measure_scenes(context, plan, outputs, |context, _, scene| {
-        warn_of(context, scene);
-        Ok(())
-    })
+    measure_scenes(context, plan, outputs, |_, _, _| Ok(()))
 }
 
-/// Measures the scenes of the plan that are not finished. After each, the outputs are written anew
-/// and `show` prints it; finished ones are shown in their place.
+/// Measures the scenes of the plan that are not finished. After each, the outputs are written anew,
+/// its warnings are printed and `show` prints it; finished ones are shown in their place.
 pub fn measure_rest(
     context: &mut Context<'_>,
     plan: &Plan<'_>,
-    outputs: &mut Outputs<'_>,
+    mut outputs: Outputs<'_>,
     kept: RunState,
     record: RunRecord,
-    mut show: impl FnMut(&mut Context<'_>, &RunRecord, &SceneRecord) -> Result<(), Error>,
+    mut show: impl FnMut(&mut dyn Write, &RunRecord, &SceneRecord) -> io::Result<()>,
 ) -> Result<PlanResults, Error> {
     outputs.write(&record, false)?;
-    let mut run = RunInProgress::new(context, plan, kept, record)?;
+    let mut run = RunInProgress::new(context, plan, outputs, kept, record)?;
     for (i, known) in plan.scenes.iter().enumerate() {
         let kept_well = match run.kept.finished.remove(&i) {
             Some(scene) => {
@@ -84,33 +82,35 @@ pub fn measure_rest(
                 run.is_summed_up = false;
                 Ok(false)
             }
-            None => {
-                let deadline = run.schedule(context, i, known.name())?;
-                match run.measure(context, i, &**known, deadline) {
-                    Ok(scene) => run.keep(context, outputs, i, scene),
-                    // One bad scene does not cost the others.
-                    Err(error) => {
-                        run.keep_failure(context, i, &error)?;
-                        continue;
-                    }
+            None => match run.measure(i, &**known)? {
+                Ok(scene) => run.keep(i, scene),
+                // One bad scene does not cost the others.
+                Err(error) => {
+                    run.keep_failure(i, &error)?;
+                    continue;
                 }
-            }
+            },
         };
         run.progress.reach(run.steps);
         if let Some(scene) = run.record.scenes.last() {
             // What the disk does not take is shown at least.
-            run.progress.suspend(|| show(context, &run.record, scene))?;
+            run.progress.suspend(|| {
+                warn_of(run.context, scene);
+                show(run.context.out, &run.record, scene)?;
+                run.context.out.flush()
+            })?;
         }
-        let was_gone = run.progress.suspend(|| saved(context, kept_well, outputs, &run.record))?;
-        run.disturbed |= was_gone;
+        run.save_elsewhere(kept_well)?;
         interrupt::end_if_stopping();
     }
-    run.finish(context, outputs)
+    run.finish()
 }
 
 /// The scenes of a plan while they are measured.
-struct RunInProgress<'p, 'r> {
-    plan: &'p Plan<'r>,
+struct RunInProgress<'a, 'c> {
+    context: &'a mut Context<'c>,
+    plan: &'a Plan<'a>,
+    outputs: Outputs<'a>,
     pools: Pools,
     processes: Option<Processes>,
     budget: Budget,
@@ -127,10 +127,11 @@ struct RunInProgress<'p, 'r> {
     disturbed: bool,
 }
 
-impl<'p, 'r> RunInProgress<'p, 'r> {
+impl<'a, 'c> RunInProgress<'a, 'c> {
     fn new(
-        context: &Context<'_>,
-        plan: &'p Plan<'r>,
+        context: &'a mut Context<'c>,
+        plan: &'a Plan<'a>,
+        outputs: Outputs<'a>,
         kept: RunState,
         record: RunRecord,
     ) -> Result<Self, Error> {
@@ -138,6 +139,7 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         let steps = unfinished.map(|i| steps_of(plan, i)).sum();
         Ok(Self {
             plan,
+            outputs,
             pools: Pools::new(plan.threads)?,
             processes: Processes::of(context, plan)?,
             budget: Budget::new(plan, context.clock.now(), kept.finished.len()),
@@ -149,27 +151,29 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
             is_summed_up: true,
             failures: 0,
             disturbed: false,
+            context,
         })
     }
 
-    /// Begins a scene. Returns when its rounds end, within a time budget.
-    fn schedule(
-        &mut self,
-        context: &Context<'_>,
-        scene: usize,
-        name: &str,
-    ) -> Result<Option<Duration>, Error> {
-        self.kept.note(Line::Scene(scene))?;
-        self.progress.message(format!("{name}: loading"));
-        let deadline = self.budget.deadline(context.clock.now(), self.left);
-        self.left -= 1;
-        self.steps += steps_of(self.plan, scene);
-        Ok(deadline)
-    }
-
+    /// Measures a scene, or says what is wrong with it; its rounds end within its share of a time
+    /// budget.
     fn measure(
         &mut self,
-        context: &mut Context<'_>,
+        i: usize,
+        known: &dyn KnownScene,
+    ) -> Result<Result<SceneRecord, Error>, Error> {
+        if let Some(journal) = &mut self.kept.journal {
+            journal.note(&Line::Scene(i))?;
+        }
+        self.progress.message(format!("{}: loading", known.name()));
+        let deadline = self.budget.deadline(self.context.clock.now(), self.left);
+        self.left -= 1;
+        self.steps += steps_of(self.plan, i);
+        Ok(self.measured(i, known, deadline))
+    }
+
+    fn measured(
+        &mut self,
         i: usize,
         known: &dyn KnownScene,
         deadline: Option<Duration>,
@@ -180,8 +184,8 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
         let log = RowJournal::new(self.kept.journal.as_mut());
         let mut equipment = SceneInput {
             pools: &self.pools,
-            clock: context.clock,
-            world: context.world,
+            clock: self.context.clock,
+            world: self.context.world,
             progress: &self.progress,
             trials: &[],
             log: &log,
@@ -197,88 +201,103 @@ impl<'p, 'r> RunInProgress<'p, 'r> {
                 measure_one(own, known, &equipment, deadline)?
             }
         };
-        self.measure_in_processes(context, own, &mut scene);
+        self.measure_in_processes(own, &mut scene);
         conclude_scene(&mut scene, plan.seed);
         Ok(scene)
     }
 
     /// Measures a scene in the other processes of the run, if it has any.
-    fn measure_in_processes(
-        &mut self,
-        context: &mut Context<'_>,
-        own: &Plan<'_>,
-        scene: &mut SceneRecord,
-    ) {
+    fn measure_in_processes(&mut self, own: &Plan<'_>, scene: &mut SceneRecord) {
         let Some(processes) = self.processes.as_mut().filter(|_| !interrupt::is_stopping()) else {
             return;
         };
-        let share = self.budget.share(context.clock.now(), self.left + 1);
+        let share = self.budget.share(self.context.clock.now(), self.left + 1);
         let joined = processes.measure(own, &self.record, scene, share, &self.progress);
         let Err(error) = joined else { return };
         // a missing A/A floor is not fatal
         self.failures += usize::from(own.processes > 1);
         self.progress.suspend(|| match own.processes {
-            1 => context.warn(&error),
-            _ => context.error(&error),
+            1 => self.context.warn(&error),
+            _ => self.context.error(&error),
         });
     }
 
     /// Keeps a scene in the journal, in the record and in the outputs. Returns whether results had
     /// been removed.
-    fn keep(
-        &mut self,
-        context: &Context<'_>,
-        outputs: &mut Outputs<'_>,
-        i: usize,
-        scene: SceneRecord,
-    ) -> Result<bool, Error> {
+    fn keep(&mut self, i: usize, scene: SceneRecord) -> Result<bool, Error> {
         let finished = || Line::Finished { scene: i, record: Box::new(scene.clone()) };
         let appended = self.kept.append(finished);
         self.kept.count.fetch_add(1, SeqCst);
         let record = &mut self.record;
         record.scenes.push(scene);
-        record.peak_rss_bytes = context.world.peak_rss().max(record.peak_rss_bytes);
+        record.peak_rss_bytes = self.context.world.peak_rss().max(record.peak_rss_bytes);
         self.is_summed_up = self.kept.journal.is_none() || is_due(record.scenes.len());
         if !self.is_summed_up {
             return appended.map(|()| false);
         }
         sum_up(record);
-        appended.and_then(|()| self.kept.write(outputs, record, false))
+        appended.and_then(|()| self.write(false))
     }
 
-    fn keep_failure(
-        &mut self,
-        context: &mut Context<'_>,
-        scene: usize,
-        error: &Error,
-    ) -> Result<(), Error> {
+    fn keep_failure(&mut self, scene: usize, error: &Error) -> Result<(), Error> {
         self.failures += 1;
         self.kept.append(|| Line::Failed { scene, error: error.to_string() })?;
         self.progress.reach(self.steps);
-        self.progress.suspend(|| context.error(error));
+        self.progress.suspend(|| self.context.error(error));
         Ok(())
     }
 
-    fn finish(
-        self,
-        context: &mut Context<'_>,
-        outputs: &mut Outputs<'_>,
-    ) -> Result<PlanResults, Error> {
+    /// Makes what was removed since again, and writes what is finished. Whether anything was.
+    fn write(&mut self, over: bool) -> Result<bool, Error> {
+        let mut was_gone = self.outputs.restore()?;
+        if let Some(journal) = &mut self.kept.journal {
+            was_gone |= journal.restore()?;
+        }
+        self.outputs.write(&self.record, over)?;
+        Ok(was_gone)
+    }
+
+    /// Says where results had to be made again. Those that cannot be written where they belong are
+    /// written elsewhere, and printed where that fails, too.
+    fn save_elsewhere(&mut self, kept_well: Result<bool, Error>) -> Result<(), Error> {
+        let (context, scenes) = (&mut *self.context, self.record.scenes.len());
+        self.progress.suspend(|| {
+            if let Ok(true) = kept_well {
+                context.warn(
+                    "result files were removed during the run; they are written again with all \
+                     results",
+                );
+            }
+            if kept_well.is_err() && self.outputs.are_files() && scenes > 0 {
+                let temporary = context.environment.temporary.as_deref();
+                let what = match keep_elsewhere(temporary, &self.record) {
+                    Ok(path) => format!("saved in {}", path.display()),
+                    Err(why) => format!("only printed: {why}"),
+                };
+                context.error(format_args!("results so far ({scenes} scene(s)) are {what}"));
+            }
+        });
+        self.disturbed |= kept_well?;
+        Ok(())
+    }
+
+    fn finish(mut self) -> Result<PlanResults, Error> {
         self.progress.finish();
-        let Self { plan, processes, mut kept, mut record, failures, disturbed, .. } = self;
+        let record = &mut self.record;
         if !self.is_summed_up {
-            sum_up(&mut record);
+            sum_up(record);
         }
         record.complete = true;
-        record.floor = processes.and_then(|processes| processes.floor(&record.scenes));
-        record.load[1] = context.world.load();
-        record.warnings = warnings::of(&record);
-        let kept_well =
-            kept.append(|| Line::Complete).and_then(|()| kept.write(outputs, &record, true));
-        let disturbed = disturbed | saved(context, kept_well, outputs, &record)?;
-        for warning in record.warnings.iter().filter(|_| !plan.is_untimed) {
-            context.warn(warning);
+        record.floor = self.processes.take().and_then(|own| own.floor(&record.scenes));
+        record.load[1] = self.context.world.load();
+        record.warnings = warnings::of(record);
+        let appended = self.kept.append(|| Line::Complete);
+        let kept_well = appended.and_then(|()| self.write(true));
+        self.save_elsewhere(kept_well)?;
+        for warning in self.record.warnings.iter().filter(|_| !self.plan.is_untimed) {
+            self.context.warn(warning);
         }
+        let Self { record, failures, disturbed, .. } = self;
         Ok(PlanResults { record, failures, disturbed })
     }
 }
@@ -318,7 +337,6 @@ pub fn exit_code(measured: &PlanResults) -> u8 {
     }
 }
 
-/// Says what went wrong in a scene.
 pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
     for warning in &scene.warnings {
         context.warn(format_args!("{}: {warning}", scene.name));
@@ -328,7 +346,6 @@ pub fn warn_of(context: &mut Context<'_>, scene: &SceneRecord) {
     }
 }
 
-/// The record before the first scene.
 pub fn begin(world: &dyn World, command_line: &[String], plan: &Plan<'_>) -> RunRecord {
     RunRecord {
         schema_version: SCHEMA_VERSION,

@@ -1,4 +1,4 @@
-//! The subcommands, one per file.
+//! The subcommands, most of them one per file.
 
 pub mod accuracy;
 pub mod animate;
@@ -10,12 +10,9 @@ pub mod compare;
 pub mod compare_tracers;
 pub mod cost;
 pub mod doctor;
-pub mod explain;
 pub mod generate;
-pub mod history;
 pub mod list;
 pub mod measuring;
-pub mod merge;
 mod processes;
 pub mod rays;
 pub mod render;

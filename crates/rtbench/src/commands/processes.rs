@@ -2,20 +2,15 @@
 //! where the last process ended. Every second one runs a copy of the program's file: what it
 //! differs by is the floor of the run.
 
-use std::ffi::OsString;
-use std::path::PathBuf;
-use std::process::Command;
 use std::time::Duration;
 
 use crate::context::Context;
 use crate::error::Error;
-use crate::gate::against::own_program;
+use crate::gate::against::Program;
 use measurement::plan::Plan;
 use measurement::record::processes::{factors, join};
 use measurement::record::{FloorRecord, RunRecord, SceneRecord};
-use measurement::system::child_process::{
-    ChildError, ProgramCopy, answer, arguments, without_samples,
-};
+use measurement::system::child_process::{ChildError, ProgramCopy, answer, without_samples};
 use measurement::system::progress::Progress;
 
 /// A check and a baseline have one process of the program and one of the copy, each with a third of
@@ -26,17 +21,15 @@ const FEWEST_ROUNDS: usize = 5;
 /// Most rounds of a process within a time budget.
 const MOST_ROUNDS: usize = 10_000;
 
-/// Returns whether that process runs the copy.
 fn is_copy(process: u32) -> bool {
     process % 2 == 1
 }
 
 pub struct Processes {
-    program: PathBuf,
-    copy: ProgramCopy,
-    allow_outside: bool,
-    /// Arguments that pass the plugins of this process to others.
-    plugins: Vec<OsString>,
+    program: Program,
+    copy: Program,
+    /// The file of the copy, until all have ended.
+    _file: ProgramCopy,
     /// Difference of the copy from the program, by row, if its samples are not kept.
     unkept: Vec<(String, f64)>,
 }
@@ -44,15 +37,14 @@ pub struct Processes {
 impl Processes {
     /// None where the plan has a single process.
     pub fn of(context: &Context<'_>, plan: &Plan<'_>) -> Result<Option<Self>, Error> {
-        let program = context.environment.program.as_ref();
-        if plan.processes < 2 && (!plan.has_copy || program.is_none()) {
+        let has_program = context.environment.program.is_some();
+        if plan.processes < 2 && !(plan.has_copy && has_program) {
             return Ok(None);
         }
-        let program = own_program(program)?.to_owned();
-        let copy = context.environment.copy_of(&program)?;
-        let allow_outside = context.scenes.allows_outside();
-        let plugins = context.plugins.arguments().to_vec();
-        Ok(Some(Self { program, copy, allow_outside, plugins, unkept: Vec::new() }))
+        let program = context.own_program()?;
+        let file = context.environment.copy_of(&program.path)?;
+        let copy = Program { path: file.path().to_owned(), ..program.clone() };
+        Ok(Some(Self { program, copy, _file: file, unkept: Vec::new() }))
     }
 
     /// Builds and times the scene in fresh processes and takes what they say for the scene's times;
@@ -118,17 +110,16 @@ impl Processes {
         if let Some(row) = scene.rows.iter().find(|row| row.is_reference) {
             like.settings.reference = row.label();
         }
-        let program = if is_copy(process) { self.copy.path() } else { &self.program };
-        let mut command = Command::new(program);
-        command.args(arguments(self.allow_outside)).args(&self.plugins);
-        command.args(["measure", "--lightly"]);
+        let program = if is_copy(process) { &self.copy } else { &self.program };
+        let mut command = program.child("measure");
+        command.arg("--lightly");
         command.args(["--rounds", &rounds.to_string()]);
         command.args(["--process", &process.to_string()]);
         command.args(["--first-round", &(rounds * process as usize).to_string()]);
         let answered: RunRecord = answer(&mut command, &without_samples(&like))?;
         let same = answered.scenes.into_iter().find(|s| s.name == scene.name);
         same.filter(|same| same.rays == scene.rays).ok_or_else(|| ChildError::Answer {
-            program: program.into(),
+            program: program.path.clone(),
             message: format!("its rays differ for {}, or are missing", scene.name),
         })
     }

@@ -7,37 +7,32 @@ use accel_core::{Hit, MISS, Ray, Scalar, Vector};
 use renderer::{Geometry, RayKind};
 use scene_loading::source_hash::sha256_of_bytes;
 
-use crate::args::{
-    CheckRaysArgs, Color, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs, settings_of,
-};
+use crate::args::{CheckRaysArgs, ExportArgs, ExportRaysArgs, RayFormat, TraceArgs};
 use crate::commands::render::one_scene;
 use crate::commands::run_outputs;
 use crate::context::Context;
 use crate::error::{Error, SUCCESS, WRONG_HITS};
-use crate::foreign_row::{check, foreign_row, merged, rays};
-use measurement::plan::Plan;
+use crate::foreign_row::{SceneRays, foreign_row, merged};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::{self, Row};
 use measurement::rays::batches::{Answers, trace, trace_chunked};
 use measurement::rays::text::{self, hexadecimal};
 use measurement::rounds::MeasureError;
 use measurement::scenes::LoadedScene;
-use measurement::settings::{Lights, Precision, RunSettings};
+use measurement::settings::{Lights, MeasuringSettings, Precision, RunSettings};
 use measurement::system::files::{WriteError, put};
 use measurement::system::machine;
-use measurement::system::pools::{Pools, deep_pool};
+use measurement::system::pools::deep_pool;
 use plugins::abi;
 use plugins::files::{self, Content, FileError, FileSubject, hits, ray_record, triangle_record};
 use presentation::outside::line;
 use presentation::table::{Cell, Style, Table};
 
-/// Writes rays and triangles.
-pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Error> {
+pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<u8, Error> {
     let settings = settings_of(&args.scene, args.kind.clone(), args.size, args.seed, args.lights);
-    let (plan, loaded, geometry) = prepared(context, &settings)?;
-    let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
-    let pools = Pools::new(machine::threads())?;
-    let by_kind = rays(&plan, &loaded, &geometry, &pools)?;
+    let scene = SceneRays::load(context, &settings)?;
+    let (set, loaded) = (scene.triangles()?, &scene.loaded);
+    let by_kind = scene.rays()?;
     let count = |kind: RayKind| {
         let own = by_kind.iter().find(|(own, _)| *own == kind);
         own.map_or(0, |(_, rays)| rays.len() as u64)
@@ -83,15 +78,11 @@ pub fn export(context: &mut Context<'_>, args: &ExportRaysArgs) -> Result<(), Er
         }
         write(path, &bytes)?;
     }
-    Ok(())
+    Ok(SUCCESS)
 }
 
 /// Compares answers with ours; returns the exit code.
-pub fn check_hits(
-    context: &mut Context<'_>,
-    args: &CheckRaysArgs,
-    color: Color,
-) -> Result<u8, Error> {
+pub fn check_hits(context: &mut Context<'_>, args: &CheckRaysArgs) -> Result<u8, Error> {
     let read = |source| plugins::PluginError::Read { file: args.file.clone(), source };
     let bytes = std::fs::read(&args.file).map_err(read)?;
     let about = FileSubject::read(&args.file, &bytes, Content::Hits)?;
@@ -103,12 +94,13 @@ pub fn check_hits(
     }
     let lights = if about.first_light { Lights::First } else { Lights::Each };
     let settings = settings_of(&args.scene, kinds, about.size, about.seed, lights);
-    let (plan, loaded, geometry) = prepared(context, &settings)?;
+    let scene = SceneRays::load(context, &settings)?;
+    let loaded = &scene.loaded;
     if about.scene != digest(&loaded.sha256) {
         let what = format!("its rays belong to another scene than {}", args.scene);
         return Err(wrong(80, what).into());
     }
-    let Geometry::Triangles(set) = &geometry else { return Err(no_triangles(&loaded)) };
+    let set = scene.triangles()?;
     let mut all = hits(&about, &bytes);
     let mut by_kind = Vec::new();
     let mut place = about.header_bytes();
@@ -127,8 +119,7 @@ pub fn check_hits(
         }
         by_kind.push((kind, own));
     }
-    let pools = Pools::new(machine::threads())?;
-    let judged = check(&plan, &loaded, &geometry, &pools, &by_kind)?;
+    let judged = scene.check(&by_kind)?;
     for ((kind, n), place) in asked().zip(0..) {
         let is = judged.iter().find(|(own, _)| *own == kind).map_or(0, |(_, j)| j.compared as u64);
         if is != n {
@@ -153,9 +144,8 @@ pub fn check_hits(
     let rows = rows.collect();
     let header = vec!["rays", "answers", "wrong", "at edges", "verdict"];
     let title = format!("{}: {}", args.scene, file_name(args));
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     screen.write_table(context.out, &Table { title, header, rows, notes })?;
-    context.out.flush()?;
     if let (Some(folder), Some(name), Some(ms)) = (&args.into, &args.name, args.time_ms) {
         let seconds = [Some(ms), args.build_ms].map(|ms| ms.map(|ms| ms / 1e3));
         let row = foreign_row(name, sha256_of_bytes(&bytes), seconds, &judged);
@@ -167,23 +157,20 @@ pub fn check_hits(
     Ok(if judged.iter().any(|(_, judged)| judged.wrong > 0) { WRONG_HITS } else { SUCCESS })
 }
 
-/// The plan of a run with these rays, its one scene and that one's geometry.
-fn prepared<'c>(
-    context: &Context<'c>,
-    settings: &RunSettings,
-) -> Result<(Plan<'c>, LoadedScene, Geometry<f32>), Error> {
-    let plan = Plan::new(settings, context.registry, context.occluders, context.scenes)?;
-    let scene = plan.scenes.first().ok_or(PlanError::NoRows)?;
-    let loaded = context.load(&**scene)?;
-    let geometry = Geometry::<f32>::of(&loaded.scene)?;
-    Ok((plan, loaded, geometry))
+/// Settings of a run with these rays.
+fn settings_of(
+    scene: &str,
+    kinds: Vec<String>,
+    size: u32,
+    seed: u64,
+    lights: Lights,
+) -> RunSettings {
+    let (rays, size) = (kinds, Some(size));
+    let measuring = MeasuringSettings { rays, size, seed, lights, ..MeasuringSettings::default() };
+    RunSettings { scenes: vec![scene.to_owned()], measuring, ..RunSettings::default() }
 }
 
-fn no_triangles(loaded: &LoadedScene) -> Error {
-    Error::NotOfTriangles { scene: loaded.scene.name.clone() }
-}
-
-pub(super) fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
+fn write(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
     put(path, bytes).map_err(|source| WriteError { path: path.into(), source }.into())
 }
 
@@ -192,7 +179,7 @@ fn file_name(args: &CheckRaysArgs) -> String {
 }
 
 /// The bytes of a SHA-256 in hexadecimal.
-pub(super) fn digest(hexadecimal: &str) -> [u8; 32] {
+fn digest(hexadecimal: &str) -> [u8; 32] {
     let mut bytes = [0; 32];
     for (byte, i) in bytes.iter_mut().zip((0..).step_by(2)) {
         let digits = hexadecimal.get(i..i + 2).unwrap_or_default();
@@ -205,7 +192,7 @@ pub(super) fn digest(hexadecimal: &str) -> [u8; 32] {
 type AskedRays = Vec<(RayKind, Vec<Ray<f64>>)>;
 
 /// Traces the rays, and prints the hits or writes them.
-pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Error> {
+pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<u8, Error> {
     let mut structures = args.structures.clone();
     if structures.is_empty() {
         structures = context.plugins.names();
@@ -220,9 +207,10 @@ pub fn trace_rays(context: &mut Context<'_>, args: &TraceArgs) -> Result<(), Err
     let scene = one_scene(context.scenes, &args.scene)?;
     let loaded = context.load(&*scene)?;
     match args.precision {
-        Precision::F32 => traced::<f32>(context, args, &rows, &loaded),
-        Precision::F64 => traced::<f64>(context, args, &rows, &loaded),
+        Precision::F32 => traced::<f32>(context, args, &rows, &loaded)?,
+        Precision::F64 => traced::<f64>(context, args, &rows, &loaded)?,
     }
+    Ok(SUCCESS)
 }
 
 fn traced<S: Buildable>(
@@ -252,7 +240,6 @@ fn traced<S: Buildable>(
             }
         }
     }
-    context.out.flush()?;
     match &args.output {
         Some(path) => write(path, &file),
         None => Ok(()),

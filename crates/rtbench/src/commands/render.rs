@@ -16,9 +16,9 @@ use renderer::{
 };
 use scene_loading::Scene;
 
-use crate::args::{Color, RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
+use crate::args::{RenderArgs, STRUCTURE_SHADOWS, SamplingArgs};
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::plan::DEFAULT_TRACER;
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
@@ -36,8 +36,7 @@ use studies::error::UnsavedImage;
 use studies::images::plan_of;
 use studies::run::lines::seconds;
 
-/// Renders, or prints the plan, or both.
-pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &RenderArgs) -> Result<u8, Error> {
     let row = structure(context.registry, args.structure.as_deref())?;
     let scene = one_scene(context.scenes, &args.scene)?;
     let output = args.output.as_deref().map(|path| Ok::<_, PlanError>((path, format_of(path)?)));
@@ -73,7 +72,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
                     Box::new(ShadowPath::new(structure, shadows, &lights))
                 }
             };
-            let table = args.plan.then(|| of(&loaded.scene, &*tracer, &plan));
+            let table = args.plan.then(|| effect_table(&loaded.scene, &*tracer, &plan));
             progress.message(format!("{name}: rendering {width} x {height} pixels"));
             let row_done = || progress.step(Duration::ZERO);
             let image = || render_watched(&loaded.scene, &*tracer, &plan, &row_done).image;
@@ -84,8 +83,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
     let (table, image) = ended?;
     let took = context.clock.now().saturating_sub(started).as_secs_f64();
     if let Some(table) = table {
-        context.terminal.screen(color).write_table(context.out, &table)?;
-        context.out.flush()?;
+        context.screen().write_table(context.out, &table)?;
     }
     if let (Some((path, format)), Some(image)) = (output, image) {
         let unsaved = |source| UnsavedImage { path: path.to_owned(), source };
@@ -94,7 +92,7 @@ pub fn run(context: &mut Context<'_>, args: &RenderArgs, color: Color) -> Result
         let pixels = format_args!("{width} x {height} pixels of {name} through {row}, {took}");
         context.wrote(path, pixels);
     }
-    Ok(())
+    Ok(SUCCESS)
 }
 
 pub fn structure<'r>(registry: &'r [Entry], named: Option<&str>) -> Result<Row<'r>, PlanError> {
@@ -157,7 +155,7 @@ fn shadows<'r>(
 const PROBE: u32 = 64;
 
 /// One row an effect, called for or not.
-pub fn of(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
+fn effect_table(scene: &Scene, tracer: &dyn Tracer<f32>, plan: &EffectPlan) -> Table {
     let probe = RenderSettings { resolution: [PROBE; 2], ..*plan.settings() };
     let plan = EffectPlan::of(scene, &probe);
     let counted = |plan: &EffectPlan| render_plan(scene, tracer, plan).counts;

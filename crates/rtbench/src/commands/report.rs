@@ -1,19 +1,22 @@
-//! `rtbench report`: the results in folders as one page.
+//! `rtbench report`: the results in folders as one page. `rtbench history`: the results that CI keeps,
+//! as a static site.
 
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::args::ReportArgs;
+use crate::args::{HistoryArgs, ReportArgs};
 use crate::commands::render::scene_pictures;
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
+use crate::history::{History, site, visits};
 use crate::outputs::refuse_files;
 use crate::report::material::Material;
 use crate::report::{is_page, page};
 use measurement::record::file;
 use measurement::system::files::{WriteError, write_text};
 use measurement::system::progress::Progress;
+use statistics::change_points::Sensitivity;
 
 /// The page's name unless another is asked for.
 const PAGE_NAME: &str = "report.html";
@@ -21,15 +24,15 @@ const PAGE_NAME: &str = "report.html";
 const PAGE_BEGINNING: u64 = 1024;
 
 /// Reads what is there and writes the page and, where asked for, its plots.
-pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<u8, Error> {
     let read = |folder: &PathBuf| Material::read(&file::path_of(folder));
     let mut runs = args.folders.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     let folder = if let [run] = &runs[..] { Some(run.folder.clone()) } else { None };
     let usual = folder.as_deref().unwrap_or(Path::new("")).join(PAGE_NAME);
     let output = args.output.as_deref().unwrap_or(&usual);
     let is_stdout = output == Path::new("-");
-    if !is_stdout && !context.overwrite && !is_page_of_ours(output) {
-        refuse_files([output.to_owned()])?;
+    if !is_stdout {
+        refuse_other_pages(context, output)?;
     }
     if !args.no_pictures {
         for run in &mut runs {
@@ -44,7 +47,6 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
     let page = page(&runs, is_beside, progress);
     if is_stdout {
         context.out.write_all(page.html.as_bytes())?;
-        context.out.flush()?;
     } else {
         write_text(output, &page.html)?;
         let scenes: usize = runs.iter().map(|run| run.run.scenes.len()).sum();
@@ -60,16 +62,42 @@ pub fn run(context: &mut Context<'_>, args: &ReportArgs) -> Result<(), Error> {
         }
         context.wrote(folder, format_args!("{} plots", page.plots.len()));
     }
-    Ok(())
+    Ok(SUCCESS)
 }
 
-/// Returns whether an earlier report is there: it may be replaced.
-fn is_page_of_ours(path: &Path) -> bool {
-    // a pipe would have to be waited for
-    let Some(Ok(file)) = path.is_file().then(|| fs::File::open(path)) else { return false };
-    let mut beginning = Vec::new();
-    let read = file.take(PAGE_BEGINNING).read_to_end(&mut beginning);
-    read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
+/// Seed of the permutation tests: the same runs make the same site.
+const SITE_SEED: u64 = 1;
+
+/// `rtbench history`: writes every page of a site, and says what changed.
+pub fn history(context: &mut Context<'_>, args: &HistoryArgs) -> Result<u8, Error> {
+    let visits = visits(&args.folders, args.repository.as_deref())?;
+    refuse_other_pages(context, &args.output.join("index.html"))?;
+    let history = History::new(visits, &Sensitivity::default(), SITE_SEED);
+    let files = site(&history);
+    for (path, page) in &files {
+        let path = args.output.join(path);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let failed = |source| WriteError { path: folder.to_owned(), source };
+        fs::create_dir_all(folder).map_err(failed)?;
+        write_text(&path, page)?;
+    }
+    let (runs, changes) = (history.visits.len(), history.changes().count());
+    let pages = files.len();
+    let what = format_args!("{pages} pages of {runs} runs; {changes} changes found");
+    context.wrote(&args.output, what);
+    Ok(SUCCESS)
+}
+
+/// Refuses a file that is there, unless it may be replaced, as earlier pages of ours may.
+fn refuse_other_pages(context: &Context<'_>, path: &Path) -> Result<(), Error> {
+    let is_ours = || {
+        // a pipe would have to be waited for
+        let Some(Ok(file)) = path.is_file().then(|| fs::File::open(path)) else { return false };
+        let mut beginning = Vec::new();
+        let read = file.take(PAGE_BEGINNING).read_to_end(&mut beginning);
+        read.is_ok() && is_page(&String::from_utf8_lossy(&beginning))
+    };
+    if context.overwrite || is_ours() { Ok(()) } else { Ok(refuse_files([path.to_owned()])?) }
 }
 
 /// Returns whether the file lies in the folder, however both are named.

@@ -1,7 +1,7 @@
 //! `rtbench reproduce`: published figures beside ours.
 
-use crate::args::{Color, HavranArgs, Publication, ZachmannArgs};
-use crate::commands::measuring::{exit_code, measure_scenes, warn_of};
+use crate::args::{HavranArgs, Publication, ZachmannArgs};
+use crate::commands::measuring::{exit_code, measure_scenes};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::plan::Plan;
@@ -56,16 +56,14 @@ fn havran(context: &mut Context<'_>, args: &HavranArgs) -> Result<u8, Error> {
     let _created = context.created_folder(args.output.as_ref(), &[HAVRAN])?;
     let figures = figures().map_err(ReproduceError::from)?;
     let mut rows = Vec::new();
-    let screen = context.terminal.screen(Color::Never);
+    let screen = context.plain_screen();
     for scene in scenes {
         context.say(format_args!("{scene}: counting"));
         let of_scene = reproduce_scene(scene, &structures, &figures)?;
         screen.write_fitted(context.out, &figures_table(scene, &of_scene), &[])?;
-        context.out.flush()?;
         rows.extend(of_scene);
     }
     screen.write_line(context.out, &sums(&rows))?;
-    context.out.flush()?;
     if let Some(folder) = &args.output {
         let text = csv::written(|writer| rows.iter().try_for_each(|row| writer.serialize(row)))?;
         write_text(&folder.join(HAVRAN), &text)?;
@@ -109,16 +107,11 @@ fn zachmann(context: &mut Context<'_>, args: &ZachmannArgs) -> Result<u8, Error>
         let comparisons = comparisons(run, &published);
         column::csv(&columns(), comparisons.iter().flat_map(of_scene))
     };
-    let mut outputs = context.outputs_in(args.output.as_ref(), [(ZACHMANN, Box::new(rows))])?;
-    let screen = context.terminal.screen(Color::Never);
-    let measured = measure_scenes(context, &plan, &mut outputs, |context, _, scene| {
-        warn_of(context, scene);
-        if !args.as_published {
-            let table = table(&Comparison::new(scene, &published));
-            screen.write_fitted(context.out, &table, &["ours"])?;
-            context.out.flush()?;
-        }
-        Ok(())
+    let outputs = context.outputs_in(args.output.as_ref(), [(ZACHMANN, Box::new(rows))])?;
+    let screen = context.plain_screen();
+    let measured = measure_scenes(context, &plan, outputs, |out, _, scene| {
+        let table = table(&Comparison::new(scene, &published));
+        if args.as_published { Ok(()) } else { screen.write_fitted(out, &table, &["ours"]) }
     })?;
     if args.as_published {
         // an interrupted run has the first of them

@@ -1,13 +1,14 @@
-//! `rtbench run`: measure, print, export; and go on where an earlier run ended.
+//! `rtbench run`: measure, print, export; and go on where an earlier run ended. `rtbench merge`: the
+//! parts of a run as one.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
 use scene_loading::source_names::name_of_path;
 
-use crate::args::{Color, ExportArgs, RunArgs, TableArgs};
-use crate::commands::measuring::{begin, exit_code, measure_rest, warn_of};
+use crate::args::{ExportArgs, MergeArgs, RunArgs, TableArgs};
+use crate::commands::measuring::{PlanResults, begin, exit_code, measure_rest, warn_of};
 use crate::commands::run_outputs;
 use crate::commands::run_state::RunState;
 use crate::context::Context;
@@ -16,18 +17,19 @@ use crate::outputs::Outputs;
 use measurement::journal::lines::{FinishedScene, Manifest, RecoveredRun};
 use measurement::journal::{Journal, JournalError};
 use measurement::plan::Plan;
-use measurement::record::RunRecord;
+use measurement::record::merge::{PartialRun, merge as merge_parts};
+use measurement::record::{RunRecord, file};
 use measurement::settings::RunSettings;
 use measurement::system::interrupt::{self, InterruptedOutput, Mark};
 use measurement::system::progress::Progress;
+use studies::run::conclusions::conclude;
 use studies::run::output;
 use studies::run::view::View;
 
-/// Runs and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &RunArgs) -> Result<u8, Error> {
     if let Some(folder) = &args.resume {
         let exports = ExportArgs { output: Some(folder.clone()), ..args.exports.clone() };
-        return resume(context, folder, &exports, &args.tables, color);
+        return resume(context, folder, &exports, &args.tables);
     }
     let settings = args.settings();
     let plan = plan_of(context, &settings)?;
@@ -38,7 +40,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
         exports: names(&args.exports),
         ..manifest(context, &plan, &record)
     };
-    run_outputs::refuse_unselected(&args.exports, &plan)?;
+    run_outputs::refuse_unselected(&args.exports, || run_outputs::series_of(&plan))?;
     run_outputs::refuse_occupied(context, &args.exports, Some(&manifest))?;
     // the outputs first: where one of them is refused, no run has begun
     let outputs = run_outputs::of_run(&args.exports)?;
@@ -46,7 +48,7 @@ pub fn run(context: &mut Context<'_>, args: &RunArgs, color: Color) -> Result<u8
         kept.journal = Some(Journal::begin(folder, manifest)?);
     }
     watch(context, &kept, args.exports.output.as_deref(), plan.scenes.len())?;
-    let view = args.tables.view(context.terminal.screen(color));
+    let view = args.tables.view(context.screen());
     measure(context, &view, &plan, outputs, kept, record)
 }
 
@@ -57,7 +59,6 @@ fn resume(
     folder: &Path,
     exports: &ExportArgs,
     tables: &TableArgs,
-    color: Color,
 ) -> Result<u8, Error> {
     let (journal, found) = Journal::resume(folder)?;
     let differs =
@@ -70,12 +71,11 @@ fn resume(
         let message = format!("plugins: was [{had}], is [{has}]; give the same with --plugin");
         return Err(differs(message).into());
     }
-    let begun = ResumedRun { folder, journal, found };
     let mut plan = plan_of(context, &settings)?;
-    plan.set_view(&begun.found.manifest.settings.view);
+    plan.set_view(&found.manifest.settings.view);
     let record = begin(context.world, &context.command_line, &plan);
-    let named = begun.found.manifest.exports.clone();
-    let (kept, record) = go_on(context, begun, &plan, record)?;
+    let named = found.manifest.exports.clone();
+    let (kept, record) = go_on(context, folder, (journal, found), &plan, record)?;
     if let Some(name) = kept.finished.values().find_map(|s| context.plugins.changed_since(s)) {
         return Err(differs(format!("plugin {name}: its file has changed")).into());
     }
@@ -88,7 +88,7 @@ fn resume(
     }
     let outputs = run_outputs::of_run(exports)?;
     watch(context, &kept, Some(folder), plan.scenes.len())?;
-    measure(context, &tables.view(context.terminal.screen(color)), &plan, outputs, kept, record)
+    measure(context, &tables.view(context.screen()), &plan, outputs, kept, record)
 }
 
 /// The files that a run is begun with, beside those in its folder.
@@ -113,40 +113,28 @@ fn measure(
     context: &mut Context<'_>,
     view: &View,
     plan: &Plan<'_>,
-    mut outputs: Outputs<'_>,
+    outputs: Outputs<'_>,
     kept: RunState,
     record: RunRecord,
 ) -> Result<u8, Error> {
     context.warn_of_instructions();
-    let measured =
-        measure_rest(context, plan, &mut outputs, kept, record, |context, record, scene| {
-            warn_of(context, scene);
-            output::write_scene(context.out, record, scene, view)?;
-            Ok(context.out.flush()?)
-        })?;
+    let measured = measure_rest(context, plan, outputs, kept, record, |out, record, scene| {
+        output::write_scene(out, record, scene, view)
+    })?;
     if !measured.record.summary.is_empty() {
         output::write_end(context.out, &measured.record, view)?;
-        context.out.flush()?;
     }
     Ok(exit_code(&measured))
 }
 
-/// A run that was begun in a folder, and what it left there.
-pub struct ResumedRun<'f> {
-    pub folder: &'f Path,
-    pub journal: Journal,
-    /// Contents of the journal.
-    pub found: RecoveredRun,
-}
-
 /// Remaining work of an interrupted run, and its record, continued in `record`.
-pub fn go_on(
+fn go_on(
     context: &mut Context<'_>,
-    begun: ResumedRun<'_>,
+    folder: &Path,
+    (journal, found): (Journal, RecoveredRun),
     plan: &Plan<'_>,
     mut record: RunRecord,
 ) -> Result<(RunState, RunRecord), Error> {
-    let ResumedRun { folder, journal, found } = begun;
     let RecoveredRun { manifest: was, finished, died_in, deaths, .. } = found;
     let mut differences = was.differences(&manifest(context, plan, &record));
     let progress = Progress::new(context.shows_progress(), finished.len() as u64, None);
@@ -185,7 +173,7 @@ pub fn go_on(
 }
 
 /// From here on a signal marks the run's journal and ends the process.
-pub fn watch(
+fn watch(
     context: &Context<'_>,
     kept: &RunState,
     folder: Option<&Path>,
@@ -205,7 +193,7 @@ pub fn watch(
 }
 
 /// Identity of the run for its journal, without the request.
-pub fn manifest(context: &Context<'_>, plan: &Plan<'_>, record: &RunRecord) -> Manifest {
+fn manifest(context: &Context<'_>, plan: &Plan<'_>, record: &RunRecord) -> Manifest {
     Manifest {
         schema_version: record.schema_version,
         tool: record.tool.clone(),
@@ -222,4 +210,28 @@ pub fn manifest(context: &Context<'_>, plan: &Plan<'_>, record: &RunRecord) -> M
         command_line: record.command_line.clone(),
         started_unix_s: record.started_unix_s,
     }
+}
+
+/// `rtbench merge`: the parts of a run, printed and exported like a run; returns the exit code of the
+/// whole.
+pub fn merge(context: &mut Context<'_>, args: &MergeArgs) -> Result<u8, Error> {
+    let read = |path: &PathBuf| Ok(PartialRun { record: file::read(path)?, path: path.clone() });
+    let parts = args.parts.iter().map(read).collect();
+    run_outputs::refuse_occupied(context, &args.exports, None)?;
+    let mut record = merge_parts(parts, args.mixed_machines)?;
+    run_outputs::refuse_unselected(&args.exports, || run_outputs::series_in(&record))?;
+    conclude(&mut record);
+    record.command_line = context.command_line.clone();
+    // not before: parts that do not fit leave no empty files
+    let mut outputs = run_outputs::of_run(&args.exports)?;
+    outputs.write(&record, true)?;
+    let view = View::on(context.screen());
+    for scene in &record.scenes {
+        warn_of(context, scene);
+        output::write_scene(context.out, &record, scene, &view)?;
+    }
+    if !record.summary.is_empty() {
+        output::write_end(context.out, &record, &view)?;
+    }
+    Ok(exit_code(&PlanResults { record, failures: 0, disturbed: false }))
 }

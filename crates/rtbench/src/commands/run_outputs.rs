@@ -8,26 +8,23 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use regex_lite::Regex;
 use serde::Serialize;
 
 use crate::args::ExportArgs;
 use crate::context::Context;
-use crate::outputs::{OutputError, Outputs, PlannedOutput};
+use crate::outputs::{OutputError, Outputs};
 use measurement::journal;
 use measurement::journal::lines::Manifest;
 use measurement::plan::Plan;
 use measurement::rays::order::batch_name;
-use measurement::record::metrics::{METRICS, Reading, series};
-use measurement::record::{RowRecord, RunRecord, file, reference};
+use measurement::record::metrics::{METRICS, Metric, Reading, series};
+use measurement::record::{RowRecord, RunRecord, SceneRecord, file, reference};
 use measurement::system::files::CreatedFiles;
 use presentation::json::{self, FormatError};
 use studies::run::output;
 
 /// The text of what is finished so far.
 type Format = fn(&RunRecord) -> Result<String, FormatError>;
-/// The same of the series that are selected.
-type SeriesFormat = fn(&RunRecord, Select<'_>) -> Result<String, FormatError>;
 
 /// The files in the folder of `-o`, the record first: it says of which run the files beside it are,
 /// also when the program is killed between the first two.
@@ -37,17 +34,21 @@ static IN_FOLDER: [(&str, Format); 3] = [
     ("results.md", |run| Ok(output::to_markdown(run))),
 ];
 
-/// The files of services that keep time series.
-fn series_files(args: &ExportArgs) -> [(&Option<PathBuf>, SeriesFormat); 3] {
+/// A file of a service that keeps time series: its path, its numbers, and their text.
+type SeriesFile<'a> =
+    (&'a Option<PathBuf>, fn(&RunRecord) -> Vec<Measure>, fn(Vec<Measure>) -> SeriesText);
+type SeriesText = Result<String, FormatError>;
+
+fn series_files(args: &ExportArgs) -> [SeriesFile<'_>; 3] {
     [
-        (&args.export_github_smaller, smaller),
-        (&args.export_github_bigger, bigger),
-        (&args.export_bencher, bencher),
+        (&args.export_github_smaller, costs, github),
+        (&args.export_github_bigger, rates, github),
+        (&args.export_bencher, measures, bencher),
     ]
 }
 
 pub fn named(args: &ExportArgs) -> Vec<PathBuf> {
-    series_files(args).into_iter().filter_map(|(path, _)| path.clone()).collect()
+    series_files(args).into_iter().filter_map(|(path, ..)| path.clone()).collect()
 }
 
 /// Refuses a folder of `-o` that holds other results, unless they may be replaced.
@@ -56,10 +57,8 @@ pub fn refuse_occupied(
     args: &ExportArgs,
     manifest: Option<&Manifest>,
 ) -> Result<(), OutputError> {
-    let Some(folder) = &args.output else { return Ok(()) };
     let names = IN_FOLDER.map(|(name, _)| name);
-    let (command_line, overwrite) = (&*context.command_line, context.overwrite);
-    PlannedOutput { names: &names, command_line, manifest, overwrite }.check(folder)
+    args.output.iter().try_for_each(|folder| context.refuse_occupied(folder, &names, manifest))
 }
 
 /// Files that are written to a folder of `-o`, including the journal of a run.
@@ -68,16 +67,18 @@ pub fn files_in(folder: &Path) -> Vec<PathBuf> {
     names.chain([journal::NAME]).map(|name| folder.join(name)).collect()
 }
 
-/// Refuses a selection of series that finds none of those that a plan will have.
-pub fn refuse_unselected(args: &ExportArgs, plan: &Plan<'_>) -> Result<(), OutputError> {
+/// Refuses a selection that finds none of these series.
+pub fn refuse_unselected(
+    args: &ExportArgs,
+    series: impl FnOnce() -> Vec<String>,
+) -> Result<(), OutputError> {
     let Some(select) = &args.export_select else { return Ok(()) };
-    let all = series_of(plan);
-    if all.iter().any(|series| select.is_match(series)) {
-        Ok(())
-    } else {
-        let example = all.first().cloned().unwrap_or_default();
-        Err(OutputError::NothingSelected(select.as_str().to_owned(), example))
+    let series = series();
+    if series.iter().any(|series| select.is_match(series)) {
+        return Ok(());
     }
+    let example = series.into_iter().next().unwrap_or_default();
+    Err(OutputError::NothingSelected(select.as_str().to_owned(), example))
 }
 
 /// Creates the files that the command line of a run names.
@@ -88,119 +89,128 @@ pub fn of_run(args: &ExportArgs) -> Result<Outputs<'static>, OutputError> {
     for (name, format) in IN_FOLDER {
         outputs.add_in_folder(name, format)?;
     }
-    for (path, format) in series_files(args) {
+    for (path, measures, format) in series_files(args) {
         let select = args.export_select.clone();
-        outputs.add(path.clone(), move |run| format(run, select.as_ref()))?;
+        outputs.add(path.clone(), move |run| {
+            let mut measures = measures(run);
+            measures.retain(|m| select.as_ref().is_none_or(|s| s.is_match(&m.series())));
+            format(measures)
+        })?;
     }
     Ok(outputs)
 }
 
 /// A number of a row of a scene.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measure {
+struct Measure {
     /// Scene and row: `teapot: uniform-grid density=1`.
-    pub row: String,
+    row: String,
     /// As in [`METRICS`]; of rates `mrays-primary` and so on.
-    pub name: String,
-    pub unit: &'static str,
+    name: String,
+    unit: &'static str,
     /// The value; of what was measured, the median.
-    pub value: f64,
+    value: f64,
     /// The ends of the 95% interval, of what was measured.
-    pub interval: Option<[f64; 2]>,
+    interval: Option<[f64; 2]>,
 }
 
-/// Filter of exported series, matched against `SCENE: STRUCTURE SETTINGS / NAME`; `None` for all.
-pub type Select<'a> = Option<&'a Regex>;
-
 impl Measure {
-    /// As charts call it.
-    pub fn series(&self) -> String {
+    /// As charts call it, and as `--export-select` finds it.
+    fn series(&self) -> String {
         format!("{} / {}", self.row, self.name)
     }
+}
 
-    fn is_selected(&self, select: Select<'_>) -> bool {
-        select.is_none_or(|select| select.is_match(&self.series()))
-    }
+/// Times, ratios, counters and rays per second.
+fn measures(run: &RunRecord) -> Vec<Measure> {
+    costs(run).into_iter().chain(rates(run)).collect()
+}
+
+/// The series of a run.
+pub fn series_in(run: &RunRecord) -> Vec<String> {
+    measures(run).iter().map(Measure::series).collect()
+}
+
+/// Metrics that are costs; those of a kind of rays are rates instead.
+fn cost_metrics() -> impl Iterator<Item = &'static Metric> {
+    METRICS.iter().filter(|m| m.is_cost && !matches!(m.reading, Reading::RatioOf(_)))
+}
+
+fn timed_rows(run: &RunRecord) -> impl Iterator<Item = (&SceneRecord, &RowRecord)> {
+    let rows = run.scenes.iter().flat_map(|scene| scene.rows.iter().map(move |row| (scene, row)));
+    rows.filter(|(_, row)| row.verdict.is_timed())
 }
 
 /// Times, ratios and counters: the metrics of every timed row that are costs. Smaller is better.
-pub fn costs(run: &RunRecord, select: Select<'_>) -> Vec<Measure> {
+fn costs(run: &RunRecord) -> Vec<Measure> {
     let mut measures = Vec::new();
-    for scene in &run.scenes {
+    for (scene, row) in timed_rows(run) {
         let has_ratios = reference::is_over(scene, &run.settings.reference);
-        for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
-            // rates have the kinds of rays
-            let of_all = METRICS.iter().filter(|m| !matches!(m.reading, Reading::RatioOf(_)));
-            // of what is no cost, less is not better
-            let of_all = of_all.filter(|m| m.is_cost && (has_ratios || !m.is_to_reference()));
-            for metric in of_all {
-                let found = metric.values(scene, row).estimate(run.settings.seed);
-                let Some(found) = found else { continue };
-                let is_exact = metric.is_exact();
-                measures.push(Measure {
-                    row: name_of(&scene.name, row),
-                    name: metric.name.to_owned(),
-                    unit: match metric.unit {
-                        "" if is_exact => "count",
-                        "" => "ratio",
-                        unit => unit,
-                    },
-                    value: found.median,
-                    interval: (!is_exact).then_some([found.low, found.high]),
-                });
-            }
+        for metric in cost_metrics().filter(|m| has_ratios || !m.is_to_reference()) {
+            let found = metric.values(scene, row).estimate(run.settings.seed);
+            let is_exact = metric.is_exact();
+            measures.extend(found.map(|found| Measure {
+                row: name_of(&scene.name, &row.label()),
+                name: metric.name.to_owned(),
+                unit: match metric.unit {
+                    "" if is_exact => "count",
+                    "" => "ratio",
+                    unit => unit,
+                },
+                value: found.median,
+                interval: (!is_exact).then_some([found.low, found.high]),
+            }));
         }
     }
-    measures.retain(|m| m.is_selected(select));
     measures
 }
 
 /// Millions of rays per second by kind, of every timed row. Bigger is better.
-pub fn rates(run: &RunRecord, select: Select<'_>) -> Vec<Measure> {
+fn rates(run: &RunRecord) -> Vec<Measure> {
     let mut measures = Vec::new();
-    for scene in &run.scenes {
-        for row in scene.rows.iter().filter(|row| row.verdict.is_timed()) {
-            for (kind, &rays) in &row.rays_by_kind {
-                let seconds = series(row, |s| s.trace_s.get(kind).copied());
-                let found = seconds.estimate(run.settings.seed);
-                let Some(found) = found.filter(|seconds| seconds.low > 0.0) else { continue };
-                let rate = |seconds: f64| rays as f64 / seconds / 1e6;
-                measures.push(Measure {
-                    row: name_of(&scene.name, row),
-                    name: format!("mrays-{kind}"),
-                    unit: "Mrays/s",
-                    value: rate(found.median),
-                    interval: Some([rate(found.high), rate(found.low)]),
-                });
-            }
+    for (scene, row) in timed_rows(run) {
+        for (kind, &rays) in &row.rays_by_kind {
+            let seconds = series(row, |s| s.trace_s.get(kind).copied());
+            let found = seconds.estimate(run.settings.seed).filter(|seconds| seconds.low > 0.0);
+            let rate = |seconds: f64| rays as f64 / seconds / 1e6;
+            measures.extend(found.map(|found| Measure {
+                row: name_of(&scene.name, &row.label()),
+                name: rate_name(kind),
+                unit: "Mrays/s",
+                value: rate(found.median),
+                interval: Some([rate(found.high), rate(found.low)]),
+            }));
         }
     }
-    measures.retain(|m| m.is_selected(select));
     measures
 }
 
 /// The series that a plan will have, but for rows that are wrong or not built.
 pub fn series_of(plan: &Plan<'_>) -> Vec<String> {
-    let costs = METRICS.iter().filter(|m| m.is_cost && !matches!(m.reading, Reading::RatioOf(_)));
     let rates = plan.kinds.iter().flat_map(|kind| {
         let orders = plan.orders.orders().iter();
-        orders.map(|order| format!("mrays-{}", batch_name(kind.name(), *order)))
+        orders.map(|order| rate_name(&batch_name(kind.name(), *order)))
     });
-    let names: Vec<String> = costs.map(|metric| metric.name.to_owned()).chain(rates).collect();
+    let names: Vec<String> =
+        cost_metrics().map(|metric| metric.name.to_owned()).chain(rates).collect();
     let rows = plan
         .scenes
         .iter()
-        .flat_map(|scene| plan.rows.iter().map(|row| format!("{}: {}", scene.name(), row.label())));
+        .flat_map(|scene| plan.rows.iter().map(|row| name_of(scene.name(), &row.label())));
     rows.flat_map(|row| names.iter().map(move |name| format!("{row} / {name}")).collect::<Vec<_>>())
         .collect()
 }
 
-fn name_of(scene: &str, row: &RowRecord) -> String {
-    format!("{scene}: {}", row.label())
+fn name_of(scene: &str, row: &str) -> String {
+    format!("{scene}: {row}")
 }
 
+fn rate_name(kind: &str) -> String {
+    format!("mrays-{kind}")
+}
+
+/// A number in Bencher Metric Format.
 #[derive(Debug, Serialize)]
-struct Metric {
+struct BencherMetric {
     value: f64,
     #[serde(skip_serializing_if = "Option::is_none")]
     lower_value: Option<f64>,
@@ -208,18 +218,17 @@ struct Metric {
     upper_value: Option<f64>,
 }
 
-/// Times, ratios, counters and rays per second.
-pub fn bencher(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
-    let mut benchmarks: BTreeMap<String, BTreeMap<String, Metric>> = BTreeMap::new();
-    for m in costs(run, select).into_iter().chain(rates(run, select)) {
-        let [lower_value, upper_value] = [m.interval.map(|i| i[0]), m.interval.map(|i| i[1])];
-        let metric = Metric { value: m.value, lower_value, upper_value };
-        benchmarks.entry(m.row).or_default().insert(m.name, metric);
+fn bencher(measures: Vec<Measure>) -> SeriesText {
+    let mut benchmarks: BTreeMap<String, BTreeMap<String, BencherMetric>> = BTreeMap::new();
+    for Measure { row, name, value, interval, .. } in measures {
+        let (lower_value, upper_value) = interval.map(|[low, high]| (low, high)).unzip();
+        let metric = BencherMetric { value, lower_value, upper_value };
+        benchmarks.entry(row).or_default().insert(name, metric);
     }
     json::written(&benchmarks)
 }
 
-/// One number over time.
+/// A number of github-action-benchmark over time.
 #[derive(Debug, Serialize)]
 struct Entry {
     name: String,
@@ -230,22 +239,12 @@ struct Entry {
     range: Option<String>,
 }
 
-/// Times, ratios and counters.
-pub fn smaller(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
-    json::written(&entries(costs(run, select)))
-}
-
-/// Rays per second.
-pub fn bigger(run: &RunRecord, select: Select<'_>) -> Result<String, FormatError> {
-    json::written(&entries(rates(run, select)))
-}
-
-fn entries(measures: Vec<Measure>) -> Vec<Entry> {
+fn github(measures: Vec<Measure>) -> SeriesText {
     let entry = |m: Measure| Entry {
         name: m.series(),
         unit: m.unit,
         value: m.value,
         range: m.interval.map(|[low, high]| format!("{low:.4e} to {high:.4e}")),
     };
-    measures.into_iter().map(entry).collect()
+    json::written(&measures.into_iter().map(entry).collect::<Vec<_>>())
 }

@@ -1,5 +1,5 @@
-//! What a run keeps while it goes on: its journal, its outputs, what the disk does not take, and how
-//! much of its time budget each scene has.
+//! What a run keeps while it goes on: its journal, what is finished, and how much of its time budget
+//! each scene has.
 //!
 //! The journal notes which row is begun. One that was begun too often without an end (it ended the
 //! program, out of memory say) is left out, so that a resumed run gets past it.
@@ -10,9 +10,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
-use crate::context::Context;
 use crate::error::Error;
-use crate::outputs::{Outputs, keep_elsewhere};
 use measurement::journal::Journal;
 use measurement::journal::lines::{DeathCounts, Line};
 use measurement::plan::Plan;
@@ -38,27 +36,8 @@ pub struct RunState {
 }
 
 impl RunState {
-    pub fn note(&mut self, line: Line) -> Result<(), Error> {
-        self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.note(&line)?))
-    }
-
     pub fn append(&mut self, line: impl FnOnce() -> Line) -> Result<(), Error> {
         self.journal.as_mut().map_or(Ok(()), |journal| Ok(journal.append(&line())?))
-    }
-
-    /// Makes what was removed since again, and writes what is finished. Whether anything was.
-    pub fn write(
-        &mut self,
-        outputs: &mut Outputs<'_>,
-        record: &RunRecord,
-        over: bool,
-    ) -> Result<bool, Error> {
-        let mut was_gone = outputs.restore()?;
-        if let Some(journal) = &mut self.journal {
-            was_gone |= journal.restore()?;
-        }
-        outputs.write(record, over)?;
-        Ok(was_gone)
     }
 }
 
@@ -79,30 +58,6 @@ pub fn sum_up(record: &mut RunRecord) {
     if let Some(scale) = &mut record.scale {
         scale.slopes = quantities::slopes(&record.scenes);
     }
-}
-
-/// Says where results had to be made again. Those that cannot be written where they belong are
-/// written elsewhere, and printed where that fails, too.
-pub fn saved(
-    context: &mut Context<'_>,
-    kept_well: Result<bool, Error>,
-    outputs: &Outputs<'_>,
-    record: &RunRecord,
-) -> Result<bool, Error> {
-    if let Ok(true) = kept_well {
-        context.warn(
-            "result files were removed during the run; they are written again with all results",
-        );
-    }
-    if kept_well.is_err() && outputs.are_files() && !record.scenes.is_empty() {
-        let what = match keep_elsewhere(context.environment.temporary.as_deref(), record) {
-            Ok(path) => format!("saved in {}", path.display()),
-            Err(why) => format!("only printed: {why}"),
-        };
-        let scenes = record.scenes.len();
-        context.error(format_args!("results so far ({scenes} scene(s)) are {what}"));
-    }
-    kept_well
 }
 
 /// The time budget of a run, if it has one.

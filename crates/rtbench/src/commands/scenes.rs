@@ -4,13 +4,12 @@ use accel_core::primitives::Instances;
 use scene_loading::Warning;
 use scene_loading::info::SceneInfo;
 
-use crate::args::{Color, SceneNames, ScenesAction};
+use crate::args::{SceneNames, ScenesAction};
 use crate::context::Context;
 use crate::error::{Error, FAILURE, SUCCESS};
 use measurement::scenes::{KnownScene, LoadError, LoadedScene};
 use presentation::outside::line;
 
-/// Runs and returns the exit code.
 pub fn run(context: &mut Context<'_>, action: &ScenesAction) -> Result<u8, Error> {
     match action {
         ScenesAction::Info(names) => info(context, names),
@@ -30,7 +29,7 @@ fn named(context: &Context<'_>, names: &SceneNames) -> Result<Vec<Box<dyn KnownS
 fn info(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> {
     for_each_scene(context, names, |context, scene| {
         let loaded = context.load(scene)?;
-        let screen = context.terminal.screen(Color::Never);
+        let screen = context.plain_screen();
         let out = &mut *context.out;
         writeln!(out, "{}", line(scene.name()))?;
         for text in SceneInfo::of(&loaded.scene).to_string().lines() {
@@ -65,7 +64,7 @@ fn validate(context: &mut Context<'_>, names: &SceneNames) -> Result<u8, Error> 
             let text = format!("{} of {instances} instances are not copies", instances - copies);
             warnings.push(Warning(text));
         }
-        let screen = context.terminal.screen(Color::Never);
+        let screen = context.plain_screen();
         match warnings.len() {
             0 => writeln!(context.out, "{}: ok", line(scene.name()))?,
             n => writeln!(context.out, "{}: can be used, {n} warning(s)", line(scene.name()))?,
@@ -110,6 +109,5 @@ fn for_each_scene(
             }
         }
     }
-    context.out.flush()?;
     Ok(code)
 }

@@ -9,11 +9,11 @@ use renderer::Geometry;
 use renderer::camera::{EyeRays, Sampling};
 use scene_loading::Scene;
 
+use crate::args::ShowArgs;
 use crate::args::show::{IMAGE, RayAt};
-use crate::args::{Color, ShowArgs};
 use crate::commands::render::one_scene;
 use crate::context::Context;
-use crate::error::Error;
+use crate::error::{Error, SUCCESS};
 use measurement::plan::error::PlanError;
 use measurement::plan::rows::Row;
 use measurement::rounds::MeasureError;
@@ -30,7 +30,7 @@ use studies::showing::{
 };
 
 /// Draws the picture, and lists the steps of a ray.
-pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(), Error> {
+pub fn run(context: &mut Context<'_>, args: &ShowArgs) -> Result<u8, Error> {
     let rows: Vec<Row<'_>> =
         args.structures.iter().map(|text| row(context, text)).collect::<Result<_, _>>()?;
     let scene = one_scene(context.scenes, &args.scene)?;
@@ -110,9 +110,9 @@ pub fn run(context: &mut Context<'_>, args: &ShowArgs, color: Color) -> Result<(
         context.wrote(path, format_args!("cells of {} over {}", rows.join(", "), loaded.name));
     }
     for shown in shown.iter().filter(|_| args.ray.is_some()) {
-        context.terminal.screen(color).write_table(context.out, &steps(&loaded.name, shown))?;
+        context.screen().write_table(context.out, &steps(&loaded.name, shown))?;
     }
-    Ok(context.out.flush()?)
+    Ok(SUCCESS)
 }
 
 /// A structure with settings; occluders are handled separately.
@@ -127,7 +127,6 @@ fn row<'r>(context: &Context<'r>, text: &str) -> Result<Row<'r>, PlanError> {
     Row::parse(context.registry, text)
 }
 
-/// The ray that was asked for.
 fn ray_at(at: RayAt, scene: &Scene) -> Ray<f32> {
     let (origin, direction) = match at {
         RayAt::Pixel([x, y]) => {
@@ -156,7 +155,6 @@ fn title(args: &ShowArgs, scene: &Scene, plane: &Plane) -> String {
     }
 }
 
-/// Writes a drawing as SVG.
 pub fn save(drawing: &Drawing, path: &Path) -> Result<(), Error> {
     let svg = drawing.svg().map_err(|source| Error::Undrawn { path: path.to_owned(), source })?;
     std::fs::write(path, svg).map_err(|source| WriteError { path: path.to_owned(), source }.into())

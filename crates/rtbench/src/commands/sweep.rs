@@ -1,10 +1,8 @@
 //! `rtbench sweep`: one parameter over its values, or one scene in several sizes; printed, exported and
-//! plotted.
+//! plotted. `rtbench explain`: a row and the reference in all their crafts.
 
-use crate::args::{Color, SweepArgs};
-use crate::commands::measuring::{
-    PlanResults, begin, exit_code, measure_rest, measure_scenes, warn_of,
-};
+use crate::args::{ExplainArgs, SweepArgs};
+use crate::commands::measuring::{PlanResults, begin, exit_code, measure_rest, measure_scenes};
 use crate::commands::run_state::RunState;
 use crate::context::Context;
 use crate::error::Error;
@@ -12,13 +10,13 @@ use crate::outputs::OutputFile;
 use measurement::record::{RunRecord, file};
 use presentation::json;
 use presentation::text::Screen;
+use studies::explain::{Explain, table};
 use studies::sweep::sizes::Sizes;
 use studies::sweep::sizes::{self, SizeSweep};
 use studies::sweep::{Sweep, report};
 
-/// Sweeps and returns the exit code.
-pub fn run(context: &mut Context<'_>, args: &SweepArgs, color: Color) -> Result<u8, Error> {
-    let screen = context.terminal.screen(color);
+pub fn run(context: &mut Context<'_>, args: &SweepArgs) -> Result<u8, Error> {
+    let screen = context.screen();
     let measured = match &args.sizes {
         Some(asked) => over_sizes(context, args, asked, screen),
         None => over_values(context, args, screen),
@@ -39,15 +37,12 @@ fn over_values(
         ("sweep.md", Box::new(|run| Ok(report::to_markdown(&sweep, run)))),
         ("sweep.svg", Box::new(|run| Ok(report::to_svg(&sweep, run)))),
     ];
-    let mut outputs = context.outputs_in(args.output.as_ref(), files)?;
-    let measured = measure_scenes(context, &sweep.plan, &mut outputs, |context, run, scene| {
-        warn_of(context, scene);
-        report::write(context.out, &sweep, run, scene, screen)?;
-        Ok(context.out.flush()?)
+    let outputs = context.outputs_in(args.output.as_ref(), files)?;
+    let measured = measure_scenes(context, &sweep.plan, outputs, |out, run, scene| {
+        report::write(out, &sweep, run, scene, screen)
     })?;
     if !measured.record.scenes.is_empty() {
         screen.write_notes(context.out, report::GLOSSARY)?;
-        context.out.flush()?;
     }
     Ok(measured)
 }
@@ -68,23 +63,38 @@ fn over_sizes(
         ("sweep.md", Box::new(|run| Ok(sizes::table::to_markdown(run)))),
         ("sweep.svg", Box::new(|run| Ok(sizes::table::to_svg(run)))),
     ];
-    let mut outputs = context.outputs_in(args.output.as_ref(), files)?;
+    let outputs = context.outputs_in(args.output.as_ref(), files)?;
     let record = RunRecord {
         scale: Some(sweep.record.clone()),
         ..begin(context.world, &context.command_line, &sweep.plan)
     };
-    let show = |context: &mut Context<'_>, run: &RunRecord, scene: &_| {
-        warn_of(context, scene);
-        sizes::table::write_size(context.out, run, scene, screen)?;
-        Ok(context.out.flush()?)
-    };
     let kept = RunState::default();
-    let measured = measure_rest(context, &sweep.plan, &mut outputs, kept, record, show)?;
+    let measured = measure_rest(context, &sweep.plan, outputs, kept, record, |out, run, scene| {
+        sizes::table::write_size(out, run, scene, screen)
+    })?;
     if !measured.record.scenes.is_empty() {
         sizes::table::write_slopes(context.out, &measured.record, screen)?;
-        context.out.flush()?;
     }
     Ok(measured)
+}
+
+/// `rtbench explain`: measures a row and the reference in all their crafts.
+pub fn explain(context: &mut Context<'_>, args: &ExplainArgs) -> Result<u8, Error> {
+    let explain = Explain::new(&args.settings(), context.registry, context.scenes)?;
+    let screen = context.screen();
+    let files: [OutputFile<'_>; 3] = [
+        (file::NAME, Box::new(json::written)),
+        ("explain.csv", Box::new(|run| table::to_csv(&explain, run))),
+        ("explain.md", Box::new(|run| Ok(table::to_markdown(&explain, run)))),
+    ];
+    let outputs = context.outputs_in(args.output.as_ref(), files)?;
+    let measured = measure_scenes(context, &explain.plan, outputs, |out, run, scene| {
+        table::write(out, &explain, run, scene, screen)
+    })?;
+    if !measured.record.scenes.is_empty() {
+        screen.write_notes(context.out, table::GLOSSARY)?;
+    }
+    Ok(exit_code(&measured))
 }
 
 #[cfg(test)]

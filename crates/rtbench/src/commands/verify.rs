@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 
-use crate::args::{Color, VerifyArgs};
+use crate::args::VerifyArgs;
 use crate::context::Context;
 use crate::error::{Error, INCONCLUSIVE, INTERRUPTED, SUCCESS, WRONG_HITS};
 use crate::outputs::refuse_files;
@@ -27,7 +27,7 @@ const NAMES: [&str; 2] = ["verify.json", "verify.csv"];
 
 /// Verifies, or repeats one trial, and returns the exit code: for wrong hits 4, though a signal's
 /// comes first; out of time without any, 5.
-pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result<u8, Error> {
+pub fn run(context: &mut Context<'_>, args: &VerifyArgs) -> Result<u8, Error> {
     if let Some(line) = &args.replay {
         return repeat(context, args, &Replay::parse(line)?);
     }
@@ -44,7 +44,7 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
     let signal = interrupt::flag().map_err(Error::Signals)?;
     let _created = context.created_folder(args.output.as_ref(), &NAMES)?;
     let report = checked(context, args, &plan, signal)?;
-    let screen = context.terminal.screen(color);
+    let screen = context.screen();
     screen.write_table(context.out, &report.table())?;
     for example in report.examples() {
         // a command to copy stays in one line
@@ -57,7 +57,6 @@ pub fn run(context: &mut Context<'_>, args: &VerifyArgs, color: Color) -> Result
             shrink_failure(context, folder, &Replay::parse(&example.replay)?)?;
         }
     }
-    context.out.flush()?;
     Ok(match report.cut {
         // as shells count them
         Some(StopReason::Interrupted(signal)) => u8::try_from(128 + signal).unwrap_or(INTERRUPTED),
@@ -113,7 +112,6 @@ fn checked(
     Ok(report)
 }
 
-/// Writes what is done so far.
 fn save(args: &VerifyArgs, report: &Report) -> Result<(), Error> {
     if let Some(folder) = &args.output {
         let [json_name, csv_name] = NAMES.map(|name| folder.join(name));
@@ -133,7 +131,7 @@ fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> 
             "{replay}: not reduced: it has primitives other than triangles, or only the oracle of \
              its case sees it"
         );
-        context.terminal.screen(Color::Never).write_line(context.out, &text)?;
+        context.plain_screen().write_line(context.out, &text)?;
         return Ok(());
     };
     writeln!(context.out, "{}", shrunk.text())?;
@@ -149,7 +147,7 @@ fn shrink_failure(context: &mut Context<'_>, folder: &Path, replay: &Replay) -> 
         write_text(&path(ending), &text)?;
         writeln!(context.out, "  {}", line(&path(ending).display().to_string()))?;
     }
-    Ok(context.out.flush()?)
+    Ok(())
 }
 
 /// Repeats one trial and says what comes of it.
@@ -163,14 +161,13 @@ fn repeat(context: &mut Context<'_>, args: &VerifyArgs, line: &Replay) -> Result
             text: line.to_string(),
             expected: "a round with that many rays",
         })?;
+    let screen = context.plain_screen();
     let out = &mut *context.out;
-    let screen = context.terminal.screen(Color::Never);
     screen.write_line(out, &format!("{}: {} (oracle: {})", case.id, case.summary, case.oracle))?;
     screen.write_line(out, &question)?;
     let verdict = refused.map(|why| format!("refused: {why}")).or_else(|| wrong.clone());
     let verdict = verdict.as_deref().unwrap_or("right");
     screen.write_line(out, &format!("{}: {verdict}", subject.label()))?;
-    out.flush()?;
     if let (Some(folder), Some(_)) = (&args.shrink, &wrong) {
         shrink_failure(context, folder, line)?;
     }

@@ -2,7 +2,6 @@
 
 pub mod differences;
 pub mod entry;
-pub mod means;
 pub mod pairing;
 pub mod renamed;
 pub mod tables;
@@ -12,8 +11,7 @@ use serde::Serialize;
 pub use entry::{ComparisonSettings, NamedRun};
 
 use crate::comparison::differences::{Difference, differences, notes, other_reference};
-use crate::comparison::entry::{ComparisonOutcome, Entry, SIGNIFICANCE};
-use crate::comparison::means::{Mean, means};
+use crate::comparison::entry::{ComparisonOutcome, Entry, Mean, SIGNIFICANCE, means};
 use crate::comparison::pairing::{Pairing, RowPair, ScenePair};
 use measurement::record::metrics::DifferenceScope::{self, Everything, Ratios, Seconds};
 use measurement::record::metrics::{METRICS, Metric};
@@ -21,7 +19,6 @@ use measurement::record::{RowRecord, RunRecord, Verdict, label};
 use statistics::mann_whitney::{least_p, samples_needed};
 use statistics::verdict::{Rule, correct};
 
-/// Why runs are not compared.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     #[error("cannot be compared ({names}): {}; compare anyway with --force", reasons.join("; "))]
@@ -56,7 +53,6 @@ pub struct Side {
     /// `A`, `B`, ...
     pub letter: String,
     pub path: String,
-    /// Commit of the program.
     pub git_revision: Option<String>,
     pub cpu: Option<String>,
 }
@@ -98,7 +94,6 @@ pub struct SkippedRow {
     pub why: String,
 }
 
-/// Compares a run with another.
 pub fn compare(
     old: NamedRun<'_>,
     new: NamedRun<'_>,
@@ -129,24 +124,27 @@ pub fn compare(
     let differing = differences(old.run, new.run);
     let metrics = metrics(choice, &differing)
         .map_err(|reasons| CompareError::Incomparable { names: names(), reasons })?;
+    let mut rows = ComparedRows {
+        choice,
+        metrics: &metrics,
+        letters: [old.letter, new.letter],
+        compared: Vec::new(),
+        answers_changed: Vec::new(),
+    };
     let mut comparison = Comparison {
         old: side(old),
         new: side(new),
         notes: notes(old, new, &pairing, choice, &differing),
-        answers_changed: Vec::new(),
-        scenes: Vec::new(),
+        scenes: pairing.scenes.iter().map(|pair| rows.scene(pair)).collect(),
+        answers_changed: rows.answers_changed,
         means: Vec::new(),
         equal: 0,
         below_threshold: 0,
     };
-    let mut pairs = Vec::new();
-    for pair in &pairing.scenes {
-        comparison.add_scene(pair, &metrics, choice, [old.letter, new.letter], &mut pairs);
-    }
     let is_empty = comparison.scenes.iter().all(SceneComparison::is_empty);
     let rule = rule([old.run, new.run], choice.margin);
     comparison.decide(&rule, choice);
-    comparison.means = means(&pairs, &metrics, choice, &rule);
+    comparison.means = means(&rows.compared, &metrics, choice, &rule);
     if let (true, Some(filter)) = (is_empty, &choice.filter) {
         let filter = filter.as_str().to_owned();
         return Err(CompareError::NothingMatches { filter, among: names() });
@@ -190,69 +188,63 @@ fn metrics(
     Err([Everything, Seconds, Ratios].into_iter().flat_map(reasons).collect())
 }
 
-impl Comparison {
-    /// Compares the rows of a scene, all their metrics; those that can be compared are appended to
-    /// `pairs`.
-    fn add_scene<'r>(
-        &mut self,
-        pair: &ScenePair<'r>,
-        metrics: &[&'static Metric],
-        choice: &ComparisonSettings,
-        letters: [&str; 2],
-        pairs: &mut Vec<RowPair<'r>>,
-    ) {
+/// What a comparison finds, scene by scene.
+struct ComparedRows<'a, 'r> {
+    choice: &'a ComparisonSettings,
+    metrics: &'a [&'static Metric],
+    letters: [&'a str; 2],
+    /// The metrics of rows that can be compared.
+    compared: Vec<(&'static Metric, RowPair<'r>)>,
+    answers_changed: Vec<String>,
+}
+
+impl<'r> ComparedRows<'_, 'r> {
+    /// Compares the rows of a scene, all their metrics.
+    fn scene(&mut self, pair: &ScenePair<'r>) -> SceneComparison {
         let name = &pair.scenes[0].name;
         let mut out =
             SceneComparison { scene: name.clone(), entries: Vec::new(), left_out: Vec::new() };
+        let (metrics, choice) = (self.metrics, self.choice);
         let finds_row =
             |row: &RowRecord| metrics.iter().any(|m| choice.finds(name, &row.label(), m.name));
         for pair in pair.rows.iter().filter(|pair| finds_row(pair.rows[1])) {
-            let bad: Vec<String> = (pair.rows.iter().zip(letters))
+            let bad: Vec<String> = (pair.rows.iter().zip(self.letters))
                 .filter(|(row, _)| !row.verdict.is_timed())
                 .map(|(row, letter)| format!("{} in {letter}", row.verdict.name()))
                 .collect();
             if bad.is_empty() {
-                self.add_row(pair, metrics, choice, letters, &mut out, pairs);
+                self.row(pair, &mut out);
             } else {
                 out.leave_out(pair.rows[1], bad.join(", "));
             }
         }
-        for (rows, letter) in pair.only.iter().zip(letters).rev() {
+        for (rows, letter) in pair.only.iter().zip(self.letters).rev() {
             for row in rows.iter().filter(|row| finds_row(row)) {
                 out.leave_out(row, format!("only in {letter}"));
             }
         }
-        self.scenes.push(out);
+        out
     }
 
     /// Compares a row that both runs timed.
-    fn add_row<'r>(
-        &mut self,
-        pair: &RowPair<'r>,
-        metrics: &[&'static Metric],
-        choice: &ComparisonSettings,
-        letters: [&str; 2],
-        out: &mut SceneComparison,
-        pairs: &mut Vec<RowPair<'r>>,
-    ) {
+    fn row(&mut self, pair: &RowPair<'r>, out: &mut SceneComparison) {
         let RowPair { scenes, rows: [before, after] } = *pair;
-        let name = &scenes[0].name;
+        let (choice, name) = (self.choice, &scenes[0].name);
         if answers_changed([before, after]) {
             self.answers_changed.push(format!("{name}: {}", after.label()));
         }
         if before.verdict != after.verdict {
-            let [a, b] = [before, after].map(|row| row.verdict.name());
-            let why = format!("{a} in {}, {b} in {}, compared", letters[0], letters[1]);
-            out.leave_out(after, why);
+            let ([a, b], [in_a, in_b]) =
+                ([before, after].map(|row| row.verdict.name()), self.letters);
+            out.leave_out(after, format!("{a} in {in_a}, {b} in {in_b}, compared"));
         }
         let has_ratios = choice.is_forced || other_reference(scenes).is_none();
-        let mut other_rays = Vec::new();
-        let mut is_paired = false;
         let is_asked = |metric: &&&'static Metric| {
             (has_ratios || !metric.is_to_reference())
                 && choice.finds(name, &after.label(), metric.name)
         };
-        for metric in metrics.iter().filter(is_asked) {
+        let mut other_rays = Vec::new();
+        for metric in self.metrics.iter().filter(is_asked) {
             if metric.rays(before) != metric.rays(after) {
                 other_rays.push(metric.name);
                 if !choice.is_forced {
@@ -263,7 +255,7 @@ impl Comparison {
             if metric.is_to_reference() && before.is_reference && after.is_reference {
                 continue;
             }
-            is_paired = true;
+            self.compared.push((metric, *pair));
             out.entries.extend(Entry::of(metric, pair));
         }
         if !other_rays.is_empty() {
@@ -271,11 +263,10 @@ impl Comparison {
             let what = if choice.is_forced { "compared by --force" } else { "not compared" };
             out.leave_out(after, format!("{names} over other rays, {what}"));
         }
-        if is_paired {
-            pairs.push(*pair);
-        }
     }
+}
 
+impl Comparison {
     /// Corrects and decides what was measured; keeps what is shown, and counts the rest.
     fn decide(&mut self, rule: &Rule, choice: &ComparisonSettings) {
         let entries = || self.scenes.iter().flat_map(|scene| &scene.entries);

@@ -40,18 +40,24 @@ pub struct MissingRow {
 
 /// Rows that one side lacks, a line for each side and row with the scenes.
 pub fn in_words(missing: &[MissingRow]) -> Vec<String> {
-    let mut lines: Vec<(bool, &str, Vec<&str>)> = Vec::new();
-    for MissingRow { scene, row, is_new } in missing {
-        match lines.iter_mut().find(|(side, known, _)| side == is_new && known == row) {
-            Some((_, _, scenes)) => scenes.push(scene),
-            None => lines.push((*is_new, row, vec![scene])),
-        }
-    }
-    let line = |(is_new, row, scenes): (bool, &str, Vec<&str>)| {
+    let line = |((is_new, row), scenes): ((bool, &str), Vec<&str>)| {
         let what = if is_new { "new, nothing to compare with" } else { "missing now" };
         format!("{what}: {row} ({})", scenes.join(", "))
     };
-    lines.into_iter().map(line).collect()
+    let by_row = missing.iter().map(|m| ((m.is_new, &*m.row), &*m.scene));
+    grouped(by_row).into_iter().map(line).collect()
+}
+
+/// Values by their keys, in the order in which these come first.
+pub fn grouped<K: PartialEq, V>(pairs: impl IntoIterator<Item = (K, V)>) -> Vec<(K, Vec<V>)> {
+    let mut groups: Vec<(K, Vec<V>)> = Vec::new();
+    for (key, value) in pairs {
+        match groups.iter_mut().find(|(known, _)| *known == key) {
+            Some((_, values)) => values.push(value),
+            None => groups.push((key, vec![value])),
+        }
+    }
+    groups
 }
 
 impl<'r> Pairing<'r> {

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 
 use crate::comparison::entry::{ComparisonOutcome, Entry};
+use crate::comparison::pairing::grouped;
 use crate::comparison::{Comparison, SceneComparison, Side};
 use measurement::record::label;
 use presentation::csv::{estimate, number, written};
@@ -15,13 +16,11 @@ use presentation::text::Screen;
 use statistics::estimate::Estimate;
 use statistics::verdict::Change;
 
-/// Column heads of a scene's table.
 const HEADER: [&str; 7] = ["structure", "metric", "old", "new", "ratio [95%]", "p", "outcome"];
 
 /// Columns kept when not all fit.
 const FIRST: [&str; 5] = ["metric", "ratio [95%]", "outcome", "new", "old"];
 
-/// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "old, new: exact values, or medians over the rounds. ratio: new over old, of medians with the \
      95% interval of Bonett and Price (2020); below 1 is faster, or less. p: the probability of \
@@ -128,14 +127,8 @@ fn scene_table(scene: &SceneComparison, sides: &str, indent: bool) -> Table {
 
 /// Rows that are not compared, by reason.
 fn left_out(scene: &SceneComparison) -> Vec<String> {
-    let mut reasons: Vec<(&str, Vec<String>)> = Vec::new();
-    for out in &scene.left_out {
-        match reasons.iter_mut().find(|(why, _)| *why == out.why) {
-            Some((_, rows)) => rows.push(out.label()),
-            None => reasons.push((&out.why, vec![out.label()])),
-        }
-    }
-    reasons.iter().map(|(why, rows)| format!("{why}: {}", rows.join(", "))).collect()
+    let by_reason = grouped(scene.left_out.iter().map(|out| (&*out.why, out.label())));
+    by_reason.into_iter().map(|(why, rows)| format!("{why}: {}", rows.join(", "))).collect()
 }
 
 fn mean_table(comparison: &Comparison, sides: &str, indent: bool) -> Table {
@@ -205,7 +198,6 @@ fn outcome(outcome: ComparisonOutcome, ratio: Option<Estimate>) -> Cell {
     Cell { text: format!("{}{}", outcome.name(), change.unwrap_or_default()), style }
 }
 
-/// The columns, in order.
 pub const COLUMNS: [&str; 14] = [
     "old_file",
     "new_file",

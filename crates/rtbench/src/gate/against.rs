@@ -9,7 +9,7 @@ use measurement::record::RunRecord;
 use measurement::system::child_process::{ChildError, answer, arguments, without_samples};
 use std::collections::BTreeSet;
 use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::time::Duration;
 
@@ -18,7 +18,6 @@ use std::time::Duration;
 /// median is of those.
 const PASS_SECONDS: f64 = 0.001;
 
-/// Why two programs could not be compared.
 #[derive(Debug, thiserror::Error)]
 pub enum AgainstError {
     #[error("older: {0}")]
@@ -36,12 +35,23 @@ impl AgainstError {
     }
 }
 
-/// A binary with the options that load its plugins.
+/// A binary of rtbench, as it is started for a part of the work.
 #[derive(Debug, Clone)]
 pub struct Program {
     pub path: PathBuf,
     /// `--plugin FILE` and its settings.
     pub plugins: Vec<OsString>,
+    /// Sources of scene files may lie outside their folders.
+    pub allow_outside: bool,
+}
+
+impl Program {
+    /// A child process with a task of `rtbench child`.
+    pub fn child(&self, task: &str) -> Command {
+        let mut command = Command::new(&self.path);
+        command.args(arguments(self.allow_outside)).args(&self.plugins).arg(task);
+        command
+    }
 }
 
 /// The programs and what they measure.
@@ -52,8 +62,6 @@ pub struct Contest {
     /// The record that says what to measure, with one round at least.
     pub like: RunRecord,
     pub pace: TurnPlan,
-    /// Sources of scene files may lie outside their folders.
-    pub allow_outside: bool,
     /// Rows that the older calls otherwise.
     pub matches: Vec<Renaming>,
     /// They name kinds of rays that are timed apart.
@@ -65,12 +73,9 @@ impl Contest {
     /// newer does. Rows that it does not know are left out.
     pub fn record_of_old(&self) -> Result<RunRecord, AgainstError> {
         let [old, ..] = &self.programs;
-        let mut command = Command::new(&old.path);
-        command.args(arguments(self.allow_outside)).args(&old.plugins);
-        command.args(["measure", "--rounds", "1"]);
-        let asked = self.as_named_by(0, &self.like);
-        let mut record: RunRecord =
-            answer(&mut command, &without_samples(&asked)).map_err(AgainstError::Old)?;
+        let asked = without_samples(&self.as_named_by(0, &self.like));
+        let answered = answer(old.child("measure").args(["--rounds", "1"]), &asked);
+        let mut record: RunRecord = answered.map_err(AgainstError::Old)?;
         self.matches.iter().for_each(|renamed| renamed.apply(&mut record));
         Ok(record)
     }
@@ -106,11 +111,6 @@ impl Contest {
         }
         like
     }
-}
-
-/// The file of this program, as the environment has it.
-pub fn own_program(program: Option<&PathBuf>) -> Result<&Path, AgainstError> {
-    program.map(PathBuf::as_path).ok_or(AgainstError::NoProgram)
 }
 
 /// Rounds of a baseline and of a check where nothing is said. The rank test of 15 against 15 can

@@ -15,7 +15,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::PathBuf;
-use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::process::{Child, ChildStdin, ChildStdout, Stdio};
 
 use serde::{Deserialize, Serialize};
 
@@ -23,7 +23,7 @@ use crate::comparison::pairing::RowPair;
 use crate::gate::against::{AgainstError, Contest, Program, is_look};
 use measurement::record::{FloorRecord, RunRecord};
 use measurement::rounds::interleaved::round_order;
-use measurement::system::child_process::{ChildError, arguments, ended_early, without_samples};
+use measurement::system::child_process::{ChildError, ended_early, without_samples};
 use measurement::system::clock::Clock;
 use measurement::system::progress::Progress;
 use statistics::estimate::median;
@@ -44,7 +44,6 @@ pub struct Key {
 }
 
 impl Key {
-    /// Key of a row of two records.
     pub fn of(row: &RowPair<'_>, quantity: &'static str) -> Self {
         Self { scene: row.scenes[1].name.clone(), row: row.rows[1].label(), quantity }
     }
@@ -125,9 +124,7 @@ impl Contest {
         let Some(scene) = like.scenes.first() else { return Ok(()) };
         let mut runners: Vec<Option<Runner>> = vec![None, None, None];
         for place in order(self.pace.seed, "start", process) {
-            let program: &Program = &self.programs[place];
-            let asked = self.as_named_by(place, like);
-            let runner = Runner::start(program, &asked, self.allow_outside);
+            let runner = Runner::start(&self.programs[place], &self.as_named_by(place, like));
             runners[place] = Some(runner.map_err(AgainstError::of(place))?);
         }
         let rows: Vec<String> = scene.rows.iter().map(|row| row.label()).collect();
@@ -206,13 +203,8 @@ pub struct Runner {
 
 impl Runner {
     /// Starts a program with the rows of a record; it gets ready while others start.
-    pub fn start(
-        program: &Program,
-        like: &RunRecord,
-        allow_outside: bool,
-    ) -> Result<Self, ChildError> {
-        let mut command = Command::new(&program.path);
-        command.args(arguments(allow_outside)).args(&program.plugins).arg("laps");
+    pub fn start(program: &Program, like: &RunRecord) -> Result<Self, ChildError> {
+        let mut command = program.child("laps");
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let path = program.path.clone();
         let failed = |source| ChildError::Start { program: path.clone(), source };
@@ -239,7 +231,6 @@ impl Runner {
         }
     }
 
-    /// Lets it end.
     pub fn end(mut self) -> Result<(), ChildError> {
         self.input = None;
         match self.child.wait() {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::comparison::pairing::{Pairing, RowPair};
-use crate::gate::contest::PairedTimes;
+use crate::gate::contest::{Key, PairedTimes};
 use crate::gate::thresholds::Thresholds;
 use measurement::callgrind::CountedRow;
 use measurement::record::{FloorRecord, RowRecord, RunRecord};
@@ -21,7 +21,6 @@ pub enum GateOutcome {
     Inconclusive,
     /// Worse by more than the threshold.
     Regression,
-    /// A structure gave wrong hits.
     WrongHits,
 }
 
@@ -47,7 +46,6 @@ pub struct Finding {
     pub row: String,
     /// Quantity of the row: a metric, `build`, `trace`, `answers`.
     pub quantity: &'static str,
-    /// Its value in the baseline.
     pub baseline: Option<f64>,
     pub now: Option<f64>,
     /// Now over the baseline; with an interval where it is a measured one.
@@ -80,6 +78,10 @@ impl Finding {
             outcome,
             note: note.into(),
         }
+    }
+
+    pub fn key(&self) -> Key {
+        Key { scene: self.scene.clone(), row: self.row.clone(), quantity: self.quantity }
     }
 
     /// The row with its scene.

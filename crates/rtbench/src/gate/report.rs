@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use crate::comparison::differences::remarks;
-use crate::comparison::pairing::{MissingRow, in_words};
+use crate::comparison::pairing::{MissingRow, grouped, in_words};
 use crate::error::{FAILURE, INCONCLUSIVE, NOTHING_COMPARED, REGRESSION, SUCCESS, WRONG_HITS};
 use crate::gate::contest::{self, PairedTimes};
 use crate::gate::evidence::{Evidence, Finding, GateOutcome, Stage, Times};
@@ -26,7 +26,6 @@ use presentation::text::Screen;
 pub struct Report {
     pub tool: Tool,
     pub command_line: Vec<String>,
-    /// Description of the baseline.
     pub against: String,
     /// The program that the baseline is of; none where it is no rtbench.
     pub baseline_tool: Option<Tool>,
@@ -35,7 +34,6 @@ pub struct Report {
     pub thresholds: Thresholds,
     /// The worst of all that was judged.
     pub outcome: GateOutcome,
-    /// Everything that was judged.
     pub findings: Vec<Finding>,
     /// Rows that one side lacks and that are not allowed to be missing.
     pub missing: Vec<MissingRow>,
@@ -56,7 +54,6 @@ const MOST_IMPROVEMENTS: usize = 10;
 /// Columns of most weight: these stay where not all fit.
 const FIRST: [&str; 5] = ["what", "change", "outcome", "now", "baseline"];
 
-/// Explanation of the columns.
 pub const GLOSSARY: &[&str] = &[
     "change: now over the baseline, with its 95% interval where it was measured; p: the \
      probability of such times without a difference, corrected for the number of tests (Holm \
@@ -217,16 +214,11 @@ impl Report {
 
     /// Why things were not judged, each reason once with its number.
     fn reasons(&self, own: &[&Finding]) -> impl Iterator<Item = String> {
-        let mut reasons: Vec<(String, usize)> = Vec::new();
-        for finding in own.iter().filter(|f| f.outcome == GateOutcome::NotJudged) {
-            // `too short to time: 8.4 us` differs from row to row
-            let reason = finding.note.split(':').next().unwrap_or_default();
-            match reasons.iter_mut().find(|(known, _)| known == reason) {
-                Some((_, n)) => *n += 1,
-                None => reasons.push((reason.to_owned(), 1)),
-            }
-        }
-        reasons.into_iter().map(|(reason, n)| format!("{n} not judged: {reason}."))
+        let not_judged = own.iter().filter(|f| f.outcome == GateOutcome::NotJudged);
+        // `too short to time: 8.4 us` differs from row to row
+        let reasons = not_judged.map(|f| (f.note.split(':').next().unwrap_or_default(), f));
+        let line = |(reason, all): (&str, Vec<_>)| format!("{} not judged: {reason}.", all.len());
+        grouped(reasons).into_iter().map(line)
     }
 }
 

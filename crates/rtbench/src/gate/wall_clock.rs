@@ -50,12 +50,8 @@ fn seconds(row: &RowRecord, what: &str) -> Option<f64> {
     median(series(row, of).values())
 }
 
-/// Why nothing is tested.
-enum SkipReason {
-    /// The reference's ratio to itself says nothing.
-    Reference,
-    Because(String),
-}
+/// Why nothing is tested; none of the reference, whose ratio to itself says nothing.
+type SkipReason = Option<String>;
 
 fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     let rows = evidence.rows();
@@ -67,7 +63,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
                 Times::Paired { pairs, .. } => {
                     let key = Key::of(row, what);
                     let own = pairs.iter().find(|pair| pair.key == key);
-                    own.ok_or_else(|| SkipReason::Because("no times".into())).and_then(|own| {
+                    own.ok_or_else(|| Some("no times".to_owned())).and_then(|own| {
                         paired(own, evidence.thresholds.shortest, evidence.now.settings.seed)
                     })
                 }
@@ -78,10 +74,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<Finding> {
     correct(tested.iter_mut().filter_map(|(_, _, found)| found.as_mut().ok()));
     let findings = tested.into_iter().filter_map(|(row, what, found)| match found {
         Ok(change) => Some(finding(evidence, row, what, &change)),
-        Err(SkipReason::Reference) => None,
-        Err(SkipReason::Because(why)) => {
-            Some(Finding::of(STAGE.name, row, what, GateOutcome::NotJudged, why))
-        }
+        Err(why) => Some(Finding::of(STAGE.name, row, what, GateOutcome::NotJudged, why?)),
     });
     findings.collect()
 }
@@ -148,30 +141,28 @@ fn in_run(
     let is_across = matches!(evidence.times, Times::InRun { across_processors: true, .. });
     let processors = other_processor(&evidence.base.machine, &evidence.now.machine);
     if let Some(processors) = processors.filter(|_| !is_across) {
-        return Err(SkipReason::Because(format!("another processor: {processors}")));
+        return Err(Some(format!("another processor: {processors}")));
     }
     if let Some([was, is]) = other_reference(scenes) {
-        return Err(SkipReason::Because(format!("ratios were to {was}, are to {is}")));
+        return Err(Some(format!("ratios were to {was}, are to {is}")));
     }
     if rows.iter().any(|row| row.is_reference) {
-        return Err(SkipReason::Reference);
+        return Err(None);
     }
     long_enough(rows.map(|row| seconds(row, what)), evidence.thresholds.shortest)?;
     let (before, now) = (ratio.values(scenes[0], before), ratio.values(scenes[1], now));
     let change = Change::of_series(&before, &now).filter(|change| change.ratio.is_some());
-    change.ok_or_else(|| {
-        SkipReason::Because(format!("{} rounds against {} are too few", now.len(), before.len()))
-    })
+    change.ok_or_else(|| Some(format!("{} rounds against {} are too few", now.len(), before.len())))
 }
 
 /// Times that are short before and now are not judged: what became long is.
 fn long_enough(seconds: [Option<f64>; 2], shortest: f64) -> Result<(), SkipReason> {
     let [Some(before), Some(now)] = seconds else {
-        return Err(SkipReason::Because("no times".into()));
+        return Err(Some("no times".to_owned()));
     };
     if before.max(now) < shortest {
         let longer = before.max(now) * 1e6;
-        return Err(SkipReason::Because(format!("too short to time: {longer:.1} us")));
+        return Err(Some(format!("too short to time: {longer:.1} us")));
     }
     Ok(())
 }
@@ -181,7 +172,7 @@ fn paired(own: &PairedTimes, shortest: f64, seed: u64) -> Result<Change, SkipRea
     let pairs: Vec<(u32, [f64; 2])> =
         own.turns().map(|(process, [old, new, _])| (process, [old, new])).collect();
     let change = Change::of_pairs(&pairs, seed);
-    let change = change.ok_or_else(|| SkipReason::Because("no times".into()))?;
+    let change = change.ok_or_else(|| Some("no times".to_owned()))?;
     long_enough([Some(change.old), Some(change.new)], shortest)?;
     Ok(change)
 }
@@ -189,7 +180,7 @@ fn paired(own: &PairedTimes, shortest: f64, seed: u64) -> Result<Change, SkipRea
 /// Undecided quantities of programs that are measured in turns.
 pub fn undecided(evidence: &Evidence<'_>) -> BTreeSet<Key> {
     let of_stage = judge(evidence).into_iter().filter(|f| f.outcome == GateOutcome::Inconclusive);
-    of_stage.map(|f| Key { scene: f.scene, row: f.row, quantity: f.quantity }).collect()
+    of_stage.map(|f| f.key()).collect()
 }
 
 /// True where times say that something is a regression: that is measured a second time.
@@ -229,10 +220,8 @@ pub fn too_few_rounds(
 /// certain. Whatever made only one of two measurements slow, it was not the code.
 pub fn confirm(findings: &mut [Finding], second: &[Finding]) {
     for finding in findings.iter_mut().filter(|f| is_suspect(f)) {
-        let again = second.iter().find(|s| {
-            let same = s.scene == finding.scene && s.row == finding.row;
-            s.stage == finding.stage && same && s.quantity == finding.quantity
-        });
+        let (stage, key) = (finding.stage, finding.key());
+        let again = second.iter().find(|s| s.stage == stage && s.key() == key);
         let seen = again.and_then(|s| s.change);
         let seen = seen.map_or_else(|| "no time".to_owned(), |e| presentation::numbers::ratio(&e));
         let not = if again.is_some_and(is_suspect) { "" } else { "not " };

@@ -88,8 +88,9 @@ pub type PageKey = (String, String, Quantity);
 
 /// The paths of all pages, from the site's folder on.
 pub struct Names {
-    scenes: BTreeMap<String, String>,
-    pages: BTreeMap<PageKey, String>,
+    pub scenes: BTreeMap<String, String>,
+    /// Of structures within scenes.
+    pub pages: BTreeMap<PageKey, String>,
 }
 
 pub fn page_of(key: &Key) -> PageKey {
@@ -124,15 +125,6 @@ impl Names {
         }
         let scenes = scenes.into_iter().map(|(scene, folder)| (scene, format!("{folder}/{INDEX}")));
         Self { scenes: scenes.collect(), pages }
-    }
-
-    pub fn scenes(&self) -> impl Iterator<Item = (&String, &String)> {
-        self.scenes.iter()
-    }
-
-    /// Structures within scenes, and their pages.
-    pub fn pages(&self) -> impl Iterator<Item = (&PageKey, &String)> {
-        self.pages.iter()
     }
 
     /// The page of a scene, from the site's folder on.

@@ -106,7 +106,6 @@ impl Line {
 }
 
 impl History {
-    /// History of runs in their order.
     pub fn new(visits: Vec<Visit>, sensitivity: &Sensitivity, seed: u64) -> Self {
         let (benches, bench_of) = benches(&visits);
         let mut history = Self { visits, benches, bench_of, lines: BTreeMap::new() };

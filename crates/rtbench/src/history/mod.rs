@@ -20,10 +20,10 @@ use crate::history::layout::Names;
 pub fn site(history: &History) -> Vec<(String, String)> {
     let names = Names::new(history);
     let mut files = vec![(layout::INDEX.to_owned(), pages::index_page(history, &names))];
-    for (scene, path) in names.scenes() {
+    for (scene, path) in &names.scenes {
         files.push((path.clone(), pages::scene_page(history, &names, scene)));
     }
-    for (page, path) in names.pages() {
+    for (page, path) in &names.pages {
         files.push((path.clone(), pages::row_page(history, &names, page)));
     }
     files

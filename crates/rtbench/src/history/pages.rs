@@ -115,7 +115,7 @@ fn table_of(
 fn scenes(html: &mut Html, history: &History, names: &Names) {
     html.open_section("scenes", "Scenes");
     let (mut rows, mut links) = (Vec::new(), Vec::new());
-    for (scene, path) in names.scenes() {
+    for (scene, path) in &names.scenes {
         let of = |key: &Key| key.scene == *scene;
         let series = history.lines.keys().filter(|key| of(key)).count();
         let changes = history.changes().filter(|(key, ..)| of(key)).count();
@@ -184,7 +184,7 @@ pub fn row_page(history: &History, names: &Names, own: &PageKey) -> String {
     for (key, lines) in rows {
         html.open_section(&anchor(&key.settings), &label(structure, &key.settings));
         row_changes(&mut html, history, lines);
-        figure(&mut html, "ratio over commits", &plot(history, key, lines).into());
+        figure(&mut html, "ratio over commits", &plot(history, key, lines));
         let (table, links) = points(history, lines);
         write_table(&mut html, &table, TableStyle { links: &links, ..TableStyle::default() });
         html.close();
@@ -197,7 +197,8 @@ fn siblings(html: &mut Html, names: &Names, own: &PageKey) {
     let is_sibling = |other: &PageKey| (&other.0, &other.1) == (&own.0, &own.1);
     html.open("p", &[]);
     html.text("Of the same structure: ");
-    for (i, (other, path)) in names.pages().filter(|(other, _)| is_sibling(other)).enumerate() {
+    for (i, (other, path)) in names.pages.iter().filter(|(other, _)| is_sibling(other)).enumerate()
+    {
         html.text(if i == 0 { "" } else { ", " });
         if other == own {
             html.element("strong", &[], other.2.head())

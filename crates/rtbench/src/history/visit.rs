@@ -89,7 +89,6 @@ fn records(folders: &[PathBuf]) -> Result<Vec<PathBuf>, HistoryError> {
     Ok(records)
 }
 
-/// Why no history can be made.
 #[derive(Debug, thiserror::Error)]
 pub enum HistoryError {
     #[error(transparent)]

@@ -21,7 +21,6 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n";
 /// How the SVG files that this program writes begin.
 const SVG: &[u8] = b"<svg ";
 
-/// Why a page cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
     #[error(transparent)]
@@ -46,8 +45,10 @@ pub struct Material {
     pub accuracy: Option<AccuracyRecord>,
     /// Records of `rtbench compare-tracers`, by scene.
     pub tracers: Vec<TracersRecord>,
-    pub heat_maps: Vec<HeatMap>,
-    pub sweeps: Vec<SweepPlot>,
+    /// Pictures of the work of each pixel, by scene: quantities (`tests`, `steps`, `time`) and images.
+    pub heat_maps: Vec<(String, NamedImages)>,
+    /// Plots of sweeps, by the names of their folders.
+    pub sweeps: NamedImages,
     /// Figures of `rtbench reproduce havran1999`.
     pub counters: Option<Vec<ReproducedFigure>>,
     /// Rows of `rtbench reproduce zachmann2007`.
@@ -62,25 +63,13 @@ pub struct DataFile {
     pub sha256: String,
 }
 
-/// A picture of the work of each pixel.
-pub struct HeatMap {
-    /// The scene: the name of its folder.
-    pub scene: String,
-    /// Quantity shown: `tests`, `steps`, `time`.
-    pub name: String,
-    pub image: ImageFile,
-}
+type NamedImages = Vec<(String, ImageFile)>;
 
 /// A picture as it is in its file.
 pub struct ImageFile {
     /// `svg+xml` or `png`, as in a data URL.
     pub kind: &'static str,
     pub bytes: Vec<u8>,
-}
-
-pub struct SweepPlot {
-    pub name: String,
-    pub svg: Vec<u8>,
 }
 
 impl Material {
@@ -179,15 +168,12 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, ReportError> {
 }
 
 /// The pictures in the folders of scenes; until November 2026 they were PNG files.
-fn heat_maps(folder: &Path) -> Result<Vec<HeatMap>, ReportError> {
-    let mut maps = Vec::new();
-    for folder in folders(folder)? {
-        let scene = text(folder.file_name());
-        for (name, image) in pictures(&folder, &["svg", "png"], "rtbench cost --heat-maps DIR")? {
-            maps.push(HeatMap { scene: scene.clone(), name, image });
-        }
-    }
-    Ok(maps)
+fn heat_maps(folder: &Path) -> Result<Vec<(String, NamedImages)>, ReportError> {
+    let of_scene = |folder: PathBuf| {
+        let maps = pictures(&folder, &["svg", "png"], "rtbench cost --heat-maps DIR")?;
+        Ok((text(folder.file_name()), maps))
+    };
+    folders(folder)?.into_iter().map(of_scene).collect()
 }
 
 /// The files in a folder that have one of these extensions, with their names.
@@ -195,7 +181,7 @@ fn pictures(
     folder: &Path,
     extensions: &[&str],
     written_by: &'static str,
-) -> Result<Vec<(String, ImageFile)>, ReportError> {
+) -> Result<NamedImages, ReportError> {
     let is_one = |path: &PathBuf| {
         path.extension().is_some_and(|e| extensions.iter().any(|known| e == *known))
     };
@@ -221,13 +207,12 @@ fn text(part: Option<&std::ffi::OsStr>) -> String {
     part.unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// The plots of sweeps: `sweep-*/sweep.svg`.
-fn sweeps(folder: &Path) -> Result<Vec<SweepPlot>, ReportError> {
+fn sweeps(folder: &Path) -> Result<NamedImages, ReportError> {
     let mut plots = Vec::new();
     for sweep in folders(folder)? {
         let (name, path) = (text(sweep.file_name()), sweep.join("sweep.svg"));
         if name.starts_with("sweep-") && path.exists() {
-            plots.push(SweepPlot { name, svg: picture(path, "rtbench sweep -o DIR")?.bytes });
+            plots.push((name, picture(path, "rtbench sweep -o DIR")?));
         }
     }
     Ok(plots)

@@ -17,9 +17,7 @@ use presentation::html::Html;
 use presentation::page::{BEGINNING, finished, start_page};
 use studies::run::few::Few;
 
-/// A part of the page.
 pub struct Section {
-    /// Anchor of its links.
     pub id: &'static str,
     pub title: &'static str,
     /// The command that makes what it shows; `DIR` is the folder.
@@ -40,7 +38,7 @@ pub static SECTIONS: &[Section] = &[
     section("heat-maps", "Where the work is in the image", "rtbench cost SCENE --heat-maps DIR/heat-maps/SCENE", sections::studies::heat_maps),
     section("by-kind", "Each kind of ray", BY_RUN, sections::run::by_kind),
     section("break-even", "Fastest structure by number of rays", BY_RUN, sections::break_even::write),
-    section("counters", "Counters of 1999 against now", "rtbench reproduce havran1999 -o DIR", sections::counters::write),
+    section("counters", "Counters of 1999 against now", "rtbench reproduce havran1999 -o DIR", sections::studies::counters),
     section("lecture", "Zachmann 2007 against now", "rtbench reproduce zachmann2007 -o DIR", sections::studies::lecture),
     section("accuracy", "What accuracy costs in time", "rtbench accuracy -o DIR/accuracy", sections::studies::accuracy),
     section("tracers", "Samples, cones and beams", "rtbench compare-tracers SCENE -o DIR/tracers/SCENE", sections::studies::tracers),
@@ -110,15 +108,11 @@ pub fn page(runs: &[Material], is_beside_record: bool, progress: Progress) -> Fi
 
 /// Answers of all runs, the runs side by side, and each by itself in a part that is folded.
 fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
-    let body = |page: &mut Page, write: &mut dyn FnMut(&mut Page)| {
-        write(page);
-        std::mem::take(&mut page.html).finish()
-    };
     let part = |id: &str, title, body| ReportSection { id: id.to_owned(), title, body };
-    let answers = body(page, &mut |page| sections::run::answers(runs, page));
-    let beside = body(page, &mut |page| sections::run::side_by_side(runs, page));
-    let mut top = vec![part("headlines", "Answers", answers)];
-    top.push(part("side-by-side", "Side by side", beside));
+    sections::run::answers(runs, page);
+    let answers = part("headlines", "Answers", page.take());
+    sections::run::side_by_side(runs, page);
+    let top = [answers, part("side-by-side", "Side by side", page.take())];
     let names: Vec<(String, String)> = (1..)
         .zip(runs)
         .map(|(n, run)| (format!("run-{n}"), format!("Run {n}: {}", run.in_words())))
@@ -132,8 +126,7 @@ fn several(html: &mut Html, page: &mut Page, runs: &[Material]) {
     for (run, (id, name)) in runs.iter().zip(&names) {
         page.prefix = format!("{id}-");
         let parts = parts(run, page, |id| id != ONCE);
-        html.open("details", &[("id", id), ("class", "run")]);
-        html.element("summary", &[], name);
+        html.open_details(&[("id", id), ("class", "run")], name);
         sections::machine::one_line(run, html);
         nav(html, parts.iter().map(|part| (part.id.as_str(), part.title)));
         parts.iter().for_each(|part| write(html, part));
@@ -151,7 +144,7 @@ fn parts(run: &Material, page: &mut Page, is_wanted: impl Fn(&str) -> bool) -> V
     let mut parts = Vec::new();
     for section in SECTIONS.iter().filter(|section| is_wanted(section.id)) {
         (section.write)(run, page);
-        let body = std::mem::take(&mut page.html).finish();
+        let body = page.take();
         if !body.is_empty() {
             parts.push(ReportSection { id: page.anchor(section.id), title: section.title, body });
         }
@@ -168,8 +161,7 @@ fn write(html: &mut Html, ReportSection { id, title, body }: &ReportSection) {
 fn nav<'a>(html: &mut Html, links: impl Iterator<Item = (&'a str, &'a str)>) {
     html.open("nav", &[("aria-label", "sections")]);
     // on a phone they would stand where the answers are looked for
-    html.open("details", &[]);
-    html.element("summary", &[], "Contents");
+    html.open_details(&[], "Contents");
     html.items(&[], links, |html, (id, title)| {
         html.element("a", &[("href", &format!("#{id}"))], title);
     });
@@ -185,12 +177,8 @@ fn missing(html: &mut Html, parts: &[ReportSection], page: &Page) {
     if missing.is_empty() {
         return;
     }
-    html.open("details", &[("class", "more")]);
-    html.element(
-        "summary",
-        &[],
-        "Other results that this page can show, and the commands for them",
-    );
+    let summary = "Other results that this page can show, and the commands for them";
+    html.open_details(&[("class", "more")], summary);
     html.items(&[], missing, |html, section| {
         html.text(&format!("{}: ", section.title));
         html.element("code", &[], section.made_by);

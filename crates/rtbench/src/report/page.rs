@@ -7,8 +7,9 @@ use scene_loading::source_hash::sha256_of_bytes;
 use crate::report::material::Material;
 use measurement::system::progress::Progress;
 use presentation::html::{Attribute, Html};
-use presentation::page::{TableStyle, figure};
-use presentation::svg_plot::Drawing;
+use presentation::page::{TableStyle, figure, write_table};
+use presentation::svg_plot::Figure;
+use presentation::table::Table;
 
 #[derive(Default)]
 pub struct Page {
@@ -22,12 +23,32 @@ pub struct Page {
 
 impl Page {
     /// A plot within the page, kept by its name for files of its own, too.
-    pub(super) fn plot(&mut self, name: &str, drawing: impl Into<Drawing>) {
+    pub(super) fn plot(&mut self, name: &str, drawing: &dyn Figure) {
         let name = format!("{}{name}", self.prefix);
-        let svg = figure(&mut self.html, &format!("plot {name}"), &drawing.into());
+        let svg = figure(&mut self.html, &format!("plot {name}"), drawing);
         self.progress.message(format!("plot {name}"));
         self.progress.reach(self.plots.len() as u64);
         self.plots.push((format!("{}.svg", file_name(&name)), svg));
+    }
+
+    /// The contents so far, taken out.
+    pub(super) fn take(&mut self) -> String {
+        std::mem::take(&mut self.html).finish()
+    }
+
+    /// A table whose heads are explained.
+    pub(super) fn table(&mut self, table: &Table) {
+        write_table(
+            &mut self.html,
+            table,
+            TableStyle { meaning: Some(meaning), ..TableStyle::default() },
+        );
+    }
+
+    /// The same with the rows' numbers before them.
+    pub(super) fn numbered_table(&mut self, table: &Table, numbers: &[usize]) {
+        let look = TableStyle { meaning: Some(meaning), numbers, ..TableStyle::default() };
+        write_table(&mut self.html, table, look);
     }
 
     pub(super) fn anchor(&self, name: &str) -> String {
@@ -93,22 +114,10 @@ pub static MEANINGS: &[(&str, &str)] = &[
     ("k, M, G", "thousand, million, thousand million"),
 ];
 
-/// Explanation of a column's head.
 pub fn meaning(name: &str) -> Option<&'static str> {
     MEANINGS.iter().find(|(symbol, _)| *symbol == name).map(|(_, meaning)| *meaning)
 }
 
-/// Tables whose heads are explained.
-pub fn look() -> TableStyle<'static> {
-    TableStyle { meaning, ..TableStyle::default() }
-}
-
-/// The same with the rows' numbers before them.
-pub fn numbered(numbers: &[usize]) -> TableStyle<'_> {
-    TableStyle { numbers, ..look() }
-}
-
-/// The list, and the papers.
 pub fn glossary(_: &Material, page: &mut Page) {
     let html = &mut page.html;
     html.definitions(MEANINGS.iter().copied());

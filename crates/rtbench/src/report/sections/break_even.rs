@@ -2,11 +2,10 @@
 //! worth it against each other.
 
 use crate::report::material::Material;
-use crate::report::page::{Page, look};
+use crate::report::page::Page;
 use crate::report::plots;
 use presentation::html::Html;
 use presentation::numbers::{milliseconds, short};
-use presentation::page::write_table;
 use presentation::table::{Cell, Style, Table, words};
 use studies::run::conclusions::least_time;
 use studies::run::costs::{BreakEven, break_even};
@@ -31,12 +30,10 @@ pub fn write(material: &Material, page: &mut Page) {
             continue;
         }
         page.html.element("h3", &[], &scene.name);
-        page.plot(
-            &format!("build-against-rays-{}", scene.name),
-            plots::scatter(&material.run, scene, profiles),
-        );
-        write_table(&mut page.html, &reigns(&scene.name, profiles, seed), look());
-        write_table(&mut page.html, &decades(&scene.name, profiles, seed), look());
+        let plot = plots::scatter(&material.run, scene, profiles);
+        page.plot(&format!("build-against-rays-{}", scene.name), &plot);
+        page.table(&reigns(&scene.name, profiles, seed));
+        page.table(&decades(&scene.name, profiles, seed));
         matrix(&mut page.html, &scene.name, profiles);
     }
 }
@@ -92,8 +89,7 @@ fn matrix(html: &mut Html, scene: &str, profiles: &[Profile]) {
         ));
         return;
     }
-    html.open("details", &[]);
-    html.element("summary", &[], &format!("{scene}: the break-even count of every pair"));
+    html.open_details(&[], &format!("{scene}: the break-even count of every pair"));
     html.paragraph(
         "From how many rays on the structure of the row takes less time than that of the column, \
          build included. 0: always; < n: up to that many only; -: never. Italic: the rounds do \

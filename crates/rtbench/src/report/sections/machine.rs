@@ -2,11 +2,10 @@
 //! caveats of its times: warnings, and outliers, which are counted and never dropped.
 
 use crate::report::material::{DataFile, Material};
-use crate::report::page::{Page, look};
+use crate::report::page::Page;
 use measurement::record::{Outliers, RunRecord, SceneRecord, reference};
 use presentation::html::Html;
 use presentation::numbers::{mebibytes, utc};
-use presentation::page::write_table;
 use presentation::table::{Table, words};
 
 const UNKNOWN: &str = "unknown";
@@ -51,7 +50,7 @@ pub fn write(material: &Material, page: &mut Page) {
     html.element("code", &[], "rtbench report DIR");
     html.text(".");
     html.close();
-    write_table(html, &scenes(&run.scenes), look());
+    page.table(&scenes(&run.scenes));
 }
 
 fn facts(run: &RunRecord) -> Vec<(&'static str, String)> {
@@ -122,9 +121,8 @@ pub fn write_warnings(material: &Material, page: &mut Page) {
          {rows} rows have some. They are counted and shown here, and none is left out of any figure."
     ));
     if with > 0 {
-        page.html.open("details", &[]);
-        page.html.element("summary", &[], "Rows with outliers");
-        write_table(&mut page.html, &table, look());
+        page.html.open_details(&[], "Rows with outliers");
+        page.table(&table);
         page.html.close();
     }
 }

@@ -9,12 +9,11 @@ use std::collections::BTreeSet;
 
 use crate::comparison::pairing::row_like;
 use crate::report::material::Material;
-use crate::report::page::{Page, image, look, numbered};
+use crate::report::page::{Page, image};
 use crate::report::plots;
 use measurement::record::{RowRecord, SceneRecord, Verdict, reference};
 use presentation::html::Html;
 use presentation::numbers::ratio;
-use presentation::page::write_table;
 use presentation::svg_plot::Ring;
 use presentation::svg_plot::bars::{BarChart, BarRow};
 use presentation::table::{Cell, Style, Table, dash};
@@ -88,11 +87,11 @@ pub fn summary(material: &Material, page: &mut Page) {
     if run.summary.is_empty() || run.scenes.len() < 2 {
         return;
     }
-    page.plot("all-scenes", plots::summary_bars(run));
+    page.plot("all-scenes", &plots::summary_bars(run));
     let rows = View::fastest_first().summary(&run.summary);
     let table = summary_table(run, rows.iter().copied(), false);
     let numbers = places(&run.summary, &rows);
-    write_table(&mut page.html, &table, numbered(&numbers));
+    page.numbered_table(&table, &numbers);
 }
 
 /// The places of rows among all, from 1: their numbers, however they are sorted.
@@ -108,14 +107,13 @@ pub fn by_kind(material: &Material, page: &mut Page) {
     if rows().all(|row| row.ratio_by_kind.is_empty()) {
         return;
     }
-    let of = |table: &Table, page: &mut Page| write_table(&mut page.html, table, look());
-    of(&kind_tables::picture_table(run), page);
+    page.table(&kind_tables::picture_table(run));
     if run.scenes.len() > 1 {
-        of(&kind_tables::summary_table(run, false), page);
+        page.table(&kind_tables::summary_table(run, false));
     }
     let view = View::fastest_first();
     for scene in &run.scenes {
-        of(&kind_tables::scene_table(run, scene, view.rows(&scene.rows), false), page);
+        page.table(&kind_tables::scene_table(run, scene, view.rows(&scene.rows), false));
     }
 }
 
@@ -131,13 +129,13 @@ pub fn scenes(material: &Material, page: &mut Page) {
         if run.scenes.len() > 1 {
             list(&mut page.html, &lines::of_scene(scene));
         }
-        page.plot(&format!("bars-{}", scene.name), plots::scene_bars(run, scene));
+        page.plot(&format!("bars-{}", scene.name), &plots::scene_bars(run, scene));
         let rows = View::fastest_first().rows(&scene.rows);
         let table = by_weight(&scene_table(run, scene, rows.iter().copied(), false));
         let numbers = places(&scene.rows, &rows);
-        write_table(&mut page.html, &table, numbered(&numbers));
+        page.numbered_table(&table, &numbers);
         if let Some(table) = columns::foreign_table(scene) {
-            write_table(&mut page.html, &table, numbered(&[]));
+            page.table(&table);
         }
     }
 }
@@ -158,7 +156,6 @@ const NUMBERS: [&str; 12] = [
     "run 11", "run 12",
 ];
 
-/// Conclusions of each run.
 pub fn answers(runs: &[Material], page: &mut Page) {
     for (number, run) in (1..).zip(runs) {
         let html = &mut page.html;
@@ -186,20 +183,18 @@ pub fn side_by_side(runs: &[Material], page: &mut Page) {
         page.html.element("h3", &[], &scene.name);
         let view = View::fastest_first();
         let rows = view.rows(&scene.rows);
-        page.plot(&format!("side-by-side-{}", scene.name), chart(&scene.name, &rows, &of));
-        write_table(&mut page.html, &table(&rows, &of), look());
+        page.plot(&format!("side-by-side-{}", scene.name), &chart(&scene.name, &rows, &of));
+        page.table(&table(&rows, &of));
     }
     if seen.is_empty() {
         page.html.paragraph("No two of these runs have a scene in common.");
     }
 }
 
-/// The very same scene in a run.
 fn same<'r>(run: &'r Material, scene: &SceneRecord) -> Option<&'r SceneRecord> {
     run.run.scenes.iter().find(|own| own.name == scene.name && own.sha256 == scene.sha256)
 }
 
-/// The same row in each run.
 fn in_runs<'r>(row: &RowRecord, of: &[Option<&'r SceneRecord>]) -> Vec<Option<&'r RowRecord>> {
     let find = |scene: &Option<&'r SceneRecord>| row_like((*scene)?, row);
     of.iter().map(find).collect()

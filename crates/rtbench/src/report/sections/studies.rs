@@ -1,11 +1,11 @@
 //! Sections from what studies left in the folder: sweeps, accuracy, tracers, costs, published
 //! times.
 
-use crate::report::material::{LectureRow, Material};
-use crate::report::page::{Page, image, look};
+use crate::report::material::{LectureRow, Material, ReproducedFigure};
+use crate::report::page::{Page, image};
 use measurement::record::Verdict;
 use presentation::numbers::{milliseconds, ratio, short};
-use presentation::page::write_table;
+use presentation::svg_plot::{Axis, Plot, Point, Scale, Series};
 use presentation::table::{Cell, Style, Table, words};
 use statistics::estimate::Estimate;
 use studies::accuracy::{report, summary};
@@ -14,12 +14,12 @@ use studies::tracer_comparison::report::error_over_time;
 
 pub fn sweeps(material: &Material, page: &mut Page) {
     let html = &mut page.html;
-    for sweep in &material.sweeps {
-        html.element("h3", &[], &sweep.name);
-        let text = format!("plot of times over the values of a parameter, {}", sweep.name);
+    for (name, plot) in &material.sweeps {
+        html.element("h3", &[], name);
+        let text = format!("plot of times over the values of a parameter, {name}");
         html.open("figure", &[]);
         html.open_scroll(&text);
-        image(html, "svg+xml", &sweep.svg, &text, &[("class", "plot")]);
+        image(html, plot.kind, &plot.bytes, &text, &[("class", "plot")]);
         html.close();
         html.close();
     }
@@ -29,17 +29,16 @@ pub fn sweeps(material: &Material, page: &mut Page) {
 pub fn accuracy(material: &Material, page: &mut Page) {
     let Some(run) = &material.accuracy else { return };
     page.html.list(report::facts(run));
-    write_table(&mut page.html, &summary::advice(run), look());
+    page.table(&summary::advice(run));
     for axis in &run.axes {
         page.html.element("h3", &[], &axis.axis);
         for scene in &axis.scenes {
             let name = format!("accuracy-{}-{}", axis.axis, scene.scene);
-            page.plot(&name, report::panel(axis, scene));
+            page.plot(&name, &report::panel(axis, scene));
         }
-        page.html.open("details", &[]);
-        page.html.element("summary", &[], &format!("{}: scene by scene", axis.axis));
+        page.html.open_details(&[], &format!("{}: scene by scene", axis.axis));
         for scene in &axis.scenes {
-            write_table(&mut page.html, &report::table(axis, scene), look());
+            page.table(&report::table(axis, scene));
         }
         page.html.close();
     }
@@ -54,19 +53,19 @@ static CAPTIONS: &[(&str, &str)] = &[
 
 pub fn heat_maps(material: &Material, page: &mut Page) {
     let html = &mut page.html;
-    for (i, map) in material.heat_maps.iter().enumerate() {
-        let is_first =
-            i == 0 || material.heat_maps.get(i - 1).is_some_and(|before| before.scene != map.scene);
-        if is_first {
-            html.element("h3", &[], &map.scene);
+    for (scene, maps) in &material.heat_maps {
+        if !maps.is_empty() {
+            html.element("h3", &[], scene);
         }
-        let known = CAPTIONS.iter().find(|(name, _)| *name == map.name);
-        let caption = known.map_or(map.name.as_str(), |(_, caption)| caption);
-        let text = format!("{}: {caption}", map.scene);
-        html.open("figure", &[("class", "picture")]);
-        image(html, map.image.kind, &map.image.bytes, &text, &[]);
-        html.element("figcaption", &[], &text);
-        html.close();
+        for (name, map) in maps {
+            let known = CAPTIONS.iter().find(|(known, _)| known == name);
+            let caption = known.map_or(name.as_str(), |(_, caption)| caption);
+            let text = format!("{scene}: {caption}");
+            html.open("figure", &[("class", "picture")]);
+            image(html, map.kind, &map.bytes, &text, &[]);
+            html.element("figcaption", &[], &text);
+            html.close();
+        }
     }
 }
 
@@ -106,14 +105,14 @@ pub fn lecture(material: &Material, page: &mut Page) {
         rows: lines.collect(),
         notes: Vec::new(),
     };
-    write_table(&mut page.html, &table, look());
+    page.table(&table);
 }
 
 pub fn tracers(material: &Material, page: &mut Page) {
     for record in &material.tracers {
         page.html.element("h3", &[], &record.scene);
-        page.plot(&format!("tracers-{}", record.scene), error_over_time(record));
-        write_table(&mut page.html, &tracer_table(record), look());
+        page.plot(&format!("tracers-{}", record.scene), &error_over_time(record));
+        page.table(&tracer_table(record));
     }
 }
 
@@ -147,4 +146,106 @@ fn tracer_table(record: &TracersRecord) -> Table {
         short(record.reference.own_error)
     ));
     table
+}
+
+/// The counters that are drawn, with their colours' order.
+const DRAWN: [&str; 3] = ["N_IT", "N_TS", "N_OIV"];
+/// Name of the table of best settings.
+const BEST: &str = "best";
+
+/// Counters that Havran and Sixta published in 1999, and Havran's octrees, beside ours: number of
+/// figures that agree, a plot of then and now, and the table of the best settings. Figures and verdicts
+/// are those of `rtbench reproduce havran1999`.
+pub fn counters(material: &Material, page: &mut Page) {
+    let Some(rows) = material.counters.as_deref().filter(|rows| !rows.is_empty()) else {
+        return;
+    };
+    page.html.paragraph(
+        "Every published counter, on the scenes and rays of the paper. Figures on the diagonal are \
+         the same then and now.",
+    );
+    page.plot("counters-1999", &counter_plot(rows));
+    page.table(&counter_verdicts(rows));
+    for counter in DRAWN {
+        let table = best(rows, counter);
+        if !table.rows.is_empty() {
+            page.table(&table);
+        }
+    }
+}
+
+/// A word for each kind of verdict; its reason is left out.
+const KINDS: [(&str, &str); 4] = [
+    ("exact", "exact"),
+    ("within tolerance", "within tolerance"),
+    ("differs: unexplained", "differs, unexplained"),
+    ("differs", "differs for a known reason"),
+];
+
+/// Numbers of figures of each structure that agree.
+fn counter_verdicts(rows: &[ReproducedFigure]) -> Table {
+    let kind =
+        |row: &ReproducedFigure| KINDS.iter().position(|(begin, _)| row.verdict.starts_with(begin));
+    let mut structures: Vec<&str> = Vec::new();
+    for row in rows {
+        if !structures.contains(&row.structure.as_str()) {
+            structures.push(&row.structure);
+        }
+    }
+    let counts = |of: &dyn Fn(&ReproducedFigure) -> bool| {
+        let in_kind = |i| rows.iter().filter(|r| of(r) && kind(r) == Some(i)).count().to_string();
+        (0..KINDS.len()).map(in_kind).collect::<Vec<_>>()
+    };
+    let line = |name: &str, counts: Vec<String>| [vec![name.to_owned()], counts].concat();
+    let own = structures.iter().map(|name| line(name, counts(&|r| r.structure == *name)));
+    let lines = own.chain([line("all", counts(&|_| true))]);
+    let header = std::iter::once("structure").chain(KINDS.map(|(_, name)| name)).collect();
+    words("Published figures that we reproduce", header, lines)
+}
+
+/// Then across, now up.
+fn counter_plot(rows: &[ReproducedFigure]) -> Plot {
+    let series = DRAWN.map(|counter| {
+        let points = rows.iter().filter(|r| r.counter == counter).filter_map(|row| {
+            let then: f64 = row.published.parse().ok()?;
+            Some(Point { x: then, y: row.ours, low: row.ours, high: row.ours })
+        });
+        Series { name: counter.to_owned(), points: points.collect(), is_joined: false }
+    });
+    let mut series = series.to_vec();
+    let ends = series.iter().flat_map(|s| &s.points).map(|p| p.x).filter(|x| *x > 0.0);
+    let (low, high) =
+        ends.fold((f64::INFINITY, 0.0f64), |(low, high), x| (low.min(x), high.max(x)));
+    if low < high {
+        let point = |x: f64| Point { x, y: x, low: x, high: x };
+        let points = vec![point(low), point(high)];
+        series.push(Series { name: "the same".to_owned(), points, is_joined: true });
+    }
+    let axis = |label: &str| Axis { label: label.to_owned(), scale: Scale::Log };
+    Plot {
+        title: "Counters: 1999 and now".to_owned(),
+        subtitle: "N_IT and N_TS are per ray; all scenes, structures and settings".to_owned(),
+        x: axis("published in 1999"),
+        y: axis("ours"),
+        series,
+        ..Plot::default()
+    }
+}
+
+/// One counter of the settings that the paper found best: scenes down, then and now across.
+fn best(rows: &[ReproducedFigure], counter: &str) -> Table {
+    let rows = rows.iter().filter(|r| r.structure == BEST && r.counter == counter);
+    let lines = rows.map(|row| {
+        let then: f64 = row.published.parse().unwrap_or(f64::NAN);
+        vec![
+            row.scene.clone(),
+            row.params.clone(),
+            row.published.clone(),
+            if row.ours.fract() == 0.0 { row.ours.to_string() } else { format!("{:.2}", row.ours) },
+            short(row.ours / then),
+            row.verdict.clone(),
+        ]
+    });
+    let header = vec!["scene", "structure", "1999", "ours", "ours / 1999", "judged"];
+    words(format!("{counter} with the settings that the paper found best"), header, lines)
 }
