@@ -2,6 +2,8 @@
 //! alone, and among nearly parallel ones, with which a structure may share work. A digest stands for
 //! them.
 
+use std::fmt;
+
 use accel_core::primitives::PrimSet;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
@@ -11,7 +13,6 @@ use renderer::Geometry;
 use statistics::random::Random;
 
 use crate::verify::draw::{point, unit};
-use crate::verify::round::NearbyPrimitives;
 
 /// One ray in so many is asked in the other ways as well.
 const REPEATED: usize = 8;
@@ -57,13 +58,12 @@ impl<S: Buildable> Answers<S> {
     }
 
     /// By brute force over the primitives near each ray alone.
-    pub(super) fn near(model: &Geometry<S>, rays: &[Ray<S>], near: &NearbyPrimitives) -> Self {
+    pub(super) fn near(model: &Geometry<S>, rays: &[Ray<S>], near: &[Vec<u32>]) -> Self {
         let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
             Geometry::Triangles(set) => nearest(set, ray, ids),
             Geometry::Mixed(set) => nearest(set, ray, ids),
         };
-        let ids = near.of.iter().map(|&i| near.lists.get(i).map_or(&[][..], Vec::as_slice));
-        let closest: Vec<Hit<S>> = rays.iter().zip(ids).map(|(r, i)| nearest(r, i)).collect();
+        let closest: Vec<Hit<S>> = rays.iter().zip(near).map(|(r, ids)| nearest(r, ids)).collect();
         // all primitives of such rounds are opaque
         let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
         Self { closest, blocked, again: Vec::new() }
@@ -191,6 +191,12 @@ fn beside<S: Scalar>(random: &mut Random, ray: &Ray<S>, apart: f64) -> Ray<S> {
 /// The answers of one round, in order; or those of several, in any.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Digest(pub u64);
+
+impl fmt::Display for Digest {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:016x}", self.0)
+    }
+}
 
 impl Digest {
     /// Digest of one round; its number distinguishes equal answers to other rays.

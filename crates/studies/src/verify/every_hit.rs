@@ -64,6 +64,24 @@ pub fn push_chain<S: Buildable>(round: &mut Round<S>, ray: Ray<S>, hits: &[Hit<S
     }
 }
 
+/// Adds a ray that can be traced, with the chain of all its hits, or with the fault of them that
+/// `fault` finds.
+pub fn push_hits<S: Buildable>(
+    round: &mut Round<S>,
+    ray: Ray<S>,
+    most: usize,
+    fault: impl FnOnce(&Geometry<S>, &[Hit<S>]) -> Option<String>,
+) {
+    if !ray.is_traceable() {
+        return;
+    }
+    let hits = every_hit(&round.model, &ray);
+    match fault(&round.model, &hits) {
+        Some(fault) => round.push(ray, OracleAnswer::Broken(fault)),
+        None => push_chain(round, ray, &hits, most),
+    }
+}
+
 /// Epsilons of the distance to the farthest corner that rounding may add up to.
 const ROUNDING: f64 = 16.0;
 

@@ -46,9 +46,10 @@ pub struct Judge<'a, S: Buildable> {
 
 impl<'a, S: Buildable> Judge<'a, S> {
     pub fn new(round: &'a Round<S>) -> Result<Self, BuildError> {
-        let reference = match &round.near {
-            Some(near) => Answers::near(&round.model, &round.rays, near),
-            None => with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?,
+        let reference = if round.near.is_empty() {
+            with_brute_force(round.model.prims(), |t| Answers::of(t, &round.rays))?
+        } else {
+            Answers::near(&round.model, &round.rays, &round.near)
         };
         let of_pair = |pair: &MetamorphicPair<S>| {
             with_brute_force(pair.model.prims(), |t| closest(t, &pair.rays))
@@ -155,24 +156,22 @@ impl<'a, S: Buildable> Judge<'a, S> {
         let different = |(i, ray): (usize, &Ray<S>)| {
             let (right, blocked) =
                 (self.reference.closest.get(i)?, *self.reference.blocked.get(i)?);
-            let hits = answers.hits_of(i).map(|said| {
-                let words = || format!("said {}, brute force {}", told(&said), told(right));
-                (judge.hit(ray, &said, right), words())
+            let hits = answers.hits_of(i).filter_map(|said| {
+                let found = judge.hit(ray, &said, right)?;
+                Some((found, format!("said {}, brute force {}", told(&said), told(right))))
             });
-            let occlusions = answers.occlusions_of(i).map(|said| {
-                let words = format!("blocked: said {said}, brute force {blocked}");
-                (judge.occlusion(ray, said, blocked), words)
+            let occlusions = answers.occlusions_of(i).filter_map(|said| {
+                let found = judge.occlusion(ray, said, blocked)?;
+                Some((found, format!("blocked: said {said}, brute force {blocked}")))
             });
             let paired =
                 pair_judges.iter().zip(&self.round.pairs).zip(pairs.iter().zip(&self.pairs));
             let paired = paired.filter_map(|((judge, pair), (said, right))| {
                 let (ray, said, right) = (pair.rays.get(i)?, said.get(i)?, right.get(i)?);
-                let name = &pair.name;
-                let words = format!("{name}: said {}, brute force {}", told(said), told(right));
-                Some((judge.hit(ray, said, right), words))
+                let (found, name) = (judge.hit(ray, said, right)?, &pair.name);
+                Some((found, format!("{name}: said {}, brute force {}", told(said), told(right))))
             });
             let all = hits.chain(occlusions).chain(paired);
-            let all = all.filter_map(|(found, words)| Some((found?, words)));
             let ((difference, is_wrong), words) = all.max_by_key(|((_, is_wrong), _)| *is_wrong)?;
             let what = if is_wrong { words } else { String::new() };
             Some(Mismatch { ray: i, difference: Some(difference), is_wrong, what })
