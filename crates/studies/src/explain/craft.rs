@@ -15,63 +15,53 @@ const ALWAYS_DIRECT: [&str; 1] = ["obvhs-bvh2"];
 /// Structures without a setting for it that always have their triangles in blocks.
 const ALWAYS_BLOCKS: [&str; 2] = ["irregular-grid", "wide-bvh"];
 
-/// Code that sets up rays and tests primitives.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Adapter {
-    /// A library, as its authors use it.
-    Direct,
-    /// The same, with our tests of primitives that are not its triangles.
-    AsShipped,
-    /// We do, so that every answer is right.
-    Robust,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kernel {
-    Scalar,
-    /// Eight at a time.
-    Block,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum QueryMode {
-    /// One at a time.
-    OneRay,
-    /// Many in one call.
-    Batch,
-    /// The same, and those that run alike share steps.
-    Packets,
-}
-
 /// Properties of a row's code, as opposed to its structure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CodeDifferences {
-    pub adapter: Adapter,
-    pub kernel: Kernel,
-    pub query: QueryMode,
+    /// Code that sets up rays and tests primitives: [`DIRECT`], [`AS_SHIPPED`] or [`ROBUST`].
+    pub adapter: &'static str,
+    /// Triangles at a time: [`SCALAR`] or [`BLOCK`].
+    pub kernel: &'static str,
+    /// Rays in a call: [`ONE_RAY`], [`BATCH`] or [`PACKETS`].
+    pub query: &'static str,
 }
+
+/// A library, as its authors use it.
+pub const DIRECT: &str = "direct";
+/// The same, with our tests of primitives that are not its triangles.
+pub const AS_SHIPPED: &str = "as-shipped";
+/// Our code, so that every answer is right.
+pub const ROBUST: &str = "robust";
+
+pub const SCALAR: &str = "scalar";
+pub const BLOCK: &str = "block";
+
+pub const ONE_RAY: &str = "one ray";
+pub const BATCH: &str = "batch";
+/// As in a batch, and rays that run alike share steps.
+pub const PACKETS: &str = "packets";
 
 impl CodeDifferences {
     /// As set, over triangles in f32.
     fn of(params: &Params) -> Self {
         let adapter = match params.get("adapter") {
-            Some("direct") => Adapter::Direct,
-            None if ALWAYS_DIRECT.contains(&params.structure()) => Adapter::Direct,
-            _ => Adapter::Robust,
+            Some(DIRECT) => DIRECT,
+            None if ALWAYS_DIRECT.contains(&params.structure()) => DIRECT,
+            _ => ROBUST,
         };
         let has_blocks = match params.get("kernel") {
-            Some(kernel) => kernel == "block" && adapter == Adapter::Robust,
+            Some(kernel) => kernel == BLOCK && adapter == ROBUST,
             None => ALWAYS_BLOCKS.contains(&params.structure()),
         };
         // what can be asked for scalar tests answers batches by blocks alone
         let query = match params.get("query") {
-            _ if !has_blocks && params.get("kernel").is_some() => QueryMode::OneRay,
-            Some("batch") => QueryMode::Batch,
-            Some("packets") => QueryMode::Packets,
-            _ => QueryMode::OneRay,
+            _ if !has_blocks && params.get("kernel").is_some() => ONE_RAY,
+            Some(BATCH) => BATCH,
+            Some(PACKETS) => PACKETS,
+            _ => ONE_RAY,
         };
         let is_block = has_blocks && !has_mailbox(params);
-        let kernel = if is_block { Kernel::Block } else { Kernel::Scalar };
+        let kernel = if is_block { BLOCK } else { SCALAR };
         Self { adapter, kernel, query }
     }
 
@@ -80,14 +70,14 @@ impl CodeDifferences {
     pub fn in_scene(self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
         let only_triangles = scene.only_triangles.unwrap_or(true);
         let adapter = match self.adapter {
-            Adapter::Direct if !only_triangles || precision != "f32" => Adapter::AsShipped,
+            DIRECT if !only_triangles || precision != "f32" => AS_SHIPPED,
             same => same,
         };
-        let kernel = if only_triangles { self.kernel } else { Kernel::Scalar };
+        let kernel = if only_triangles { self.kernel } else { SCALAR };
         let query = match (row.query, self.query) {
-            (Query::OneRay, _) => QueryMode::OneRay,
-            (Query::Batch, QueryMode::Packets) => QueryMode::Packets,
-            (Query::Batch, _) => QueryMode::Batch,
+            (Query::OneRay, _) => ONE_RAY,
+            (Query::Batch, PACKETS) => PACKETS,
+            (Query::Batch, _) => BATCH,
         };
         Self { adapter, kernel, query }
     }
@@ -95,14 +85,13 @@ impl CodeDifferences {
     /// The column of tables, and what CSV files call it.
     pub fn name(self) -> &'static str {
         match (self.adapter, self.kernel, self.query) {
-            (Adapter::Direct, ..) => "direct",
-            (Adapter::AsShipped, ..) => "as shipped",
-            (_, Kernel::Scalar, QueryMode::OneRay) => "scalar",
-            (_, Kernel::Block, QueryMode::OneRay) => "block",
-            (_, Kernel::Scalar, QueryMode::Batch) => "scalar, batch",
-            (_, Kernel::Block, QueryMode::Batch) => "block, batch",
-            (_, Kernel::Scalar, QueryMode::Packets) => "scalar, packets",
-            (_, Kernel::Block, QueryMode::Packets) => "block, packets",
+            (DIRECT, ..) => DIRECT,
+            (AS_SHIPPED, ..) => "as shipped",
+            (_, kernel, ONE_RAY) => kernel,
+            (_, SCALAR, BATCH) => "scalar, batch",
+            (_, _, BATCH) => "block, batch",
+            (_, SCALAR, _) => "scalar, packets",
+            _ => "block, packets",
         }
     }
 }
@@ -125,20 +114,7 @@ impl Variant {
 
     /// Its properties, in the order of [`AXES`](crate::explain::steps::AXES).
     pub fn values(&self) -> [&str; 4] {
-        let adapter = match self.craft.adapter {
-            Adapter::Direct => "direct",
-            Adapter::AsShipped => "as-shipped",
-            Adapter::Robust => "robust",
-        };
-        let kernel = match self.craft.kernel {
-            Kernel::Scalar => "scalar",
-            Kernel::Block => "block",
-        };
-        let query = match self.craft.query {
-            QueryMode::OneRay => Query::OneRay.name(),
-            QueryMode::Batch => Query::Batch.name(),
-            QueryMode::Packets => "packets",
-        };
+        let CodeDifferences { adapter, kernel, query } = self.craft;
         [adapter, kernel, &self.structure, query]
     }
 }
@@ -168,7 +144,7 @@ pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
     let is_other = |(name, _): &(&str, &str)| !SETTINGS.contains(name);
     let [adapters, kernels, queries] = SETTINGS.map(words);
     for adapter in adapters {
-        let is_direct = adapter.is_some_and(|(_, word)| word == "direct");
+        let is_direct = adapter.is_some_and(|(_, word)| word == DIRECT);
         // a library's own test reads no kernel
         for kernel in if is_direct { &[None][..] } else { &kernels } {
             for query in &queries {
