@@ -4,7 +4,6 @@
 
 use std::fmt;
 
-use accel_core::primitives::PrimSet;
 use accel_core::query::tracer::{ShadowCount, ShadowRule, Tracer};
 use accel_core::registry::Buildable;
 use accel_core::{Hit, MISS, Ray, Scalar, Vec3, Vector};
@@ -13,6 +12,7 @@ use renderer::Geometry;
 use statistics::random::Random;
 
 use crate::verify::draw::{point, unit};
+use crate::verify::every_hit::hits_among;
 
 /// One ray in so many is asked in the other ways as well.
 const REPEATED: usize = 8;
@@ -59,11 +59,10 @@ impl<S: Buildable> Answers<S> {
 
     /// By brute force over the primitives near each ray alone.
     pub(super) fn near(model: &Geometry<S>, rays: &[Ray<S>], near: &[Vec<u32>]) -> Self {
-        let nearest = |ray: &Ray<S>, ids: &[u32]| match model {
-            Geometry::Triangles(set) => nearest(set, ray, ids),
-            Geometry::Mixed(set) => nearest(set, ray, ids),
+        let nearest = |(ray, ids): (&Ray<S>, &Vec<u32>)| {
+            hits_among(model, ray, ids.iter().copied()).first().copied().unwrap_or(Hit::NONE)
         };
-        let closest: Vec<Hit<S>> = rays.iter().zip(near).map(|(r, ids)| nearest(r, ids)).collect();
+        let closest: Vec<Hit<S>> = rays.iter().zip(near).map(nearest).collect();
         // all primitives of such rounds are opaque
         let blocked: Vec<bool> = closest.iter().map(Hit::is_hit).collect();
         Self { closest, blocked, again: Vec::new() }
@@ -93,20 +92,6 @@ impl<S: Buildable> Answers<S> {
         self.blocked.iter().for_each(|blocked| digest.blocked(*blocked));
         digest
     }
-}
-
-/// The closest hit among these primitives; of equal ones that of the lowest id.
-fn nearest<S: Scalar>(prims: &impl PrimSet<S>, ray: &Ray<S>, ids: &[u32]) -> Hit<S> {
-    let setup = prims.setup(ray);
-    let mut best = Hit { t: ray.t_max, ..Hit::NONE };
-    for &id in ids {
-        if let Some(t) = prims.intersect(id, ray, &setup, best.t)
-            && (t < best.t || id < best.id)
-        {
-            best = Hit { t, id };
-        }
-    }
-    best
 }
 
 /// Closest hits and occlusions. Buffers are preset to wrong answers (blocked where nothing is hit,

@@ -28,15 +28,6 @@ pub enum RoundVerdict {
     NotAsked,
 }
 
-/// The answers of brute force to the rays of a round, in f64: hits, and which of them are blocked.
-pub(super) fn brute_force_answers<S: Buildable>(
-    round: &Round<S>,
-) -> Option<(Vec<Hit<f64>>, Vec<bool>)> {
-    let Answers { closest, blocked, .. } = Judge::new(round).ok()?.reference;
-    let wide = |hit: &Hit<S>| Hit { t: hit.t.to_f64(), id: hit.id };
-    Some((closest.iter().map(wide).collect(), blocked))
-}
-
 /// A round with the answers of brute force.
 pub struct Judge<'a, S: Buildable> {
     round: &'a Round<S>,
@@ -56,6 +47,12 @@ impl<'a, S: Buildable> Judge<'a, S> {
         };
         let pairs = round.pairs.iter().map(of_pair).collect::<Result<_, _>>()?;
         Ok(Self { round, reference, pairs })
+    }
+
+    /// The answers of brute force in f64: hits, and which of them are blocked.
+    pub(super) fn right(self) -> (Vec<Hit<f64>>, Vec<bool>) {
+        let Answers { closest, blocked, .. } = self.reference;
+        (closest.iter().map(|hit| Hit { t: hit.t.to_f64(), id: hit.id }).collect(), blocked)
     }
 
     /// Asks a subject. A panic, or the end of a plugin's process, is a mismatch of the first ray.

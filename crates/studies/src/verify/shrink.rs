@@ -10,7 +10,7 @@ use accel_core::registry::Buildable;
 use accel_core::{Hit, Ray, Vector};
 use glam::DVec3;
 
-use super::judge::{Difference, Judge, Mismatch, RoundVerdict, brute_force_answers};
+use super::judge::{Difference, Judge, Mismatch, RoundVerdict};
 use super::replay::Replay;
 use super::round::{Corners, OracleAnswer, Round, corners_of, model_of};
 use super::subject::Subject;
@@ -78,7 +78,7 @@ fn reduced<S: Buildable>(
     (triangles, rays) = search.simplified(triangles, rays, kind);
     triangles = minimal(triangles, |some| search.fails(some, &rays, kind));
     let what = wrong::<S>(&triangles, &rays, subject)?.what;
-    let right = brute_force_answers(&round_of::<S>(&triangles, &rays)?)?;
+    let right = Judge::new(&round_of::<S>(&triangles, &rays)?).ok()?.right();
     Some(ReducedFailure { replay: replay.clone(), from, triangles, rays, what, right })
 }
 

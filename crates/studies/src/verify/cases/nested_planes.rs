@@ -35,9 +35,8 @@ pub fn nested_planes<S: Buildable>(random: &mut Random, rays: usize) -> RoundRes
         let places = columns.flat_map(|column| (0..cubes.side).map(move |k| aim.cube(k, column)));
         let mut met: Vec<u32> = places.filter_map(|at| numbers.get(&at)).copied().collect();
         met.sort_unstable();
-        round
-            .near
-            .push(met.into_iter().flat_map(|number| 12 * number..12 * (number + 1)).collect());
+        let ids = met.into_iter().flat_map(|number| 12 * number..12 * (number + 1));
+        round.near.push(ids.collect());
     }
     Ok(round)
 }
