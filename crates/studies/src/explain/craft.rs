@@ -15,9 +15,11 @@ const ALWAYS_DIRECT: [&str; 1] = ["obvhs-bvh2"];
 /// Structures without a setting for it that always have their triangles in blocks.
 const ALWAYS_BLOCKS: [&str; 2] = ["irregular-grid", "wide-bvh"];
 
-/// Properties of a row's code, as opposed to its structure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct CodeDifferences {
+/// A row of an explanation: a structure in a craft.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Variant {
+    /// The structure and those of its settings that are not code.
+    pub structure: String,
     /// Code that sets up rays and tests primitives: [`DIRECT`], [`AS_SHIPPED`] or [`ROBUST`].
     pub adapter: &'static str,
     /// Triangles at a time: [`SCALAR`] or [`BLOCK`].
@@ -41,9 +43,13 @@ pub const BATCH: &str = "batch";
 /// As in a batch, and rays that run alike share steps.
 pub const PACKETS: &str = "packets";
 
-impl CodeDifferences {
+impl Variant {
     /// As set, over triangles in f32.
-    fn of(params: &Params) -> Self {
+    pub fn of(row: &Row<'_>) -> Self {
+        let params = &row.params;
+        let own = params.changed().filter(|(name, _)| !SETTINGS.contains(name));
+        let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
+        let structure = format!("{}{settings}", row.structure());
         let adapter = match params.get("adapter") {
             Some(DIRECT) => DIRECT,
             None if ALWAYS_DIRECT.contains(&params.structure()) => DIRECT,
@@ -62,12 +68,12 @@ impl CodeDifferences {
         };
         let is_block = has_blocks && !has_mailbox(params);
         let kernel = if is_block { BLOCK } else { SCALAR };
-        Self { adapter, kernel, query }
+        Self { structure, adapter, kernel, query }
     }
 
     /// As it was in a scene: blocks serve triangles alone, a library's own triangles f32, too;
     /// whether batches were answered is recorded.
-    pub fn in_scene(self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
+    pub fn in_scene(&self, scene: &SceneRecord, row: &RowRecord, precision: &str) -> Self {
         let only_triangles = scene.only_triangles.unwrap_or(true);
         let adapter = match self.adapter {
             DIRECT if !only_triangles || precision != "f32" => AS_SHIPPED,
@@ -79,11 +85,11 @@ impl CodeDifferences {
             (Query::Batch, PACKETS) => PACKETS,
             (Query::Batch, _) => BATCH,
         };
-        Self { adapter, kernel, query }
+        Self { structure: self.structure.clone(), adapter, kernel, query }
     }
 
-    /// The column of tables, and what CSV files call it.
-    pub fn name(self) -> &'static str {
+    /// Its craft: the column of tables, and what CSV files call it.
+    pub fn name(&self) -> &'static str {
         match (self.adapter, self.kernel, self.query) {
             (DIRECT, ..) => DIRECT,
             (AS_SHIPPED, ..) => "as shipped",
@@ -94,28 +100,10 @@ impl CodeDifferences {
             _ => "block, packets",
         }
     }
-}
-
-/// A row of an explanation: a structure in a craft.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Variant {
-    /// The structure and those of its settings that are not code.
-    pub structure: String,
-    pub craft: CodeDifferences,
-}
-
-impl Variant {
-    pub fn of(row: &Row<'_>) -> Self {
-        let own = row.params.changed().filter(|(name, _)| !SETTINGS.contains(name));
-        let settings: String = own.map(|(name, value)| format!(" {name}={value}")).collect();
-        let structure = format!("{}{settings}", row.structure());
-        Self { structure, craft: CodeDifferences::of(&row.params) }
-    }
 
     /// Its properties, in the order of [`AXES`](crate::explain::steps::AXES).
     pub fn values(&self) -> [&str; 4] {
-        let CodeDifferences { adapter, kernel, query } = self.craft;
-        [adapter, kernel, &self.structure, query]
+        [self.adapter, self.kernel, &self.structure, self.query]
     }
 }
 
@@ -152,8 +140,7 @@ pub fn crafts_of<'r>(row: &Row<'r>) -> Result<Vec<Row<'r>>, PlanError> {
                     row.params.changed().filter(is_other).collect();
                 settings.extend([adapter, *kernel, *query].into_iter().flatten());
                 let other = Row::of(row.entry, &settings)?;
-                let craft = CodeDifferences::of(&other.params);
-                if rows.iter().all(|known| CodeDifferences::of(&known.params) != craft) {
+                if rows.iter().all(|known| Variant::of(known) != Variant::of(&other)) {
                     rows.push(other);
                 }
             }
@@ -174,7 +161,7 @@ mod tests {
         assert_eq!(rows[0], row);
         let variants: Vec<Variant> = rows.iter().map(Variant::of).collect();
         assert!(variants.iter().all(|v| v.structure == variants[0].structure), "{variants:?}");
-        variants.iter().map(|v| v.craft.name()).collect()
+        variants.iter().map(Variant::name).collect()
     }
 
     #[test]

@@ -142,8 +142,7 @@ impl<'a> Explanation<'a> {
             let (Some(row), Some(nominal)) = (scene.rows.get(i), explain.variants.get(i)) else {
                 continue;
             };
-            let craft = nominal.craft.in_scene(scene, row, &run.settings.precision);
-            let variant = Some(Variant { craft, ..nominal.clone() });
+            let variant = Some(nominal.in_scene(scene, row, &run.settings.precision));
             let is_new = ends.contains(&i) || !variants.contains(&variant);
             if let Some(place) = variants.get_mut(i).filter(|_| is_new) {
                 *place = variant;

@@ -12,14 +12,13 @@ use presentation::numbers;
 use presentation::table::{Cell, Style, Table, dash};
 use presentation::text::Screen;
 
-use crate::explain::craft::{BLOCK, CodeDifferences, DIRECT, ONE_RAY, ROBUST, SCALAR, Variant};
+use crate::explain::craft::{BLOCK, DIRECT, ONE_RAY, ROBUST, SCALAR, Variant};
 use crate::explain::{Explain, Explanation, Rays};
 use crate::run::kind_tables::kinds;
 use crate::run::output;
 use crate::run::tables::{scene_notes, scene_title};
 
-/// Columns of code differences, with the names of
-/// [`CodeDifferences::name`](crate::explain::craft::CodeDifferences::name).
+/// Columns of crafts, by [`Variant::name`].
 const COLUMNS: [&str; 6] =
     ["direct", "as shipped", "scalar", "block", "scalar, batch", "block, batch"];
 
@@ -64,7 +63,7 @@ fn by_craft(explanation: &Explanation<'_>, rays: Rays<'_>) -> Table {
         .variants
         .iter()
         .enumerate()
-        .filter_map(|(i, variant)| variant.as_ref().map(|v| (i, &*v.structure, v.craft.name())))
+        .filter_map(|(i, variant)| variant.as_ref().map(|v| (i, &*v.structure, v.name())))
         .collect();
     let is_there = |name: &&str| known.iter().any(|(_, _, craft)| craft == name);
     let columns: Vec<&'static str> = COLUMNS.into_iter().filter(is_there).collect();
@@ -160,7 +159,7 @@ pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatEr
                 };
                 for (row, variant) in scene.rows.iter().zip(&explanation.variants) {
                     let Some(variant) = variant else { continue };
-                    let words = ["row", &row.label(), &variant.structure, variant.craft.name()];
+                    let words = ["row", &row.label(), &variant.structure, variant.name()];
                     write(words, rays.ratio(row), row.verdict.name())?;
                 }
                 for factor in &explanation.factors {
@@ -181,8 +180,7 @@ pub fn to_csv(explain: &Explain<'_>, run: &RunRecord) -> Result<String, FormatEr
 fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
     let (run, scene) = (explanation.run, explanation.scene);
     let mut notes = Vec::new();
-    let has = |is: fn(&CodeDifferences) -> bool| explain.variants.iter().any(|v| is(&v.craft));
-    let has_direct = has(|craft| craft.adapter == DIRECT);
+    let has_direct = explain.variants.iter().any(|variant| variant.adapter == DIRECT);
     if scene.only_triangles == Some(false) {
         notes.push(
             "The scene has primitives other than static triangles, which blocks do not support: \
@@ -216,7 +214,7 @@ fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
         notes.push("Nothing is explained: in this scene both rows are the same.".to_owned());
     }
     for (row, nominal) in scene.rows.iter().zip(&explain.variants) {
-        let is_alone = nominal.craft.query != ONE_RAY && row.query == Query::OneRay;
+        let is_alone = nominal.query != ONE_RAY && row.query == Query::OneRay;
         if row.verdict.is_timed() && is_alone {
             notes.push(format!("{}: its rays are traced one by one here.", row.label()));
         }
@@ -237,8 +235,8 @@ fn notes(explain: &Explain<'_>, explanation: &Explanation<'_>) -> Vec<String> {
 
 /// The settings that a structure has not; nothing where it has both.
 fn lacks(structure: &str, variants: &[Variant], only_triangles: Option<bool>) -> Option<String> {
-    let own = || variants.iter().filter(|v| v.structure == structure && v.craft.adapter == ROBUST);
-    let has = |kernel| own().any(|v| v.craft.kernel == kernel);
+    let own = || variants.iter().filter(|v| v.structure == structure && v.adapter == ROBUST);
+    let has = |kernel| own().any(|v| v.kernel == kernel);
     let is_mixed = only_triangles == Some(false);
     let mut lacking = Vec::new();
     match (has(SCALAR), has(BLOCK)) {
@@ -249,7 +247,7 @@ fn lacks(structure: &str, variants: &[Variant], only_triangles: Option<bool>) ->
         (false, true) if !is_mixed => lacking.push("no kernel=scalar"),
         _ => {}
     }
-    if own().all(|v| v.craft.query == ONE_RAY) {
+    if own().all(|v| v.query == ONE_RAY) {
         lacking.push("no query=batch");
     }
     (!lacking.is_empty()).then(|| format!("{structure} has {}.", lacking.join(", ")))
