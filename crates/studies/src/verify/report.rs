@@ -52,7 +52,6 @@ pub struct Line {
     /// Stands for all answers: the same on every instruction set.
     #[serde(serialize_with = "as_text")]
     pub answers: Digest,
-    /// The first mismatches.
     pub examples: Vec<Example>,
 }
 
